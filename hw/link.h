@@ -1,0 +1,66 @@
+// Where a board's bytes come from: a stream with deadlines. What differs between the card, the
+// simulator and a recording is only this.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "hw/clock.h"
+#include "hw/provenance.h"
+
+namespace wobblebench::hw {
+
+enum class ReadStatus {
+  ok,             ///< at least one byte was read
+  timeout,        ///< the deadline passed with nothing to read
+  end_of_stream,  ///< there will be nothing more
+  cancelled,      ///< cancel() was called
+  lost,           ///< the device is gone; terminal
+};
+
+struct ReadResult {
+  std::size_t bytes = 0;  ///< more than 0 exactly if status is ok
+  ReadStatus status = ReadStatus::ok;
+};
+
+/// What a link is. Sizes are 0 where the link has no such thing.
+struct LinkCapabilities {
+  Provenance provenance = Provenance::simulated;
+  bool copy_in = true;  ///< read() copies; false: the bytes lie in memory shared with the device
+  /// True: the source waits for its reader, nothing is lost by reading slowly (a file).
+  /// False: the source keeps its own pace and overruns (a card).
+  bool waits_for_reader = true;
+  std::size_t buffer_bytes = 0;   ///< one transfer buffer of the device
+  int buffers = 0;                ///< transfer buffers in the device's ring
+  int buffers_per_interrupt = 0;  ///< how many fill before the reader is woken
+};
+
+/// A link is opened by the constructor or factory of its class, which throws std::runtime_error
+/// with one clear line if the device or file cannot be opened, and InvalidOption for bad arguments;
+/// a Link object is an open link.
+///
+/// Threads: one thread at a time calls read(), resume() and close(). cancel() and capabilities()
+/// may be called from any thread at any time, also while another is inside read(). What goes wrong
+/// with an open link is a ReadStatus; its functions do not throw.
+class Link {
+ public:
+  virtual ~Link() = default;
+
+  /// Reads at most `buffer.size()` bytes, at least one, waiting for the first until `deadline` at
+  /// most. A deadline in the past polls. Packets may be cut anywhere. `buffer` is not empty.
+  virtual ReadResult read(std::span<std::byte> buffer, HostTime deadline) = 0;
+
+  /// Wakes a thread inside read() within 10 ms; that read and every later one gives `cancelled`,
+  /// without losing bytes, until resume(). May be repeated.
+  virtual void cancel() = 0;
+
+  /// Ends the effect of cancel(). Called while no thread is inside read().
+  virtual void resume() = 0;
+
+  /// Gives the device back. Later reads give `lost`. May be repeated.
+  virtual void close() = 0;
+
+  virtual LinkCapabilities capabilities() const = 0;
+};
+
+}  // namespace wobblebench::hw
