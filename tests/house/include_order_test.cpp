@@ -1,0 +1,92 @@
+// The order of the rooms (docs/architecture.md), read off the sources.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"hw", {"hw"}},
+    {"phantoms", {"phantoms"}},
+    {"sim", {"sim", "hw", "phantoms"}},
+    {"render", {"render", "hw"}},
+    {"bench", {"bench", "sim", "render", "hw", "phantoms"}},
+};
+
+struct Include {
+  std::string file;
+  std::string path;
+};
+
+std::vector<fs::path> sources_of(const std::string& room) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(WOBBLEBENCH_SOURCE_DIR) / room)) {
+    const auto extension = entry.path().extension();
+    if (extension == ".h" || extension == ".cpp") files.push_back(entry.path());
+  }
+  return files;
+}
+
+std::vector<Include> includes_of(const std::string& room) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
+  std::vector<Include> includes;
+  for (const auto& file : sources_of(room)) {
+    std::ifstream text(file);
+    std::smatch match;
+    for (std::string line; std::getline(text, line);) {
+      if (std::regex_search(line, match, pattern)) includes.push_back({file.string(), match[1]});
+    }
+  }
+  return includes;
+}
+
+std::string first_folder(const std::string& path) { return path.substr(0, path.find('/')); }
+
+TEST(IncludeOrder, RoomsIncludeOnlyWhatTheyMay) {
+  for (const auto& [room, allowed] : kMayInclude) {
+    const auto includes = includes_of(room);
+    EXPECT_FALSE(includes.empty()) << room << " was not read";
+    for (const auto& [file, path] : includes) {
+      const std::string folder = first_folder(path);
+      if (!kMayInclude.contains(folder)) continue;
+      EXPECT_TRUE(allowed.contains(folder)) << file << " includes " << path;
+    }
+  }
+}
+
+TEST(IncludeOrder, RenderKnowsTheBoardsVocabularyAndNotItsLinks) {
+  for (const auto& [file, path] : includes_of("render")) {
+    EXPECT_FALSE(path == "hw/link.h" || path == "hw/board.h" || path == "hw/wire.h")
+        << file << " includes " << path;
+  }
+}
+
+TEST(IncludeOrder, HeavyHeadersStayInSources) {
+  const std::regex heavy("^(openvdb|ceres|opencv2|OpenImageIO|tbb)/");
+  for (const auto& [room, unused] : kMayInclude) {
+    for (const auto& [file, path] : includes_of(room)) {
+      if (!file.ends_with(".h") || file.ends_with("phantoms/grids.h")) continue;
+      EXPECT_FALSE(std::regex_search(path, heavy)) << file << " includes " << path;
+    }
+  }
+}
+
+TEST(IncludeOrder, GridsStayOutOfHeaders) {
+  for (const auto& [room, unused] : kMayInclude) {
+    for (const auto& [file, path] : includes_of(room)) {
+      if (path == "phantoms/grids.h") {
+        EXPECT_TRUE(file.ends_with(".cpp")) << file;
+      }
+    }
+  }
+}
+
+}  // namespace
