@@ -1,0 +1,227 @@
+#include "render/gl_objects.h"
+
+#include <glad/gl.h>
+
+#include <stdexcept>
+
+namespace wobblebench::render {
+namespace {
+
+struct FormatInfo {
+  GLenum internal;
+  GLenum transfer;
+  int channels;
+  int bytes;
+};
+
+FormatInfo info(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::r8:
+      return {GL_R8, GL_RED, 1, 1};
+    case TexelFormat::r16:
+      return {GL_R16, GL_RED, 1, 2};
+    case TexelFormat::r32f:
+      return {GL_R32F, GL_RED, 1, 4};
+    case TexelFormat::rg32f:
+      return {GL_RG32F, GL_RG, 2, 8};
+    case TexelFormat::rgb32f:
+      return {GL_RGB32F, GL_RGB, 3, 12};
+    case TexelFormat::rgba32f:
+      return {GL_RGBA32F, GL_RGBA, 4, 16};
+  }
+  throw std::logic_error("TexelFormat: no such format");
+}
+
+int integer_limit(GLenum name) {
+  GLint value = 0;
+  glGetIntegerv(name, &value);
+  return value;
+}
+
+std::string driver() {
+  return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+}
+
+/// llvmpipe refuses single textures beyond 2 GiB with an error only when they are used, so the need
+/// is checked here; other drivers are held to the same.
+constexpr std::int64_t kTextureMemoryLimit = std::int64_t{2} << 30;
+
+void check_limits(const std::string& what, TexelFormat format, const Extent& e) {
+  const int limit = integer_limit(e.depth ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
+  for (int side : {e.width, e.height, e.depth}) {
+    if (side <= limit) continue;
+    throw std::runtime_error(what + ": " + std::to_string(side) +
+                             " texels a side are beyond the driver's limit of " +
+                             std::to_string(limit) + " (" + driver() + ")");
+  }
+  const std::int64_t bytes =
+      std::int64_t{e.width} * e.height * (e.depth ? e.depth : 1) * info(format).bytes;
+  if (bytes > kTextureMemoryLimit) {
+    throw std::runtime_error(what + ": needs " + std::to_string(bytes >> 20) +
+                             " MiB of texture memory, beyond the limit of " +
+                             std::to_string(kTextureMemoryLimit >> 20) + " MiB (" + driver() + ")");
+  }
+}
+
+const char* error_name(GLenum error) {
+  switch (error) {
+    case GL_INVALID_ENUM:
+      return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+      return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+      return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+      return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+      return "GL_OUT_OF_MEMORY";
+    default:
+      return "unknown GL error";
+  }
+}
+
+}  // namespace
+
+void delete_texture(unsigned id) {
+  glDeleteTextures(1, &id);
+}
+void delete_framebuffer(unsigned id) {
+  glDeleteFramebuffers(1, &id);
+}
+void delete_vertex_array(unsigned id) {
+  glDeleteVertexArrays(1, &id);
+}
+void delete_program(unsigned id) {
+  glDeleteProgram(id);
+}
+void delete_shader(unsigned id) {
+  glDeleteShader(id);
+}
+void delete_query(unsigned id) {
+  glDeleteQueries(1, &id);
+}
+
+VertexArray make_vertex_array() {
+  GLuint id = 0;
+  glCreateVertexArrays(1, &id);
+  return VertexArray(id);
+}
+
+Query make_timer_query() {
+  GLuint id = 0;
+  glCreateQueries(GL_TIME_ELAPSED, 1, &id);
+  return Query(id);
+}
+
+int channels(TexelFormat format) {
+  return info(format).channels;
+}
+
+Texture::Texture(const std::string& what, TexelFormat format, Extent extent, TextureFilter filter)
+    : format_(format), extent_(extent) {
+  check_limits(what, format, extent);
+  GLuint id = 0;
+  glCreateTextures(extent.depth ? GL_TEXTURE_3D : GL_TEXTURE_2D, 1, &id);
+  name_ = GlName<delete_texture>(id);
+  const GLenum internal = info(format).internal;
+  if (extent.depth) {
+    glTextureStorage3D(id, 1, internal, extent.width, extent.height, extent.depth);
+  } else {
+    glTextureStorage2D(id, 1, internal, extent.width, extent.height);
+  }
+  const GLint mode = filter == TextureFilter::linear ? GL_LINEAR : GL_NEAREST;
+  for (GLenum parameter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    glTextureParameteri(id, parameter, mode);
+  }
+  for (GLenum parameter : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
+    glTextureParameteri(id, parameter, GL_CLAMP_TO_EDGE);
+  }
+  glClearTexImage(id, 0, info(format).transfer, GL_FLOAT, nullptr);
+  check_gl(what);
+}
+
+std::size_t Texture::values() const {
+  return static_cast<std::size_t>(extent_.width) * static_cast<std::size_t>(extent_.height) *
+         static_cast<std::size_t>(extent_.depth ? extent_.depth : 1) *
+         static_cast<std::size_t>(channels(format_));
+}
+
+void Texture::upload_as(unsigned type, const void* data, std::size_t count) {
+  if (count != values()) {
+    throw std::logic_error("Texture::upload: " + std::to_string(count) + " values for " +
+                           std::to_string(values()));
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const GLenum transfer = info(format_).transfer;
+  if (extent_.depth) {
+    glTextureSubImage3D(
+        id(), 0, 0, 0, 0, extent_.width, extent_.height, extent_.depth, transfer, type, data);
+  } else {
+    glTextureSubImage2D(id(), 0, 0, 0, extent_.width, extent_.height, transfer, type, data);
+  }
+}
+
+void Texture::upload(const std::vector<float>& values) {
+  upload_as(GL_FLOAT, values.data(), values.size());
+}
+
+void Texture::upload(const std::vector<std::uint16_t>& values) {
+  upload_as(GL_UNSIGNED_SHORT, values.data(), values.size());
+}
+
+std::vector<float> Texture::download() const {
+  std::vector<float> texels(values());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureImage(id(),
+                    0,
+                    info(format_).transfer,
+                    GL_FLOAT,
+                    static_cast<GLsizei>(texels.size() * sizeof(float)),
+                    texels.data());
+  return texels;
+}
+
+Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
+  GLuint id = 0;
+  glCreateFramebuffers(1, &id);
+  name_ = GlName<delete_framebuffer>(id);
+  GLenum slot = GL_COLOR_ATTACHMENT0;
+  for (const Texture* texture : attachments) {
+    glNamedFramebufferTexture(id, slot++, texture->id(), 0);
+  }
+  finish(**attachments.begin(), static_cast<int>(attachments.size()));
+}
+
+Framebuffer Framebuffer::of_layer(const Texture& texture, int layer) {
+  GLuint id = 0;
+  glCreateFramebuffers(1, &id);
+  Framebuffer framebuffer;
+  framebuffer.name_ = GlName<delete_framebuffer>(id);
+  glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, texture.id(), 0, layer);
+  framebuffer.finish(texture, 1);
+  return framebuffer;
+}
+
+void Framebuffer::finish(const Texture& first, int attachments) {
+  width_ = first.extent().width;
+  height_ = first.extent().height;
+  std::vector<GLenum> slots;
+  for (int i = 0; i < attachments; ++i)
+    slots.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));
+  glNamedFramebufferDrawBuffers(id(), attachments, slots.data());
+  const GLenum status = glCheckNamedFramebufferStatus(id(), GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    throw std::runtime_error("framebuffer is incomplete, status " + std::to_string(status));
+  }
+}
+
+void check_gl(const std::string& where) {
+  std::string errors;
+  for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
+    errors += std::string(errors.empty() ? "" : ", ") + error_name(error);
+    if (errors.size() > 200) break;  // a lost context reports errors without end
+  }
+  if (!errors.empty()) throw std::runtime_error(where + ": " + errors);
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,45 @@
+// Pass 2: rays through the slices; alpha blending and surface detection.
+#pragma once
+
+#include "render/camera.h"
+#include "render/gl_program.h"
+#include "render/options.h"
+#include "render/slice_geometry.h"
+
+namespace wobblebench::render {
+
+/// Paper section 3.2.
+///
+/// Filter semantics `ray_space`: the 3D kernel's taps are samples of the ray and of its neighbours
+/// one step apart, along it and across it. Taps outside the cone of valid data carry no weight.
+///
+/// Where z is: the ray length of the newest sample in the buffer when Difference reaches the
+/// threshold (the paper's definition), a smoothed sample belonging to its kernel's middle. For a
+/// step of contrast C across the surface and 0 < threshold < (buffer_length / 2) C, this lies past
+/// the edge by (threshold / C - 1/2) steps on average with refine_crossing, and by half a step more
+/// without. The buffer counts once it is full of samples in a row inside the cone.
+class RayCaster {
+ public:
+  RayCaster(const SliceGeometry& geometry, const RenderOptions& options);
+
+  void cast(const Texture& slices);
+
+  /// Volume picture: RGB, opacity.
+  const Texture& color() const { return color_; }
+  /// Ray length at the surface, kNoDepth where there is none.
+  const Texture& depth() const { return depth_; }
+
+ private:
+  void set_camera(const RenderOptions& options);
+  void set_geometry(const SliceGeometry& geometry, const RenderOptions& options);
+  void set_sampling(const RenderOptions& options);
+
+  Texture motion_table_, transfer_, color_, depth_;
+  Framebuffer target_;
+  FragmentProgram ray_cast_;
+};
+
+/// z of a pixel without a surface in depth textures.
+inline constexpr int kNoDepth = -1;
+
+}  // namespace wobblebench::render

@@ -1,0 +1,41 @@
+// What pass 2 computes on the CPU and sends to the shader: kernel weights and transfer function.
+// Shared with the reference, since they define the picture.
+#pragma once
+
+#include <vector>
+
+#include "render/options.h"
+
+namespace wobblebench::render {
+
+/// Normalised Gaussian of `size` taps, one step apart, standard deviation size / 4 steps (0.75 for
+/// 3, 1.25 for 5). The 3D kernel is its threefold product.
+std::vector<double> gaussian_weights(int size);
+
+/// Taps across the ray for the sample that enters the buffer: the Gaussian of `kernel_3d`, averaged
+/// over a window of `window_2d`. Length kernel_3d + window_2d - 1, sum 1.
+std::vector<double> buffer_weights(const RayCastingOptions& options);
+
+/// Taps across the ray for the sample that is blended: the Gaussian, with zeros at both ends up to
+/// the length of buffer_weights().
+std::vector<double> blend_weights(const RayCastingOptions& options);
+
+/// Grey and opacity of a sample, piecewise linear over the options' lists, constant beyond them.
+class TransferFunction {
+ public:
+  TransferFunction(const RayCastingOptions& options, double step_m);
+
+  double grey(double value) const;
+  /// Opacity of one step: 1 - (1 - opacity per mm) ^ (step in mm).
+  double step_opacity(double value) const;
+  /// `size` pairs of grey and step opacity over values 0 to 1, both ends included.
+  std::vector<float> table(int size) const;
+
+ private:
+  std::vector<double> values_, opacity_per_mm_, grey_;
+  double step_m_;
+};
+
+inline constexpr int kTransferTableSize = 4096;
+
+}  // namespace wobblebench::render

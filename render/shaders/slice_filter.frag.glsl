@@ -1,0 +1,28 @@
+// Pass 1, second half: homogeneous filter over the pixels of the slice that hold data. Pixels next
+// to the sector take their neighbours' mean, so that fetches at its border never mix in emptiness.
+layout(binding = BIND_SLICE) uniform sampler2D slice;
+
+layout(location = 0) out float value;
+
+float mean_around(ivec2 place, int half_size) {
+  ivec2 last = textureSize(slice, 0) - 1;
+  ivec2 low = max(place - half_size, ivec2(0)), high = min(place + half_size, last);
+  float sum = 0.0;
+  float count = 0.0;
+  for (int row = low.y; row <= high.y; ++row) {
+    for (int column = low.x; column <= high.x; ++column) {
+      float neighbour = texelFetch(slice, ivec2(column, row), 0).r;
+      if (neighbour >= 0.0) {
+        sum += neighbour;
+        count += 1.0;
+      }
+    }
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  bool is_empty = texelFetch(slice, place, 0).r < 0.0;
+  value = mean_around(place, is_empty ? max(HALF_FILTER, 1) : HALF_FILTER);
+}

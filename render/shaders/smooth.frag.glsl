@@ -1,0 +1,31 @@
+// Pass 4: homogeneous or edge-preserving (bilateral) filter of the shaded picture.
+layout(binding = BIND_PICTURE) uniform sampler2D picture;
+
+uniform float range_sigma;
+uniform float spatial_sigma;
+
+layout(location = 0) out vec4 smoothed;
+
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  ivec2 last = textureSize(picture, 0) - 1;
+  ivec2 low = max(place - HALF_FILTER, ivec2(0)), high = min(place + HALF_FILTER, last);
+  vec3 center = texelFetch(picture, place, 0).rgb;
+  vec3 sum = vec3(0.0);
+  float total = 0.0;
+  for (int row = low.y; row <= high.y; ++row) {
+    for (int column = low.x; column <= high.x; ++column) {
+      vec3 change = texelFetch(picture, ivec2(column, row), 0).rgb - center;
+#if BILATERAL
+      vec2 offset = vec2(ivec2(column, row) - place) / spatial_sigma;
+      vec3 contrast = change / range_sigma;
+      float weight = exp(-0.5 * (dot(offset, offset) + dot(contrast, contrast)));
+#else
+      float weight = 1.0;
+#endif
+      sum += weight * change;
+      total += weight;
+    }
+  }
+  smoothed = vec4(center + sum / total, 1.0);
+}

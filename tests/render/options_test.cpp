@@ -1,0 +1,90 @@
+#include "render/options.h"
+
+#include <gtest/gtest.h>
+
+namespace wobblebench::render {
+namespace {
+
+TEST(RenderOptions, DefaultsAreValid) {
+  EXPECT_NO_THROW(validate(RenderOptions{}));
+}
+
+struct Refusal {
+  const char* name;
+  void (*spoil)(RenderOptions&);
+  const char* message;
+};
+
+class RenderOptionsRefusal : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(RenderOptionsRefusal, NamesKeyValueAndWhatIsAllowed) {
+  RenderOptions options;
+  GetParam().spoil(options);
+  try {
+    validate(options);
+    FAIL() << "accepted";
+  } catch (const hw::InvalidOption& refusal) {
+    EXPECT_STREQ(refusal.what(), GetParam().message);
+  }
+}
+
+const Refusal kRefusals[] = {
+    {"slice_size",
+     [](RenderOptions& o) { o.scan_conversion.slice_size = 8; },
+     "scan_conversion.slice_size = 8: must be within 16 and 2048"},
+    {"filter_size",
+     [](RenderOptions& o) { o.scan_conversion.filter_size = 4; },
+     "scan_conversion.filter_size = 4: must be odd"},
+    {"box_size",
+     [](RenderOptions& o) {
+       o.volume_of_interest.size_m = {0.1, 0.1};
+     },
+     "volume_of_interest.size_mm = 2 numbers: takes 3 numbers"},
+    {"kernel_3d",
+     [](RenderOptions& o) { o.ray_casting.kernel_3d = 4; },
+     "ray_casting.kernel_3d = 4: must be odd"},
+    {"buffer_length",
+     [](RenderOptions& o) { o.ray_casting.buffer_length = 7; },
+     "ray_casting.buffer_length = 7: must be even"},
+    {"window_2d",
+     [](RenderOptions& o) { o.ray_casting.window_2d = 2; },
+     "ray_casting.window_2d = 2: must be odd"},
+    {"threshold",
+     [](RenderOptions& o) { o.ray_casting.threshold = std::nan(""); },
+     "ray_casting.threshold = nan: must be within -64 and 64"},
+    {"transfer_order",
+     [](RenderOptions& o) {
+       o.ray_casting.transfer_values = {0, 0.5, 0.5, 1};
+     },
+     "ray_casting.transfer_values = 4 numbers: must ascend"},
+    {"transfer_length",
+     [](RenderOptions& o) {
+       o.ray_casting.transfer_grey = {0, 1};
+     },
+     "ray_casting.transfer_grey = 2 numbers: takes as many as transfer_values, 4 numbers"},
+    {"transfer_too_short",
+     [](RenderOptions& o) { o.ray_casting.transfer_values = {0}; },
+     "ray_casting.transfer_values = 1 numbers: takes at least 2"},
+    {"depth_filter_size",
+     [](RenderOptions& o) { o.shading.depth_filter_size = 6; },
+     "shading.depth_filter_size = 6: must be odd"},
+    {"base_rgb",
+     [](RenderOptions& o) {
+       o.shading.base_rgb = {1, 1, 2};
+     },
+     "shading.base_rgb = 2: must be within 0 and 1"},
+    {"smoothing",
+     [](RenderOptions& o) { o.smoothing.filter_size = 16; },
+     "smoothing.filter_size = 16: must be within 1 and 15"},
+    {"view",
+     [](RenderOptions& o) { o.view.eye_distance_m = 0; },
+     "view.eye_distance_mm = 0: must be within 1 and 10000"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each,
+                         RenderOptionsRefusal,
+                         ::testing::ValuesIn(kRefusals),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+}  // namespace
+}  // namespace wobblebench::render

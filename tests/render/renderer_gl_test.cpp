@@ -1,0 +1,220 @@
+// What the renderer promises beyond agreeing with the reference.
+#include "render/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "gl_fixture.h"
+#include "render/camera.h"
+#include "render/slice_geometry.h"
+#include "synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+using testing::gl_context;
+using testing::hits;
+
+bool same_bits(const Image<float>& a, const Image<float>& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
+}
+
+TEST(Renderer, GivesTheSameBitsAgain) {
+  const RenderOptions options = testing::small_options();
+  const Picture one = render_volume(gl_context(), testing::noisy_scene(), options);
+  const Picture two = render_volume(gl_context(), testing::noisy_scene(), options);
+  EXPECT_TRUE(same_bits(one.depth_m, two.depth_m));
+  EXPECT_EQ(one.surface.pixels, two.surface.pixels);
+  EXPECT_EQ(one.volume.pixels, two.volume.pixels);
+}
+
+TEST(Renderer, FramesMayComeInAnyOrder) {
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  const RenderOptions options = testing::small_options();
+  Renderer renderer(gl_context(), volume.plan(), options);
+  for (int frame = volume.plan().acquisition().frames_per_volume - 1; frame >= 0; --frame) {
+    renderer.add_frame(frame, volume.frame(frame));
+  }
+  const Picture backwards = renderer.render();
+  EXPECT_TRUE(same_bits(backwards.depth_m, render_volume(gl_context(), volume, options).depth_m));
+}
+
+TEST(Renderer, NamesFourPassesWithTheirTimes) {
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  Renderer renderer(gl_context(), volume.plan(), testing::small_options());
+  for (int frame = 0; frame < 21; ++frame) renderer.add_frame(frame, volume.frame(frame));
+  const Picture picture = renderer.render();
+  ASSERT_EQ(picture.passes.size(), 4u);
+  const char* names[] = {"scan_conversion", "ray_casting", "surface_shading", "smoothing"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(picture.passes[i].name, names[i]);
+    EXPECT_GT(picture.passes[i].ms, 0);
+    EXPECT_GE(picture.passes[i].gpu_ms, 0);
+    EXPECT_LE(picture.passes[i].gpu_ms, picture.passes[i].ms + 1);
+  }
+  EXPECT_EQ(renderer.render().passes[0].ms, 0);  // no frame since the last picture
+}
+
+TEST(Renderer, BothModeShowsTheSurfacesAndVolumesOfTheirOwnModes) {
+  RenderOptions options = testing::small_options();
+  options.ray_casting.opacity_limit = 0.3;  // opaque before some surfaces are found
+  const auto in_mode = [&](RenderMode mode) {
+    options.ray_casting.mode = mode;
+    return render_volume(gl_context(), testing::noisy_scene(), options);
+  };
+  const Picture both = in_mode(RenderMode::both);
+  EXPECT_EQ(testing::compare(both.depth_m, in_mode(RenderMode::surface).depth_m).changed_share, 0);
+  EXPECT_LT(testing::compare(both.depth_m, in_mode(RenderMode::surface).depth_m).largest_m, 1e-6);
+  EXPECT_LT(testing::compare(both.volume, in_mode(RenderMode::volume).volume, 0).largest, 1e-5);
+}
+
+TEST(Renderer, BlankDataHasNoSurfaceAndNoPicture) {
+  const auto volume =
+      testing::sample_field(testing::small_plan(), [](const glm::dvec3&) { return 0.0; });
+  const Picture picture = render_volume(gl_context(), volume, testing::small_options());
+  EXPECT_EQ(hits(picture.depth_m), 0);
+  for (const glm::vec3& pixel : picture.surface.pixels) EXPECT_EQ(pixel, glm::vec3(0));
+  for (const glm::vec3& pixel : picture.volume.pixels) EXPECT_EQ(pixel, glm::vec3(0));
+}
+
+TEST(Renderer, UniformDataHasNoSurfaceAtTheBordersOfTheCone) {
+  const auto volume =
+      testing::sample_field(testing::small_plan(), [](const glm::dvec3&) { return 1.0; });
+  RenderOptions options = testing::small_options();
+  options.volume_of_interest.center_m = {0, 0, 0.1};
+  options.volume_of_interest.size_m = {0.25, 0.25, 0.22};
+  for (EdgeSign edge : {EdgeSign::rising, EdgeSign::falling}) {
+    options.ray_casting.edge = edge;
+    EXPECT_EQ(hits(render_volume(gl_context(), volume, options).depth_m), 0);
+  }
+}
+
+TEST(Renderer, BadSamplesReachNoFurtherThanTheirNeighbourhood) {
+  const hw::PolarVolume& clean = testing::noisy_scene();
+  const hw::AcquisitionPlan& plan = clean.plan();
+  RenderOptions options = testing::small_options();
+  options.shading.depth_filter_size = 1;
+  options.smoothing.filter_size = 1;
+  const Picture expected = render_volume(gl_context(), clean, options);
+  const int frame = 10, line = 24, sample = 60;
+  const glm::dvec3 place = plan.geometry().to_cartesian(
+      {plan.sample_range_m(sample), plan.theta_rad(line), plan.frame_phi_rad(frame)});
+  const PicturePoint seen = make_camera(options).project(place);
+  const float bad_samples[] = {std::numeric_limits<float>::quiet_NaN(),
+                               std::numeric_limits<float>::infinity(),
+                               -std::numeric_limits<float>::infinity(),
+                               std::numeric_limits<float>::denorm_min(),
+                               1e30f,
+                               -1e30f};
+  for (float bad : bad_samples) {
+    Renderer renderer(gl_context(), plan, options);
+    for (int f = 0; f < 21; ++f) {
+      hw::PolarFrame copy = clean.frame(f);
+      if (f == frame) copy.samples[line * 160 + sample] = bad;
+      renderer.add_frame(f, copy);
+    }
+    const Picture picture = renderer.render();
+    for (int row = 0; row < options.ray_casting.image_size; ++row) {
+      for (int column = 0; column < options.ray_casting.image_size; ++column) {
+        const float z = picture.depth_m.at(column, row), v = picture.volume.at(column, row).r;
+        EXPECT_TRUE(std::isfinite(v));
+        // Neighbouring sticks and frames are about 5 mm, less than 4 pixels, away; kernels add 2.
+        if (std::hypot(column - seen.column, row - seen.row) < 8) continue;
+        EXPECT_EQ(std::isnan(z), std::isnan(expected.depth_m.at(column, row)));
+        if (!std::isnan(z)) {
+          EXPECT_EQ(z, expected.depth_m.at(column, row));
+        }
+        EXPECT_EQ(v, expected.volume.at(column, row).r);
+      }
+    }
+  }
+}
+
+TEST(Renderer, TheLitSideOfASphereIsTheOneTowardsTheLight) {
+  const auto volume =
+      testing::sample_field(testing::small_plan(), testing::sphere({0, 0, 0.12}, 0.03, 4e-3));
+  RenderOptions options = testing::small_options();
+  options.shading.light_left_rad = 50 * kDegree;
+  options.shading.light_up_rad = 40 * kDegree;
+  const Picture picture = render_volume(gl_context(), volume, options);
+  const float upper_left = picture.surface.at(15, 15).g, lower_right = picture.surface.at(24, 24).g;
+  const float upper_right = picture.surface.at(24, 15).g, lower_left = picture.surface.at(15, 24).g;
+  EXPECT_GT(upper_left, upper_right);
+  EXPECT_GT(upper_left, lower_left);
+  EXPECT_GT(upper_right, lower_right);
+  EXPECT_GT(lower_left, lower_right);
+}
+
+TEST(Renderer, RefusesWhatTheDriverCannotHold) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.frames_per_volume = 1024;
+  RenderOptions options;
+  options.scan_conversion.slice_size = 2048;
+  try {
+    Renderer renderer(gl_context(), {hw::ProbeOptions{}, acquisition}, options);
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what())
+                  .rfind("scan_conversion.slice_size = 2048, 1024 frames: needs 8192 MiB", 0),
+              0u)
+        << error.what();
+  }
+}
+
+TEST(Renderer, RefusesBadOptions) {
+  RenderOptions options;
+  options.ray_casting.kernel_3d = 2;
+  EXPECT_THROW(Renderer(gl_context(), testing::small_plan(), options), hw::InvalidOption);
+}
+
+struct Extreme {
+  const char* name;
+  void (*change)(hw::ProbeOptions&, hw::AcquisitionOptions&, RenderOptions&);
+};
+class Extremes : public ::testing::TestWithParam<Extreme> {};
+
+TEST_P(Extremes, GiveFinitePictures) {
+  hw::ProbeOptions probe;
+  hw::AcquisitionOptions acquisition = testing::small_plan().acquisition();
+  RenderOptions options = testing::small_options();
+  options.ray_casting.image_size = 24;
+  GetParam().change(probe, acquisition, options);
+  const auto volume = testing::sample_field(
+      {probe, acquisition}, testing::noisy(testing::sphere({0, 0, 0.12}, 0.03, 0), 0.1, 2));
+  const Picture picture = render_volume(gl_context(), volume, options);
+  for (const glm::vec3& pixel : picture.surface.pixels)
+    EXPECT_TRUE(std::isfinite(pixel.r + pixel.g));
+  for (const glm::vec3& pixel : picture.volume.pixels) EXPECT_TRUE(std::isfinite(pixel.r));
+  for (float z : picture.depth_m.pixels) EXPECT_TRUE(std::isnan(z) || (z >= 0 && z < 10));
+}
+
+const Extreme kExtremes[] = {
+    {"one_frame", [](auto&, auto& a, auto&) { a.frames_per_volume = 1; }},
+    {"one_stick", [](auto&, auto& a, auto&) { a.sticks_per_frame = 1; }},
+    {"two_samples", [](auto&, auto& a, auto&) { a.samples_per_stick = 2; }},
+    {"narrow", [](auto&, auto& a, auto&) { a.sector_rad = a.fan_rad = 0.1 * kDegree; }},
+    {"wide", [](auto&, auto& a, auto&) { a.sector_rad = a.fan_rad = 170 * kDegree; }},
+    {"axis_on_the_face", [](auto& p, auto&, auto&) { p.wobble_radius_m = 0; }},
+    {"axis_at_the_centre", [](auto& p, auto&, auto&) { p.wobble_radius_m = p.radius_m; }},
+    {"shallow", [](auto&, auto& a, auto&) { a.depth_m = 1e-3; }},
+    {"one_pixel", [](auto&, auto&, auto& o) { o.ray_casting.image_size = 1; }},
+    {"kernel_wider_than_the_picture", [](auto&, auto&, auto& o) { o.ray_casting.image_size = 3; }},
+    {"one_step", [](auto&, auto&, auto& o) { o.ray_casting.steps = 1; }},
+    {"light_on_the_surface",
+     [](auto&, auto&, auto& o) {
+       o.shading.light_up_rad = 0;
+       o.shading.light_distance_m = 0.03;
+     }},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each,
+                         Extremes,
+                         ::testing::ValuesIn(kExtremes),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+}  // namespace
+}  // namespace wobblebench::render

@@ -1,0 +1,164 @@
+// Every setting changed once: the whole GL pipeline against the double-precision reference.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "gl_fixture.h"
+#include "render/camera.h"
+#include "render/reference.h"
+#include "render/renderer.h"
+#include "synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+struct Setting {
+  const char* name;
+  void (*change)(RenderOptions&);
+  double z_rms_steps = 0.02;
+  double changed_share = 0.001;
+  double blended_share = 0.002;  ///< of pixels more than 0.005 off in the volume picture
+};
+void PrintTo(const Setting& setting, std::ostream* out) {
+  *out << setting.name;
+}
+
+class EachSetting : public ::testing::TestWithParam<Setting> {};
+
+TEST_P(EachSetting, RendersLikeTheReference) {
+  RenderOptions options = testing::small_options();
+  GetParam().change(options);
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  const Picture got = render_volume(testing::gl_context(), volume, options);
+  const Picture expected = render_reference(volume, options);
+
+  const auto depth = testing::compare(got.depth_m, expected.depth_m);
+  EXPECT_LE(depth.rms_m, GetParam().z_rms_steps * step_m(options));
+  EXPECT_LE(depth.changed_share, GetParam().changed_share);
+  RecordProperty("z_rms_steps", std::to_string(depth.rms_m / step_m(options)));
+  RecordProperty("changed_share", std::to_string(depth.changed_share));
+  const bool looks_for_surface = options.ray_casting.mode != RenderMode::volume;
+  EXPECT_EQ(testing::hits(expected.depth_m) > 0, looks_for_surface);
+
+  const auto filtered = testing::compare(got.filtered_depth_m, expected.filtered_depth_m);
+  EXPECT_LE(filtered.rms_m, GetParam().z_rms_steps * step_m(options));
+  const auto surface = testing::compare(got.surface, expected.surface, 0.01);
+  EXPECT_LE(surface.failing_share, 0.01) << "largest difference " << surface.largest;
+  const auto blended = testing::compare(got.volume, expected.volume, 0.005);
+  EXPECT_LE(blended.failing_share, GetParam().blended_share)
+      << "largest difference " << blended.largest;
+}
+
+const Setting kSettings[] = {
+    {"defaults", [](RenderOptions&) {}},
+    {"kernel_none", [](RenderOptions& o) { o.ray_casting.kernel_3d = 1; }},
+    {"kernel_5", [](RenderOptions& o) { o.ray_casting.kernel_3d = 5; }},
+    {"buffer_2",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 2;
+       o.ray_casting.threshold = 0.12;
+     }},
+    {"buffer_16",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 16;
+       o.ray_casting.threshold = 2;
+     }},
+    {"buffer_64",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 64;
+       o.ray_casting.threshold = 4;
+     }},
+    // In noise alone Difference creeps over 0, and the last bits decide where.
+    {"threshold_zero", [](RenderOptions& o) { o.ray_casting.threshold = 0; }, 0.5},
+    {"threshold_negative", [](RenderOptions& o) { o.ray_casting.threshold = -1; }},
+    {"edge_falling",
+     [](RenderOptions& o) {
+       o.ray_casting.edge = EdgeSign::falling;
+       o.ray_casting.mode = RenderMode::surface;
+     }},
+    {"window_3", [](RenderOptions& o) { o.ray_casting.window_2d = 3; }},
+    {"window_5_without_kernel",
+     [](RenderOptions& o) {
+       o.ray_casting.window_2d = 5;
+       o.ray_casting.kernel_3d = 1;
+     }},
+    {"unrefined_crossing", [](RenderOptions& o) { o.ray_casting.refine_crossing = false; }},
+    {"goes_on_beyond_the_box", [](RenderOptions& o) { o.ray_casting.stop_at_box = false; }},
+    {"goes_on_beyond_the_cone",
+     [](RenderOptions& o) {
+       o.ray_casting.stop_on_leaving_cone = false;
+       o.view.yaw_rad = 70 * kDegree;
+     }},
+    {"early_opaque", [](RenderOptions& o) { o.ray_casting.opacity_limit = 0.3; }},
+    {"never_opaque", [](RenderOptions& o) { o.ray_casting.opacity_limit = 2; }},
+    {"transfer_function",
+     [](RenderOptions& o) {
+       o.ray_casting.transfer_values = {0.1, 0.4, 0.9};
+       o.ray_casting.transfer_opacity_per_mm = {0, 0.9, 0.1};
+       o.ray_casting.transfer_grey = {1, 0.2, 0.7};
+     }},
+    {"mode_surface", [](RenderOptions& o) { o.ray_casting.mode = RenderMode::surface; }},
+    {"mode_volume", [](RenderOptions& o) { o.ray_casting.mode = RenderMode::volume; }},
+    {"few_steps",
+     [](RenderOptions& o) {
+       o.ray_casting.steps = 16;
+       o.ray_casting.buffer_length = 2;
+       o.ray_casting.threshold = 0.2;
+     }},
+    {"format_r32f", [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r32f; }},
+    // 8-bit samples and 8-bit filter weights move Difference, and with it z, visibly: the bounds
+    // say by how much, and why r8 is no default.
+    {"format_r8",
+     [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r8; },
+     1.5,
+     0.01,
+     0.02},
+    {"slice_filter_none", [](RenderOptions& o) { o.scan_conversion.filter_size = 1; }},
+    {"slice_filter_7", [](RenderOptions& o) { o.scan_conversion.filter_size = 7; }},
+    {"odd_slice_size", [](RenderOptions& o) { o.scan_conversion.slice_size = 101; }},
+    {"perspective", [](RenderOptions& o) { o.view.projection = Projection::perspective; }},
+    // Ray lengths of 10 m leave float 1e-6 m: a thousandth of a step here.
+    {"perspective_from_afar",
+     [](RenderOptions& o) {
+       o.view.projection = Projection::perspective;
+       o.view.eye_distance_m = 10;
+     }},
+    {"perspective_eye_inside",
+     [](RenderOptions& o) {
+       o.view.projection = Projection::perspective;
+       o.view.eye_distance_m = 0.03;
+     }},
+    {"view_from_the_right", [](RenderOptions& o) { o.view.yaw_rad = 40 * kDegree; }},
+    {"view_from_above", [](RenderOptions& o) { o.view.pitch_rad = 35 * kDegree; }},
+    {"view_from_below_left",
+     [](RenderOptions& o) {
+       o.view = {-0.5, -0.4, 0.3};
+     }},
+    {"view_along_x", [](RenderOptions& o) { o.view.yaw_rad = 90 * kDegree; }},
+    {"view_from_behind",
+     [](RenderOptions& o) {
+       o.view.yaw_rad = 170 * kDegree;
+       o.view.projection = Projection::perspective;
+     }},
+    {"light_directional", [](RenderOptions& o) { o.shading.light = Light::directional; }},
+    {"light_left", [](RenderOptions& o) { o.shading.light_left_rad = 45 * kDegree; }},
+    {"no_shadows", [](RenderOptions& o) { o.shading.shadows = false; }},
+    {"depth_filter_none", [](RenderOptions& o) { o.shading.depth_filter_size = 1; }},
+    {"smoothing_low", [](RenderOptions& o) { o.smoothing.filter_size = 5; }},
+    {"smoothing_bilateral",
+     [](RenderOptions& o) { o.smoothing.filter = SmoothingFilter::bilateral; }},
+    {"box_partly_outside_the_cone",
+     [](RenderOptions& o) {
+       o.volume_of_interest.center_m = {0.05, 0.03, 0.13};
+       o.volume_of_interest.size_m = {0.2, 0.2, 0.16};
+     }},
+};
+
+INSTANTIATE_TEST_SUITE_P(Settings,
+                         EachSetting,
+                         ::testing::ValuesIn(kSettings),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+}  // namespace
+}  // namespace wobblebench::render

@@ -1,0 +1,158 @@
+// Where pass 2 puts known surfaces: closed forms, with the bias that RayCaster's comment states.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+
+#include "gl_fixture.h"
+#include "render/camera.h"
+#include "render/renderer.h"
+#include "synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+constexpr double kContrast = testing::kInside - testing::kOutside;
+
+/// Sampled densely: sticks and frames about 0.5 mm apart, so that the edge is sharp on the scale of
+/// the buffer (half of it: 8 steps of 0.31 mm).
+hw::AcquisitionPlan dense_plan() {
+  hw::AcquisitionOptions acquisition;
+  acquisition.depth_m = 0.08;
+  acquisition.sector_rad = 16 * kDegree;
+  acquisition.fan_rad = 14 * kDegree;
+  acquisition.sticks_per_frame = 64;
+  acquisition.samples_per_stick = 512;
+  acquisition.frames_per_volume = 48;
+  return {hw::ProbeOptions{}, acquisition};
+}
+
+RenderOptions dense_options(double threshold) {
+  RenderOptions options;
+  options.scan_conversion.slice_size = 512;
+  options.scan_conversion.filter_size = 1;
+  options.volume_of_interest.center_m = {0, 0, 0.09};
+  options.volume_of_interest.size_m = {0.016, 0.016, 0.020};
+  options.ray_casting.mode = RenderMode::surface;
+  options.ray_casting.image_size = 32;
+  options.ray_casting.steps = 64;
+  options.ray_casting.buffer_length = 16;
+  options.ray_casting.threshold = threshold;
+  options.shading.shadows = false;
+  return options;
+}
+
+/// Depth error in steps over the pixels where `truth` gives a depth; negative: too near.
+struct Errors {
+  double mean = 0, spread = 0;
+  int count = 0;
+};
+
+Errors errors(const Picture& picture,
+              const RenderOptions& options,
+              const std::function<double(const hw::Ray&)>& truth) {
+  const Camera camera = make_camera(options);
+  double sum = 0, squares = 0;
+  Errors result;
+  for (int row = 0; row < picture.depth_m.height; ++row) {
+    for (int column = 0; column < picture.depth_m.width; ++column) {
+      const double expected_m = truth(camera.ray(column, row));
+      if (std::isnan(expected_m)) continue;
+      const double z_m = picture.depth_m.at(column, row);
+      EXPECT_FALSE(std::isnan(z_m)) << "missed at " << column << ", " << row;
+      if (std::isnan(z_m)) continue;
+      const double error = (z_m - expected_m) / step_m(options);
+      sum += error;
+      squares += error * error;
+      ++result.count;
+    }
+  }
+  result.mean = sum / result.count;
+  result.spread = std::sqrt(squares / result.count - result.mean * result.mean);
+  return result;
+}
+
+struct Surface {
+  const char* name;
+  testing::Field field;
+  /// Ray length at the surface; NaN where the test does not look.
+  std::function<double(const hw::Ray&)> truth;
+};
+
+Surface plane(const char* name, const glm::dvec3& normal) {
+  const glm::dvec3 point(0, 0, 0.09);
+  return {name, testing::plane(point, normal, 0), [=](const hw::Ray& ray) {
+            return glm::dot(point - ray.origin, normal) / glm::dot(ray.direction, normal);
+          }};
+}
+
+/// Looked at where its surface is within 45 degrees of facing the viewer.
+Surface sphere() {
+  const glm::dvec3 center(0.001, -0.001, 0.095);
+  const double radius_m = 0.009;
+  return {"sphere", testing::sphere(center, radius_m, 0), [=](const hw::Ray& ray) {
+            const glm::dvec3 offset = center - ray.origin;
+            const double along = glm::dot(offset, ray.direction);
+            const double aside2 = glm::dot(offset, offset) - along * along;
+            if (aside2 > 0.5 * radius_m * radius_m) return std::nan("");
+            return along - std::sqrt(radius_m * radius_m - aside2);
+          }};
+}
+
+class SurfacePosition : public ::testing::TestWithParam<Surface> {};
+
+TEST_P(SurfacePosition, IsPastTheEdgeByThresholdOverContrastLessHalfAStep) {
+  const auto volume = testing::sample_field(dense_plan(), GetParam().field);
+  for (double contrasts : {3.0, 4.0, 5.0}) {
+    const RenderOptions options = dense_options(contrasts * kContrast);
+    const Picture picture = render_volume(testing::gl_context(), volume, options);
+    const Errors e = errors(picture, options, GetParam().truth);
+    ASSERT_GT(e.count, 300);
+    EXPECT_NEAR(e.mean, contrasts - 0.5, 0.1);
+    EXPECT_LT(e.spread, 0.5);
+  }
+}
+
+TEST_P(SurfacePosition, OfTheFirstStepBeyondIsHalfAStepDeeper) {
+  const auto volume = testing::sample_field(dense_plan(), GetParam().field);
+  RenderOptions options = dense_options(4 * kContrast);
+  options.ray_casting.refine_crossing = false;
+  const Picture picture = render_volume(testing::gl_context(), volume, options);
+  const Errors e = errors(picture, options, GetParam().truth);
+  EXPECT_NEAR(e.mean, 4, 0.25);  // the half step is a mean over where edges fall between samples
+}
+
+TEST_P(SurfacePosition, DoesNotDependOnTheKernel) {
+  const auto volume = testing::sample_field(dense_plan(), GetParam().field);
+  for (int kernel : {1, 5}) {
+    RenderOptions options = dense_options(4 * kContrast);
+    options.ray_casting.kernel_3d = kernel;
+    const Picture picture = render_volume(testing::gl_context(), volume, options);
+    EXPECT_NEAR(errors(picture, options, GetParam().truth).mean, 3.5, 0.15) << "kernel " << kernel;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each,
+                         SurfacePosition,
+                         ::testing::Values(plane("plane", {0, 0, -1}),
+                                           plane("tilted_plane", {0.25, -0.2, -1}),
+                                           sphere()),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+TEST(SurfacePositionFalling, OfTheFarSideOfASlabIsThatOfAFallingEdge) {
+  const auto slab = [](const glm::dvec3& p) {
+    return p.z > 0.084 && p.z < 0.092 ? testing::kInside : testing::kOutside;
+  };
+  const auto volume = testing::sample_field(dense_plan(), slab);
+  RenderOptions options = dense_options(4 * kContrast);
+  options.ray_casting.edge = EdgeSign::falling;
+  const Picture picture = render_volume(testing::gl_context(), volume, options);
+  const Errors e = errors(picture, options, [](const hw::Ray& ray) {
+    return (0.092 - ray.origin.z) / ray.direction.z;
+  });
+  EXPECT_NEAR(e.mean, 3.5, 0.1);
+}
+
+}  // namespace
+}  // namespace wobblebench::render
