@@ -1,0 +1,121 @@
+// Phantoms whose truth has a closed form.
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <memory>
+
+#include "phantoms/builders.h"
+#include "phantoms/grids.h"
+#include "phantoms/level_set.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+
+// 70 mm below the face of the default probe, whose centre of curvature is 40 mm behind its face.
+constexpr glm::dvec3 kPosition{0, 0, 110 * kMm};
+
+Box cube(double half_m) {
+  return {glm::dvec3(-half_m), glm::dvec3(half_m)};
+}
+
+std::shared_ptr<const Grids> only(openvdb::FloatGrid::ConstPtr grid) {
+  auto grids = std::make_shared<Grids>();
+  grids->signed_distance = {std::move(grid)};
+  return grids;
+}
+
+double box_distance(const glm::dvec3& position, const glm::dvec3& half_m) {
+  const glm::dvec3 beyond = glm::abs(position) - half_m;
+  const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0);
+  return glm::length(glm::max(beyond, glm::dvec3(0))) + inside;
+}
+
+// Wide enough to judge the plane by, deep enough to hold it unless it is very steep.
+Box plane_box(const glm::dvec3& normal) {
+  const double half = 35 * kMm;
+  const double rise = half * (std::abs(normal.x) + std::abs(normal.y)) / std::abs(normal.z);
+  const double depth = std::min(rise + 10 * kMm, 60 * kMm);
+  return {{-half, -half, -depth}, {half, half, depth}};
+}
+
+}  // namespace
+
+Phantom make_plane(const PhantomOptions& options) {
+  // The slab is wider than the field of the default probe at any tilt that options allow.
+  const glm::dvec3 half{120 * kMm, 120 * kMm, 20 * kMm};
+  const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
+  const auto distance = [=](const glm::dvec3& position) {
+    return box_distance(position * turn - glm::dvec3(0, 0, half.z), half);
+  };
+  auto grid = build_level_set(
+      "slab", distance, cube(glm::length(half) + 2 * half.z), options.voxel_m, Distances::exact);
+  return Phantom("plane",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"slab", material_index("soft_tissue"), true}},
+                 plane_box(turn[2]),
+                 kPosition,
+                 only(grid));
+}
+
+Phantom make_sphere(const PhantomOptions& options) {
+  const double radius = options.radius_m;
+  const auto distance = [=](const glm::dvec3& position) { return glm::length(position) - radius; };
+  auto grid = build_level_set("ball",
+                              distance,
+                              cube(radius + 2 * kHalfWidthVoxels * options.voxel_m),
+                              options.voxel_m,
+                              Distances::exact);
+  const double half = std::clamp(1.5 * radius, 30 * kMm, 40 * kMm);
+  const Box box{{-half, -half, -radius - 10 * kMm}, {half, half, 0}};
+  // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
+  const glm::dvec3 position{0, 0, std::max(kPosition.z, radius + 80 * kMm)};
+  return Phantom("sphere",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"ball", material_index("soft_tissue"), true}},
+                 box,
+                 position,
+                 only(grid));
+}
+
+Phantom make_points(const PhantomOptions& options) {
+  const double radius = 1 * kMm, pitch = 15 * kMm, depth_step = 25 * kMm;
+  const auto distance = [=](const glm::dvec3& position) {
+    const auto nearest = [](double x, double step, int count) {
+      return step * std::clamp(std::round(x / step), double(-count), double(count));
+    };
+    const glm::dvec3 center{nearest(position.x, pitch, 2),
+                            nearest(position.y, pitch, 1),
+                            nearest(position.z, depth_step, 1)};
+    return glm::length(position - center) - radius;
+  };
+  const glm::dvec3 reach{2 * pitch + 5 * kMm, pitch + 5 * kMm, depth_step + 5 * kMm};
+  auto grid =
+      build_level_set("points", distance, {-reach, reach}, options.voxel_m, Distances::exact);
+  return Phantom("points",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"points", material_index("point_target"), true}},
+                 {-reach, reach},
+                 kPosition,
+                 only(grid));
+}
+
+Phantom make_speckle_block(const PhantomOptions& options) {
+  const glm::dvec3 half{150 * kMm, 150 * kMm, 120 * kMm};
+  const auto distance = [=](const glm::dvec3& position) { return box_distance(position, half); };
+  auto grid =
+      build_level_set("block", distance, cube(160 * kMm), options.voxel_m, Distances::exact);
+  return Phantom("speckle_block",
+                 material_table(),
+                 material_index("soft_tissue"),
+                 {{"block", material_index("soft_tissue"), false}},
+                 cube(35 * kMm),
+                 kPosition,
+                 only(grid));
+}
+
+}  // namespace wobblebench::phantoms

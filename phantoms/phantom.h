@@ -1,0 +1,121 @@
+// What is scanned: closed surfaces as OpenVDB level sets, the materials that they enclose, and the
+// exact truth about them. OpenVDB itself stays behind phantoms/grids.h, for .cpp files only.
+//
+// Frame of reference ("phantom frame", docs/units.md): metres, right-handed, the same axes as the
+// probe frame: x to the right of the picture, y down the picture, z away from the probe. The origin
+// is the phantom's own centre; `Placement` puts it into the probe frame.
+#pragma once
+
+#include <filesystem>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "phantoms/material.h"
+
+namespace wobblebench::phantoms {
+
+struct Grids;  // phantoms/grids.h
+
+/// An axis-aligned box.
+struct Box {
+  glm::dvec3 low{0};
+  glm::dvec3 high{0};
+};
+
+/// One closed surface. Later surfaces of a phantom win where they overlap earlier ones.
+struct Surface {
+  std::string name;
+  MaterialIndex inside = 0;  ///< material within the surface
+  bool is_target =
+      false;  ///< a surface that the renderer looks for: fluid on one side, tissue on the other
+};
+
+/// An immutable phantom. Cheap to copy: the grids are shared.
+class Phantom {
+ public:
+  Phantom(std::string name,
+          std::vector<Material> materials,
+          MaterialIndex background,
+          std::vector<Surface> surfaces,
+          Box region_of_interest,
+          glm::dvec3 suggested_position_m,
+          std::shared_ptr<const Grids> grids);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Material>& materials() const { return materials_; }
+  MaterialIndex background() const { return background_; }  ///< outside all surfaces
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  /// Where a sonographer would set the box of the picture: it starts in the fluid. Phantom frame.
+  const Box& region_of_interest() const { return region_of_interest_; }
+  /// Where the phantom's origin belongs in the probe frame of the default probe (face at z = 40
+  /// mm).
+  const glm::dvec3& suggested_position_m() const { return suggested_position_m_; }
+  const Grids& grids() const { return *grids_; }
+
+ private:
+  std::string name_;
+  std::vector<Material> materials_;
+  MaterialIndex background_;
+  std::vector<Surface> surfaces_;
+  Box region_of_interest_;
+  glm::dvec3 suggested_position_m_;
+  std::shared_ptr<const Grids> grids_;
+};
+
+/// Where the phantom stands: probe = rotation * phantom + position.
+struct Placement {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 position_m{0};
+
+  glm::dvec3 to_probe(const glm::dvec3& phantom_m) const {
+    return rotation * phantom_m + position_m;
+  }
+  glm::dvec3 to_phantom(const glm::dvec3& probe_m) const;
+  glm::dvec3 direction_to_phantom(const glm::dvec3& direction) const;
+  glm::dvec3 direction_to_probe(const glm::dvec3& direction) const;
+};
+
+/// Rotations about x, then y, then z, in radians.
+glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
+
+/// Options of the built-in phantoms. Only the fields that the named phantom uses count.
+struct PhantomOptions {
+  std::string name = "fetal_face";  ///< a name of phantom_names(), or "file"
+  std::string file;                 ///< "file": path of a .vdb that write_phantom wrote
+  double voxel_m = 0.5e-3;
+  double gestational_age_weeks = 21;  ///< fetal_face
+  double radius_m = 20e-3;            ///< sphere
+  double tilt_x_rad = 0;              ///< plane: its normal turned about x …
+  double tilt_y_rad = 0;              ///< … and about y
+};
+
+template <class Visitor>
+void describe(PhantomOptions& o, Visitor& v) {
+  constexpr double kMm = 1e-3, kDeg = 3.14159265358979323846 / 180;
+  v.text("name", o.name);
+  v.text("file", o.file);
+  v.real("voxel_mm", o.voxel_m, kMm, 0.1, 5);
+  v.real("gestational_age_weeks", o.gestational_age_weeks, 1, 20, 30);
+  v.real("radius_mm", o.radius_m, kMm, 1, 100);
+  v.real("tilt_x_deg", o.tilt_x_rad, kDeg, -60, 60);
+  v.real("tilt_y_deg", o.tilt_y_rad, kDeg, -60, 60);
+}
+
+/// fetal_face, plane, sphere, points, speckle_block.
+const std::vector<std::string>& phantom_names();
+
+/// Builds or reads the named phantom. Throws std::invalid_argument "name = X: must be one of …".
+Phantom make_phantom(const PhantomOptions& options);
+
+/// Writes `phantom` as .vdb (float level sets in metres, one for each surface; an Int32 grid
+/// "material" of table rows; the table itself as metadata). Whole file or none.
+/// Throws std::runtime_error "PATH: reason" when it cannot be written.
+void write_phantom(const Phantom& phantom, const std::filesystem::path& path);
+
+/// Reads what write_phantom wrote. Throws std::invalid_argument "PATH: reason" for anything else.
+Phantom read_phantom(const std::filesystem::path& path);
+
+}  // namespace wobblebench::phantoms

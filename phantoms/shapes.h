@@ -1,0 +1,47 @@
+// Signed-distance shapes, negative inside. Distances and positions in metres.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace wobblebench::phantoms {
+
+/// A ball that encloses a shape.
+struct Ball {
+  glm::dvec3 center{0};
+  double radius_m = 0;
+};
+
+/// First-order distance: exact on the surface, within some percent near it.
+struct Ellipsoid {
+  glm::dvec3 center{0};
+  glm::dvec3 radii_m{1};
+  glm::dmat3 to_axes{1.0};  ///< rotation from the surrounding frame to the ellipsoid's own axes
+
+  double distance(const glm::dvec3& position) const;
+  Ball bound() const;
+};
+
+/// One vertex of a tube.
+struct TubePoint {
+  glm::dvec3 center{0};
+  double radius_m = 0;
+};
+
+/// A chain of round cones through the points; the exact distance outside.
+struct Tube {
+  std::vector<TubePoint> points;
+
+  double distance(const glm::dvec3& position) const;
+  Ball bound() const;
+};
+
+/// The tube through a Catmull-Rom curve of `points`, `pieces` segments between each two of them.
+Tube smooth_tube(const std::vector<TubePoint>& points, int pieces);
+
+/// Union and difference with a fillet: beyond |a - b| >= fillet they are the sharp ones.
+double smooth_union(double a, double b, double fillet_m);
+double smooth_difference(double body, double tool, double fillet_m);
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,213 @@
+#include "phantoms/phantom.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "phantoms/grids.h"
+#include "phantoms/truth.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+// Material at a place, by the rule that later surfaces win.
+std::string material_at(const Phantom& phantom, const glm::dvec3& place) {
+  MaterialIndex found = phantom.background();
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto& grid = *phantom.grids().signed_distance[i];
+    const auto ijk =
+        openvdb::Coord::round(grid.worldToIndex(openvdb::Vec3d(place.x, place.y, place.z)));
+    if (grid.tree().getValue(ijk) < 0) found = phantom.surfaces()[i].inside;
+  }
+  return phantom.materials()[found].name;
+}
+
+std::string refusal(const PhantomOptions& options) {
+  try {
+    make_phantom(options);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Placement, GoesThereAndBack) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&] { return glm::dvec3(number(random), number(random), number(random)); };
+  for (int i = 0; i < 100; ++i) {
+    const Placement placement{rotation_xyz(3.0 * vector()), vector()};
+    const glm::dvec3 p = vector();
+    EXPECT_LT(glm::distance(placement.to_phantom(placement.to_probe(p)), p), 1e-14);
+    const glm::dvec3 q = vector();
+    const glm::dvec3 there = placement.to_probe(q) - placement.to_probe(p);
+    EXPECT_LT(glm::distance(placement.direction_to_probe(q - p), there), 1e-14);
+    EXPECT_LT(glm::distance(placement.direction_to_phantom(there), q - p), 1e-14);
+  }
+}
+
+TEST(Rotation, TurnsAboutXThenYThenZ) {
+  constexpr double kQuarter = std::numbers::pi / 2;
+  const auto near = [](const glm::dvec3& a, const glm::dvec3& b) {
+    return glm::distance(a, b) < 1e-14;
+  };
+  EXPECT_TRUE(near(rotation_xyz({kQuarter, 0, 0}) * glm::dvec3(0, 1, 0), {0, 0, 1}));
+  EXPECT_TRUE(near(rotation_xyz({0, kQuarter, 0}) * glm::dvec3(0, 0, 1), {1, 0, 0}));
+  EXPECT_TRUE(near(rotation_xyz({0, 0, kQuarter}) * glm::dvec3(1, 0, 0), {0, 1, 0}));
+  EXPECT_TRUE(near(rotation_xyz({kQuarter, kQuarter, 0}) * glm::dvec3(0, 1, 0), {1, 0, 0}));
+}
+
+TEST(MakePhantom, BuildsEveryName) {
+  for (const std::string& name : phantom_names()) {
+    PhantomOptions options;
+    options.name = name;
+    options.voxel_m = name == "points" ? 0.5e-3 : 1.5e-3;
+    const Phantom phantom = make_phantom(options);
+    SCOPED_TRACE(name);
+    EXPECT_EQ(phantom.name(), name);
+    const Box& box = phantom.region_of_interest();
+    EXPECT_TRUE(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z);
+    EXPECT_GT(phantom.suggested_position_m().z + box.low.z, 40e-3 + 20e-3) << "before the probe";
+    for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+      EXPECT_GT(phantom.grids().signed_distance[i]->activeVoxelCount(), 100u);
+    }
+  }
+}
+
+TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
+  PhantomOptions options;
+  options.name = "doll";
+  EXPECT_EQ(refusal(options),
+            "name = doll: must be one of fetal_face, plane, sphere, points, speckle_block, file");
+  options = {};
+  options.gestational_age_weeks = 19;
+  EXPECT_EQ(refusal(options), "gestational_age_weeks = 19: must be within 20 and 30");
+  options.gestational_age_weeks = std::nan("");
+  EXPECT_NE(refusal(options), "accepted");
+  options = {};
+  options.voxel_m = 0;
+  EXPECT_EQ(refusal(options), "voxel_mm = 0: must be within 0.1 and 5");
+  options.voxel_m = 3e-3;
+  EXPECT_EQ(refusal(options), "voxel_mm = 3: must be at most 2 for the phantom fetal_face");
+  options = {};
+  options.name = "file";
+  EXPECT_EQ(refusal(options), "file = \"\": must be the path of a .vdb");
+}
+
+TEST(MakePhantom, PlaneCrossesItsWholeBox) {
+  for (double tilt_deg : {0.0, 20.0, -40.0}) {
+    PhantomOptions options;
+    options.name = "plane";
+    options.tilt_x_rad = tilt_deg * std::numbers::pi / 180;
+    options.voxel_m = 1e-3;
+    const Phantom phantom = make_phantom(options);
+    const SurfaceFinder finder(phantom);
+    const Box& box = phantom.region_of_interest();
+    for (double x : {box.low.x, 0.0, box.high.x}) {
+      for (double y : {box.low.y, 0.0, box.high.y}) {
+        EXPECT_TRUE(finder.first_hit({x, y, box.low.z}, {0, 0, 1}, 0, box.high.z - box.low.z));
+        EXPECT_EQ(material_at(phantom, {x, y, box.low.z}), "amniotic_fluid");
+      }
+    }
+  }
+}
+
+class FetalScene : public testing::TestWithParam<double> {
+ protected:
+  void SetUp() override {
+    PhantomOptions options;
+    options.gestational_age_weeks = GetParam();
+    options.voxel_m = 1e-3;
+    auto& built = built_[GetParam()];
+    if (built == nullptr) built = std::make_unique<Phantom>(make_phantom(options));
+    phantom_ = built.get();
+  }
+  // One phantom an age serves all tests: building it is what takes time.
+  static inline std::map<double, std::unique_ptr<Phantom>> built_;
+  const Phantom* phantom_ = nullptr;
+};
+
+TEST_P(FetalScene, BoxStartsInTheFluid) {
+  const Box& box = phantom_->region_of_interest();
+  for (double u = 0; u <= 1; u += 0.05) {
+    for (double v = 0; v <= 1; v += 0.05) {
+      const glm::dvec3 place{
+          glm::mix(box.low.x, box.high.x, u), glm::mix(box.low.y, box.high.y, v), box.low.z};
+      ASSERT_EQ(material_at(*phantom_, place), "amniotic_fluid") << u << " " << v;
+    }
+  }
+}
+
+TEST_P(FetalScene, MotherLiesBetweenProbeAndFluid) {
+  const SurfaceFinder finder(*phantom_);
+  const double face_z = 40e-3 - phantom_->suggested_position_m().z;
+  const auto wall = finder.first_hit({0, 0, face_z}, {0, 0, 1}, 0, 0.2);
+  ASSERT_TRUE(wall);
+  EXPECT_EQ(phantom_->surfaces()[wall->surface].name, "cavity");
+  // Overlying tissue: mean 29 mm, at least 17 mm (Carson 1989).
+  EXPECT_GT(wall->distance_m, 20e-3);
+  EXPECT_LT(wall->distance_m, 33e-3);
+  const auto face = finder.first_hit({0, 0, face_z}, {0, 0, 1}, wall->distance_m + 3e-3, 0.2);
+  ASSERT_TRUE(face);
+  EXPECT_EQ(phantom_->surfaces()[face->surface].name, "skin");
+  EXPECT_GT(face->distance_m - wall->distance_m, 14e-3);
+}
+
+TEST_P(FetalScene, FirstCrossingsPartFluidFromTissue) {
+  const SurfaceFinder finder(*phantom_);
+  const Box& box = phantom_->region_of_interest();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(0, 1), slant(-0.25, 0.25);
+  int hits = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const glm::dvec3 eye{glm::mix(box.low.x, box.high.x, share(random)),
+                         glm::mix(box.low.y, box.high.y, share(random)),
+                         box.low.z};
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(slant(random), slant(random), 1));
+    const auto hit = finder.first_hit(eye, direction, 0, 0.3);
+    ASSERT_TRUE(hit) << "the cavity is closed";
+    const glm::dvec3 place = eye + hit->distance_m * direction;
+    const auto gap = finder.distance(place);
+    ASSERT_TRUE(gap);
+    ASSERT_NEAR(gap->value_m, 0, 0.02e-3);
+    hits += phantom_->surfaces()[hit->surface].name == "skin";
+  }
+  EXPECT_GT(hits, 1200) << "most of the box shows the fetus";
+}
+
+TEST_P(FetalScene, FetusAndCordLieWithinTheFluid) {
+  const auto& cavity = *phantom_->grids().signed_distance[0];
+  for (std::size_t i = 1; i < phantom_->surfaces().size(); ++i) {
+    const auto& grid = *phantom_->grids().signed_distance[i];
+    for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
+      if (*voxel >= 0) continue;
+      ASSERT_LT(cavity.tree().getValue(voxel.getCoord()), 0)
+          << phantom_->surfaces()[i].name << " " << voxel.getCoord();
+    }
+  }
+}
+
+TEST_P(FetalScene, BoneLiesUnderSkinAndBrainUnderBone) {
+  const auto inside_of = [&](int inner, int outer) {
+    const auto& a = *phantom_->grids().signed_distance[inner];
+    const auto& b = *phantom_->grids().signed_distance[outer];
+    for (auto voxel = a.cbeginValueOn(); voxel; ++voxel) {
+      if (*voxel > -0.25e-3) continue;
+      ASSERT_LT(b.tree().getValue(voxel.getCoord()), 0);
+    }
+  };
+  inside_of(3, 2);
+  inside_of(4, 3);
+  inside_of(5, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Weeks, FetalScene, testing::Values(20.0, 21.0, 25.5, 30.0));
+
+}  // namespace
+}  // namespace wobblebench::phantoms

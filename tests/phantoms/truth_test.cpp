@@ -1,0 +1,210 @@
+// The ray intersector against closed forms.
+#include "phantoms/truth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <random>
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kVoxel = 0.5e-3;
+constexpr double kAllowedVoxels = 0.05;
+
+glm::dvec3 random_direction(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+}
+
+Phantom ball(double radius_m) {
+  PhantomOptions options;
+  options.name = "sphere";
+  options.radius_m = radius_m;
+  options.voxel_m = kVoxel;
+  return make_phantom(options);
+}
+
+TEST(SurfaceFinder, MeetsTheSphereFromAfar) {
+  constexpr double kRadius = 20e-3;
+  const Phantom phantom = ball(kRadius);
+  const SurfaceFinder finder(phantom);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> offset(0, 0.9 * kRadius), far(60e-3, 400e-3);
+  for (int i = 0; i < 5000; ++i) {
+    const glm::dvec3 direction = random_direction(random);
+    const glm::dvec3 side = glm::normalize(glm::cross(direction, random_direction(random)));
+    const double miss = offset(random), start = far(random);
+    const auto hit = finder.first_hit(miss * side - start * direction, direction, 0, 1);
+    ASSERT_TRUE(hit) << "ray " << i;
+    const double truth = start - std::sqrt(kRadius * kRadius - miss * miss);
+    // Along a slanting ray a distance error grows with 1 / cos(incidence).
+    const double cosine = std::sqrt(1 - miss * miss / (kRadius * kRadius));
+    ASSERT_NEAR(hit->distance_m, truth, kAllowedVoxels * kVoxel / cosine) << "ray " << i;
+    const glm::dvec3 normal = (miss * side + (truth - start) * direction) / kRadius;
+    ASSERT_GT(glm::dot(hit->normal, normal), std::cos(0.02)) << "ray " << i;
+    ASSERT_EQ(hit->surface, 0);
+  }
+}
+
+TEST(SurfaceFinder, LeavesTheSphereFromWithin) {
+  constexpr double kRadius = 20e-3;
+  const Phantom phantom = ball(kRadius);
+  const SurfaceFinder finder(phantom);
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> within(0, 0.97 * kRadius);
+  for (int i = 0; i < 5000; ++i) {
+    const glm::dvec3 start = within(random) * random_direction(random);
+    const glm::dvec3 direction = random_direction(random);
+    const auto hit = finder.first_hit(start, direction, 0, 1);
+    ASSERT_TRUE(hit) << "ray " << i;
+    const double b = glm::dot(start, direction);
+    const double root = std::sqrt(b * b - glm::dot(start, start) + kRadius * kRadius);
+    ASSERT_NEAR(hit->distance_m, root - b, kAllowedVoxels * kVoxel * kRadius / root) << i;
+    ASSERT_GT(glm::dot(hit->normal, direction), 0) << "normals point out of the tissue";
+  }
+}
+
+TEST(SurfaceFinder, MissesWhatTheRayPasses) {
+  const Phantom phantom = ball(20e-3);
+  const SurfaceFinder finder(phantom);
+  std::mt19937 random(3);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 direction = random_direction(random);
+    const glm::dvec3 side = glm::normalize(glm::cross(direction, random_direction(random)));
+    ASSERT_FALSE(finder.first_hit(20.1e-3 * side - 0.2 * direction, direction, 0, 1));
+  }
+}
+
+TEST(SurfaceFinder, KeepsToTheRangeAsked) {
+  const Phantom phantom = ball(20e-3);
+  const SurfaceFinder finder(phantom);
+  const glm::dvec3 eye{1e-3, 2e-3, -100e-3}, ahead{0, 0, 1};
+  const double half = std::sqrt(20e-3 * 20e-3 - 5e-6);
+  EXPECT_FALSE(finder.first_hit(eye, ahead, 0, 0.1 - half - 1e-4));
+  EXPECT_TRUE(finder.first_hit(eye, ahead, 0, 0.1 - half + 1e-4));
+  const auto back = finder.first_hit(eye, ahead, 0.1, 0.3);
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(back->distance_m, 0.1 + half, kAllowedVoxels * kVoxel);
+  EXPECT_FALSE(finder.first_hit(eye, ahead, 0.2, 0.3));
+  EXPECT_FALSE(finder.first_hit(eye, ahead, 0.3, 0.2));
+}
+
+class TiltedPlane : public testing::TestWithParam<glm::dvec2> {};
+
+TEST_P(TiltedPlane, IsWhereItsNormalSays) {
+  PhantomOptions options;
+  options.name = "plane";
+  options.tilt_x_rad = GetParam().x;
+  options.tilt_y_rad = GetParam().y;
+  options.voxel_m = kVoxel;
+  const Phantom phantom = make_phantom(options);
+  const SurfaceFinder finder(phantom);
+  // -z turned about x, then about y; written out so as not to share rotation_xyz's code.
+  const double a = options.tilt_x_rad, b = options.tilt_y_rad;
+  const glm::dvec3 normal{-std::sin(b) * std::cos(a), std::sin(a), -std::cos(b) * std::cos(a)};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> across(-35e-3, 35e-3), slant(-0.3, 0.3);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 eye{across(random), across(random), -150e-3};
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(slant(random), slant(random), 1));
+    const double cosine = -glm::dot(direction, normal);
+    const double truth = glm::dot(eye, normal) / cosine;
+    const glm::dvec3 place = eye + truth * direction;
+    if (cosine < 0.2 || truth < 0 || glm::length(place) > 100e-3) continue;
+    const auto hit = finder.first_hit(eye, direction, 0, 1);
+    ASSERT_TRUE(hit) << "ray " << i;
+    ASSERT_NEAR(hit->distance_m, truth, 1e-3 * kVoxel / cosine) << "a trilinear plane is exact";
+    ASSERT_NEAR(glm::length(hit->normal - normal), 0, 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Tilts,
+                         TiltedPlane,
+                         testing::Values(glm::dvec2(0, 0),
+                                         glm::dvec2(0.3, 0),
+                                         glm::dvec2(0, -0.5),
+                                         glm::dvec2(0.4, 0.7),
+                                         glm::dvec2(-1.0, 0.2)));
+
+TEST(SurfaceFinder, MeetsThePlaneAlongTheAxes) {
+  // Rays along a grid line, through voxel centres and on the faces of bricks.
+  PhantomOptions options;
+  options.name = "plane";
+  options.voxel_m = kVoxel;
+  const Phantom phantom = make_phantom(options);
+  const SurfaceFinder finder(phantom);
+  for (int x = -70; x <= 70; x += 2) {
+    const auto hit = finder.first_hit({x * kVoxel, 8 * kVoxel, -0.1}, {0, 0, 1}, 0, 1);
+    ASSERT_TRUE(hit) << x;
+    ASSERT_NEAR(hit->distance_m, 0.1, 1e-3 * kVoxel);
+  }
+}
+
+TEST(SurfaceFinder, SeesACrossingJustBeforeTheLimit) {
+  const Phantom phantom = ball(20e-3);
+  const SurfaceFinder finder(phantom);
+  std::mt19937 random(6);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 direction = random_direction(random);
+    const auto hit = finder.first_hit(-0.1 * direction, direction, 0, 0.08 + 0.06 * kVoxel);
+    ASSERT_TRUE(hit) << "ray " << i;
+    ASSERT_FALSE(finder.first_hit(-0.1 * direction, direction, 0, 0.08 - 0.06 * kVoxel));
+    // From within the band, on either side of the surface, close by.
+    ASSERT_TRUE(finder.first_hit(-0.0201 * direction, direction, 0, 0.2e-3));
+    ASSERT_TRUE(finder.first_hit(0.0199 * direction, direction, 0, 0.2e-3));
+  }
+}
+
+TEST(SurfaceFinder, DistanceIsSignedAndEndsWithTheBand) {
+  const Phantom phantom = ball(20e-3);
+  const SurfaceFinder finder(phantom);
+  const auto outside = finder.distance({0, 0, -20.7e-3}), inside = finder.distance({19.3e-3, 0, 0});
+  ASSERT_TRUE(outside && inside);
+  EXPECT_NEAR(outside->value_m, 0.7e-3, 0.05 * kVoxel);
+  EXPECT_NEAR(glm::length(outside->gradient - glm::dvec3(0, 0, -1)), 0, 0.05);
+  EXPECT_NEAR(inside->value_m, -0.7e-3, 0.05 * kVoxel);
+  EXPECT_FALSE(finder.distance({0, 0, 0}));
+  EXPECT_FALSE(finder.distance({0, 0, 1}));
+}
+
+TEST(SurfaceFinder, FindsNoTargetInTheSpeckleBlock) {
+  PhantomOptions options;
+  options.name = "speckle_block";
+  options.voxel_m = 2e-3;
+  const SurfaceFinder finder(make_phantom(options));
+  EXPECT_FALSE(finder.first_hit({0, 0, -1}, {0, 0, 1}, 0, 2));
+  EXPECT_FALSE(finder.distance({0, 0, 0}));
+}
+
+TEST(SurfaceFinder, MeetsFifteenPointsAtThreeDepths) {
+  PhantomOptions options;
+  options.name = "points";
+  options.voxel_m = 0.25e-3;
+  const SurfaceFinder finder(make_phantom(options));
+  for (double depth : {-25e-3, 0.0, 25e-3}) {
+    for (double x : {-30e-3, -15e-3, 0.0, 15e-3, 30e-3}) {
+      for (double y : {-15e-3, 0.0, 15e-3}) {
+        const auto hit = finder.first_hit({x, y, depth - 5e-3}, {0, 0, 1}, 0, 10e-3);
+        ASSERT_TRUE(hit);
+        EXPECT_NEAR(hit->distance_m, 4e-3, kAllowedVoxels * 0.25e-3);
+      }
+    }
+  }
+  EXPECT_FALSE(finder.first_hit({7e-3, 7e-3, -0.1}, {0, 0, 1}, 0, 1));
+}
+
+TEST(SurfaceFinder, CopiesAgree) {
+  const Phantom phantom = ball(10e-3);
+  const SurfaceFinder first(phantom);
+  const SurfaceFinder second(first);
+  const auto a = first.first_hit({1e-3, 0, -0.1}, {0, 0, 1}, 0, 1);
+  const auto b = second.first_hit({1e-3, 0, -0.1}, {0, 0, 1}, 0, 1);
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->distance_m, b->distance_m);
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms

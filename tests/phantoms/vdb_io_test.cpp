@@ -1,0 +1,259 @@
+// What is written is what is read; anything else is refused with one clear line.
+#include <gtest/gtest.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include "phantoms/grids.h"
+#include "phantoms/phantom.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+namespace fs = std::filesystem;
+
+class VdbFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    openvdb::initialize();
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              ("wobblebench_vdb_" + std::to_string(getpid()) + "_" + test->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file() const { return folder_ / "phantom.vdb"; }
+
+  static Phantom small_phantom() {
+    PhantomOptions options;
+    options.name = "sphere";
+    options.radius_m = 8e-3;
+    options.voxel_m = 1e-3;
+    return make_phantom(options);
+  }
+
+  std::string refusal() const {
+    try {
+      read_phantom(file());
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  // Rewrites the file after `change` has had its way with it.
+  void rewrite(const std::function<void(openvdb::GridPtrVec&, openvdb::MetaMap&)>& change) const {
+    openvdb::io::File in(file().string());
+    in.open(/*delayLoad=*/false);
+    openvdb::GridPtrVec grids = *in.getGrids();
+    openvdb::MetaMap meta = *in.getMetadata();
+    in.close();
+    change(grids, meta);
+    openvdb::io::File(file().string()).write(grids, meta);
+  }
+
+  void expect_refusal(const std::string& words) const {
+    const std::string line = refusal();
+    EXPECT_EQ(line.rfind(file().string() + ": ", 0), 0u) << line;
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(VdbFile, RoundTrip) {
+  PhantomOptions options;
+  options.voxel_m = 1.5e-3;
+  const Phantom written = make_phantom(options);
+  write_phantom(written, file());
+  const Phantom read = read_phantom(file());
+  EXPECT_EQ(read.name(), written.name());
+  EXPECT_EQ(read.background(), written.background());
+  EXPECT_EQ(read.region_of_interest().low, written.region_of_interest().low);
+  EXPECT_EQ(read.region_of_interest().high, written.region_of_interest().high);
+  EXPECT_EQ(read.suggested_position_m(), written.suggested_position_m());
+  ASSERT_EQ(read.materials().size(), written.materials().size());
+  for (std::size_t i = 0; i < read.materials().size(); ++i) {
+    const Material &a = read.materials()[i], &b = written.materials()[i];
+    EXPECT_EQ(std::tie(a.name, a.source), std::tie(b.name, b.source));
+    EXPECT_EQ(std::tie(a.sound_speed_m_s, a.impedance_rayl, a.attenuation_db_per_cm_mhz),
+              std::tie(b.sound_speed_m_s, b.impedance_rayl, b.attenuation_db_per_cm_mhz));
+    EXPECT_EQ(std::tie(a.backscatter_db, a.roughness), std::tie(b.backscatter_db, b.roughness));
+  }
+  ASSERT_EQ(read.surfaces().size(), written.surfaces().size());
+  for (std::size_t i = 0; i < read.surfaces().size(); ++i) {
+    EXPECT_EQ(read.surfaces()[i].name, written.surfaces()[i].name);
+    EXPECT_EQ(read.surfaces()[i].inside, written.surfaces()[i].inside);
+    EXPECT_EQ(read.surfaces()[i].is_target, written.surfaces()[i].is_target);
+    const auto &a = *read.grids().signed_distance[i], &b = *written.grids().signed_distance[i];
+    EXPECT_EQ(a.transform(), b.transform());
+    ASSERT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
+    const auto other = b.getConstAccessor();
+    for (auto voxel = a.cbeginValueAll(); voxel; ++voxel) {
+      ASSERT_EQ(*voxel, other.getValue(voxel.getCoord()));
+    }
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "no temporary is left";
+}
+
+TEST_F(VdbFile, IsReadByName) {
+  write_phantom(small_phantom(), file());
+  PhantomOptions options;
+  options.name = "file";
+  options.file = file().string();
+  EXPECT_EQ(make_phantom(options).name(), "sphere");
+}
+
+TEST_F(VdbFile, MaterialGridIsPaintedInOrder) {
+  PhantomOptions options;
+  options.voxel_m = 1e-3;
+  const Phantom phantom = make_phantom(options);
+  write_phantom(phantom, file());
+  openvdb::io::File in(file().string());
+  in.open();
+  const auto painted = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
+  ASSERT_TRUE(painted);
+  const auto tree = painted->getConstAccessor();
+  std::vector<openvdb::FloatGrid::ConstAccessor> distances;
+  for (const auto& grid : phantom.grids().signed_distance) {
+    distances.push_back(grid->getConstAccessor());
+  }
+  std::set<int> met;
+  for (int x = -80; x <= 80; x += 3) {
+    for (int y = -90; y <= 110; y += 3) {
+      for (int z = -60; z <= 110; z += 3) {
+        int expected = phantom.background();
+        for (std::size_t i = 0; i < distances.size(); ++i) {
+          if (distances[i].getValue({x, y, z}) < 0) expected = phantom.surfaces()[i].inside;
+        }
+        ASSERT_EQ(tree.getValue({x, y, z}), expected) << x << " " << y << " " << z;
+        met.insert(expected);
+      }
+    }
+  }
+  EXPECT_EQ(met.size(), 7u) << "mother, fluid, cord, skin, skull, brain, eyes";
+}
+
+TEST_F(VdbFile, RefusesAMissingFile) {
+  expect_refusal("no such file");
+}
+
+TEST_F(VdbFile, RefusesWhatIsNoVdb) {
+  std::ofstream(file()) << "a phantom, honestly";
+  expect_refusal("not a readable OpenVDB file");
+  std::ofstream(file(), std::ios::trunc);
+  expect_refusal("not a readable OpenVDB file");
+}
+
+TEST_F(VdbFile, RefusesAVdbOfSomebodyElse) {
+  openvdb::io::File(file().string()).write({openvdb::FloatGrid::create(1.0f)});
+  expect_refusal("not a phantom");
+}
+
+TEST_F(VdbFile, RefusesAMissingGrid) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto& grids, auto&) { grids.erase(grids.begin()); });
+  expect_refusal("has no grid \"ball\"");
+}
+
+TEST_F(VdbFile, RefusesAWrongGridClass) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto& grids, auto&) { grids[0]->setGridClass(openvdb::GRID_FOG_VOLUME); });
+  expect_refusal("not of the class level set");
+}
+
+TEST_F(VdbFile, RefusesAWrongGridType) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto& grids, auto&) {
+    grids[0] = openvdb::DoubleGrid::create(1.0);
+    grids[0]->setName("ball");
+  });
+  expect_refusal("not a float grid");
+}
+
+TEST_F(VdbFile, RefusesNaN) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto& grids, auto&) {
+    openvdb::gridPtrCast<openvdb::FloatGrid>(grids[0])->tree().setValue(
+        {8, 0, 0}, std::numeric_limits<float>::quiet_NaN());
+  });
+  expect_refusal("not finite");
+}
+
+TEST_F(VdbFile, RefusesAMaterialBeyondTheTable) {
+  write_phantom(small_phantom(), file());
+  rewrite(
+      [](auto&, auto& meta) { meta.insertMeta("surface.0.inside", openvdb::Int32Metadata(99)); });
+  expect_refusal("surface.0.inside\" = 99: must be within 0");
+}
+
+TEST_F(VdbFile, RefusesMissingMetadata) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto&, auto& meta) { meta.removeMeta("material.2.roughness"); });
+  expect_refusal("material.2.roughness");
+}
+
+TEST_F(VdbFile, RefusesALaterVersion) {
+  write_phantom(small_phantom(), file());
+  rewrite([](auto&, auto& meta) {
+    meta.insertMeta("wobblebench_phantom_version", openvdb::Int32Metadata(2));
+  });
+  expect_refusal("wobblebench_phantom_version\" = 2");
+}
+
+TEST_F(VdbFile, RefusesEveryTruncation) {
+  write_phantom(small_phantom(), file());
+  const auto whole = fs::file_size(file());
+  for (int tenth = 9; tenth >= 0; --tenth) {
+    fs::resize_file(file(), whole * tenth / 10);
+    EXPECT_NE(refusal(), "accepted") << tenth << " tenths";
+  }
+}
+
+TEST_F(VdbFile, SaysWhereItCannotWrite) {
+  const fs::path nowhere = folder_ / "no" / "such" / "folder.vdb";
+  try {
+    write_phantom(small_phantom(), nowhere);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(nowhere.string() + ": ", 0), 0u) << error.what();
+  }
+  fs::create_directory(file());
+  EXPECT_THROW(write_phantom(small_phantom(), file()), std::runtime_error);
+}
+
+TEST_F(VdbFile, LeavesTheOldFileWhenTheDiskIsFull) {
+  write_phantom(small_phantom(), file());
+  const auto whole = fs::file_size(file());
+  rlimit unlimited{};
+  getrlimit(RLIMIT_FSIZE, &unlimited);
+  auto* const before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit little = unlimited;
+  little.rlim_cur = whole / 2;
+  setrlimit(RLIMIT_FSIZE, &little);
+  std::string reason = "no error";
+  try {
+    write_phantom(small_phantom(), file());
+  } catch (const std::runtime_error& error) {
+    reason = error.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &unlimited);
+  std::signal(SIGXFSZ, before);
+  EXPECT_EQ(reason.rfind(file().string() + ": ", 0), 0u) << reason;
+  EXPECT_EQ(fs::file_size(file()), whole);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "no half file is left";
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms
