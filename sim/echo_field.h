@@ -1,0 +1,50 @@
+// Complex baseband (IQ) echoes of one volume on the polar grid, and the filters that give them the
+// probe's resolution. IQ, not RF: sub-sample delay is a phase, and the rate follows the bandwidth.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hw/acquisition_plan.h"
+
+namespace wobblebench::sim {
+
+/// frames x lines x samples, sample fastest. A sample's middle lies at (i + 1/2) * spacing_m.
+struct EchoField {
+  int frames = 0;
+  int lines = 0;
+  int samples = 0;
+  double spacing_m = 0;
+  std::vector<std::complex<float>> values;
+
+  std::span<std::complex<float>> stick(int frame, int line) {
+    const std::size_t n = static_cast<std::size_t>(samples);
+    return {values.data() + (static_cast<std::size_t>(frame) * lines + line) * n, n};
+  }
+};
+
+/// IQ samples for each output sample, so that the two-sided band of the pulse fits the rate.
+int iq_oversampling(const hw::AcquisitionPlan& plan);
+
+EchoField make_echo_field(const hw::AcquisitionPlan& plan);
+
+/// White circular noise of unit power, scaled by `strength`, then filtered by the pulse.
+void fill_speckle(std::span<std::complex<float>> stick,
+                  std::span<const float> strength,
+                  std::uint64_t key,
+                  double axial_sigma_samples);
+
+/// Filters each range across the lines of a frame, then across frames, by the beam's width there.
+void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
+void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
+
+/// Adds the echo of a single reflector: a pulse of peak `amplitude` at a range, with its phase.
+void add_reflector(std::span<std::complex<float>> stick,
+                   double spacing_m,
+                   double range_m,
+                   double amplitude,
+                   const hw::AcquisitionPlan& plan);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,37 @@
+// What a stick loses on its way, what interfaces send back, and what time gain restores.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "hw/acquisition_plan.h"
+#include "phantoms/material.h"
+#include "sim/options.h"
+#include "sim/tissue_sampler.h"
+
+namespace wobblebench::sim {
+
+inline double amplitude_of_db(double db) { return std::pow(10.0, db / 20); }
+
+/// Amplitude reflection coefficient at normal incidence, (Z2 - Z1) / (Z2 + Z1).
+double reflection(const phantoms::Material& before, const phantoms::Material& behind);
+
+/// Two-way amplitude left at each sample: attenuation 2 alpha f d, and 1 - R^2 for each interface
+/// crossed there and back.
+std::vector<float> two_way_amplitude(const TissueProfile& profile,
+                                     const std::vector<phantoms::Material>& materials,
+                                     const hw::AcquisitionPlan& plan,
+                                     const SimulationOptions& options,
+                                     double spacing_m,
+                                     int count);
+
+/// Echo amplitude of an interface against a perfect mirror, before losses on the way: |R| times a
+/// Gaussian specular lobe about the normal, and a diffuse part, by roughness, that falls as cosine.
+double interface_echo(const Interface& interface,
+                      const std::vector<phantoms::Material>& materials,
+                      const SimulationOptions& options);
+
+/// Time gain at a range, as an amplitude factor.
+double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m);
+
+}  // namespace wobblebench::sim

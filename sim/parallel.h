@@ -1,0 +1,12 @@
+// Loops over independent sticks or frames.
+#pragma once
+
+#include <functional>
+
+namespace wobblebench::sim {
+
+/// Calls body(first, last) over [0, count) in pieces, on `threads` threads (0: all of them). Bodies
+/// must be independent: then results do not depend on the number of threads.
+void parallel_ranges(int count, int threads, const std::function<void(int, int)>& body);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,26 @@
+// The probe's resolution: widths of its point spread (docs/references.md [4, 5]) and the kernels
+// that give speckle that size on the polar grid.
+#pragma once
+
+#include <vector>
+
+#include "hw/acquisition_plan.h"
+
+namespace wobblebench::sim {
+
+/// Full width at half amplitude along the stick: (c/2) 0.8825 / (B f0), a Gaussian pulse.
+double axial_fwhm_m(const hw::AcquisitionPlan& plan);
+/// Two-way -6 dB width in the image plane under dynamic focus: 0.886 lambda F#.
+double lateral_fwhm_m(const hw::AcquisitionPlan& plan);
+/// Across the image plane, fixed focus: diffraction 0.886 lambda range / height, and the aperture's
+/// geometric width height |1 - range / focus|, in quadrature.
+double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
+
+/// sigma of the Gaussian of that width: FWHM / 2.3548.
+double sigma_of_fwhm(double fwhm);
+
+/// Samples of a Gaussian with sum of squares 1, so that filtered white noise keeps its power. Odd
+/// count, cut where it falls below one percent, at most 2 * max_half + 1 taps.
+std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half);
+
+}  // namespace wobblebench::sim

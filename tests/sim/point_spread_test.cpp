@@ -1,0 +1,52 @@
+#include "sim/point_spread.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wobblebench::sim {
+namespace {
+
+const hw::AcquisitionPlan& default_plan() {
+  static const hw::AcquisitionPlan plan({}, {});
+  return plan;
+}
+
+TEST(PointSpread, WidthsFollowTheFormulas) {
+  // c = 1540 m/s, f0 = 3.5 MHz, B = 0.6, F# = 2, height 13.5 mm: worked by hand.
+  EXPECT_NEAR(axial_fwhm_m(default_plan()), 0.3236e-3, 1e-7);
+  EXPECT_NEAR(lateral_fwhm_m(default_plan()), 0.7797e-3, 1e-7);
+  EXPECT_NEAR(elevation_fwhm_m(default_plan(), 60e-3), 1.7326e-3, 1e-7);
+}
+
+TEST(PointSpread, ElevationIsNarrowestNearItsFocus) {
+  const double at_focus = elevation_fwhm_m(default_plan(), 60e-3);
+  EXPECT_GT(elevation_fwhm_m(default_plan(), 20e-3), 2 * at_focus);
+  EXPECT_GT(elevation_fwhm_m(default_plan(), 120e-3), 2 * at_focus);
+  EXPECT_NEAR(elevation_fwhm_m(default_plan(), 0), 13.5e-3, 1e-9) << "the aperture itself";
+}
+
+TEST(PointSpread, KernelKeepsThePowerOfWhiteNoise) {
+  for (double sigma : {0.0, 0.1, 0.5, 0.88, 2.0, 7.5, 100.0}) {
+    const auto taps = unit_power_gaussian(sigma, 32);
+    double power = 0;
+    for (float tap : taps) power += static_cast<double>(tap) * static_cast<double>(tap);
+    EXPECT_NEAR(power, 1, 1e-6) << "sigma " << sigma;
+    EXPECT_EQ(taps.size() % 2, 1u);
+    EXPECT_LE(taps.size(), 65u);
+  }
+}
+
+TEST(PointSpread, KernelHasTheWidthAskedFor) {
+  const auto taps = unit_power_gaussian(10.0, 64);
+  const std::size_t middle = taps.size() / 2;
+  const double half = 10.0 * std::sqrt(2 * std::log(2.0));
+  const auto below = static_cast<std::size_t>(half);
+  EXPECT_GT(taps[middle + below], taps[middle] / 2);
+  EXPECT_LT(taps[middle + below + 1], taps[middle] / 2);
+}
+
+TEST(PointSpread, FwhmOfAGaussianIs2point3548Sigma) { EXPECT_NEAR(sigma_of_fwhm(2.354820), 1, 1e-6); }
+
+}  // namespace
+}  // namespace wobblebench::sim
