@@ -17,9 +17,11 @@ struct ProbeOptions {
   double wobble_radius_m = 27e-3;  ///< the wobble axis lies this far behind the face, "w" <= a
   double center_frequency_hz = 3.5e6;
   double fractional_bandwidth = 0.6;  ///< -6 dB bandwidth over centre frequency
-  double f_number = 2.0;              ///< receive F-number in the image plane (dynamic focus)
+  /// In the image plane, dynamic focus. At 4 the beams of the default 64 sticks nearly meet at 6
+  /// cm.
+  double f_number = 4.0;
   double element_height_m = 13.5e-3;  ///< aperture across the image plane
-  double elevation_focus_m = 60e-3;   ///< fixed focus across the image plane, range from the face
+  double elevation_focus_m = 75e-3;   ///< fixed focus across the image plane, range from the face
 
   friend bool operator==(const ProbeOptions&, const ProbeOptions&) = default;
 };

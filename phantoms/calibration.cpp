@@ -32,13 +32,9 @@ double box_distance(const glm::dvec3& position, const glm::dvec3& half_m) {
   return glm::length(glm::max(beyond, glm::dvec3(0))) + inside;
 }
 
-// Wide enough to judge the plane by, deep enough to hold it unless it is very steep.
-Box plane_box(const glm::dvec3& normal) {
-  const double half = 35 * kMm;
-  const double rise = half * (std::abs(normal.x) + std::abs(normal.y)) / std::abs(normal.z);
-  const double depth = std::min(rise + 10 * kMm, 60 * kMm);
-  return {{-half, -half, -depth}, {half, half, depth}};
-}
+// All boxes of interest are of one depth, so that a picture's step along the ray, and with it what
+// a threshold means, is the same for each.
+constexpr double kBoxDepth = 60 * kMm;
 
 }  // namespace
 
@@ -55,7 +51,7 @@ Phantom make_plane(const PhantomOptions& options) {
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"slab", material_index("soft_tissue"), true}},
-                 plane_box(turn[2]),
+                 {{-35 * kMm, -35 * kMm, -kBoxDepth / 2}, {35 * kMm, 35 * kMm, kBoxDepth / 2}},
                  kPosition,
                  only(grid));
 }
@@ -69,7 +65,8 @@ Phantom make_sphere(const PhantomOptions& options) {
                               options.voxel_m,
                               Distances::exact);
   const double half = std::clamp(1.5 * radius, 30 * kMm, 40 * kMm);
-  const Box box{{-half, -half, -radius - 10 * kMm}, {half, half, 0}};
+  const double front = -radius - 10 * kMm;
+  const Box box{{-half, -half, front}, {half, half, front + kBoxDepth}};
   // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
   const glm::dvec3 position{0, 0, std::max(kPosition.z, radius + 80 * kMm)};
   return Phantom("sphere",

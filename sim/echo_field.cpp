@@ -17,9 +17,13 @@ using Complex = std::complex<float>;
 constexpr int kMaxHalfLines = 8;
 constexpr int kMaxHalfFrames = 16;
 
-/// Weighted sum of the `count` values around `centre`, `stride` apart. Taps beyond the ends are left
-/// out and the rest scaled up, so that the edges of the field keep their power.
-Complex filtered(const Complex* first, int count, std::size_t stride, int centre, const std::vector<float>& taps) {
+/// Weighted sum of the `count` values around `centre`, `stride` apart. Taps beyond the ends are
+/// left out and the rest scaled up, so that the edges of the field keep their power.
+Complex filtered(const Complex* first,
+                 int count,
+                 std::size_t stride,
+                 int centre,
+                 const std::vector<float>& taps) {
   const int half = static_cast<int>(taps.size()) / 2;
   const int low = std::max(0, centre - half), high = std::min(count - 1, centre + half);
   Complex sum(0, 0);
@@ -71,7 +75,7 @@ void fill_speckle(std::span<Complex> stick,
   for (std::size_t i = 0; i < stick.size(); ++i) {
     stick[i] = strength[i] > 0 ? strength[i] * complex_normal(key, i) : Complex(0, 0);
   }
-  const auto smooth = convolved(stick, unit_power_gaussian(axial_sigma_samples, 64));
+  const auto smooth = convolved(stick, unit_power_gaussian(axial_sigma_samples, kMaxHalfPulse));
   std::copy(smooth.begin(), smooth.end(), stick.begin());
 }
 
@@ -92,7 +96,8 @@ void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int 
       for (int line = 0; line < field.lines; ++line) {
         for (std::size_t i = 0; i < stride; ++i) {
           if (taps[i].size() == 1) continue;
-          values[line * stride + i] = filtered(frame.data() + i, field.lines, stride, line, taps[i]);
+          values[line * stride + i] =
+              filtered(frame.data() + i, field.lines, stride, line, taps[i]);
         }
       }
     }
@@ -107,11 +112,7 @@ void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int
     for (int line = first; line < last; ++line) {
       for (std::size_t i = 0; i < stride; ++i) {
         const double range_m = (static_cast<double>(i) + 0.5) * field.spacing_m;
-        const double radius_m = plan.probe().radius_m + range_m;
-        // Neighbouring planes lie (r cos(theta) - b) d phi apart.
-        const double to_axis_m =
-            std::abs(radius_m * std::cos(plan.theta_rad(line)) - plan.geometry().axis_z_m());
-        const double step_m = to_axis_m * plan.phi_step_rad();
+        const double step_m = frame_distance_m(plan, line, range_m);
         const double sigma_m = sigma_of_fwhm(elevation_fwhm_m(plan, range_m));
         const auto taps = unit_power_gaussian(step_m > 0 ? sigma_m / step_m : 0, kMaxHalfFrames);
         if (taps.size() == 1) continue;
@@ -134,8 +135,8 @@ void add_reflector(std::span<Complex> stick,
                    double amplitude,
                    const hw::AcquisitionPlan& plan) {
   const double sigma_m = sigma_of_fwhm(axial_fwhm_m(plan));
-  const double cycles = 2 * range_m * plan.probe().center_frequency_hz /
-                        plan.acquisition().sound_speed_m_s;
+  const double cycles =
+      2 * range_m * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s;
   const double phase = -2 * kPi * (cycles - std::floor(cycles));
   const std::complex<double> echo = std::polar(amplitude, phase);
   const int reach = static_cast<int>(std::ceil(4 * sigma_m / spacing_m));

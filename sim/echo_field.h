@@ -25,6 +25,9 @@ struct EchoField {
   }
 };
 
+/// Longest half of a pulse that is worth its cost, in IQ samples.
+inline constexpr int kMaxHalfPulse = 64;
+
 /// IQ samples for each output sample, so that the two-sided band of the pulse fits the rate.
 int iq_oversampling(const hw::AcquisitionPlan& plan);
 

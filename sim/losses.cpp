@@ -50,9 +50,9 @@ std::vector<float> two_way_amplitude(const TissueProfile& profile,
   return amplitude;
 }
 
-double interface_echo(const Interface& interface,
-                      const std::vector<phantoms::Material>& materials,
-                      const SimulationOptions& options) {
+InterfaceEcho interface_echo(const Interface& interface,
+                             const std::vector<phantoms::Material>& materials,
+                             const SimulationOptions& options) {
   const phantoms::Material& before = materials.at(interface.before);
   const phantoms::Material& behind = materials.at(interface.behind);
   const double r = std::abs(reflection(before, behind));
@@ -60,12 +60,15 @@ double interface_echo(const Interface& interface,
   const double cosine = std::min(1.0, interface.cos_incidence);
   // -3 dB of amplitude at half the width: exp(-ln(sqrt 2) (2 angle / width)^2).
   const double relative = 2 * std::acos(cosine) / options.specular_width_rad;
-  const double specular = std::exp(-0.5 * std::log(2.0) * relative * relative);
-  return r * ((1 - roughness) * specular + roughness * cosine);
+  const double lobe = std::exp(-0.5 * std::log(2.0) * relative * relative);
+  return {r * (1 - roughness) * lobe, r * roughness * cosine};
 }
 
-double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m) {
-  return amplitude_of_db(two_way_db_per_cm(options.tgc_db_per_cm_mhz, plan) * range_m / kCentimetre);
+double time_gain(const hw::AcquisitionPlan& plan,
+                 const SimulationOptions& options,
+                 double range_m) {
+  return amplitude_of_db(two_way_db_per_cm(options.tgc_db_per_cm_mhz, plan) * range_m /
+                         kCentimetre);
 }
 
 }  // namespace wobblebench::sim

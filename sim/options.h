@@ -57,8 +57,10 @@ void describe(SimulationOptions& o, Visitor& v) {
   v.real("full_scale_db", o.full_scale_db, 1, -100, 20);
   v.real("dynamic_range_db", o.dynamic_range_db, 1, 10, 200);
   v.flag("low_pass", o.low_pass);
-  v.choice("output", o.output,
-           {{"log", hw::SampleScale::log_compressed}, {"linear", hw::SampleScale::linear_envelope}});
+  v.choice(
+      "output",
+      o.output,
+      {{"log", hw::SampleScale::log_compressed}, {"linear", hw::SampleScale::linear_envelope}});
 }
 
 }  // namespace wobblebench::sim

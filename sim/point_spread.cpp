@@ -26,12 +26,19 @@ double lateral_fwhm_m(const hw::AcquisitionPlan& plan) {
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m) {
   const auto& probe = plan.probe();
   const double diffraction = 0.886 * wavelength_m(plan) * range_m / probe.element_height_m;
-  const double geometric =
-      probe.element_height_m * std::abs(1 - range_m / probe.elevation_focus_m);
+  const double geometric = probe.element_height_m * std::abs(1 - range_m / probe.elevation_focus_m);
   return std::hypot(diffraction, geometric);
 }
 
-double sigma_of_fwhm(double fwhm) { return fwhm / (2 * std::sqrt(2 * std::log(2.0))); }
+double frame_distance_m(const hw::AcquisitionPlan& plan, int line, double range_m) {
+  const double radius_m = plan.probe().radius_m + range_m;
+  const double to_axis_m = radius_m * std::cos(plan.theta_rad(line)) - plan.geometry().axis_z_m();
+  return std::abs(to_axis_m) * plan.phi_step_rad();
+}
+
+double sigma_of_fwhm(double fwhm) {
+  return fwhm / (2 * std::sqrt(2 * std::log(2.0)));
+}
 
 std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half) {
   constexpr double kCutSigmas = 3.035;  // exp(-kCutSigmas^2 / 2) = 0.01

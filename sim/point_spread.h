@@ -16,6 +16,10 @@ double lateral_fwhm_m(const hw::AcquisitionPlan& plan);
 /// geometric width height |1 - range / focus|, in quadrature.
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 
+/// Distance between neighbouring image planes at a place, (r cos(theta) - b) d phi; 0 for one
+/// frame.
+double frame_distance_m(const hw::AcquisitionPlan& plan, int line, double range_m);
+
 /// sigma of the Gaussian of that width: FWHM / 2.3548.
 double sigma_of_fwhm(double fwhm);
 

@@ -1,5 +1,6 @@
 #include "sim/probe_simulator.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/losses.h"
@@ -15,29 +16,22 @@ namespace {
 /// A Rayleigh envelope's mean is sqrt(pi)/2 of its RMS; the material table gives means.
 const double kRmsOfRayleighMean = 2 / std::sqrt(kPi);
 
-hw::StickIndex index_of(int frame, int line) {
-  return {0, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)};
-}
-
-hw::Ray sightline(const hw::AcquisitionPlan& plan, int frame, int line) {
-  return plan.geometry().stick(plan.theta_rad(line), plan.motor_angle_rad(index_of(frame, line)));
-}
-
-/// Profiles of all sticks of a frame range, each thread with its own sampler.
+/// Profiles along the lines of sight of a grid, each thread with its own sampler.
 template <class Body>
 void for_each_profile(const hw::AcquisitionPlan& plan,
+                      const BeamGrid& grid,
                       const phantoms::Phantom& phantom,
                       const phantoms::Placement& placement,
                       double spacing_m,
                       int samples,
                       int threads,
                       const Body& body) {
-  const int lines = plan.acquisition().sticks_per_frame;
-  parallel_ranges(plan.sticks_per_volume(), threads, [&](int first, int last) {
+  const int lines = grid.lines(plan);
+  parallel_ranges(grid.frames(plan) * lines, threads, [&](int first, int last) {
     TissueSampler sampler(phantom, placement);
     for (int i = first; i < last; ++i) {
       const int frame = i / lines, line = i % lines;
-      body(sampler.profile(sightline(plan, frame, line), spacing_m, samples), frame, line);
+      body(sampler.profile(grid.sightline(plan, frame, line), spacing_m, samples), frame, line);
     }
   });
 }
@@ -64,8 +58,9 @@ void ProbeSimulator::scan_geometry(const phantoms::Phantom& phantom,
   mean_echoes_.resize(static_cast<std::size_t>(plan_.sticks_per_volume()) *
                       static_cast<std::size_t>(samples));
   const auto fill = [&](const TissueProfile& profile, int frame, int line) {
-    float* stick = mean_echoes_.data() +
-                   (static_cast<std::size_t>(frame) * acquisition.sticks_per_frame + line) * samples;
+    float* stick =
+        mean_echoes_.data() +
+        (static_cast<std::size_t>(frame) * acquisition.sticks_per_frame + line) * samples;
     for (const Stretch& stretch : profile.stretches) {
       const double mean = amplitude_of_db(materials_.at(stretch.material).backscatter_db);
       const float value = options_.output == hw::SampleScale::linear_envelope
@@ -74,56 +69,113 @@ void ProbeSimulator::scan_geometry(const phantoms::Phantom& phantom,
       std::fill(stick + stretch.first, stick + stretch.last, value);
     }
   };
-  for_each_profile(
-      plan_, phantom, placement, plan_.sample_spacing_m(), samples, options_.threads, fill);
+  // Without a beam there is nothing between the sticks to look at.
+  for_each_profile(plan_,
+                   BeamGrid(),
+                   phantom,
+                   placement,
+                   plan_.sample_spacing_m(),
+                   samples,
+                   options_.threads,
+                   fill);
 }
 
 void ProbeSimulator::scan_field(const phantoms::Phantom& phantom,
                                 const phantoms::Placement& placement) {
   echoes_ = make_echo_field(plan_);
-  std::vector<TissueProfile> profiles(static_cast<std::size_t>(plan_.sticks_per_volume()));
-  const auto keep = [&](TissueProfile profile, int frame, int line) {
-    fill_stick(profile, frame, line);
-    profiles[static_cast<std::size_t>(frame * echoes_.lines + line)] = std::move(profile);
+  const BeamGrid grid(plan_);
+  PowerField power(grid.frames(plan_), grid.lines(plan_), echoes_.samples);
+  std::vector<TissueProfile> on_axis(static_cast<std::size_t>(plan_.sticks_per_volume()));
+  const auto sample = [&](TissueProfile profile, int frame, int line) {
+    add_power(profile, power.stick(frame, line));
+    if (frame % grid.per_frame != 0 || line % grid.per_line != 0) return;
+    const int stick = frame / grid.per_frame * echoes_.lines + line / grid.per_line;
+    on_axis[static_cast<std::size_t>(stick)] = std::move(profile);
   };
-  for_each_profile(
-      plan_, phantom, placement, echoes_.spacing_m, echoes_.samples, options_.threads, keep);
-  if (options_.speckle) {
-    filter_across_lines(echoes_, plan_, options_.threads);
-    filter_across_frames(echoes_, plan_, options_.threads);
-  }
+  for_each_profile(plan_,
+                   grid,
+                   phantom,
+                   placement,
+                   echoes_.spacing_m,
+                   echoes_.samples,
+                   options_.threads,
+                   sample);
+  fill_speckle_from(
+      averaged_under_beam(std::move(power), grid, plan_, echoes_.spacing_m, options_.threads));
   if (!options_.interface_echo) return;
   parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      add_interfaces(profiles[static_cast<std::size_t>(i)], i / echoes_.lines, i % echoes_.lines);
+      add_specular(on_axis[static_cast<std::size_t>(i)], i / echoes_.lines, i % echoes_.lines);
     }
   });
 }
 
-void ProbeSimulator::fill_stick(const TissueProfile& profile, int frame, int line) {
-  auto strength = two_way_amplitude(
-      profile, materials_, plan_, options_, echoes_.spacing_m, echoes_.samples);
+void ProbeSimulator::add_power(const TissueProfile& profile, float* power) const {
+  const auto left =
+      two_way_amplitude(profile, materials_, plan_, options_, echoes_.spacing_m, echoes_.samples);
+  const auto rms = [&](double mean) { return options_.speckle ? mean * kRmsOfRayleighMean : mean; };
   for (const Stretch& stretch : profile.stretches) {
-    const double mean = amplitude_of_db(materials_.at(stretch.material).backscatter_db);
-    const float scale = static_cast<float>(options_.speckle ? mean * kRmsOfRayleighMean : mean);
-    for (int i = stretch.first; i < stretch.last; ++i) strength[static_cast<std::size_t>(i)] *= scale;
+    const auto scale =
+        static_cast<float>(rms(amplitude_of_db(materials_.at(stretch.material).backscatter_db)));
+    for (int i = stretch.first; i < stretch.last; ++i) {
+      const float amplitude = scale * left[static_cast<std::size_t>(i)];
+      power[i] = amplitude * amplitude;
+    }
   }
-  const auto stick = echoes_.stick(frame, line);
-  if (!options_.speckle) {
-    std::copy(strength.begin(), strength.end(), stick.begin());
-    return;
+  if (!options_.interface_echo) return;
+  // A rough interface is a thin sheet of scatterers: one sample's worth of power that the pulse
+  // spreads to the amplitude asked for at its peak.
+  const double peak = pulse_peak();
+  for (std::size_t i = 0; i < profile.interfaces.size(); ++i) {
+    const int before = profile.stretches[i].last - 1;
+    const double diffuse = interface_echo(profile.interfaces[i], materials_, options_).diffuse;
+    const double amplitude =
+        rms(diffuse) / peak * static_cast<double>(left[static_cast<std::size_t>(before)]);
+    const int at = std::clamp(static_cast<int>(profile.interfaces[i].range_m / echoes_.spacing_m),
+                              0,
+                              echoes_.samples - 1);
+    power[at] += static_cast<float>(amplitude * amplitude);
   }
-  const auto key = random_key(options_.seed,
-                              RandomStream::speckle,
-                              static_cast<std::uint64_t>(frame),
-                              static_cast<std::uint64_t>(line));
-  fill_speckle(stick, strength, key, sigma_of_fwhm(axial_fwhm_m(plan_)) / echoes_.spacing_m);
 }
 
-void ProbeSimulator::add_interfaces(const TissueProfile& profile, int frame, int line) {
+void ProbeSimulator::fill_speckle_from(PowerField power) {
+  for (float& value : power.values) value = std::sqrt(value);
+  const std::size_t samples = static_cast<std::size_t>(echoes_.samples);
+  parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const int frame = i / echoes_.lines, line = i % echoes_.lines;
+      const std::span<const float> strength(power.stick(frame, line), samples);
+      const auto stick = echoes_.stick(frame, line);
+      if (!options_.speckle) {
+        std::copy(strength.begin(), strength.end(), stick.begin());
+        continue;
+      }
+      const auto key = random_key(options_.seed,
+                                  RandomStream::speckle,
+                                  static_cast<std::uint64_t>(frame),
+                                  static_cast<std::uint64_t>(line));
+      fill_speckle(stick, strength, key, pulse_sigma_samples());
+    }
+  });
+  if (!options_.speckle) return;
+  filter_across_lines(echoes_, plan_, options_.threads);
+  filter_across_frames(echoes_, plan_, options_.threads);
+}
+
+double ProbeSimulator::pulse_sigma_samples() const {
+  return sigma_of_fwhm(axial_fwhm_m(plan_)) / echoes_.spacing_m;
+}
+
+double ProbeSimulator::pulse_peak() const {
+  if (!options_.speckle) return 1;
+  const auto taps = unit_power_gaussian(pulse_sigma_samples(), kMaxHalfPulse);
+  return static_cast<double>(taps[taps.size() / 2]);
+}
+
+void ProbeSimulator::add_specular(const TissueProfile& profile, int frame, int line) {
   if (profile.interfaces.empty()) return;
-  const auto amplitude = two_way_amplitude(
-      profile, materials_, plan_, options_, echoes_.spacing_m, echoes_.samples);
+  const auto left =
+      two_way_amplitude(profile, materials_, plan_, options_, echoes_.spacing_m, echoes_.samples);
   for (std::size_t i = 0; i < profile.interfaces.size(); ++i) {
     const Interface& interface = profile.interfaces[i];
     // What arrives at an interface is what is left at the last sample before it.
@@ -131,8 +183,8 @@ void ProbeSimulator::add_interfaces(const TissueProfile& profile, int frame, int
     add_reflector(echoes_.stick(frame, line),
                   echoes_.spacing_m,
                   interface.range_m,
-                  interface_echo(interface, materials_, options_) *
-                      static_cast<double>(amplitude[static_cast<std::size_t>(before)]),
+                  interface_echo(interface, materials_, options_).specular *
+                      static_cast<double>(left[static_cast<std::size_t>(before)]),
                   plan_);
   }
 }
@@ -165,6 +217,7 @@ std::vector<std::string> ProbeSimulator::effects() const {
       {field && options_.transmission_loss, "transmission_loss"},
       {field && options_.speckle, "speckle"},
       {field && options_.speckle, "point_spread"},
+      {field, "beam_width"},
       {field && options_.interface_echo, "interface_echo"},
       {field && options_.noise_db > kSilent_db, "noise"},
       {field, "envelope"},

@@ -7,6 +7,7 @@
 
 #include "hw/acquisition_plan.h"
 #include "phantoms/phantom.h"
+#include "sim/beam.h"
 #include "sim/echo_field.h"
 #include "sim/options.h"
 #include "sim/tissue_sampler.h"
@@ -34,8 +35,12 @@ class ProbeSimulator {
 
  private:
   void scan_field(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
-  void fill_stick(const TissueProfile& profile, int frame, int line);
-  void add_interfaces(const TissueProfile& profile, int frame, int line);
+  void add_power(const TissueProfile& profile, float* power) const;
+  void add_specular(const TissueProfile& profile, int frame, int line);
+  void fill_speckle_from(PowerField power);
+  double pulse_sigma_samples() const;
+  /// Largest tap of the speckle's axial filter.
+  double pulse_peak() const;
   void scan_geometry(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
 
   hw::AcquisitionPlan plan_;

@@ -60,10 +60,10 @@ void SimLink::encode_next() {
   ++sequence_;
 
   if (place + 1 < per_volume) return;
-  hw::encode(hw::VolumeEndPacket{.sequence = sequence_,
-                                 .volume = stick.index.volume,
-                                 .time = plan.stick_time(sequence_)},
-             bytes_);
+  hw::encode(
+      hw::VolumeEndPacket{
+          .sequence = sequence_, .volume = stick.index.volume, .time = plan.stick_time(sequence_)},
+      bytes_);
 }
 
 }  // namespace wobblebench::sim

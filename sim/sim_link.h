@@ -30,10 +30,10 @@ class SimLink : public hw::Link {
   ProbeSimulator simulator_;
   std::atomic<bool> cancelled_ = false;
   std::atomic<bool> closed_ = false;
-  std::uint64_t sequence_ = 0;   ///< of the stick that is encoded next
-  VolumeSamples volume_;         ///< of the volume under way
-  std::vector<std::byte> bytes_; ///< encoded packets …
-  std::size_t read_ = 0;         ///< … of which this many were read
+  std::uint64_t sequence_ = 0;    ///< of the stick that is encoded next
+  VolumeSamples volume_;          ///< of the volume under way
+  std::vector<std::byte> bytes_;  ///< encoded packets …
+  std::size_t read_ = 0;          ///< … of which this many were read
 };
 
 }  // namespace wobblebench::sim

@@ -73,7 +73,8 @@ struct TissueSampler::State {
 
   /// The interface between two neighbouring samples of different material: the crossing, among
   /// those between them, of the surface that is met first.
-  Interface crossing(const hw::Ray& ray, double from_m, const Sample& a, double to_m, const Sample& b) const {
+  Interface crossing(
+      const hw::Ray& ray, double from_m, const Sample& a, double to_m, const Sample& b) const {
     Interface result{to_m, a.material, b.material, 1.0};
     double nearest = HUGE_VAL;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
@@ -119,8 +120,7 @@ TissueProfile TissueSampler::profile(const hw::Ray& stick, double spacing_m, int
     std::swap(previous, current);
     state_->sample(ray.at(range(next)), current);
     if (current.material != previous.material) {
-      profile.interfaces.push_back(
-          state_->crossing(ray, range(i), previous, range(next), current));
+      profile.interfaces.push_back(state_->crossing(ray, range(i), previous, range(next), current));
       profile.stretches.back().last = next;
       profile.stretches.push_back({next, count, current.material});
     }

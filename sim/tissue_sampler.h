@@ -1,4 +1,5 @@
-// What a line of sight passes: materials and the interfaces between them. OpenVDB stays in the .cpp.
+// What a line of sight passes: materials and the interfaces between them. OpenVDB stays in the
+// .cpp.
 #pragma once
 
 #include <memory>

@@ -30,12 +30,14 @@ Bytes example() {
   return bytes;
 }
 
+/// Written out, so that the page stays right when defaults change.
 AcquisitionPlan example_plan() {
+  const ProbeOptions probe{.f_number = 2.0, .elevation_focus_m = 60e-3};
   AcquisitionOptions acquisition;
   acquisition.sticks_per_frame = 1;
   acquisition.samples_per_stick = 4;
   acquisition.frames_per_volume = 1;
-  return {{}, acquisition};
+  return {probe, acquisition};
 }
 
 Stick example_stick(const AcquisitionPlan& plan) {

@@ -151,7 +151,9 @@ TEST(Wire, HeaderLiesWhereThePageSays) {
 }
 
 TEST(Wire, ConfigurationPayloadLiesWhereThePageSays) {
-  const ConfigurationPacket packet;
+  ConfigurationPacket packet;
+  packet.probe.f_number = 2.0;
+  packet.probe.elevation_focus_m = 0.06;
   const Bytes bytes = encoded(packet);
   ASSERT_EQ(bytes.size(), 64U + 128U);
   const auto real = [&](std::size_t offset) {

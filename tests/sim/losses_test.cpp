@@ -17,7 +17,9 @@ const hw::AcquisitionPlan& plan() {
   return default_plan;
 }
 
-double db(double amplitude) { return 20 * std::log10(amplitude); }
+double db(double amplitude) {
+  return 20 * std::log10(amplitude);
+}
 
 TEST(Losses, ReflectionOfKnownPairs) {
   EXPECT_NEAR(reflection(material("amniotic_fluid"), material("fetal_skin")), 0.0443, 1e-4);
@@ -57,11 +59,13 @@ TEST(Losses, SpecularLobeHasItsWidthAndRoughnessItsFloor) {
   const auto echo = [&](double angle_rad) {
     return interface_echo({0, 0, 1, std::cos(angle_rad)}, materials, options);
   };
-  EXPECT_NEAR(echo(0), r, 1e-12);
-  EXPECT_NEAR(db(echo(options.specular_width_rad / 2) / r), -3.01, 0.01);
-  EXPECT_LT(echo(10 * kDegree), 1e-3 * r);
+  EXPECT_NEAR(echo(0).specular, r, 1e-12);
+  EXPECT_NEAR(db(echo(options.specular_width_rad / 2).specular / r), -3.01, 0.01);
+  EXPECT_LT(echo(10 * kDegree).specular, 1e-3 * r);
+  EXPECT_EQ(echo(0).diffuse, 0);
   for (auto& m : materials) m.roughness = 1;
-  EXPECT_NEAR(echo(60 * kDegree), 0.5 * r, 1e-12);
+  EXPECT_NEAR(echo(60 * kDegree).diffuse, 0.5 * r, 1e-12);
+  EXPECT_EQ(echo(0).specular, 0);
 }
 
 TEST(Losses, TimeGainUndoesItsNominalTissue) {

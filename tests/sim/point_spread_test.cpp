@@ -13,16 +13,16 @@ const hw::AcquisitionPlan& default_plan() {
 }
 
 TEST(PointSpread, WidthsFollowTheFormulas) {
-  // c = 1540 m/s, f0 = 3.5 MHz, B = 0.6, F# = 2, height 13.5 mm: worked by hand.
+  // c = 1540 m/s, f0 = 3.5 MHz, B = 0.6, F# = 4, height 13.5 mm: worked by hand.
   EXPECT_NEAR(axial_fwhm_m(default_plan()), 0.3236e-3, 1e-7);
-  EXPECT_NEAR(lateral_fwhm_m(default_plan()), 0.7797e-3, 1e-7);
-  EXPECT_NEAR(elevation_fwhm_m(default_plan(), 60e-3), 1.7326e-3, 1e-7);
+  EXPECT_NEAR(lateral_fwhm_m(default_plan()), 1.5594e-3, 1e-7);
+  EXPECT_NEAR(elevation_fwhm_m(default_plan(), 75e-3), 2.1658e-3, 1e-7);
 }
 
 TEST(PointSpread, ElevationIsNarrowestNearItsFocus) {
-  const double at_focus = elevation_fwhm_m(default_plan(), 60e-3);
-  EXPECT_GT(elevation_fwhm_m(default_plan(), 20e-3), 2 * at_focus);
-  EXPECT_GT(elevation_fwhm_m(default_plan(), 120e-3), 2 * at_focus);
+  const double at_focus = elevation_fwhm_m(default_plan(), 75e-3);
+  EXPECT_GT(elevation_fwhm_m(default_plan(), 25e-3), 2 * at_focus);
+  EXPECT_GT(elevation_fwhm_m(default_plan(), 150e-3), 2 * at_focus);
   EXPECT_NEAR(elevation_fwhm_m(default_plan(), 0), 13.5e-3, 1e-9) << "the aperture itself";
 }
 
@@ -46,7 +46,9 @@ TEST(PointSpread, KernelHasTheWidthAskedFor) {
   EXPECT_LT(taps[middle + below + 1], taps[middle] / 2);
 }
 
-TEST(PointSpread, FwhmOfAGaussianIs2point3548Sigma) { EXPECT_NEAR(sigma_of_fwhm(2.354820), 1, 1e-6); }
+TEST(PointSpread, FwhmOfAGaussianIs2point3548Sigma) {
+  EXPECT_NEAR(sigma_of_fwhm(2.354820), 1, 1e-6);
+}
 
 }  // namespace
 }  // namespace wobblebench::sim

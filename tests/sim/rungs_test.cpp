@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "sim/losses.h"
 #include "sim/point_spread.h"
@@ -18,18 +19,35 @@ struct Scan {
 
   float sample(int frame, int line, int k) const {
     const auto& a = plan.acquisition();
-    return samples[static_cast<std::size_t>((frame * a.sticks_per_frame + line) * a.samples_per_stick + k)];
+    return samples[static_cast<std::size_t>(
+        (frame * a.sticks_per_frame + line) * a.samples_per_stick + k)];
   }
 };
 
+/// The same body with smooth interfaces, whose echo is specular alone.
+phantoms::Phantom without_roughness(const phantoms::Phantom& phantom) {
+  auto materials = phantom.materials();
+  for (auto& material : materials) material.roughness = 0;
+  // Shares the grids with `owner`, which it keeps alive.
+  const auto owner = std::make_shared<const phantoms::Phantom>(phantom);
+  return {phantom.name(),
+          materials,
+          phantom.background(),
+          phantom.surfaces(),
+          phantom.region_of_interest(),
+          phantom.suggested_position_m(),
+          {owner, &owner->grids()}};
+}
+
 /// A sphere of 20 mm with its front 50 mm below the face, seen by an odd number of sticks and
 /// frames, so that the middle one goes through its centre.
-Scan scan_sphere(const SimulationOptions& options) {
+Scan scan_sphere(const SimulationOptions& options, bool smooth = false) {
   hw::AcquisitionOptions acquisition;
   acquisition.sticks_per_frame = 33;
   acquisition.frames_per_volume = 17;
   const hw::AcquisitionPlan plan({}, acquisition);
-  const auto phantom = phantoms::make_phantom({.name = "sphere"});
+  auto phantom = phantoms::make_phantom({.name = "sphere"});
+  if (smooth) phantom = without_roughness(phantom);
   const ProbeSimulator simulator(phantom, {glm::dmat3(1.0), {0, 0, 0.11}}, plan, options);
   return {plan, simulator.volume(0), simulator.effects()};
 }
@@ -44,7 +62,8 @@ TEST(Rungs, GeometryIsAStepAtTheSurface) {
   options.fidelity = Rung::geometry;
   const Scan scan = scan_sphere(options);
   const double expected =
-      1 + (phantoms::material("soft_tissue").backscatter_db - options.full_scale_db) / options.dynamic_range_db;
+      1 + (phantoms::material("soft_tissue").backscatter_db - options.full_scale_db) /
+              options.dynamic_range_db;
   for (int k = 0; k < scan.plan.acquisition().samples_per_stick; ++k) {
     const double range = scan.plan.sample_range_m(k);
     if (std::abs(range - 50e-3) < 0.05e-3 || std::abs(range - 90e-3) < 0.05e-3) continue;
@@ -59,14 +78,15 @@ TEST(Rungs, FieldEchoesTheSurfaceAtItsReflection) {
   options.low_pass = false;
   options.noise_db = kSilent_db;
   options.output = hw::SampleScale::linear_envelope;
-  const Scan scan = scan_sphere(options);
+  const Scan scan = scan_sphere(options, true);
   const int front = static_cast<int>(50e-3 / scan.plan.sample_spacing_m());
   float peak = 0;
   for (int k = front - 3; k <= front + 3; ++k) peak = std::max(peak, scan.sample(8, 16, k));
   const auto& fluid = phantoms::material("amniotic_fluid");
   const double through_fluid_db = 2 * fluid.attenuation_db_per_cm_mhz * 3.5 * 5;
   const double gain_db = 2 * options.tgc_db_per_cm_mhz * 3.5 * 5;
-  // 50 mm is the border of two samples: the nearest IQ sample lies a quarter of a sample off the pulse.
+  // 50 mm is the border of two samples: the nearest IQ sample lies a quarter of a sample off the
+  // pulse.
   const double off = scan.plan.sample_spacing_m() / 4 / sigma_of_fwhm(axial_fwhm_m(scan.plan));
   const double expected = surface_reflection() * std::exp(-0.5 * off * off) *
                           std::pow(10, (gain_db - through_fluid_db) / 20);
@@ -118,7 +138,9 @@ TEST(Rungs, RefusesOptionsOutOfRange) {
       hw::InvalidOption);
 }
 
-TEST(Rungs, DefaultsAreValid) { EXPECT_NO_THROW(hw::check_options(SimulationOptions{})); }
+TEST(Rungs, DefaultsAreValid) {
+  EXPECT_NO_THROW(hw::check_options(SimulationOptions{}));
+}
 
 }  // namespace
 }  // namespace wobblebench::sim

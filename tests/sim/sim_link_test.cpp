@@ -21,14 +21,16 @@ hw::AcquisitionPlan small_plan(int volumes = 1, hw::MotorMode motor = hw::MotorM
   return {{}, acquisition};
 }
 
-std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
+std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan,
+                                 const SimulationOptions& options) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimLink link({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options});
   std::vector<std::byte> bytes, chunk(777);
   for (;;) {
     const auto result = link.read(chunk, hw::HostTime::max());
     if (result.status != hw::ReadStatus::ok) return bytes;
-    bytes.insert(bytes.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(result.bytes));
+    bytes.insert(
+        bytes.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(result.bytes));
   }
 }
 

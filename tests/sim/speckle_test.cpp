@@ -33,7 +33,8 @@ double speckle_snr(const VolumeSamples& samples, int per_stick) {
   for (int k = 100; k < per_stick; ++k, ++rows) {
     double mean = 0, square = 0;
     for (std::size_t s = 0; s < sticks; ++s) {
-      const double value = static_cast<double>(samples[s * static_cast<std::size_t>(per_stick) + k]);
+      const double value =
+          static_cast<double>(samples[s * static_cast<std::size_t>(per_stick) + k]);
       mean += value / static_cast<double>(sticks);
       square += value * value / static_cast<double>(sticks);
     }
@@ -87,13 +88,16 @@ TEST(Speckle, AxialCorrelationFollowsThePulse) {
     fill_speckle(stick, strength, static_cast<std::uint64_t>(line), sigma);
     for (std::size_t lag = 0; lag < correlation.size(); ++lag) {
       for (std::size_t i = 50; i + 50 < stick.size(); ++i) {
-        correlation[lag] += std::complex<double>(stick[i]) * std::conj(std::complex<double>(stick[i + lag]));
+        correlation[lag] +=
+            std::complex<double>(stick[i]) * std::conj(std::complex<double>(stick[i + lag]));
       }
     }
   }
   for (std::size_t lag = 1; lag < correlation.size(); ++lag) {
     const double n = static_cast<double>(lag);
-    EXPECT_NEAR(correlation[lag].real() / correlation[0].real(), std::exp(-n * n / (4 * sigma * sigma)), 0.03)
+    EXPECT_NEAR(correlation[lag].real() / correlation[0].real(),
+                std::exp(-n * n / (4 * sigma * sigma)),
+                0.03)
         << "lag " << lag;
   }
 }
@@ -106,7 +110,8 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
   EchoField field = make_echo_field(plan);
   const std::vector<float> strength(static_cast<std::size_t>(field.samples), 1.0f);
   for (int i = 0; i < field.frames * field.lines; ++i) {
-    fill_speckle(field.stick(i / field.lines, i % field.lines), strength, static_cast<std::uint64_t>(i), 0);
+    fill_speckle(
+        field.stick(i / field.lines, i % field.lines), strength, static_cast<std::uint64_t>(i), 0);
   }
   filter_across_lines(field, plan, 0);
   const int sample = static_cast<int>(60e-3 / field.spacing_m);
@@ -135,7 +140,10 @@ TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
   EchoField field = make_echo_field(plan);
   const std::vector<float> strength(static_cast<std::size_t>(field.samples), 1.0f);
   for (int i = 0; i < field.frames * field.lines; ++i) {
-    fill_speckle(field.stick(i / field.lines, i % field.lines), strength, static_cast<std::uint64_t>(i), 0.88);
+    fill_speckle(field.stick(i / field.lines, i % field.lines),
+                 strength,
+                 static_cast<std::uint64_t>(i),
+                 0.88);
   }
   filter_across_lines(field, plan, 0);
   filter_across_frames(field, plan, 0);

@@ -16,7 +16,8 @@ constexpr double kSpacing_m = 0.15e-3;
 constexpr int kCount = 1066;
 
 const phantoms::Phantom& sphere() {
-  static const phantoms::Phantom phantom = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
+  static const phantoms::Phantom phantom =
+      phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
   return phantom;
 }
 
@@ -31,7 +32,8 @@ std::vector<double> sphere_crossings(const hw::Ray& ray, const glm::dvec3& cente
 }
 
 TEST(TissueSampler, FindsBothSidesOfASphereFromEveryStick) {
-  const phantoms::Placement placement{phantoms::rotation_xyz({0.3, -0.2, 0.1}), {5e-3, -3e-3, 0.11}};
+  const phantoms::Placement placement{phantoms::rotation_xyz({0.3, -0.2, 0.1}),
+                                      {5e-3, -3e-3, 0.11}};
   TissueSampler sampler(sphere(), placement);
   const hw::AcquisitionPlan plan({}, {});
   std::mt19937 generator(1);

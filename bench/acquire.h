@@ -1,0 +1,36 @@
+// From a scene and --board to a polar volume, through the board that real hardware would use.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/scene.h"
+#include "hw/board.h"
+#include "hw/polar_volume.h"
+#include "phantoms/phantom.h"
+
+namespace wobblebench::bench {
+
+/// --board ARGS: a link's name, then ",key=value" pairs. Today: "sim".
+struct BoardArguments {
+  std::string link = "sim";
+};
+
+/// Throws UserError "--board = ARGS: must be sim".
+BoardArguments parse_board(const std::string& text);
+
+struct Acquisition {
+  hw::PolarVolume volume;
+  hw::BoardAccount account;
+  std::string provenance;            ///< of the samples: "simulated", …
+  std::vector<std::string> effects;  ///< which the simulator ran
+  double simulation_ms = 0;          ///< making the echoes
+  double transport_ms = 0;           ///< encode, link, decode, ring, assembly
+};
+
+/// The first volume of the scene.
+Acquisition acquire(const BoardArguments& board,
+                    const Scene& scene,
+                    const phantoms::Phantom& phantom);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,153 @@
+// The main job: acquire, render, compare, write.
+#include <cstdio>
+#include <iostream>
+
+#include "bench/acquire.h"
+#include "bench/commands/commands.h"
+#include "bench/depth_error.h"
+#include "bench/image_io.h"
+#include "bench/image_similarity.h"
+#include "bench/output_folder.h"
+#include "bench/progress.h"
+#include "bench/registration.h"
+#include "bench/report.h"
+#include "bench/truth.h"
+#include "render/reference.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// All that one run finds out.
+struct RunResult {
+  Acquisition acquisition;
+  std::string gl_renderer;
+  render::Picture picture;
+  Truth truth;
+  DepthError raw;
+  DepthError filtered;
+  ImageSimilarity shaded;
+  Registration registration;
+};
+
+ImageSimilarity against_shaded_truth(const render::Picture& picture,
+                                     const Truth& truth,
+                                     const render::RenderOptions& options) {
+  if (options.ray_casting.image_size < 11) return {HUGE_VAL, HUGE_VAL};
+  return compare_images(picture.surface, render::shade_depth(truth.depth_m, options).surface);
+}
+
+Json board_json(const hw::BoardAccount& account) {
+  return {{"emitted", account.emitted},
+          {"delivered", account.delivered},
+          {"lost",
+           {{"ring_full", account.lost.ring_full},
+            {"link", account.lost.link},
+            {"corrupt", account.lost.corrupt},
+            {"out_of_order", account.lost.out_of_order}}}};
+}
+
+Json simulation_json(const Acquisition& acquisition, const Scene& scene) {
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  return {{"rung", scene.simulation.fidelity == sim::Rung::field ? "field" : "geometry"},
+          {"ms_per_volume", acquisition.simulation_ms},
+          {"times_real_time", sound_ms / acquisition.simulation_ms},
+          {"transport_ms", acquisition.transport_ms}};
+}
+
+Json to_report(const RunResult& result, const Scene& scene, const Progress& progress) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_renderer = result.gl_renderer;
+  provenance.board = result.acquisition.provenance;
+  provenance.seed = scene.simulation.seed;
+  Json report = report_head("run", provenance, scene);
+  report["effects"] = result.acquisition.effects;
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["simulation"] = simulation_json(result.acquisition, scene);
+  report["board"] = board_json(result.acquisition.account);
+  report["render"] = render_json(result.picture.passes);
+  report["error"] = error_json(result.raw, result.filtered, result.shaded);
+  report["fit"]["registration"] = registration_json(result.registration);
+  for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
+  report["wall_ms"]["total"] = progress.total_ms();
+  return report;
+}
+
+void write_results(OutputFolder& out, const RunResult& result) {
+  write_png(out.stage("surface.png"), result.picture.surface);
+  write_png(out.stage("volume.png"), result.picture.volume);
+  write_exr_mm(out.stage("depth.exr"),
+               {{"Z", &result.picture.depth_m}, {"Z_filtered", &result.picture.filtered_depth_m}});
+  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.truth.depth_m}});
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.raw.map_m}});
+}
+
+void print_summary(const Json& report, const std::filesystem::path& directory) {
+  const Json& error = report["error"];
+  const auto figure = [](const Json& value) {
+    return value.is_null() ? std::string("none") : std::to_string(value.get<double>());
+  };
+  std::cout << "volume      " << report["acquisition"]["volume_time_ms"]
+            << " ms of sound, simulated in " << report["simulation"]["ms_per_volume"] << " ms\n"
+            << "board       " << report["board"].dump() << "\n"
+            << "render      " << report["render"]["frame_ms"] << " ms on "
+            << report["provenance"]["gl_renderer"].get<std::string>() << "\n"
+            << "depth error bias " << figure(error["depth_mm"]["bias"]) << " mm, RMS "
+            << figure(error["depth_mm"]["rms"]) << " mm, P95 " << figure(error["depth_mm"]["p95"])
+            << " mm over " << error["depth_mm"]["n"] << " pixels; missed "
+            << figure(error["missed_percent"]) << " %, false " << figure(error["false_percent"])
+            << " %\n"
+            << "results     " << directory.string() << "\n";
+}
+
+}  // namespace
+
+int run_command(const CommandArguments& arguments) {
+  Scene scene = load_scene(arguments.scene, arguments.settings);
+  const BoardArguments board = parse_board(arguments.board);
+  OutputFolder out(arguments.out);
+  Progress progress;
+  RunResult result = [&] {
+    const auto phantom =
+        progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
+    complete_from_phantom(scene, phantom);
+    const auto placement = scene.phantom_placement();
+    const auto plan = scene.plan();
+    auto acquisition = progress.step("acquire", [&] { return acquire(board, scene, phantom); });
+    const auto context = render::make_context();
+    auto picture = progress.step("render", [&] {
+      return render::render_volume(*context, acquisition.volume, scene.render);
+    });
+    auto truth =
+        progress.step("truth", [&] { return trace_truth(phantom, placement, plan, scene.render); });
+    auto [raw, filtered, shaded] = progress.step("compare", [&] {
+      return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
+                        measure_depth_error(picture.filtered_depth_m, truth, scene.render),
+                        against_shaded_truth(picture, truth, scene.render));
+    });
+    auto registration = progress.step("register", [&] {
+      return register_surface(picture.depth_m, phantom, placement, plan, scene.render);
+    });
+    return RunResult{std::move(acquisition),
+                     context->renderer_string(),
+                     std::move(picture),
+                     std::move(truth),
+                     std::move(raw),
+                     std::move(filtered),
+                     shaded,
+                     registration};
+  }();
+  progress.step("write", [&] { write_results(out, result); });
+  const Json report = to_report(result, scene, progress);
+  out.write_text("report.json", report.dump(2) + "\n");
+  out.commit();
+  if (arguments.json) {
+    std::cout << report.dump(2) << "\n";
+  } else {
+    print_summary(report, out.directory());
+  }
+  return 0;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,40 @@
+// Results on disk: whole files under their final names, or none.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace wobblebench::bench {
+
+/// Collects the files of one command under hidden partial names and gives them their final names
+/// together in commit(). Destroyed before that, after an error say, it removes them; so do Ctrl-C
+/// and SIGTERM, which then end the program with 128 + the signal's number.
+class OutputFolder {
+ public:
+  /// Makes the folder if it is missing and proves that it can be written.
+  /// Throws UserError "--out = DIR: reason".
+  explicit OutputFolder(const std::filesystem::path& directory);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// The partial path to write the file `name` to. Its extension is that of `name`.
+  std::filesystem::path stage(const std::string& name);
+  /// Stages a text. Throws std::runtime_error when it cannot be written whole.
+  void write_text(const std::string& name, const std::string& text);
+  /// Gives every staged file its final name.
+  void commit();
+
+  const std::filesystem::path& directory() const { return directory_; }
+
+ private:
+  struct File {
+    std::filesystem::path partial;
+    std::filesystem::path final;
+  };
+  std::filesystem::path directory_;
+  std::vector<File> files_;
+};
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,24 @@
+// Where a figure comes from: the head of every report.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace wobblebench::bench {
+
+struct Provenance {
+  std::string commit;  ///< of the build; "-dirty" when the tree had changes
+  std::string host;
+  std::string cpu;
+  int threads = 0;
+  std::string gl_renderer;  ///< empty where nothing was rendered
+  std::string board;        ///< "simulated", "recording", "stand-in", "hardware"; empty: none used
+  std::uint64_t seed = 0;
+};
+
+/// Fills in what the machine and the build know.
+Provenance provenance_of_this_machine();
+
+nlohmann::ordered_json to_json(const Provenance& provenance);
+
+}  // namespace wobblebench::bench

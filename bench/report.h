@@ -1,0 +1,28 @@
+// report.json: the document that every command writes. Names are kept; every figure carries its
+// unit in its key (docs/architecture.md).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/depth_error.h"
+#include "bench/image_similarity.h"
+#include "bench/provenance.h"
+#include "bench/registration.h"
+#include "bench/scene.h"
+#include "render/image.h"
+
+namespace wobblebench::bench {
+
+using Json = nlohmann::ordered_json;
+
+/// The head: schema, command, provenance, scene as resolved.
+Json report_head(const std::string& command, const Provenance& provenance, const Scene& scene);
+
+Json acquisition_json(const hw::AcquisitionPlan& plan);
+Json render_json(const std::vector<render::PassTime>& passes);
+Json error_json(const DepthError& raw, const DepthError& filtered, const ImageSimilarity& shaded);
+Json registration_json(const Registration& registration);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,84 @@
+// The command line. Exit codes: 0 done, 1 a check that was asked for failed or the machine could
+// not do it, 2 bad input.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <map>
+#include <stdexcept>
+
+#include "bench/commands/commands.h"
+#include "bench/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadInput = 2;
+
+void add_common(CLI::App& command, CommandArguments& arguments) {
+  command.add_option(
+      "SCENE", arguments.scene, "TOML file that names what differs from the defaults");
+  command
+      .add_option(
+          "--set", arguments.settings, "Override one option: section.key=value (repeatable)")
+      ->allow_extra_args(false);
+  command.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  command.add_flag("--json", arguments.json, "Print report.json on stdout");
+}
+
+int dispatch(int argc, char** argv) {
+  CLI::App app{"wobblebench: a test bench for 4D ultrasound surface rendering"};
+  app.require_subcommand(1);
+  CommandArguments arguments;
+
+  auto* run =
+      app.add_subcommand("run", "Acquire, render, compare with the truth: images, depth, report");
+  add_common(*run, arguments);
+  run->add_option("--board", arguments.board, "Where sticks come from: sim")->capture_default_str();
+
+  auto* phantom = app.add_subcommand("phantom", "Build a phantom and write it as phantom.vdb");
+  add_common(*phantom, arguments);
+
+  auto* tables = app.add_subcommand("tables", "Tables I to IV beside the paper's");
+  add_common(*tables, arguments);
+  tables->add_flag("--full", arguments.full, "The paper's sizes; otherwise half of them a side");
+  tables->add_option("--repeats", arguments.repeats, "Counted runs of each setting")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForAllHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw UserError(std::string(error.what()) + " (wobblebench --help lists commands and options)");
+  }
+  if (*run) return run_command(arguments);
+  if (*phantom) return phantom_command(arguments);
+  return tables_command(arguments);
+}
+
+int report_error(const char* what, int code) {
+  std::fprintf(stderr, "wobblebench: %s\n", what);
+  return code;
+}
+
+}  // namespace
+
+}  // namespace wobblebench::bench
+
+int main(int argc, char** argv) {
+  using namespace wobblebench::bench;
+  try {
+    return dispatch(argc, argv);
+  } catch (const UserError& error) {
+    return report_error(error.what(), kBadInput);
+  } catch (const std::invalid_argument& error) {
+    return report_error(error.what(), kBadInput);
+  } catch (const std::exception& error) {
+    return report_error(error.what(), kFailed);
+  }
+}

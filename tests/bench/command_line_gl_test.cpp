@@ -1,0 +1,230 @@
+// The program as a user meets it: good input, bad input, interruption, a full disk.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::ProcessLimits;
+using testing_support::ProcessResult;
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+
+/// Small enough to run in a second or two.
+const Words kQuick = {"--set",
+                      "phantom.name=sphere",
+                      "--set",
+                      "phantom.voxel_mm=2",
+                      "--set",
+                      "render.scan_conversion.slice_size=64",
+                      "--set",
+                      "render.ray_casting.image_size=64",
+                      "--set",
+                      "render.ray_casting.steps=64",
+                      "--set",
+                      "acquisition.frames_per_volume=9"};
+const Words kResults = {
+    "depth.exr", "error_depth.exr", "report.json", "surface.png", "truth_depth.exr", "volume.png"};
+
+Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+ProcessResult bench(const Words& arguments,
+                    const ScratchFolder& folder,
+                    const ProcessLimits& limits = {}) {
+  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path(), limits);
+}
+
+struct BadInput {
+  std::string name;
+  Words arguments;
+  std::string expected;  ///< what the one line says after "wobblebench: "
+};
+
+void PrintTo(const BadInput& bad, std::ostream* out) {
+  *out << bad.name;
+}
+
+class RefusesBadInput : public testing::TestWithParam<BadInput> {};
+
+TEST_P(RefusesBadInput, WithOneLineAndExitCode2) {
+  const ScratchFolder folder;
+  folder.write("typo.toml", "[acquisition]\ndeptn_mm = 100\n");
+  folder.write("type.toml", "[acquisition]\nsticks_per_frame = \"many\"\n");
+  folder.write("range.toml", "[acquisition]\ndepth_mm = 4000\n");
+  folder.write("syntax.toml", "[acquisition\n");
+  folder.write("garbage.vdb", "this is not a VDB file, and is longer than a header would be");
+  folder.write("empty.vdb", "");
+  const ProcessResult result = bench(GetParam().arguments, folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_EQ(result.err.find("wobblebench: " + GetParam().expected), 0u) << result.err;
+  EXPECT_TRUE(folder.files("out").empty()) << "left something behind";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine,
+    RefusesBadInput,
+    testing::Values(
+        BadInput{"unknown_key",
+                 {"run", "typo.toml"},
+                 "typo.toml: acquisition.deptn_mm: unknown key; keys of"},
+        BadInput{"wrong_type",
+                 {"run", "type.toml"},
+                 "type.toml: acquisition.sticks_per_frame = 'many': must be a whole number"},
+        BadInput{"out_of_range",
+                 {"run", "range.toml"},
+                 "range.toml: acquisition.depth_mm = 4000: must be within 1 and 400"},
+        BadInput{"syntax", {"run", "syntax.toml"}, "syntax.toml: line 1: "},
+        BadInput{"missing_scene", {"run", "none.toml"}, "none.toml: no such file"},
+        BadInput{"missing_vdb",
+                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=none.vdb"},
+                 "none.vdb: "},
+        BadInput{"garbage_vdb",
+                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=garbage.vdb"},
+                 "garbage.vdb: "},
+        BadInput{"empty_vdb",
+                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=empty.vdb"},
+                 "empty.vdb: "},
+        BadInput{"out_is_a_file", {"run", "--out", "typo.toml"}, "--out = typo.toml: "},
+        BadInput{"out_under_a_file", {"run", "--out", "typo.toml/out"}, "--out = typo.toml/out: "},
+        BadInput{"out_cannot_be_written", {"run", "--out", "/proc/out"}, "--out = /proc/out: "},
+        BadInput{
+            "board_nonsense", {"run", "--board", "nonsense"}, "--board = nonsense: must be sim"},
+        BadInput{"board_of_later",
+                 {"run", "--board", "sim,pace=realtime"},
+                 "--board = sim,pace=realtime: must be sim"},
+        BadInput{"unknown_phantom",
+                 {"phantom", "--set", "phantom.name=cat"},
+                 "--set: phantom.name = \"cat\": must be one of"},
+        BadInput{"age_out_of_range",
+                 {"phantom", "--set", "phantom.gestational_age_weeks=12"},
+                 "--set: phantom.gestational_age_weeks = 12: must be within 20 and 30"},
+        BadInput{"even_kernel",
+                 {"run", "--set", "render.ray_casting.kernel_3d=2"},
+                 "--set: render.ray_casting.kernel_3d = 2: "},
+        BadInput{"set_without_value",
+                 {"run", "--set", "acquisition.depth_mm"},
+                 "--set acquisition.depth_mm: must be SECTION.KEY=VALUE"},
+        BadInput{"unknown_option", {"run", "--colour"}, ""},
+        BadInput{"unknown_command", {"paint"}, ""},
+        BadInput{"no_command", {}, ""},
+        BadInput{"repeats_of_none", {"tables", "--repeats", "0"}, "--repeats: "}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(CommandLine, HelpIsNoError) {
+  const ScratchFolder folder;
+  const auto result = bench({"--help"}, folder);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.out.find("tables"), std::string::npos);
+}
+
+TEST(CommandLine, RunLeavesItsResultsAndAReportThatHoldsWhatOthersRead) {
+  const ScratchFolder folder;
+  const auto result = bench(with({"run", "--json"}, kQuick), folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder.files("out"), kResults);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_NEAR(report.at("acquisition").at("volume_time_ms").get<double>(),
+              9 * 64 * 2 * 0.16 / 1540 * 1e3,
+              1e-5);
+  ASSERT_EQ(report.at("render").at("passes").size(), 4u);
+  for (const auto& pass : report.at("render").at("passes"))
+    EXPECT_GT(pass.at("ms").get<double>(), 0) << pass;
+  for (const char* figure : {"bias", "rms", "p95"}) {
+    EXPECT_TRUE(report.at("error").at("depth_mm").at(figure).is_number()) << figure;
+  }
+  EXPECT_TRUE(report.at("error").at("missed_percent").is_number());
+  EXPECT_TRUE(report.at("error").at("false_percent").is_number());
+  const auto& board = report.at("board");
+  EXPECT_EQ(board.at("emitted"), 9 * 64);
+  auto accounted = board.at("delivered").get<int>();
+  for (const auto& [cause, count] : board.at("lost").items()) accounted += count.get<int>();
+  EXPECT_EQ(board.at("emitted"), accounted);
+  EXPECT_FALSE(report.at("effects").empty());
+  EXPECT_EQ(report.at("provenance").at("board"), "simulated");
+  EXPECT_FALSE(report.at("provenance").at("gl_renderer").get<std::string>().empty());
+}
+
+TEST(CommandLine, PhantomIsReadBackAndScannedTheSame) {
+  const ScratchFolder folder;
+  const Words small = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
+  const auto made = bench(with({"phantom"}, small), folder);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(folder.files("out"), (Words{"phantom.vdb", "report.json"}));
+  const auto direct = bench(with({"run", "--json", "--out", "a"}, kQuick), folder);
+  auto from_file = kQuick;
+  from_file[1] = "phantom.name=file";
+  const auto read = bench(
+      with({"run", "--json", "--out", "b", "--set", "phantom.file=out/phantom.vdb"}, from_file),
+      folder);
+  ASSERT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_EQ(nlohmann::json::parse(direct.out).at("error"),
+            nlohmann::json::parse(read.out).at("error"));
+}
+
+TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
+  const ScratchFolder folder;
+  int interrupted = 0;
+  for (int ms = 5; ms < 4000; ms += ms / 2 + 5) {
+    const std::string out = "out" + std::to_string(ms);
+    const auto result = bench(with({"run", "--out", out}, kQuick),
+                              folder,
+                              {.interrupt_after = std::chrono::milliseconds(ms),
+                               .signal = ms % 2 == 0 ? SIGINT : SIGTERM});
+    const auto files = folder.files(out);
+    EXPECT_TRUE(files.empty() || files == kResults)
+        << "after " << ms << " ms: " << testing::PrintToString(files);
+    interrupted += result.exit_code > 128;
+  }
+  EXPECT_GT(interrupted, 2);
+}
+
+TEST(CommandLine, AFullDiskIsSaidAndLeavesNoHalfFile) {
+  const ScratchFolder folder;
+  // Every size at which some file of the run breaks off, and one at which none does.
+  int failed = 0;
+  for (const long bytes : {0L, 100L, 1000L, 3000L, 10000L, 20000L, 10000000L}) {
+    const std::string out = "out" + std::to_string(bytes);
+    const auto result = bench(with({"run", "--out", out}, kQuick), folder, {.file_bytes = bytes});
+    const auto files = folder.files(out);
+    if (result.exit_code == 0) {
+      EXPECT_EQ(files, kResults);
+    } else {
+      ++failed;
+      EXPECT_TRUE(files.empty()) << bytes << " bytes: " << testing::PrintToString(files);
+    }
+  }
+  EXPECT_GE(failed, 4);
+  EXPECT_LE(failed, 6);
+}
+
+TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
+  const ScratchFolder folder;
+  const auto result =
+      bench({"phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"},
+            folder,
+            {.file_bytes = 5000});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_TRUE(folder.files("out").empty());
+}
+
+TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
+  const ScratchFolder folder;
+  ASSERT_EQ(bench(with({"run"}, kQuick), folder).exit_code, 0);
+  const auto failed = bench(with({"run"}, kQuick), folder, {.file_bytes = 500});
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_EQ(folder.files("out"), kResults);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

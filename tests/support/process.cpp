@@ -1,0 +1,105 @@
+#include "support/process.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+namespace wobblebench::testing_support {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void redirect(const fs::path& path, int descriptor) {
+  const int file = ::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
+  ::dup2(file, descriptor);
+  ::close(file);
+}
+
+[[noreturn]] void become(const fs::path& program,
+                         const std::vector<std::string>& arguments,
+                         const fs::path& directory,
+                         const ProcessLimits& limits) {
+  if (limits.file_bytes) {
+    const auto bytes = static_cast<rlim_t>(*limits.file_bytes);
+    const rlimit limit{bytes, bytes};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::signal(SIGXFSZ, SIG_IGN);  // so that write fails instead
+  }
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  if (::chdir(directory.c_str()) == 0) ::execv(program.c_str(), argv.data());
+  ::_exit(127);
+}
+
+int exit_code_of(int status) {
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+}  // namespace
+
+ProcessResult run_process(const fs::path& program,
+                          const std::vector<std::string>& arguments,
+                          const fs::path& directory,
+                          const ProcessLimits& limits) {
+  const ScratchFolder output;
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    redirect(output.path() / "out", STDOUT_FILENO);
+    redirect(output.path() / "err", STDERR_FILENO);
+    become(program, arguments, directory, limits);
+  }
+  if (limits.interrupt_after) {
+    std::this_thread::sleep_for(*limits.interrupt_after);
+    ::kill(child, limits.signal);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return {exit_code_of(status), text_of(output.path() / "out"), text_of(output.path() / "err")};
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string pattern = (fs::temp_directory_path() / "wobblebench-XXXXXX").string();
+  if (!::mkdtemp(pattern.data())) throw std::runtime_error(pattern + ": cannot be made");
+  path_ = pattern;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+std::vector<std::string> ScratchFolder::files(const std::string& folder) const {
+  std::vector<std::string> names;
+  if (!fs::exists(path_ / folder)) return names;
+  for (const auto& entry : fs::directory_iterator(path_ / folder))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+fs::path ScratchFolder::write(const std::string& name, const std::string& text) const {
+  const auto path = path_ / name;
+  std::ofstream(path) << text;
+  return path;
+}
+
+}  // namespace wobblebench::testing_support
