@@ -95,7 +95,7 @@ bool Board::place(const ConfigurationPacket& packet, const std::stop_token& stop
   advance_to(packet.sequence);
   if (repeated) return true;
   configuration_ = configuration;
-  push(std::move(configuration));
+  push(configuration);
   return true;
 }
 

@@ -11,7 +11,7 @@ std::optional<PolarVolume> VolumeAssembly::next(HostTime deadline) {
     if (const auto* slot = std::get_if<StickSlot>(&event)) {
       if (auto finished = place(**slot)) return finished;
     } else if (auto* configuration = std::get_if<Configuration>(&event)) {
-      configuration_ = std::move(*configuration);
+      configuration_ = *configuration;
       if (volume_) return std::exchange(volume_, std::nullopt);
     } else if (std::holds_alternative<VolumeEnd>(event)) {
       if (volume_) return std::exchange(volume_, std::nullopt);

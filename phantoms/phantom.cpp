@@ -1,11 +1,15 @@
 #include "phantoms/phantom.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "phantoms/builders.h"
@@ -14,10 +18,14 @@
 namespace wobblebench::phantoms {
 namespace {
 
-std::invalid_argument refusal(const std::string& key,
-                              const std::string& value,
-                              const std::string& allowed) {
-  return std::invalid_argument(key + " = " + value + ": " + allowed);
+InvalidPhantom refusal(const std::string& key,
+                       const std::string& value,
+                       const std::string& allowed) {
+  return InvalidPhantom(key + " = " + value + ": " + allowed);
+}
+
+std::string quoted(const std::string& text) {
+  return '"' + text + '"';
 }
 
 // The phantoms module stands alone, so it brings its own visitor for its options.
@@ -58,6 +66,28 @@ void check_voxel(const Builder& builder, const PhantomOptions& options) {
   shown << options.voxel_m * 1e3;
   allowed << "must be at most " << coarsest_m * 1e3 << " for the phantom " << builder.name;
   throw refusal("voxel_mm", shown.str(), allowed.str());
+}
+
+const Builder& builder_of(const std::string& name) {
+  std::string known;
+  for (const Builder& builder : builders()) {
+    if (builder.name == name) return builder;
+    known += builder.name + ", ";
+  }
+  throw refusal("name", quoted(name), "must be one of " + known + "file");
+}
+
+void check_file(const std::string& file) {
+  if (file.empty()) throw refusal("file", quoted(file), "must be the path of a .vdb");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    const bool missing = !error || error == std::errc::no_such_file_or_directory;
+    throw refusal("file", quoted(file), missing ? "no such file" : error.message());
+  }
+  if (std::filesystem::file_size(file, error) == 0) {
+    throw refusal("file", quoted(file), "not a readable OpenVDB file (it is empty)");
+  }
+  if (::access(file.c_str(), R_OK) != 0) throw refusal("file", quoted(file), "cannot be read");
 }
 
 }  // namespace
@@ -115,23 +145,21 @@ MaterialIndex material_index(const std::string& name) {
   return MaterialIndex(&material(name) - material_table().data());
 }
 
-Phantom make_phantom(const PhantomOptions& options) {
+void validate(const PhantomOptions& options) {
   PhantomOptions checked = options;
   RangeCheck check;
   describe(checked, check);
   if (options.name == "file") {
-    if (options.file.empty()) throw refusal("file", "\"\"", "must be the path of a .vdb");
-    return read_phantom(options.file);
+    check_file(options.file);
+  } else {
+    check_voxel(builder_of(options.name), options);
   }
-  std::string known;
-  for (const Builder& builder : builders()) {
-    if (builder.name == options.name) {
-      check_voxel(builder, options);
-      return builder.build(options);
-    }
-    known += builder.name + ", ";
-  }
-  throw refusal("name", options.name, "must be one of " + known + "file");
+}
+
+Phantom make_phantom(const PhantomOptions& options) {
+  validate(options);
+  if (options.name == "file") return read_phantom(options.file);
+  return builder_of(options.name).build(options);
 }
 
 }  // namespace wobblebench::phantoms

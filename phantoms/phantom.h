@@ -10,6 +10,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -107,15 +108,26 @@ void describe(PhantomOptions& o, Visitor& v) {
 /// fetal_face, plane, sphere, points, speckle_block.
 const std::vector<std::string>& phantom_names();
 
-/// Builds or reads the named phantom. Throws std::invalid_argument "name = X: must be one of …".
+/// Options or a file that no phantom can be made of; what() is one line.
+class InvalidPhantom : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Finds out all that can be known without building: ranges, the name, the voxels that the phantom
+/// needs, a file that is missing or empty. Throws InvalidPhantom "KEY = VALUE: what is allowed".
+void validate(const PhantomOptions& options);
+
+/// Builds or reads the named phantom. Throws InvalidPhantom as validate() and read_phantom() do.
 Phantom make_phantom(const PhantomOptions& options);
 
 /// Writes `phantom` as .vdb (float level sets in metres, one for each surface; an Int32 grid
-/// "material" of table rows; the table itself as metadata). Whole file or none.
-/// Throws std::runtime_error "PATH: reason" when it cannot be written.
+/// "material" of table rows; the table itself as metadata) to exactly this path. A file that cannot
+/// be written whole is removed; who must not lose an older one, or may be interrupted, writes to a
+/// name of its own and renames. Throws std::runtime_error "PATH: reason".
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path);
 
-/// Reads what write_phantom wrote. Throws std::invalid_argument "PATH: reason" for anything else.
+/// Reads what write_phantom wrote. Throws InvalidPhantom "PATH: reason" for anything else.
 Phantom read_phantom(const std::filesystem::path& path);
 
 }  // namespace wobblebench::phantoms

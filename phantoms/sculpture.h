@@ -13,8 +13,12 @@ using Shape = std::variant<Ellipsoid, Tube>;
 
 class Sculpture {
  public:
-  void add(Shape shape, double fillet_m) { strokes_.push_back(stroke(shape, fillet_m, false)); }
-  void carve(Shape shape, double fillet_m) { strokes_.push_back(stroke(shape, fillet_m, true)); }
+  void add(const Shape& shape, double fillet_m) {
+    strokes_.push_back(stroke(shape, fillet_m, false));
+  }
+  void carve(const Shape& shape, double fillet_m) {
+    strokes_.push_back(stroke(shape, fillet_m, true));
+  }
   /// The same on both sides of the plane x = 0.
   void add_pair(const Shape& shape, double fillet_m);
   void carve_pair(const Shape& shape, double fillet_m);

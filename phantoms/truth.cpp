@@ -2,6 +2,7 @@
 
 #include <openvdb/math/Ray.h>
 #include <openvdb/math/Stencils.h>
+#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/RayIntersector.h>
 
 #include <cmath>
@@ -29,6 +30,14 @@ glm::dvec3 to_glm(const openvdb::Vec3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+/// The grid with a band that holds every point within `reach_m` of the surface.
+Grid::ConstPtr with_reach(const Grid::ConstPtr& grid, double reach_m) {
+  const double missing_m = reach_m - static_cast<double>(grid->background());
+  if (missing_m <= 0) return grid;
+  return openvdb::tools::dilateSdf(*grid,
+                                   static_cast<int>(std::ceil(missing_m / grid->voxelSize()[0])));
+}
+
 }  // namespace
 
 struct SurfaceFinder::State {
@@ -54,11 +63,12 @@ struct SurfaceFinder::State {
   std::vector<Target> targets;
 };
 
-SurfaceFinder::SurfaceFinder(const Phantom& phantom) : state_(std::make_unique<State>()) {
+SurfaceFinder::SurfaceFinder(const Phantom& phantom, double reach_m)
+    : state_(std::make_unique<State>()) {
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
     const auto& grid = phantom.grids().signed_distance[i];
     if (phantom.surfaces()[i].is_target && !grid->empty()) {
-      state_->targets.emplace_back(int(i), grid);
+      state_->targets.emplace_back(int(i), with_reach(grid, reach_m));
     }
   }
 }

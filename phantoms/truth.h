@@ -20,7 +20,9 @@ struct SurfaceHit {
 /// Const functions may be called from several threads, each thread with its own SurfaceFinder copy.
 class SurfaceFinder {
  public:
-  explicit SurfaceFinder(const Phantom& phantom);
+  /// `reach_m`: distance() knows points at least this near a target surface; the narrow bands are
+  /// widened (by fast sweeping, in memory) where they are narrower.
+  explicit SurfaceFinder(const Phantom& phantom, double reach_m = 0);
   SurfaceFinder(const SurfaceFinder& other);
   ~SurfaceFinder();
 
@@ -31,7 +33,7 @@ class SurfaceFinder {
                                       double to_m) const;
 
   /// Signed distance to the nearest target surface (negative in tissue) and its gradient, for
-  /// points within the narrow bands; nullopt beyond them.
+  /// points within the bands; nullopt beyond them.
   struct Distance {
     double value_m;
     glm::dvec3 gradient;

@@ -2,15 +2,17 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
-#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 
 #include "phantoms/grids.h"
 #include "phantoms/level_set.h"
+#include "phantoms/printable.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -90,34 +92,7 @@ openvdb::MetaMap metadata_of(const Phantom& phantom) {
   return meta;
 }
 
-// A file that is removed again unless it was kept.
-class PartialFile {
- public:
-  explicit PartialFile(const std::filesystem::path& wanted)
-      : path_(wanted.string() + ".partial-" + std::to_string(getpid())) {}
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-  ~PartialFile() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-  void keep_as(const std::filesystem::path& wanted) {
-    std::filesystem::rename(path_, wanted);
-    path_.clear();
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
-std::runtime_error write_failure(const std::filesystem::path& path, const std::string& reason) {
-  return std::runtime_error(path.string() + ": " + reason);
-}
-
-void write_stream(const Phantom& phantom, const PartialFile& partial) {
-  std::ofstream out(partial.path(), std::ios::binary | std::ios::trunc);
-  if (!out) throw std::runtime_error("cannot create a file in this folder");
+void write_stream(const Phantom& phantom, std::ofstream& out) {
   openvdb::GridPtrVec grids;
   for (const auto& grid : phantom.grids().signed_distance) {
     // A shallow copy: the tree is shared and not changed.
@@ -132,12 +107,18 @@ void write_stream(const Phantom& phantom, const PartialFile& partial) {
 // Metadata of a file, each entry required to be there with its type.
 class Metadata {
  public:
-  Metadata(const openvdb::MetaMap& meta) : meta_(meta) {}
+  explicit Metadata(const openvdb::MetaMap& meta) : meta_(meta) {}
 
   template <class T>
   T get(const std::string& key) const {
     if (meta_[key] == nullptr) throw std::invalid_argument("has no metadata \"" + key + "\"");
     return meta_.metaValue<T>(key);
+  }
+  /// Reports hold these, and JSON holds nothing but UTF-8.
+  std::string text(const std::string& key) const {
+    auto value = get<std::string>(key);
+    if (is_printable(value)) return value;
+    throw std::invalid_argument("metadata \"" + key + "\" is not printable UTF-8 text");
   }
   int integer(const std::string& key, int low, int high) const {
     const int value = get<openvdb::Int32>(key);
@@ -167,13 +148,13 @@ std::vector<Material> read_materials(const Metadata& meta) {
   std::vector<Material> materials;
   const int count = meta.integer("materials", 1, kMostEntries);
   for (int i = 0; i < count; ++i) {
-    materials.push_back({meta.get<std::string>(key_of("material", i, "name")),
+    materials.push_back({meta.text(key_of("material", i, "name")),
                          meta.number(key_of("material", i, "sound_speed_m_s")),
                          meta.number(key_of("material", i, "impedance_rayl")),
                          meta.number(key_of("material", i, "attenuation_db_per_cm_mhz")),
                          meta.number(key_of("material", i, "backscatter_db")),
                          meta.number(key_of("material", i, "roughness")),
-                         meta.get<std::string>(key_of("material", i, "source"))});
+                         meta.text(key_of("material", i, "source"))});
   }
   return materials;
 }
@@ -219,12 +200,12 @@ Phantom phantom_from(const openvdb::MetaMap& file_meta, const openvdb::GridPtrVe
   auto grids = std::make_shared<Grids>();
   const int count = meta.integer("surfaces", 0, kMostEntries);
   for (int i = 0; i < count; ++i) {
-    surfaces.push_back({meta.get<std::string>(key_of("surface", i, "name")),
+    surfaces.push_back({meta.text(key_of("surface", i, "name")),
                         meta.integer(key_of("surface", i, "inside"), 0, last_row),
                         meta.get<bool>(key_of("surface", i, "is_target"))});
     grids->signed_distance.push_back(find_level_set(found, surfaces.back().name));
   }
-  return Phantom(meta.get<std::string>("phantom"),
+  return Phantom(meta.text("phantom"),
                  std::move(materials),
                  meta.integer("background", 0, last_row),
                  std::move(surfaces),
@@ -237,14 +218,16 @@ Phantom phantom_from(const openvdb::MetaMap& file_meta, const openvdb::GridPtrVe
 
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path) {
   initialize_openvdb();
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  if (!out)
+    throw std::runtime_error(path.string() + ": cannot be created: " + std::strerror(errno));
   try {
-    PartialFile partial(path);
-    write_stream(phantom, partial);
-    partial.keep_as(path);
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw write_failure(path, error.code().message());
+    write_stream(phantom, out);
   } catch (const std::exception& error) {
-    throw write_failure(path, error.what());
+    out.close();
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    throw std::runtime_error(path.string() + ": " + error.what());
   }
 }
 
@@ -260,10 +243,9 @@ Phantom read_phantom(const std::filesystem::path& path) {
     openvdb::io::Stream stream(in, /*delayLoad=*/false);
     return phantom_from(*stream.getMetadata(), *stream.getGrids());
   } catch (const openvdb::Exception& error) {
-    throw std::invalid_argument(path.string() + ": not a readable OpenVDB file (" + error.what() +
-                                ")");
+    throw InvalidPhantom(path.string() + ": not a readable OpenVDB file (" + error.what() + ")");
   } catch (const std::exception& error) {
-    throw std::invalid_argument(path.string() + ": " + error.what());
+    throw InvalidPhantom(path.string() + ": " + error.what());
   }
 }
 

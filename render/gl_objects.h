@@ -91,7 +91,7 @@ class Texture {
 class Framebuffer {
  public:
   Framebuffer() = default;
-  explicit Framebuffer(std::initializer_list<const Texture*> attachments);
+  Framebuffer(std::initializer_list<const Texture*> attachments);
   /// One layer of a 3D texture.
   static Framebuffer of_layer(const Texture& texture, int layer);
 

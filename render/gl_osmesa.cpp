@@ -64,7 +64,7 @@ class OsmesaContext : public GlContext {
  private:
   // The window that OSMesa insists on; all drawing goes to framebuffer objects.
   static constexpr int kSide = 8;
-  std::array<unsigned char, 4 * kSide * kSide> pixels_{};
+  std::array<unsigned char, std::size_t{4} * kSide * kSide> pixels_{};
   std::unique_ptr<osmesa_context, DestroyContext> context_;
   decltype(&OSMesaMakeCurrent) make_current_ = nullptr;
   decltype(&OSMesaGetProcAddress) proc_address_ = nullptr;

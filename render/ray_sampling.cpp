@@ -20,7 +20,7 @@ std::vector<double> gaussian_weights(int size) {
   std::vector<double> weights;
   double sum = 0;
   for (int tap = 0; tap < size; ++tap) {
-    const double offset = tap - (size - 1) / 2;
+    const int offset = tap - (size - 1) / 2;
     weights.push_back(std::exp(-0.5 * offset * offset / (sigma * sigma)));
     sum += weights.back();
   }

@@ -31,7 +31,17 @@ std::string material_at(const Phantom& phantom, const glm::dvec3& place) {
 std::string refusal(const PhantomOptions& options) {
   try {
     make_phantom(options);
-  } catch (const std::invalid_argument& error) {
+  } catch (const InvalidPhantom& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// The same, without building.
+std::string refusal_ahead(const PhantomOptions& options) {
+  try {
+    validate(options);
+  } catch (const InvalidPhantom& error) {
     return error.what();
   }
   return "accepted";
@@ -83,8 +93,9 @@ TEST(MakePhantom, BuildsEveryName) {
 TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
   PhantomOptions options;
   options.name = "doll";
-  EXPECT_EQ(refusal(options),
-            "name = doll: must be one of fetal_face, plane, sphere, points, speckle_block, file");
+  EXPECT_EQ(
+      refusal(options),
+      "name = \"doll\": must be one of fetal_face, plane, sphere, points, speckle_block, file");
   options = {};
   options.gestational_age_weeks = 19;
   EXPECT_EQ(refusal(options), "gestational_age_weeks = 19: must be within 20 and 30");
@@ -98,6 +109,25 @@ TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
   options = {};
   options.name = "file";
   EXPECT_EQ(refusal(options), "file = \"\": must be the path of a .vdb");
+}
+
+TEST(ValidatePhantom, KnowsAheadWhatMakePhantomRefuses) {
+  PhantomOptions doll, old, coarse, unnamed, missing, folder;
+  doll.name = "doll";
+  old.gestational_age_weeks = 99;
+  coarse.name = "sphere";
+  coarse.radius_m = 5e-3;
+  coarse.voxel_m = 4e-3;
+  unnamed.name = missing.name = folder.name = "file";
+  missing.file = "no/such.vdb";
+  folder.file = "/";
+  for (const auto& options : {doll, old, coarse, unnamed, missing, folder}) {
+    EXPECT_NE(refusal_ahead(options), "accepted");
+    EXPECT_EQ(refusal_ahead(options), refusal(options));
+  }
+  EXPECT_EQ(refusal_ahead(coarse), "voxel_mm = 4: must be at most 2.5 for the phantom sphere");
+  EXPECT_EQ(refusal_ahead(missing), "file = \"no/such.vdb\": no such file");
+  EXPECT_EQ(refusal_ahead({}), "accepted");
 }
 
 TEST(MakePhantom, PlaneCrossesItsWholeBox) {

@@ -45,7 +45,7 @@ class VdbFile : public testing::Test {
   std::string refusal() const {
     try {
       read_phantom(file());
-    } catch (const std::invalid_argument& error) {
+    } catch (const InvalidPhantom& error) {
       return error.what();
     }
     return "accepted";
@@ -233,26 +233,38 @@ TEST_F(VdbFile, SaysWhereItCannotWrite) {
   EXPECT_THROW(write_phantom(small_phantom(), file()), std::runtime_error);
 }
 
-TEST_F(VdbFile, LeavesTheOldFileWhenTheDiskIsFull) {
+TEST_F(VdbFile, RefusesNamesThatNoReportCanHold) {
+  for (const std::string key :
+       {"phantom", "surface.0.name", "material.1.name", "material.1.source"}) {
+    for (const std::string text : {"\xff", "a\nb"}) {
+      write_phantom(small_phantom(), file());
+      rewrite([&](auto&, auto& meta) { meta.insertMeta(key, openvdb::StringMetadata(text)); });
+      expect_refusal("metadata \"" + key + "\" is not printable UTF-8 text");
+    }
+  }
+}
+
+TEST_F(VdbFile, LeavesNoHalfFileWhenTheDiskIsFull) {
   write_phantom(small_phantom(), file());
   const auto whole = fs::file_size(file());
   rlimit unlimited{};
   getrlimit(RLIMIT_FSIZE, &unlimited);
   auto* const before = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit little = unlimited;
-  little.rlim_cur = whole / 2;
-  setrlimit(RLIMIT_FSIZE, &little);
-  std::string reason = "no error";
-  try {
-    write_phantom(small_phantom(), file());
-  } catch (const std::runtime_error& error) {
-    reason = error.what();
+  for (const std::uintmax_t missing : {std::uintmax_t{1}, std::uintmax_t{100}, whole / 2, whole}) {
+    rlimit little = unlimited;
+    little.rlim_cur = whole - missing;
+    setrlimit(RLIMIT_FSIZE, &little);
+    std::string reason = "no error";
+    try {
+      write_phantom(small_phantom(), file());
+    } catch (const std::runtime_error& error) {
+      reason = error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &unlimited);
+    EXPECT_EQ(reason.rfind(file().string() + ": ", 0), 0u) << reason;
+    EXPECT_TRUE(fs::is_empty(folder_)) << "no half file is left";
   }
-  setrlimit(RLIMIT_FSIZE, &unlimited);
   std::signal(SIGXFSZ, before);
-  EXPECT_EQ(reason.rfind(file().string() + ": ", 0), 0u) << reason;
-  EXPECT_EQ(fs::file_size(file()), whole);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "no half file is left";
 }
 
 }  // namespace
