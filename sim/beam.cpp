@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/echo_field.h"
 #include "sim/parallel.h"
 #include "sim/point_spread.h"
 
@@ -11,20 +12,25 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr int kMaxPerStep = 4;
-constexpr int kMaxHalf = 24;
+constexpr int kMaxHalf = 64;
 
 int divisions(double step_m, double fwhm_m) {
   return std::clamp(static_cast<int>(std::ceil(2 * step_m / fwhm_m)), 1, kMaxPerStep);
 }
 
-/// Gaussian weights with sum 1, of the power beam; `step_m` 0 (a lone stick): no averaging.
-std::vector<float> beam_weights(double fwhm_m, double step_m) {
-  const double sigma = step_m > 0 ? sigma_of_fwhm(fwhm_m) / std::sqrt(2.0) / step_m : 0;
-  std::vector<float> weights = unit_power_gaussian(sigma, kMaxHalf);
+/// Gaussian weights with sum 1 of an amplitude response's power.
+std::vector<float> power_weights(double amplitude_sigma_steps, int max_half) {
+  std::vector<float> weights =
+      unit_power_gaussian(amplitude_sigma_steps / std::sqrt(2.0), max_half);
   float sum = 0;
   for (float weight : weights) sum += weight;
   for (float& weight : weights) weight /= sum;
   return weights;
+}
+
+/// Of the beam's power; `step_m` 0 (a lone stick): no averaging.
+std::vector<float> beam_weights(double fwhm_m, double step_m) {
+  return power_weights(step_m > 0 ? sigma_of_fwhm(fwhm_m) / step_m : 0, kMaxHalf);
 }
 
 /// Weighted mean around `centre` of `count` values `stride` apart; at the rim, of those that exist.
@@ -126,6 +132,25 @@ hw::Ray BeamGrid::sightline(const hw::AcquisitionPlan& plan, int frame, int line
   const double theta = plan.theta_rad(l) + across * plan.theta_step_rad();
   const double phi = stick(f, l) + across * turn_per_line + along * plan.phi_step_rad();
   return plan.geometry().stick(theta, phi);
+}
+
+double pulse_power_peak(double pulse_sigma_samples) {
+  const auto weights = power_weights(pulse_sigma_samples, kMaxHalfPulse);
+  return static_cast<double>(weights[weights.size() / 2]);
+}
+
+void average_under_pulse(PowerField& field, double pulse_sigma_samples, int threads) {
+  const auto weights = power_weights(pulse_sigma_samples, kMaxHalfPulse);
+  parallel_ranges(field.frames, threads, [&](int first, int last) {
+    std::vector<float> before(static_cast<std::size_t>(field.samples));
+    for (int stick = first * field.lines; stick < last * field.lines; ++stick) {
+      float* values = field.stick(stick / field.lines, stick % field.lines);
+      std::copy_n(values, field.samples, before.begin());
+      for (int i = 0; i < field.samples; ++i) {
+        values[i] = weighted(before.data(), field.samples, 1, i, weights);
+      }
+    }
+  });
 }
 
 PowerField averaged_under_beam(PowerField fine,

@@ -39,9 +39,15 @@ struct BeamGrid {
   hw::Ray sightline(const hw::AcquisitionPlan& plan, int frame, int line) const;
 };
 
+/// Averages power along each stick under the pulse: a Gaussian of its amplitude's sigma over
+/// sqrt 2.
+void average_under_pulse(PowerField& field, double pulse_sigma_samples, int threads);
+/// Largest weight of that average: a lone sample of power p shows as p times this.
+double pulse_power_peak(double pulse_sigma_samples);
+
 /// Averages power under the two-way beam (a Gaussian of the amplitude's width over sqrt 2) at each
-/// range, first across lines, then across frames, and keeps the sticks of the plan. The skirt of the
-/// beam below -20 dB is left out.
+/// range, first across lines, then across frames, and keeps the sticks of the plan. The skirt of
+/// the beam below -20 dB is left out.
 PowerField averaged_under_beam(PowerField fine,
                                const BeamGrid& grid,
                                const hw::AcquisitionPlan& plan,

@@ -15,7 +15,7 @@ using Complex = std::complex<float>;
 
 // Widest kernels worth their cost; wider ones occur only within a few millimetres of the face.
 constexpr int kMaxHalfLines = 8;
-constexpr int kMaxHalfFrames = 16;
+constexpr int kMaxHalfFrames = 32;
 
 /// Weighted sum of the `count` values around `centre`, `stride` apart. Taps beyond the ends are
 /// left out and the rest scaled up, so that the edges of the field keep their power.
@@ -68,14 +68,9 @@ EchoField make_echo_field(const hw::AcquisitionPlan& plan) {
   return field;
 }
 
-void fill_speckle(std::span<Complex> stick,
-                  std::span<const float> strength,
-                  std::uint64_t key,
-                  double axial_sigma_samples) {
-  for (std::size_t i = 0; i < stick.size(); ++i) {
-    stick[i] = strength[i] > 0 ? strength[i] * complex_normal(key, i) : Complex(0, 0);
-  }
-  const auto smooth = convolved(stick, unit_power_gaussian(axial_sigma_samples, kMaxHalfPulse));
+void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigma_samples) {
+  for (std::size_t i = 0; i < stick.size(); ++i) stick[i] = complex_normal(key, i);
+  const auto smooth = convolved(stick, unit_power_gaussian(pulse_sigma_samples, kMaxHalfPulse));
   std::copy(smooth.begin(), smooth.end(), stick.begin());
 }
 

@@ -25,21 +25,21 @@ struct EchoField {
   }
 };
 
-/// Longest half of a pulse that is worth its cost, in IQ samples.
-inline constexpr int kMaxHalfPulse = 64;
+/// Longest half of a pulse, in IQ samples; reached only by scans finer than a micrometre a sample.
+inline constexpr int kMaxHalfPulse = 1024;
 
 /// IQ samples for each output sample, so that the two-sided band of the pulse fits the rate.
 int iq_oversampling(const hw::AcquisitionPlan& plan);
 
 EchoField make_echo_field(const hw::AcquisitionPlan& plan);
 
-/// White circular noise of unit power, scaled by `strength`, then filtered by the pulse.
+/// White circular noise of unit power, filtered by the pulse to unit power again.
 void fill_speckle(std::span<std::complex<float>> stick,
-                  std::span<const float> strength,
                   std::uint64_t key,
-                  double axial_sigma_samples);
+                  double pulse_sigma_samples);
 
-/// Filters each range across the lines of a frame, then across frames, by the beam's width there.
+/// Filters each range across the lines of a frame, then across frames, by the beam's width there,
+/// keeping the power.
 void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
 void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
 

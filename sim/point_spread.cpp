@@ -42,7 +42,7 @@ double sigma_of_fwhm(double fwhm) {
 
 std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half) {
   constexpr double kCutSigmas = 3.035;  // exp(-kCutSigmas^2 / 2) = 0.01
-  const int half = std::clamp(static_cast<int>(kCutSigmas * sigma_in_steps), 0, max_half);
+  const int half = static_cast<int>(std::clamp<double>(kCutSigmas * sigma_in_steps, 0, max_half));
   std::vector<double> taps;
   double power = 0;
   for (int i = -half; i <= half; ++i) {

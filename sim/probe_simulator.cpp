@@ -64,7 +64,7 @@ void ProbeSimulator::scan_geometry(const phantoms::Phantom& phantom,
     for (const Stretch& stretch : profile.stretches) {
       const double mean = amplitude_of_db(materials_.at(stretch.material).backscatter_db);
       const float value = options_.output == hw::SampleScale::linear_envelope
-                              ? static_cast<float>(mean)
+                              ? static_cast<float>(mean / amplitude_of_db(options_.full_scale_db))
                               : log_compressed(mean, options_);
       std::fill(stick + stretch.first, stick + stretch.last, value);
     }
@@ -100,8 +100,9 @@ void ProbeSimulator::scan_field(const phantoms::Phantom& phantom,
                    echoes_.samples,
                    options_.threads,
                    sample);
-  fill_speckle_from(
-      averaged_under_beam(std::move(power), grid, plan_, echoes_.spacing_m, options_.threads));
+  power = averaged_under_beam(std::move(power), grid, plan_, echoes_.spacing_m, options_.threads);
+  average_under_pulse(power, pulse_sigma_samples(), options_.threads);
+  fill_echoes(power);
   if (!options_.interface_echo) return;
   parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
@@ -125,51 +126,45 @@ void ProbeSimulator::add_power(const TissueProfile& profile, float* power) const
   if (!options_.interface_echo) return;
   // A rough interface is a thin sheet of scatterers: one sample's worth of power that the pulse
   // spreads to the amplitude asked for at its peak.
-  const double peak = pulse_peak();
+  const double peak = pulse_power_peak(pulse_sigma_samples());
   for (std::size_t i = 0; i < profile.interfaces.size(); ++i) {
     const int before = profile.stretches[i].last - 1;
     const double diffuse = interface_echo(profile.interfaces[i], materials_, options_).diffuse;
     const double amplitude =
-        rms(diffuse) / peak * static_cast<double>(left[static_cast<std::size_t>(before)]);
+        rms(diffuse) * static_cast<double>(left[static_cast<std::size_t>(before)]);
     const int at = std::clamp(static_cast<int>(profile.interfaces[i].range_m / echoes_.spacing_m),
                               0,
                               echoes_.samples - 1);
-    power[at] += static_cast<float>(amplitude * amplitude);
+    power[at] += static_cast<float>(amplitude * amplitude / peak);
   }
 }
 
-void ProbeSimulator::fill_speckle_from(PowerField power) {
-  for (float& value : power.values) value = std::sqrt(value);
-  const std::size_t samples = static_cast<std::size_t>(echoes_.samples);
+void ProbeSimulator::fill_echoes(const PowerField& power) {
+  // Even speckle first, then its local strength: filtered after, the strength would be blurred
+  // twice.
+  std::fill(echoes_.values.begin(), echoes_.values.end(), 1.0f);
+  if (options_.speckle) fill_even_speckle();
+  const std::size_t count = echoes_.values.size();
+  for (std::size_t i = 0; i < count; ++i) echoes_.values[i] *= std::sqrt(power.values[i]);
+}
+
+void ProbeSimulator::fill_even_speckle() {
   parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const int frame = i / echoes_.lines, line = i % echoes_.lines;
-      const std::span<const float> strength(power.stick(frame, line), samples);
-      const auto stick = echoes_.stick(frame, line);
-      if (!options_.speckle) {
-        std::copy(strength.begin(), strength.end(), stick.begin());
-        continue;
-      }
       const auto key = random_key(options_.seed,
                                   RandomStream::speckle,
                                   static_cast<std::uint64_t>(frame),
                                   static_cast<std::uint64_t>(line));
-      fill_speckle(stick, strength, key, pulse_sigma_samples());
+      fill_speckle(echoes_.stick(frame, line), key, pulse_sigma_samples());
     }
   });
-  if (!options_.speckle) return;
   filter_across_lines(echoes_, plan_, options_.threads);
   filter_across_frames(echoes_, plan_, options_.threads);
 }
 
 double ProbeSimulator::pulse_sigma_samples() const {
   return sigma_of_fwhm(axial_fwhm_m(plan_)) / echoes_.spacing_m;
-}
-
-double ProbeSimulator::pulse_peak() const {
-  if (!options_.speckle) return 1;
-  const auto taps = unit_power_gaussian(pulse_sigma_samples(), kMaxHalfPulse);
-  return static_cast<double>(taps[taps.size() / 2]);
 }
 
 void ProbeSimulator::add_specular(const TissueProfile& profile, int frame, int line) {

@@ -37,10 +37,9 @@ class ProbeSimulator {
   void scan_field(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
   void add_power(const TissueProfile& profile, float* power) const;
   void add_specular(const TissueProfile& profile, int frame, int line);
-  void fill_speckle_from(PowerField power);
+  void fill_echoes(const PowerField& power);
+  void fill_even_speckle();
   double pulse_sigma_samples() const;
-  /// Largest tap of the speckle's axial filter.
-  double pulse_peak() const;
   void scan_geometry(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
 
   hw::AcquisitionPlan plan_;

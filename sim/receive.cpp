@@ -33,7 +33,7 @@ void receive(std::span<const std::complex<float>> iq,
     const double gained = envelope / static_cast<float>(count) *
                           time_gain(plan, options, plan.sample_range_m(static_cast<int>(k)));
     samples[k] = options.output == hw::SampleScale::linear_envelope
-                     ? static_cast<float>(gained)
+                     ? static_cast<float>(gained / amplitude_of_db(options.full_scale_db))
                      : log_compressed(gained, options);
   }
 }

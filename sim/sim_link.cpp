@@ -6,7 +6,8 @@
 
 namespace wobblebench::sim {
 
-SimLink::SimLink(ProbeSimulator simulator) : simulator_(std::move(simulator)) {}
+SimLink::SimLink(ProbeSimulator simulator, std::shared_ptr<std::atomic<double>> receive_ms)
+    : simulator_(std::move(simulator)), receive_ms_(std::move(receive_ms)) {}
 
 hw::LinkCapabilities SimLink::capabilities() const {
   return {.provenance = hw::Provenance::simulated, .copy_in = true, .waits_for_reader = true};
@@ -30,7 +31,11 @@ hw::ReadResult SimLink::read(std::span<std::byte> buffer, hw::HostTime) {
 void SimLink::begin_volume() {
   const auto& plan = simulator_.plan();
   const std::uint32_t volume = plan.index(sequence_).volume;
+  const auto start = hw::HostClock::now();
   volume_ = simulator_.volume(volume);
+  if (receive_ms_) {
+    *receive_ms_ += std::chrono::duration<double, std::milli>(hw::HostClock::now() - start).count();
+  }
   hw::encode(hw::ConfigurationPacket{.sequence = sequence_,
                                      .volume = volume,
                                      .time = plan.stick_time(sequence_),

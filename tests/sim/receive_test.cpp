@@ -21,6 +21,7 @@ SimulationOptions quiet_linear() {
   options.noise_db = kSilent_db;
   options.tgc_db_per_cm_mhz = 0;
   options.output = hw::SampleScale::linear_envelope;
+  options.full_scale_db = 0;
   return options;
 }
 

@@ -78,6 +78,7 @@ TEST(Rungs, FieldEchoesTheSurfaceAtItsReflection) {
   options.low_pass = false;
   options.noise_db = kSilent_db;
   options.output = hw::SampleScale::linear_envelope;
+  options.full_scale_db = 0;
   const Scan scan = scan_sphere(options, true);
   const int front = static_cast<int>(50e-3 / scan.plan.sample_spacing_m());
   float peak = 0;
@@ -115,6 +116,7 @@ TEST(Rungs, ShadowLiesBehindWhatReflects) {
   options.attenuation = false;
   options.tgc_db_per_cm_mhz = 0;
   options.output = hw::SampleScale::linear_envelope;
+  options.full_scale_db = 0;
   const Scan scan = scan_sphere(options);
   const double r = surface_reflection();
   const double expected =

@@ -81,11 +81,10 @@ TEST(Speckle, AxialCorrelationFollowsThePulse) {
   const hw::AcquisitionPlan plan({}, acquisition);
   EchoField field = make_echo_field(plan);
   const double sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
-  const std::vector<float> strength(static_cast<std::size_t>(field.samples), 1.0f);
   std::vector<std::complex<double>> correlation(12);
   for (int line = 0; line < 64; ++line) {
     const auto stick = field.stick(0, line);
-    fill_speckle(stick, strength, static_cast<std::uint64_t>(line), sigma);
+    fill_speckle(stick, static_cast<std::uint64_t>(line), sigma);
     for (std::size_t lag = 0; lag < correlation.size(); ++lag) {
       for (std::size_t i = 50; i + 50 < stick.size(); ++i) {
         correlation[lag] +=
@@ -108,10 +107,8 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
   acquisition.frames_per_volume = 8;
   const hw::AcquisitionPlan plan({}, acquisition);
   EchoField field = make_echo_field(plan);
-  const std::vector<float> strength(static_cast<std::size_t>(field.samples), 1.0f);
   for (int i = 0; i < field.frames * field.lines; ++i) {
-    fill_speckle(
-        field.stick(i / field.lines, i % field.lines), strength, static_cast<std::uint64_t>(i), 0);
+    fill_speckle(field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0);
   }
   filter_across_lines(field, plan, 0);
   const int sample = static_cast<int>(60e-3 / field.spacing_m);
@@ -138,12 +135,9 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
 TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
   const hw::AcquisitionPlan plan({}, {});
   EchoField field = make_echo_field(plan);
-  const std::vector<float> strength(static_cast<std::size_t>(field.samples), 1.0f);
   for (int i = 0; i < field.frames * field.lines; ++i) {
-    fill_speckle(field.stick(i / field.lines, i % field.lines),
-                 strength,
-                 static_cast<std::uint64_t>(i),
-                 0.88);
+    fill_speckle(
+        field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0.88);
   }
   filter_across_lines(field, plan, 0);
   filter_across_frames(field, plan, 0);
