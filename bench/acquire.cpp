@@ -1,5 +1,6 @@
 #include "bench/acquire.h"
 
+#include <atomic>
 #include <memory>
 #include <stdexcept>
 
@@ -26,12 +27,17 @@ BoardArguments parse_board(const std::string& text) {
 }
 
 Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::Phantom& phantom) {
+  if (scene.acquisition.volumes != 1) {
+    throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
+                    ": must be 1; this command renders one volume");
+  }
   const auto start = hw::HostClock::now();
   sim::ProbeSimulator simulator(phantom, scene.phantom_placement(), scene.plan(), scene.simulation);
   const auto effects = simulator.effects();
   const auto simulated = hw::HostClock::now();
 
-  hw::Board board(std::make_unique<sim::SimLink>(std::move(simulator)));
+  const auto receive_ms = std::make_shared<std::atomic<double>>(0.0);
+  hw::Board board(std::make_unique<sim::SimLink>(std::move(simulator), receive_ms));
   board.start();
   hw::VolumeAssembly assembly(board);
   auto volume = assembly.next(hw::HostClock::now() + kPatience);
@@ -48,8 +54,8 @@ Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::P
           account,
           std::string(hw::to_string(assembly.configuration()->source)),
           effects,
-          milliseconds(simulated - start),
-          milliseconds(delivered - simulated)};
+          milliseconds(simulated - start) + *receive_ms,
+          milliseconds(delivered - simulated) - *receive_ms};
 }
 
 }  // namespace wobblebench::bench

@@ -24,11 +24,11 @@ struct Acquisition {
   hw::BoardAccount account;
   std::string provenance;            ///< of the samples: "simulated", …
   std::vector<std::string> effects;  ///< which the simulator ran
-  double simulation_ms = 0;          ///< making the echoes
+  double simulation_ms = 0;          ///< tissue to samples, receive chain included
   double transport_ms = 0;           ///< encode, link, decode, ring, assembly
 };
 
-/// The first volume of the scene.
+/// The scene's volume. Throws UserError where the scene asks for several.
 Acquisition acquire(const BoardArguments& board,
                     const Scene& scene,
                     const phantoms::Phantom& phantom);

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
-/// Nearest-rank quantile; sorts its argument.
+/// Nearest-rank quantile; reorders its argument.
 double quantile(std::vector<double>& values, double q) {
   if (values.empty()) return kUnset;
-  const auto rank = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1) + 0.5);
+  const auto rank = std::lround(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + rank, values.end());
   return values[static_cast<std::size_t>(rank)];
 }

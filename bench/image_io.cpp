@@ -1,23 +1,30 @@
 #include "bench/image_io.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <stdexcept>
+#include <string_view>
+
+#include "bench/write_file.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Writes interleaved floats; the file's format follows from its extension.
+/// Writes interleaved floats; the file's format follows from its extension. Encoded in memory,
+/// because OpenImageIO does not check the last flush of its own files.
 void write(const std::filesystem::path& path,
-           OIIO::ImageSpec spec,
+           const OIIO::ImageSpec& spec,
            const std::vector<float>& values) {
-  const auto output = OIIO::ImageOutput::create(path.string());
+  OIIO::Filesystem::IOVecOutput encoded;
+  const auto output = OIIO::ImageOutput::create(path.string(), &encoded);
   if (!output) throw std::runtime_error(path.string() + ": " + OIIO::geterror());
   const bool whole = output->open(path.string(), spec) &&
                      output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close();
-  if (!whole)
-    throw std::runtime_error(path.string() + ": cannot be written: " + output->geterror());
+  if (!whole) throw std::runtime_error(path.string() + ": " + output->geterror());
+  const auto& bytes = encoded.buffer();
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace

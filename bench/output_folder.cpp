@@ -1,6 +1,7 @@
 #include "bench/output_folder.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <array>
@@ -8,10 +9,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "bench/user_error.h"
+#include "bench/write_file.h"
 
 namespace wobblebench::bench {
 
@@ -22,12 +24,19 @@ constexpr std::size_t kMaxStaged = 64;
 constexpr std::size_t kMaxPath = 4096;
 std::array<char[kMaxPath], kMaxStaged> staged_paths;
 std::atomic<std::size_t> staged_count = 0;
+pthread_t writing_thread;
 
 void remove_staged() {
   for (std::size_t i = 0; i < staged_count.load(); ++i) ::unlink(staged_paths[i]);
 }
 
+/// Any thread may be given the signal. Handled on the one that writes, it cannot meet a file that
+/// is just being made, nor one that is being renamed while that thread holds signals off.
 void on_signal(int signal) {
+  if (!::pthread_equal(::pthread_self(), writing_thread)) {
+    ::pthread_kill(writing_thread, signal);
+    return;
+  }
   remove_staged();
   ::_exit(128 + signal);
 }
@@ -37,9 +46,28 @@ void remember(const std::filesystem::path& path) {
   if (slot >= kMaxStaged || path.native().size() >= kMaxPath) {
     throw std::runtime_error(path.string() + ": too many files or too long a name");
   }
-  std::strcpy(staged_paths[slot], path.c_str());
+  path.native().copy(staged_paths[slot], kMaxPath - 1);
+  staged_paths[slot][path.native().size()] = '\0';
   staged_count.store(slot + 1);
 }
+
+/// Holds SIGINT and SIGTERM off this thread while it lives.
+class SignalsHeld {
+ public:
+  SignalsHeld() {
+    sigset_t signals;
+    ::sigemptyset(&signals);
+    ::sigaddset(&signals, SIGINT);
+    ::sigaddset(&signals, SIGTERM);
+    ::pthread_sigmask(SIG_BLOCK, &signals, &before_);
+  }
+  ~SignalsHeld() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsHeld(const SignalsHeld&) = delete;
+  SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+ private:
+  sigset_t before_;
+};
 
 void refuse(const std::filesystem::path& directory, const std::string& reason) {
   throw UserError("--out = " + directory.string() + ": " + reason +
@@ -57,6 +85,7 @@ OutputFolder::OutputFolder(const std::filesystem::path& directory) : directory_(
   if (file < 0) refuse(directory, std::strerror(errno));
   ::close(file);
   ::unlink(probe.c_str());
+  writing_thread = ::pthread_self();
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 }
@@ -68,23 +97,30 @@ OutputFolder::~OutputFolder() {
 
 std::filesystem::path OutputFolder::stage(const std::string& name) {
   // The process number keeps two runs into one folder apart.
-  const auto partial = directory_ / (".partial-" + std::to_string(::getpid()) + "-" + name);
+  auto partial = directory_ / (".partial-" + std::to_string(::getpid()) + "-" + name);
   remember(partial);
   files_.push_back({partial, directory_ / name});
   return partial;
 }
 
-void OutputFolder::write_text(const std::string& name, const std::string& text) {
-  std::ofstream file(stage(name), std::ios::binary);
-  file << text;
-  file.close();
-  if (!file)
-    throw std::runtime_error((directory_ / name).string() +
-                             ": cannot be written: " + std::strerror(errno));
+void OutputFolder::write_text(const std::string& name, std::string_view text) {
+  write_file(stage(name), text);
 }
 
 void OutputFolder::commit() {
-  for (const File& file : files_) std::filesystem::rename(file.partial, file.final);
+  for (const File& file : files_) {
+    // The likely failure, found before the first file has its name.
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file.final, ignored)) {
+      throw std::runtime_error(file.final.string() + ": is a folder; cannot be replaced by a file");
+    }
+  }
+  const SignalsHeld held;
+  for (const File& file : files_) {
+    std::error_code error;
+    std::filesystem::rename(file.partial, file.final, error);
+    if (error) throw std::runtime_error(file.final.string() + ": " + error.message());
+  }
   files_.clear();
   staged_count.store(0);
 }

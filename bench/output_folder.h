@@ -3,13 +3,15 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace wobblebench::bench {
 
 /// Collects the files of one command under hidden partial names and gives them their final names
 /// together in commit(). Destroyed before that, after an error say, it removes them; so do Ctrl-C
-/// and SIGTERM, which then end the program with 128 + the signal's number.
+/// and SIGTERM, which then end the program with 128 + the signal's number. Both signals are dealt
+/// with on the thread that made the folder, which therefore is the one that stages and commits.
 class OutputFolder {
  public:
   /// Makes the folder if it is missing and proves that it can be written.
@@ -21,9 +23,10 @@ class OutputFolder {
 
   /// The partial path to write the file `name` to. Its extension is that of `name`.
   std::filesystem::path stage(const std::string& name);
-  /// Stages a text. Throws std::runtime_error when it cannot be written whole.
-  void write_text(const std::string& name, const std::string& text);
-  /// Gives every staged file its final name.
+  /// Stages a text, or any bytes. Throws std::runtime_error when they cannot be written whole.
+  void write_text(const std::string& name, std::string_view text);
+  /// Gives every staged file its final name; a signal meanwhile waits until all have theirs.
+  /// Throws std::runtime_error "PATH: reason", with nothing renamed if PATH is a folder.
   void commit();
 
   const std::filesystem::path& directory() const { return directory_; }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,7 +20,10 @@ namespace {
 
 constexpr int kLeastPoints = 20;
 /// Detections farther than this from every target surface belong to none of them.
-constexpr double kFarPoint_m = 5e-3;
+constexpr double kFarPoint_m = 6e-3;
+/// A point may drift this much farther during the fit and still be measured.
+constexpr double kDrift_m = 1e-3;
+constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 struct DetectedPoint {
   hw::Ray stick;       ///< the line of sight through it
@@ -32,7 +36,7 @@ struct DetectedPoint {
 class TargetDistance {
  public:
   TargetDistance(const phantoms::Phantom& phantom, const phantoms::Placement& placement)
-      : finder_(phantom), placement_(placement) {}
+      : finder_(phantom, kFarPoint_m + kDrift_m), placement_(placement) {}
 
   std::optional<phantoms::SurfaceFinder::Distance> at(const glm::dvec3& p) const {
     auto distance = finder_.distance(placement_.to_phantom(p));
@@ -90,7 +94,8 @@ std::vector<DetectedPoint> detected_points(const render::Image<float>& depth_m,
                                            const hw::AcquisitionPlan& plan,
                                            const render::RenderOptions& options,
                                            const TargetDistance& target,
-                                           int max_points) {
+                                           int max_points,
+                                           int& sampled) {
   const render::Camera camera = render::make_camera(options);
   const double per_point = static_cast<double>(depth_m.pixels.size()) / max_points;
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(per_point))));
@@ -99,6 +104,7 @@ std::vector<DetectedPoint> detected_points(const render::Image<float>& depth_m,
     for (int column = stride / 2; column < depth_m.width; column += stride) {
       const double depth = static_cast<double>(depth_m.at(column, row));
       if (!std::isfinite(depth)) continue;
+      ++sampled;
       const hw::Ray ray = camera.ray(column, row);
       const auto distance = target.at(ray.at(depth));
       if (!distance || std::abs(distance->value_m) > kFarPoint_m) continue;
@@ -123,6 +129,22 @@ void add_prior(ceres::Problem& problem, double* block, int size, double sigma) {
   ceres::Matrix stiffness = ceres::Matrix::Identity(size, size) / sigma;
   problem.AddResidualBlock(
       new ceres::NormalPrior(stiffness, ceres::Vector::Zero(size)), nullptr, block);
+}
+
+bool holds(const RegistrationPriors& priors,
+           const std::array<double, kRegistrationParameters>& value) {
+  const std::array<double, kRegistrationParameters> width = {priors.rotation_rad,
+                                                             priors.rotation_rad,
+                                                             priors.rotation_rad,
+                                                             priors.translation_m,
+                                                             priors.translation_m,
+                                                             priors.translation_m,
+                                                             priors.scale,
+                                                             priors.bias_m};
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (std::abs(value[i]) > 3 * width[i]) return false;
+  }
+  return true;
 }
 
 /// One fit with the points' scatter taken as sigma_m.
@@ -185,6 +207,11 @@ double rms_distance_m(const std::vector<DetectedPoint>& points,
 
 }  // namespace
 
+Registration::Registration() : rms_before_m(kUnset), rms_after_m(kUnset) {
+  value.fill(kUnset);
+  covariance.fill(kUnset);
+}
+
 double Registration::standard_deviation(int parameter) const {
   const auto diagonal = static_cast<std::size_t>(parameter * (kRegistrationParameters + 1));
   return std::sqrt(covariance.at(diagonal));
@@ -210,8 +237,8 @@ Registration register_surface(const render::Image<float>& depth_m,
                               const RegistrationPriors& priors,
                               int max_points) {
   const TargetDistance target(phantom, placement);
-  const auto points = detected_points(depth_m, plan, options, target, max_points);
   Registration result;
+  const auto points = detected_points(depth_m, plan, options, target, max_points, result.sampled);
   result.points = static_cast<int>(points.size());
   if (result.points < kLeastPoints) return result;
 
@@ -232,6 +259,7 @@ Registration register_surface(const render::Image<float>& depth_m,
     if (round == 1) read_covariance(problem, blocks, result);
   }
   result.value = blocks.value;
+  result.within_priors = holds(priors, blocks.value);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <string>
 
@@ -16,7 +17,9 @@ namespace wobblebench::bench {
 /// What the fit may move. A detected point at range rho on its stick, seen along the ray v, goes to
 ///   R(rotation) (stick(scale rho) - bias v - c) + c + translation,   c: centroid of the points.
 /// Priors of these widths keep a direction that the surface cannot show (a sphere's rotation, a
-/// plane's sliding) at zero; its standard deviation is then the prior's own.
+/// plane's sliding) at zero; its standard deviation is then the prior's own. They do not hold back
+/// a direction that it does show: an error that looks like a scale is fitted as a scale, however
+/// large.
 struct RegistrationPriors {
   double rotation_rad = 0.05;
   double translation_m = 5e-3;
@@ -28,15 +31,21 @@ inline constexpr int kRegistrationParameters = 8;
 
 struct Registration {
   bool converged = false;
-  int points = 0;
-  /// rotation x y z (rad), translation x y z (m), scale - 1, bias (m)
-  std::array<double, kRegistrationParameters> value{};
+  int points = 0;   ///< used: within reach of a target surface
+  int sampled = 0;  ///< found depths that were looked at
+  /// rotation x y z (rad), translation x y z (m), scale - 1, bias (m); NaN, as all that follows,
+  /// where there were too few points to fit
+  std::array<double, kRegistrationParameters> value;
   /// Row-major posterior covariance, in the units of `value`. Neighbouring errors are correlated by
   /// beam and speckle, so the true spread is wider; see docs/architecture.md.
-  std::array<double, kRegistrationParameters * kRegistrationParameters> covariance{};
-  double rms_before_m = 0;  ///< distance of the points to the surface
-  double rms_after_m = 0;
+  std::array<double, std::size_t{kRegistrationParameters} * kRegistrationParameters> covariance;
+  double rms_before_m;  ///< distance of the points to the surface
+  double rms_after_m;
+  /// No value is farther from zero than three priors: beyond, the fit explains more than a
+  /// calibration error could be.
+  bool within_priors = false;
 
+  Registration();
   double standard_deviation(int parameter) const;
 };
 

@@ -31,11 +31,13 @@ Json normal_json(const NormalStatistics& normal) {
 
 }  // namespace
 
-Json report_head(const std::string& command, const Provenance& provenance, const Scene& scene) {
+Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
+  provenance.seed = scene.simulation.seed;
   return {{"schema", kSchema},
           {"command", command},
           {"provenance", to_json(provenance)},
-          {"scene", resolved(scene)}};
+          {"scene", resolved(scene)},
+          {"effects", Json::array()}};
 }
 
 Json acquisition_json(const hw::AcquisitionPlan& plan) {
@@ -58,10 +60,14 @@ Json render_json(const std::vector<render::PassTime>& passes) {
   return {{"mode", "plain"}, {"passes", list}, {"frame_ms", frame_ms}};
 }
 
-Json error_json(const DepthError& raw, const DepthError& filtered, const ImageSimilarity& shaded) {
+Json error_json(const DepthError& raw,
+                const DepthError& filtered,
+                const ImageSimilarity& shaded,
+                bool surface_sought) {
+  const auto percent = [&](double value) { return surface_sought ? Json(value) : Json(nullptr); };
   return {{"depth_mm", depth_json(raw.depth)},
-          {"missed_percent", raw.missed_percent()},
-          {"false_percent", raw.false_percent()},
+          {"missed_percent", percent(raw.missed_percent())},
+          {"false_percent", percent(raw.false_percent())},
           {"outside_field_percent", 100.0 * raw.outside_field / raw.pixels},
           {"pixels", raw.pixels},
           {"filtered_depth_mm", depth_json(filtered.depth)},
@@ -75,15 +81,19 @@ Json registration_json(const Registration& registration) {
   for (int i = 0; i < kRegistrationParameters; ++i) {
     const auto slot = static_cast<std::size_t>(i);
     parameters.push_back({{"name", registration_names()[slot]},
-                          {"value", registration.value[slot]},
+                          {"value", number(registration.value[slot])},
                           {"standard_deviation", number(registration.standard_deviation(i))}});
   }
+  Json covariance = Json::array();
+  for (double value : registration.covariance) covariance.push_back(number(value));
   return {{"converged", registration.converged},
+          {"within_priors", registration.within_priors},
           {"points", registration.points},
+          {"points_sampled", registration.sampled},
           {"parameters", parameters},
-          {"covariance", registration.covariance},
-          {"rms_before_mm", registration.rms_before_m / kMillimetre},
-          {"rms_after_mm", registration.rms_after_m / kMillimetre}};
+          {"covariance", covariance},
+          {"rms_before_mm", number(registration.rms_before_m / kMillimetre)},
+          {"rms_after_mm", number(registration.rms_after_m / kMillimetre)}};
 }
 
 }  // namespace wobblebench::bench

@@ -17,12 +17,16 @@ namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
-/// The head: schema, command, provenance, scene as resolved.
-Json report_head(const std::string& command, const Provenance& provenance, const Scene& scene);
+/// The head: schema, command, provenance with the scene's seed, scene as resolved, no effects yet.
+Json report_head(const std::string& command, Provenance provenance, const Scene& scene);
 
 Json acquisition_json(const hw::AcquisitionPlan& plan);
 Json render_json(const std::vector<render::PassTime>& passes);
-Json error_json(const DepthError& raw, const DepthError& filtered, const ImageSimilarity& shaded);
+/// Where no surface was sought (mode "volume") none is missed: those figures are null.
+Json error_json(const DepthError& raw,
+                const DepthError& filtered,
+                const ImageSimilarity& shaded,
+                bool surface_sought);
 Json registration_json(const Registration& registration);
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,13 @@
 #include "bench/scene.h"
 
+#include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
+#include <system_error>
+
+#include "bench/scene_cost.h"
 #include "bench/scene_toml.h"
+#include "phantoms/printable.h"
 
 namespace wobblebench::bench {
 
@@ -12,11 +19,18 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+void check_is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  if (type == std::filesystem::file_type::regular) return;
+  const bool missing = type == std::filesystem::file_type::not_found;
+  const std::string reason = missing ? "no such file" : error ? error.message() : "not a file";
+  throw UserError(path.string() + ": " + reason + "; a scene is a TOML file");
+}
+
 toml::table parse_file(const std::filesystem::path& path) {
   if (path.empty()) return {};
-  if (!std::filesystem::is_regular_file(path)) {
-    throw UserError(path.string() + ": no such file; a scene is a TOML file");
-  }
+  check_is_file(path);
   try {
     return toml::parse_file(path.string());
   } catch (const toml::parse_error& error) {
@@ -38,6 +52,9 @@ toml::table parse_value(const std::string& text) {
 
 /// Puts "a.b.c=value" into the table of section a.b.
 void apply_setting(toml::table& scene, const std::string& setting) {
+  if (!phantoms::is_printable(setting)) {
+    throw UserError("--set " + setting + ": must be UTF-8 without control characters");
+  }
   const auto equals = setting.find('=');
   const auto last_dot = setting.rfind('.', equals);
   if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
@@ -127,20 +144,37 @@ void validate(const Scene& scene, const std::string& source) {
       rule();
     } catch (const hw::InvalidOption& error) {
       throw UserError(source + ": " + section + "." + error.what());
+    } catch (const phantoms::InvalidPhantom& error) {
+      throw UserError(source + ": " + section + "." + error.what());
     }
   };
+  check("phantom", [&] { phantoms::validate(scene.phantom); });
   check("probe", [&] { hw::validate(scene.probe); });
   check("render", [&] { render::validate(scene.render); });
-  const auto& names = phantoms::phantom_names();
-  const std::string& name = scene.phantom.name;
-  if (name != "file" && std::find(names.begin(), names.end(), name) == names.end()) {
-    throw UserError(source + ": phantom.name = \"" + name + "\": must be one of " + joined(names) +
-                    ", file");
-  }
+  check_memory(scene, source, machine_memory_bytes());
 }
 
 glm::dvec3 to_vec3(const std::vector<double>& v) {
   return {v.at(0), v.at(1), v.at(2)};
+}
+
+std::vector<double> to_list(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// The upright box in the probe frame that holds `box` of the phantom, however that is turned.
+phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placement) {
+  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
+                       glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (const double x : {box.low.x, box.high.x}) {
+    for (const double y : {box.low.y, box.high.y}) {
+      for (const double z : {box.low.z, box.high.z}) {
+        const glm::dvec3 corner = placement.to_probe({x, y, z});
+        bounds = {glm::min(bounds.low, corner), glm::max(bounds.high, corner)};
+      }
+    }
+  }
+  return bounds;
 }
 
 }  // namespace
@@ -161,20 +195,18 @@ Scene load_scene(const std::filesystem::path& path, const std::vector<std::strin
 }
 
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
-  const auto list = [](const glm::dvec3& v) { return std::vector<double>{v.x, v.y, v.z}; };
-  const auto& box = phantom.region_of_interest();
   if (!scene.given.contains("placement.position_mm")) {
     // The suggestion is for the default face; another radius moves the face along z.
     const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
     scene.placement.position_m =
-        list(phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m));
+        to_list(phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m));
   }
-  const phantoms::Placement placement = scene.phantom_placement();
+  const phantoms::Box box = placed(phantom.region_of_interest(), scene.phantom_placement());
   if (!scene.given.contains("render.volume_of_interest.center_mm")) {
-    scene.render.volume_of_interest.center_m = list(placement.to_probe(0.5 * (box.low + box.high)));
+    scene.render.volume_of_interest.center_m = to_list(0.5 * (box.low + box.high));
   }
   if (!scene.given.contains("render.volume_of_interest.size_mm")) {
-    scene.render.volume_of_interest.size_m = list(box.high - box.low);
+    scene.render.volume_of_interest.size_m = to_list(box.high - box.low);
   }
 }
 

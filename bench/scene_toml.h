@@ -2,7 +2,9 @@
 #pragma once
 
 #include <toml++/toml.h>
-#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -170,10 +172,9 @@ class JsonWriter {
  private:
   /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
   static double in_unit(double value, double unit) {
-    std::ostringstream rounded;
-    rounded.precision(12);
-    rounded << value / unit;
-    return std::stod(rounded.str());
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.12g", value / unit);
+    return std::strtod(rounded, nullptr);  // unlike std::stod, takes denormal numbers
   }
   nlohmann::ordered_json json_;
 };

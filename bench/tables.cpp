@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "bench/acquire.h"
+#include "bench/user_error.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -73,15 +74,20 @@ struct Subject {
 
 using Volumes = std::map<int, hw::PolarVolume>;
 
-Volumes acquire_volumes(const Scene& scene) {
+/// One volume for each number of frames; what they are goes into `results`.
+Volumes acquire_volumes(const Scene& scene,
+                        const phantoms::Phantom& phantom,
+                        TableResults& results) {
   Volumes volumes;
-  const auto phantom = phantoms::make_phantom(scene.phantom);
   for (const Table& table : paper_tables()) {
     for (const TableRow& row : table.rows) {
       if (volumes.contains(row.frames)) continue;
       Scene varied_scene = scene;
       varied_scene.acquisition.frames_per_volume = row.frames;
-      volumes.emplace(row.frames, acquire({}, varied_scene, phantom).volume);
+      Acquisition acquisition = acquire({}, varied_scene, phantom);
+      results.board = acquisition.provenance;
+      results.effects = acquisition.effects;
+      volumes.emplace(row.frames, std::move(acquisition.volume));
     }
   }
   return volumes;
@@ -144,13 +150,33 @@ std::vector<Table> paper_tables() {
   };
 }
 
-TableResults measure_tables(const Scene& scene, render::GlContext& context, const TableRun& run) {
-  const Volumes volumes = acquire_volumes(scene);
+void take_reference_settings(Scene& scene, const TableRun& run) {
+  for (const char* key : {"acquisition.frames_per_volume",
+                          "render.scan_conversion.slice_size",
+                          "render.ray_casting.image_size",
+                          "render.ray_casting.steps",
+                          "render.ray_casting.kernel_3d",
+                          "render.ray_casting.mode",
+                          "render.shading.depth_filter_size",
+                          "render.smoothing.filter_size"}) {
+    if (scene.given.contains(key)) {
+      throw UserError(std::string(key) + ": is set by the tables themselves; leave it out");
+    }
+  }
+  scene.acquisition.frames_per_volume = reference_row().frames;
+  scene.render = options_of(reference_row(), scene, run.divisor);
+}
+
+TableResults measure_tables(const Scene& scene,
+                            const phantoms::Phantom& phantom,
+                            render::GlContext& context,
+                            const TableRun& run) {
+  TableResults results;
+  const Volumes volumes = acquire_volumes(scene, phantom, results);
   auto subjects = make_subjects(scene, volumes, context, run.divisor);
   for (int repeat = -1; repeat < run.repeats; ++repeat) {
     for (auto& [key, subject] : subjects) subject.measure(repeat >= 0);
   }
-  TableResults results;
   const Subject& reference = subjects.at(key_of(reference_row()));
   results.pass_names = reference.pass_names;
   results.reference = reference.result(reference_row());

@@ -2,7 +2,6 @@
 // 3D kernel and 2D kernel, with the paper's column beside ours.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,14 +52,23 @@ struct MeasuredTable {
 };
 
 struct TableResults {
+  std::string board;                 ///< provenance of the sticks
+  std::vector<std::string> effects;  ///< that made them
   std::vector<MeasuredTable> tables;
   std::vector<std::string> pass_names;
   MeasuredRow reference;
 };
 
-/// Scans the scene's phantom once for each number of frames, then renders every row in turn, all
-/// rows in each repeat, so that a drift of the machine's speed touches all alike.
-TableResults measure_tables(const Scene& scene, render::GlContext& context, const TableRun& run);
+/// Puts the reference settings into the scene. Throws UserError where the scene gives a setting
+/// that the tables vary or hold themselves.
+void take_reference_settings(Scene& scene, const TableRun& run);
+
+/// Scans the phantom once for each number of frames, then renders every row in turn, all rows in
+/// each repeat, so that a drift of the machine's speed touches all alike.
+TableResults measure_tables(const Scene& scene,
+                            const phantoms::Phantom& phantom,
+                            render::GlContext& context,
+                            const TableRun& run);
 
 /// Says in one sentence how the run differs from the paper's.
 std::string describe_run(const TableRun& run);

@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <map>
-#include <stdexcept>
+#include <new>
+#include <string>
 
 #include "bench/commands/commands.h"
 #include "bench/user_error.h"
+#include "hw/options.h"
+#include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
 
@@ -17,8 +19,12 @@ constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
 void add_common(CLI::App& command, CommandArguments& arguments) {
-  command.add_option(
-      "SCENE", arguments.scene, "TOML file that names what differs from the defaults");
+  command
+      .add_option("SCENE", arguments.scene, "TOML file that names what differs from the defaults")
+      ->check([](const std::string& path) {
+        // An unset variable of a script, say: not a wish for the defaults.
+        return std::string(path.empty() ? "is empty; must be a TOML file" : "");
+      });
   command
       .add_option(
           "--set", arguments.settings, "Override one option: section.key=value (repeatable)")
@@ -62,7 +68,7 @@ int dispatch(int argc, char** argv) {
 }
 
 int report_error(const char* what, int code) {
-  std::fprintf(stderr, "wobblebench: %s\n", what);
+  std::fprintf(stderr, "wobblebench: %s\n", one_line(what).c_str());
   return code;
 }
 
@@ -76,8 +82,12 @@ int main(int argc, char** argv) {
     return dispatch(argc, argv);
   } catch (const UserError& error) {
     return report_error(error.what(), kBadInput);
-  } catch (const std::invalid_argument& error) {
+  } catch (const wobblebench::hw::InvalidOption& error) {
     return report_error(error.what(), kBadInput);
+  } catch (const wobblebench::phantoms::InvalidPhantom& error) {
+    return report_error(error.what(), kBadInput);
+  } catch (const std::bad_alloc&) {
+    return report_error("out of memory", kFailed);
   } catch (const std::exception& error) {
     return report_error(error.what(), kFailed);
   }

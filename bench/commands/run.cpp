@@ -1,5 +1,5 @@
 // The main job: acquire, render, compare, write.
-#include <cstdio>
+#include <cmath>
 #include <iostream>
 
 #include "bench/acquire.h"
@@ -38,6 +38,12 @@ ImageSimilarity against_shaded_truth(const render::Picture& picture,
   return compare_images(picture.surface, render::shade_depth(truth.depth_m, options).surface);
 }
 
+render::Picture render_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {
+  const int frames = static_cast<int>(volume.frames().size());
+  for (int frame = 0; frame < frames; ++frame) renderer.add_frame(frame, volume.frame(frame));
+  return renderer.render();
+}
+
 Json board_json(const hw::BoardAccount& account) {
   return {{"emitted", account.emitted},
           {"delivered", account.delivered},
@@ -60,14 +66,16 @@ Json to_report(const RunResult& result, const Scene& scene, const Progress& prog
   Provenance provenance = provenance_of_this_machine();
   provenance.gl_renderer = result.gl_renderer;
   provenance.board = result.acquisition.provenance;
-  provenance.seed = scene.simulation.seed;
   Json report = report_head("run", provenance, scene);
   report["effects"] = result.acquisition.effects;
   report["acquisition"] = acquisition_json(scene.plan());
   report["simulation"] = simulation_json(result.acquisition, scene);
   report["board"] = board_json(result.acquisition.account);
   report["render"] = render_json(result.picture.passes);
-  report["error"] = error_json(result.raw, result.filtered, result.shaded);
+  report["error"] = error_json(result.raw,
+                               result.filtered,
+                               result.shaded,
+                               scene.render.ray_casting.mode != render::RenderMode::volume);
   report["fit"]["registration"] = registration_json(result.registration);
   for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
   report["wall_ms"]["total"] = progress.total_ms();
@@ -114,11 +122,12 @@ int run_command(const CommandArguments& arguments) {
     complete_from_phantom(scene, phantom);
     const auto placement = scene.phantom_placement();
     const auto plan = scene.plan();
-    auto acquisition = progress.step("acquire", [&] { return acquire(board, scene, phantom); });
+    // Before any echo is made: what the driver refuses is refused now.
     const auto context = render::make_context();
-    auto picture = progress.step("render", [&] {
-      return render::render_volume(*context, acquisition.volume, scene.render);
-    });
+    render::Renderer renderer(*context, plan, scene.render);
+    auto acquisition = progress.step("acquire", [&] { return acquire(board, scene, phantom); });
+    auto picture =
+        progress.step("render", [&] { return render_frames(renderer, acquisition.volume); });
     auto truth =
         progress.step("truth", [&] { return trace_truth(phantom, placement, plan, scene.render); });
     auto [raw, filtered, shaded] = progress.step("compare", [&] {

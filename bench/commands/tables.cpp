@@ -35,19 +35,22 @@ Json rows_json(const MeasuredTable& table, const std::vector<std::string>& pass_
 
 int tables_command(const CommandArguments& arguments) {
   Scene scene = load_scene(arguments.scene, arguments.settings);
-  OutputFolder out(arguments.out);
   const TableRun run{arguments.full ? 1 : 2, arguments.repeats};
+  take_reference_settings(scene, run);
+  OutputFolder out(arguments.out);
   Progress progress;
-  complete_from_phantom(scene, phantoms::make_phantom(scene.phantom));
+  const auto phantom =
+      progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
+  complete_from_phantom(scene, phantom);
   const auto context = render::make_context();
   const TableResults results =
-      progress.step("tables", [&] { return measure_tables(scene, *context, run); });
+      progress.step("tables", [&] { return measure_tables(scene, phantom, *context, run); });
 
   Provenance provenance = provenance_of_this_machine();
   provenance.gl_renderer = context->renderer_string();
-  provenance.board = "simulated";
-  provenance.seed = scene.simulation.seed;
+  provenance.board = results.board;
   Json report = report_head("tables", provenance, scene);
+  report["effects"] = results.effects;
   report["run"] = describe_run(run);
   report["reference"] = {{"setting", results.reference.row.setting},
                          {"paper_ms", results.reference.row.paper_ms},
@@ -60,7 +63,7 @@ int tables_command(const CommandArguments& arguments) {
   const std::string markdown =
       "CPU: " + provenance.cpu + ", " + std::to_string(provenance.threads) +
       " threads. GL_RENDERER: " + provenance.gl_renderer + ". Commit: " + provenance.commit +
-      ". Seed: " + std::to_string(provenance.seed) + ". Sticks: simulated.\n\n" +
+      ". Seed: " + std::to_string(scene.simulation.seed) + ". Sticks: " + results.board + ".\n\n" +
       to_markdown(results, run);
   out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));

@@ -10,6 +10,7 @@
 #include "bench/depth_error.h"
 #include "bench/tables.h"
 #include "bench/truth.h"
+#include "bench/user_error.h"
 #include "render/reference.h"
 #include "render/renderer.h"
 
@@ -166,10 +167,19 @@ TEST(Smoothing, BoxFilterIsOpenCvs) {
   EXPECT_LT(largest, 1e-3);
 }
 
+TEST(Tables, RefuseWhatTheySetThemselves) {
+  Scene scene = load_scene({}, {"render.ray_casting.kernel_3d=5"});
+  EXPECT_THROW(take_reference_settings(scene, {}), UserError);
+}
+
 TEST(Tables, RowsAreThePapersAndRatiosAreToTheReference) {
-  const Scene scene = load_scene({}, {"phantom.name=sphere", "phantom.voxel_mm=2"});
+  Scene scene = load_scene({}, {"phantom.name=sphere", "phantom.voxel_mm=2"});
   const TableRun run{.divisor = 8, .repeats = 1};
-  const TableResults results = measure_tables(scene, context(), run);
+  const auto phantom = phantoms::make_phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  take_reference_settings(scene, run);
+  const TableResults results = measure_tables(scene, phantom, context(), run);
+  EXPECT_EQ(results.board, "simulated");
   ASSERT_EQ(results.tables.size(), 4u);
   const std::vector<std::vector<double>> paper = {{53.7, 54.0, 54.6, 54.6},
                                                   {54.6, 35.0, 15.8, 13.2},

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "support/process.h"
 
@@ -15,6 +18,7 @@ using testing_support::ProcessResult;
 using testing_support::run_process;
 using testing_support::ScratchFolder;
 using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
 
 /// Small enough to run in a second or two.
 const Words kQuick = {"--set",
@@ -46,7 +50,8 @@ ProcessResult bench(const Words& arguments,
 struct BadInput {
   std::string name;
   Words arguments;
-  std::string expected;  ///< what the one line says after "wobblebench: "
+  std::string expected;        ///< what the one line says after "wobblebench: "
+  bool needs_reading = false;  ///< a file that proves to be bad once its content is read
 };
 
 void PrintTo(const BadInput& bad, std::ostream* out) {
@@ -63,12 +68,15 @@ TEST_P(RefusesBadInput, WithOneLineAndExitCode2) {
   folder.write("syntax.toml", "[acquisition\n");
   folder.write("garbage.vdb", "this is not a VDB file, and is longer than a header would be");
   folder.write("empty.vdb", "");
+  folder.write("lines.toml", "[phantom]\nname = \"a\\nb\"\n");
   const ProcessResult result = bench(GetParam().arguments, folder);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_EQ(result.err.find("wobblebench: " + GetParam().expected), 0u) << result.err;
   EXPECT_TRUE(folder.files("out").empty()) << "left something behind";
+  // What can be known before any work is said before any work.
+  EXPECT_EQ(fs::exists(folder.path() / "out"), GetParam().needs_reading);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -88,13 +96,17 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"missing_scene", {"run", "none.toml"}, "none.toml: no such file"},
         BadInput{"missing_vdb",
                  {"run", "--set", "phantom.name=file", "--set", "phantom.file=none.vdb"},
-                 "none.vdb: "},
+                 "--set: phantom.file = \"none.vdb\": no such file"},
+        BadInput{"vdb_not_named",
+                 {"run", "--set", "phantom.name=file"},
+                 "--set: phantom.file = \"\": must be the path of a .vdb"},
         BadInput{"garbage_vdb",
                  {"run", "--set", "phantom.name=file", "--set", "phantom.file=garbage.vdb"},
-                 "garbage.vdb: "},
+                 "garbage.vdb: ",
+                 true},
         BadInput{"empty_vdb",
                  {"run", "--set", "phantom.name=file", "--set", "phantom.file=empty.vdb"},
-                 "empty.vdb: "},
+                 "--set: phantom.file = \"empty.vdb\": "},
         BadInput{"out_is_a_file", {"run", "--out", "typo.toml"}, "--out = typo.toml: "},
         BadInput{"out_under_a_file", {"run", "--out", "typo.toml/out"}, "--out = typo.toml/out: "},
         BadInput{"out_cannot_be_written", {"run", "--out", "/proc/out"}, "--out = /proc/out: "},
@@ -106,6 +118,46 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"unknown_phantom",
                  {"phantom", "--set", "phantom.name=cat"},
                  "--set: phantom.name = \"cat\": must be one of"},
+        BadInput{"voxel_too_coarse",
+                 {"run",
+                  "--set",
+                  "phantom.name=sphere",
+                  "--set",
+                  "phantom.radius_mm=5",
+                  "--set",
+                  "phantom.voxel_mm=4"},
+                 "--set: phantom.voxel_mm = 4: must be at most 2.5 for the phantom sphere"},
+        BadInput{"line_break_in_a_value",
+                 {"run", "--set", "phantom.name=a\nb"},
+                 "--set phantom.name=a\\nb: must be"},
+        BadInput{"line_break_in_a_file",
+                 {"run", "lines.toml"},
+                 "lines.toml: phantom.name = \"a\\nb\": must be one of"},
+        BadInput{
+            "line_break_in_out", {"run", "--out", "typo.toml/a\nb"}, "--out = typo.toml/a\\nb"},
+        BadInput{"no_utf8",
+                 {"run", "--set", "phantom.file=\xff.vdb"},
+                 "--set phantom.file=\\xff.vdb: must be UTF-8"},
+        BadInput{"name_too_long", {"run", std::string(300, 'a')}, std::string(300, 'a') + ": File"},
+        BadInput{"scene_is_a_folder", {"run", "."}, ".: not a file"},
+        BadInput{"scene_is_empty", {"run", ""}, "SCENE: is empty"},
+        BadInput{
+            "beyond_the_memory",
+            {"run",
+             "--set",
+             "acquisition.sticks_per_frame=1024",
+             "--set",
+             "acquisition.frames_per_volume=1024",
+             "--set",
+             "acquisition.samples_per_stick=4096",
+             "--set",
+             "probe.center_frequency_mhz=20",
+             "--set",
+             "probe.fractional_bandwidth=1.5",
+             "--set",
+             "acquisition.depth_mm=400"},
+            "--set: acquisition.frames_per_volume = 1024, acquisition.sticks_per_frame = 1024, "
+            "acquisition.samples_per_stick = 4096: need about "},
         BadInput{"age_out_of_range",
                  {"phantom", "--set", "phantom.gestational_age_weeks=12"},
                  "--set: phantom.gestational_age_weeks = 12: must be within 20 and 30"},
@@ -189,33 +241,63 @@ TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
   EXPECT_GT(interrupted, 2);
 }
 
-TEST(CommandLine, AFullDiskIsSaidAndLeavesNoHalfFile) {
+TEST(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ScratchFolder folder;
+    const auto being_written = [&] {
+      const Words files = folder.files("out");
+      return std::any_of(files.begin(), files.end(), [](const std::string& name) {
+        return name.find("phantom.vdb") != std::string::npos;
+      });
+    };
+    const auto result = bench({"phantom",
+                               "--set",
+                               "phantom.name=sphere",
+                               "--set",
+                               "phantom.radius_mm=60",
+                               "--set",
+                               "phantom.voxel_mm=0.5"},
+                              folder,
+                              {.interrupt_when = being_written, .signal = signal});
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+    EXPECT_EQ(folder.files("out"), Words{});
+  }
+}
+
+/// Runs `command` on a disk that is full one byte, and a hundred, before the end of each of its
+/// files; nothing may be left, unless a report of this run's own figures happened to fit.
+void expect_no_half_file(const Words& command, const Words& results) {
   const ScratchFolder folder;
-  // Every size at which some file of the run breaks off, and one at which none does.
+  ASSERT_EQ(bench(with(command, {"--out", "whole"}), folder).exit_code, 0);
+  ASSERT_EQ(folder.files("whole"), results);
+  std::set<long> limits = {0};
+  std::map<std::string, std::uintmax_t> sizes;
+  for (const auto& name : results) {
+    sizes[name] = fs::file_size(folder.path() / "whole" / name);
+    for (const long missing : {1L, 100L}) limits.insert(static_cast<long>(sizes[name]) - missing);
+  }
   int failed = 0;
-  for (const long bytes : {0L, 100L, 1000L, 3000L, 10000L, 20000L, 10000000L}) {
+  for (const long bytes : limits) {
+    SCOPED_TRACE(std::to_string(bytes) + " bytes");
     const std::string out = "out" + std::to_string(bytes);
-    const auto result = bench(with({"run", "--out", out}, kQuick), folder, {.file_bytes = bytes});
-    const auto files = folder.files(out);
-    if (result.exit_code == 0) {
-      EXPECT_EQ(files, kResults);
-    } else {
-      ++failed;
-      EXPECT_TRUE(files.empty()) << bytes << " bytes: " << testing::PrintToString(files);
+    const auto result = bench(with(command, {"--out", out}), folder, {.file_bytes = bytes});
+    failed += result.exit_code != 0;
+    EXPECT_EQ(folder.files(out), result.exit_code == 0 ? results : Words{}) << result.err;
+    for (const auto& name : folder.files(out)) {
+      if (name == "report.json") continue;
+      EXPECT_EQ(fs::file_size(folder.path() / out / name), sizes[name]) << name;
     }
   }
-  EXPECT_GE(failed, 4);
-  EXPECT_LE(failed, 6);
+  EXPECT_GE(failed, static_cast<int>(limits.size()) - 2) << "all but those about the report";
+}
+
+TEST(CommandLine, AFullDiskLeavesNoHalfRun) {
+  expect_no_half_file(with({"run"}, kQuick), kResults);
 }
 
 TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
-  const ScratchFolder folder;
-  const auto result =
-      bench({"phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"},
-            folder,
-            {.file_bytes = 5000});
-  EXPECT_EQ(result.exit_code, 1) << result.err;
-  EXPECT_TRUE(folder.files("out").empty());
+  expect_no_half_file({"phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"},
+                      {"phantom.vdb", "report.json"});
 }
 
 TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {

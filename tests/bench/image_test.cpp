@@ -7,6 +7,8 @@
 
 #include "bench/image_io.h"
 #include "bench/image_similarity.h"
+#include "support/file_limit.h"
+#include "support/process.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -66,6 +68,31 @@ TEST(ImageIo, WhatCannotBeWrittenIsNamed) {
     FAIL() << "wrote into /proc";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what()).find("/proc/no/such.png: "), 0u) << error.what();
+  }
+}
+
+/// Writes with the disk full some bytes before the end, for every way in which buffers may fall.
+template <class Write>
+void expect_full_disk_is_said(const std::filesystem::path& path, const Write& write) {
+  write(path);
+  const auto size = std::filesystem::file_size(path);
+  for (const std::uintmax_t missing : {std::uintmax_t{1}, std::uintmax_t{100}, size / 2, size}) {
+    const testing_support::FileLimit limit(size - missing);
+    EXPECT_THROW(write(path), std::runtime_error) << missing << " of " << size << " bytes missing";
+  }
+  EXPECT_NO_THROW(write(path));
+  EXPECT_EQ(std::filesystem::file_size(path), size);
+}
+
+TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
+  const testing_support::ScratchFolder scratch;
+  for (const int size : {4, 64, 200}) {
+    expect_full_disk_is_said(scratch.path() / "a.png",
+                             [&](const auto& path) { write_png(path, ramp(size)); });
+    const render::Image<float> depth(size, size, 0.1f);
+    expect_full_disk_is_said(scratch.path() / "a.exr", [&](const auto& path) {
+      write_exr_mm(path, {{"Z", &depth}});
+    });
   }
 }
 

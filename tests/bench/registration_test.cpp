@@ -81,6 +81,14 @@ TEST_F(PlantedError, DepthErrorIsSharedByWhatCanExplainItAndTheCovarianceSaysSo)
   EXPECT_GT(std::abs(correlation), 0.9);
 }
 
+TEST_F(PlantedError, LargeDepthErrorsAreNotLeftOut) {
+  // Beyond the phantom's own narrow bands (4 voxels of 1 mm here).
+  const Registration fit = registered(scene_->phantom_placement(), 5.0e-3);
+  EXPECT_GT(fit.points, fit.sampled * 9 / 10);
+  EXPECT_GT(fit.rms_before_m, 3e-3);
+  EXPECT_NEAR(fit.value[7] - fit.value[5], 5.0e-3, 0.5e-3);
+}
+
 TEST_F(PlantedError, CovarianceIsSymmetricAndPositive) {
   const Registration fit = registered(scene_->phantom_placement());
   for (int i = 0; i < kRegistrationParameters; ++i) {
@@ -103,7 +111,11 @@ TEST(Registration, OfNothingDoesNotConverge) {
   const auto fit =
       register_surface(nothing, phantom, scene.phantom_placement(), scene.plan(), scene.render);
   EXPECT_FALSE(fit.converged);
+  EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);
+  EXPECT_TRUE(std::isnan(fit.rms_before_m));
+  EXPECT_TRUE(std::isnan(fit.value[0]));
+  EXPECT_TRUE(std::isnan(fit.standard_deviation(7)));
 }
 
 }  // namespace

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/scene_cost.h"
 #include "bench/user_error.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -49,6 +53,16 @@ TEST_F(SceneFile, DefaultsAreThePapersAndAreValid) {
   EXPECT_EQ(scene.render.ray_casting.kernel_3d, 3);
   EXPECT_EQ(scene.render.ray_casting.buffer_length, 8);
   EXPECT_EQ(scene.render.smoothing.filter_size, 9);
+}
+
+TEST_F(SceneFile, ScenesOfTheDocsAreValid) {
+  int scenes = 0;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(WOBBLEBENCH_SOURCE_DIR) / "docs/scenes")) {
+    EXPECT_NO_THROW(load_scene(entry.path(), {})) << entry.path();
+    ++scenes;
+  }
+  EXPECT_GT(scenes, 0);
 }
 
 TEST_F(SceneFile, KeysCarryTheirUnits) {
@@ -124,6 +138,120 @@ TEST_F(SceneFile, MissingFileIsNamed) {
         }
       },
       UserError);
+}
+
+TEST_F(SceneFile, WhatIsNoFileIsSaidToBeNone) {
+  const auto message = [](const fs::path& path) {
+    try {
+      load_scene(path, {});
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message("/"), "/: not a file; a scene is a TOML file");
+  const std::string long_name(300, 'a');
+  EXPECT_EQ(message(long_name), long_name + ": File name too long; a scene is a TOML file");
+}
+
+TEST_F(SceneFile, ErrorsStayOnOneLine) {
+  EXPECT_EQ(std::string(UserError("a\nb\tc\x7f").what()), "a\\nb\\x09c\\x7f");
+  EXPECT_EQ(std::string(UserError("f\xc3\xb6tus").what()), "f\xc3\xb6tus") << "UTF-8 stays";
+  EXPECT_EQ(std::string(UserError("\xc3(").what()), "\\xc3(") << "what is none does not";
+  EXPECT_EQ(refusal("[phantom]\nname = \"a\\nb\"\n").find('\n'), std::string::npos);
+}
+
+TEST_F(SceneFile, SettingsArePrintableText) {
+  EXPECT_EQ(refusal("", {"phantom.file=\xff"}),
+            "--set phantom.file=\\xff: must be UTF-8 without control characters");
+  // TOML would take this for two settings, and the second would be lost.
+  EXPECT_NE(refusal("", {"phantom.voxel_mm=1\nother=2"}), "");
+  EXPECT_EQ(load_scene({}, {"phantom.file=f\xc3\xb6tus.vdb"}).phantom.file, "f\xc3\xb6tus.vdb");
+}
+
+TEST_F(SceneFile, PhantomsAreRefusedWithFileAndSection) {
+  EXPECT_EQ(refusal("[phantom]\nname = \"sphere\"\nradius_mm = 5\nvoxel_mm = 4\n"),
+            file() + ": phantom.voxel_mm = 4: must be at most 2.5 for the phantom sphere");
+  EXPECT_EQ(refusal("[phantom]\nname = \"file\"\nfile = \"no.vdb\"\n"),
+            file() + ": phantom.file = \"no.vdb\": no such file");
+}
+
+TEST_F(SceneFile, TheTiniestNumbersAreReported) {
+  const Scene scene = load_scene({}, {"phantom.tilt_x_deg=1e-310"});
+  EXPECT_NEAR(resolved(scene)["phantom"]["tilt_x_deg"].get<double>(), 0, 1e-300);
+}
+
+phantoms::Phantom empty_phantom(const phantoms::Box& box) {
+  return {"none",
+          phantoms::material_table(),
+          0,
+          {},
+          box,
+          {0, 0, 0.1},
+          std::make_shared<phantoms::Grids>()};
+}
+
+TEST_F(SceneFile, BoxOfInterestHoldsTheTurnedBoxOfThePhantom) {
+  const auto phantom = empty_phantom({{-0.01, -0.02, -0.03}, {0.05, 0.02, 0.07}});
+  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 90, 0]"});
+  complete_from_phantom(scene, phantom);
+  // About y, z turns to x and x to -z.
+  const auto& box = scene.render.volume_of_interest;
+  const std::vector<double> size = {0.10, 0.04, 0.06}, center = {0.02, 0, 0.1 - 0.02};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(box.size_m.at(axis), size.at(axis), 1e-15);
+    EXPECT_NEAR(box.center_m.at(axis), center.at(axis), 1e-15);
+  }
+}
+
+TEST_F(SceneFile, BoxOfInterestOfATiltedPhantomHoldsItsCorners) {
+  const auto phantom = empty_phantom({{-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}});
+  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 0, 45]"});
+  complete_from_phantom(scene, phantom);
+  const auto& size = scene.render.volume_of_interest.size_m;
+  EXPECT_NEAR(size.at(0), 0.02 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(size.at(2), 0.02, 1e-15);
+}
+
+TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
+  const std::vector<std::string> small = {"acquisition.frames_per_volume=10",
+                                          "acquisition.sticks_per_frame=20",
+                                          "acquisition.samples_per_stick=100",
+                                          "render.scan_conversion.slice_size=32",
+                                          "render.scan_conversion.format=r32f"};
+  auto geometry = small;
+  geometry.push_back("simulation.fidelity=geometry");
+  // Mean echoes, the volume on its way, and the volume put together: 4 bytes a sample each.
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 3 * 4 * 20000);
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 4 * 20000);
+  // At 20 sticks over the sector and 10 frames over the fan the beam grid is 4 x 4; the pulse's
+  // band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample.
+  const double fine = 37 * 77, in_plane = 37 * 20, sticks = 200;
+  EXPECT_EQ(memory_need(load_scene({}, small)).acquisition,
+            1000 * (8 * sticks + 4 * (fine + in_plane + sticks)));
+}
+
+TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
+  Scene scene = load_scene({}, {"simulation.fidelity=geometry"});
+  scene.acquisition.frames_per_volume = 1000;
+  scene.acquisition.samples_per_stick = 500;
+  const auto refused = [&](double available) {
+    try {
+      check_memory(scene, "a.toml", available);
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused(1e9), "");
+  EXPECT_EQ(refused(600e6),
+            "a.toml: acquisition.frames_per_volume = 1000, render.scan_conversion.slice_size = "
+            "512: need about 0.652 GB of memory; this machine has 0.6 GB");
+  EXPECT_EQ(refused(300e6),
+            "a.toml: acquisition.frames_per_volume = 1000, acquisition.sticks_per_frame = 64, "
+            "acquisition.samples_per_stick = 500: need about 0.384 GB of memory; this machine has "
+            "0.3 GB");
+  EXPECT_GT(machine_memory_bytes(), 1e8);
 }
 
 TEST_F(SceneFile, SettingsAreHeldToTheSameRules) {

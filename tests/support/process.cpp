@@ -49,6 +49,25 @@ void redirect(const fs::path& path, int descriptor) {
   ::_exit(127);
 }
 
+/// Sends the signal that `limits` ask for, and waits for the child's end.
+int wait_for(pid_t child, const ProcessLimits& limits) {
+  int status = 0;
+  while (limits.interrupt_when) {
+    if (::waitpid(child, &status, WNOHANG) == child) return status;
+    if (limits.interrupt_when()) {
+      ::kill(child, limits.signal);
+      break;
+    }
+    std::this_thread::yield();
+  }
+  if (limits.interrupt_after) {
+    std::this_thread::sleep_for(*limits.interrupt_after);
+    ::kill(child, limits.signal);
+  }
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
 int exit_code_of(int status) {
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
@@ -67,12 +86,7 @@ ProcessResult run_process(const fs::path& program,
     redirect(output.path() / "err", STDERR_FILENO);
     become(program, arguments, directory, limits);
   }
-  if (limits.interrupt_after) {
-    std::this_thread::sleep_for(*limits.interrupt_after);
-    ::kill(child, limits.signal);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
+  const int status = wait_for(child, limits);
   return {exit_code_of(status), text_of(output.path() / "out"), text_of(output.path() / "err")};
 }
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct ProcessResult {
 struct ProcessLimits {
   /// After this time `signal` is sent.
   std::optional<std::chrono::milliseconds> interrupt_after;
+  /// Or as soon as this holds.
+  std::function<bool()> interrupt_when;
   int signal = 2;  // SIGINT
   /// No file may grow beyond this; writing more fails, as on a full disk.
   std::optional<long> file_bytes;
