@@ -63,9 +63,9 @@ Truth trace_truth(const phantoms::Phantom& phantom,
   Truth truth{{size, size, render::kNoSurface}, {size, size}, {size, size, TruthKind::none}};
   const phantoms::SurfaceFinder shared(phantom);
   tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
-    // Each thread its own: the copy carries the accessors.
-    const phantoms::SurfaceFinder finder(
-        shared);  // NOLINT(performance-unnecessary-copy-initialization)
+    // A copy for each range: it carries accessors that threads must not share.
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
+    const phantoms::SurfaceFinder finder(shared);
     for (int row = rows.begin(); row < rows.end(); ++row) {
       for (int column = 0; column < size; ++column) {
         const hw::Ray ray = camera.ray(column, row);
