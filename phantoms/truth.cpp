@@ -5,6 +5,7 @@
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/RayIntersector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -88,7 +89,9 @@ std::optional<SurfaceHit> SurfaceFinder::first_hit(const glm::dvec3& origin,
     if (!(from_m < limit_m)) continue;
     // The search looks from voxel to voxel: it needs room to see a crossing just before the limit.
     const double end_m = limit_m + 2 * target.grid->voxelSize()[0];
-    const openvdb::math::Ray<double> ray(to_vdb(origin), to_vdb(direction), from_m, end_m);
+    // OpenVDB's rays begin beyond 0.
+    const double begin_m = std::max(from_m, openvdb::math::Delta<double>::value());
+    const openvdb::math::Ray<double> ray(to_vdb(origin), to_vdb(direction), begin_m, end_m);
     openvdb::Vec3d place;
     if (!target.intersector.intersectsWS(ray, place)) continue;
     const double distance_m = glm::dot(to_glm(place) - origin, direction);

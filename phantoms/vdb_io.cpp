@@ -240,8 +240,12 @@ Phantom read_phantom(const std::filesystem::path& path) {
     }
     std::ifstream in(path, std::ios::binary);
     if (!in) throw std::invalid_argument("cannot be opened");
+    // OpenVDB goes on with what it did not get from a file that is cut short; a size, say.
+    in.exceptions(std::ios::failbit | std::ios::badbit);
     openvdb::io::Stream stream(in, /*delayLoad=*/false);
     return phantom_from(*stream.getMetadata(), *stream.getGrids());
+  } catch (const std::ios::failure&) {
+    throw InvalidPhantom(path.string() + ": not a readable OpenVDB file (it ends too early)");
   } catch (const openvdb::Exception& error) {
     throw InvalidPhantom(path.string() + ": not a readable OpenVDB file (" + error.what() + ")");
   } catch (const std::exception& error) {
