@@ -31,13 +31,18 @@ Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::P
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
   }
-  const auto start = hw::HostClock::now();
-  sim::ProbeSimulator simulator(phantom, scene.phantom_placement(), scene.plan(), scene.simulation);
+  sim::ProbeSimulator simulator(phantom,
+                                scene.phantom_placement(),
+                                scene.plan(),
+                                scene.simulation,
+                                scene.phantom_motion(phantom));
+  const sim::Fidelity fidelity = simulator.fidelity();
   const auto effects = simulator.effects();
-  const auto simulated = hw::HostClock::now();
+  const double map_ms = simulator.map_ms(), once_ms = simulator.once_ms();
 
-  const auto receive_ms = std::make_shared<std::atomic<double>>(0.0);
-  hw::Board board(std::make_unique<sim::SimLink>(std::move(simulator), receive_ms));
+  const auto start = hw::HostClock::now();
+  const auto volume_ms = std::make_shared<std::atomic<double>>(0.0);
+  hw::Board board(std::make_unique<sim::SimLink>(std::move(simulator), volume_ms));
   board.start();
   hw::VolumeAssembly assembly(board);
   auto volume = assembly.next(hw::HostClock::now() + kPatience);
@@ -54,8 +59,11 @@ Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::P
           account,
           std::string(hw::to_string(assembly.configuration()->source)),
           effects,
-          milliseconds(simulated - start) + *receive_ms,
-          milliseconds(delivered - simulated) - *receive_ms};
+          fidelity,
+          map_ms,
+          once_ms,
+          *volume_ms,
+          milliseconds(delivered - start) - *volume_ms};
 }
 
 }  // namespace wobblebench::bench

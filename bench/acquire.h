@@ -8,6 +8,7 @@
 #include "hw/board.h"
 #include "hw/polar_volume.h"
 #include "phantoms/phantom.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -24,7 +25,10 @@ struct Acquisition {
   hw::BoardAccount account;
   std::string provenance;            ///< of the samples: "simulated", …
   std::vector<std::string> effects;  ///< which the simulator ran
-  double simulation_ms = 0;          ///< tissue to samples, receive chain included
+  sim::Fidelity fidelity;            ///< the rung that it took, and why
+  double map_ms = 0;                 ///< once for a phantom: its tissue map
+  double once_ms = 0;                ///< once for a scene: even speckle, echoes that stay the same
+  double volume_ms = 0;              ///< for each volume: what changes, and the receive chain
   double transport_ms = 0;           ///< encode, link, decode, ring, assembly
 };
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "phantoms/truth.h"
+#include "bench/scanned_surfaces.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
@@ -26,33 +26,17 @@ constexpr double kDrift_m = 1e-3;
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 struct DetectedPoint {
-  hw::Ray stick;       ///< the line of sight through it
-  double range_m;      ///< along the stick
-  glm::dvec3 viewing;  ///< direction of the picture's ray
+  hw::Ray stick;            ///< the line of sight through it
+  double range_m;           ///< along the stick
+  glm::dvec3 viewing;       ///< direction of the picture's ray
+  hw::StickIndex shown_by;  ///< tissue is where it was when this stick was fired
   glm::dvec3 position() const { return stick.at(range_m); }
-};
-
-/// The target surfaces' signed distance, in the probe frame.
-class TargetDistance {
- public:
-  TargetDistance(const phantoms::Phantom& phantom, const phantoms::Placement& placement)
-      : finder_(phantom, kFarPoint_m + kDrift_m), placement_(placement) {}
-
-  std::optional<phantoms::SurfaceFinder::Distance> at(const glm::dvec3& p) const {
-    auto distance = finder_.distance(placement_.to_phantom(p));
-    if (distance) distance->gradient = placement_.direction_to_probe(distance->gradient);
-    return distance;
-  }
-
- private:
-  phantoms::SurfaceFinder finder_;
-  phantoms::Placement placement_;
 };
 
 /// Distance of one moved point to the surface over the scatter of the points.
 struct SurfaceResidual {
   const DetectedPoint& point;
-  const TargetDistance& target;
+  const ScannedSurfaces& target;
   glm::dvec3 centroid;
   double sigma_m;
 
@@ -71,7 +55,7 @@ struct SurfaceResidual {
       moved[i] += T(centroid[i]) + translation[i];
       where[i] = plain(moved[i]);
     }
-    const auto distance = target.at(where);
+    const auto distance = target.distance(where, point.shown_by);
     if (!distance) {
       residual[0] = T(kFarPoint_m / sigma_m);
       return true;
@@ -93,7 +77,7 @@ struct SurfaceResidual {
 std::vector<DetectedPoint> detected_points(const render::Image<float>& depth_m,
                                            const hw::AcquisitionPlan& plan,
                                            const render::RenderOptions& options,
-                                           const TargetDistance& target,
+                                           const ScannedSurfaces& target,
                                            int max_points,
                                            int& sampled) {
   const render::Camera camera = render::make_camera(options);
@@ -106,11 +90,14 @@ std::vector<DetectedPoint> detected_points(const render::Image<float>& depth_m,
       if (!std::isfinite(depth)) continue;
       ++sampled;
       const hw::Ray ray = camera.ray(column, row);
-      const auto distance = target.at(ray.at(depth));
+      const hw::StickIndex shown_by = target.stick_at(ray.at(depth));
+      const auto distance = target.distance(ray.at(depth), shown_by);
       if (!distance || std::abs(distance->value_m) > kFarPoint_m) continue;
       const hw::PolarPoint polar = plan.geometry().to_polar(ray.at(depth));
-      points.push_back(
-          {plan.geometry().stick(polar.theta_rad, polar.phi_rad), polar.range_m, ray.direction});
+      points.push_back({plan.geometry().stick(polar.theta_rad, polar.phi_rad),
+                        polar.range_m,
+                        ray.direction,
+                        shown_by});
     }
   }
   return points;
@@ -151,7 +138,7 @@ bool holds(const RegistrationPriors& priors,
 ceres::Solver::Summary solve(ceres::Problem& problem,
                              Blocks& blocks,
                              const std::vector<DetectedPoint>& points,
-                             const TargetDistance& target,
+                             const ScannedSurfaces& target,
                              const glm::dvec3& centroid,
                              const RegistrationPriors& priors,
                              double sigma_m) {
@@ -191,7 +178,7 @@ void read_covariance(ceres::Problem& problem, Blocks& blocks, Registration& resu
 
 /// Distance of the points to the surface after the motion, RMS, capped as in the fit.
 double rms_distance_m(const std::vector<DetectedPoint>& points,
-                      const TargetDistance& target,
+                      const ScannedSurfaces& target,
                       const glm::dvec3& centroid,
                       const Blocks& at) {
   Blocks blocks = at;
@@ -232,11 +219,13 @@ const std::array<std::string, kRegistrationParameters>& registration_names() {
 Registration register_surface(const render::Image<float>& depth_m,
                               const phantoms::Phantom& phantom,
                               const phantoms::Placement& placement,
+                              const phantoms::Motion& motion,
                               const hw::AcquisitionPlan& plan,
                               const render::RenderOptions& options,
                               const RegistrationPriors& priors,
                               int max_points) {
-  const TargetDistance target(phantom, placement);
+  const ScannedSurfaces target(
+      phantom, placement, motion, plan, options.volume_of_interest, kFarPoint_m + kDrift_m);
   Registration result;
   const auto points = detected_points(depth_m, plan, options, target, max_points, result.sampled);
   result.points = static_cast<int>(points.size());

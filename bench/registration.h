@@ -8,6 +8,7 @@
 #include <string>
 
 #include "hw/acquisition_plan.h"
+#include "phantoms/motion.h"
 #include "phantoms/phantom.h"
 #include "render/image.h"
 #include "render/options.h"
@@ -53,11 +54,14 @@ struct Registration {
 const std::array<std::string, kRegistrationParameters>& registration_names();
 
 /// Fits at most about `max_points` of the found depths, evenly spread over the picture, to the
-/// phantom's target surfaces: Huber loss, Levenberg-Marquardt, automatic derivatives of the motion
-/// with the signed distance's own gradient. Fewer than 20 points near a surface: not converged.
+/// phantom's target surfaces: Huber loss, Levenberg-Marquardt, automatic derivatives of the fitted
+/// pose with the signed distance's own gradient. Where the phantom moves, each point is compared
+/// with it as it stood when the point's stick was fired. Fewer than 20 points near a surface: not
+/// converged.
 Registration register_surface(const render::Image<float>& depth_m,
                               const phantoms::Phantom& phantom,
                               const phantoms::Placement& placement,
+                              const phantoms::Motion& motion,
                               const hw::AcquisitionPlan& plan,
                               const render::RenderOptions& options,
                               const RegistrationPriors& priors = {},

@@ -8,6 +8,7 @@
 #include "bench/scene_cost.h"
 #include "bench/scene_toml.h"
 #include "phantoms/printable.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -122,6 +123,9 @@ void read_sections(Scene& scene, toml::table& table, const std::string& source) 
   std::vector<std::string> sections;
   for_each_section(scene, [&](const std::string& section, auto& options) {
     sections.push_back(section);
+    if (section == "acquisition") {
+      scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
+    }
     if (toml::table* found = find_section(table, section, source)) {
       TomlReader reader(source, section, *found);
       describe(options, reader);
@@ -149,7 +153,9 @@ void validate(const Scene& scene, const std::string& source) {
     }
   };
   check("phantom", [&] { phantoms::validate(scene.phantom); });
+  check("motion", [&] { phantoms::validate(scene.motion); });
   check("probe", [&] { hw::validate(scene.probe); });
+  check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
   check("render", [&] { render::validate(scene.render); });
   check_memory(scene, source, machine_memory_bytes());
 }
@@ -181,6 +187,19 @@ phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placem
 
 phantoms::Placement Scene::phantom_placement() const {
   return {phantoms::rotation_xyz(to_vec3(placement.rotation_rad)), to_vec3(placement.position_m)};
+}
+
+bool Scene::moves() const {
+  // Whether a phantom can turn its head is not known yet; that it shall is enough.
+  return !phantoms::Motion(motion, phantoms::Joint{}).still();
+}
+
+phantoms::Motion Scene::phantom_motion(const phantoms::Phantom& p) const {
+  try {
+    return {motion, p.joint()};
+  } catch (const phantoms::InvalidPhantom& error) {
+    throw UserError("motion." + std::string(error.what()));
+  }
 }
 
 Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {

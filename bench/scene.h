@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "hw/acquisition_plan.h"
-#include "hw/probe.h"
+#include "hw/probe_presets.h"
+#include "phantoms/motion.h"
 #include "phantoms/phantom.h"
 #include "render/options.h"
 #include "sim/options.h"
@@ -32,7 +33,8 @@ void describe(PlacementOptions& o, Visitor& v) {
 struct Scene {
   phantoms::PhantomOptions phantom;
   PlacementOptions placement;
-  hw::ProbeOptions probe;
+  phantoms::MotionOptions motion;
+  hw::NamedProbeOptions probe;
   hw::AcquisitionOptions acquisition;
   sim::SimulationOptions simulation;
   render::RenderOptions render;
@@ -40,6 +42,10 @@ struct Scene {
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   phantoms::Placement phantom_placement() const;
+  /// Whether any motion is asked for.
+  bool moves() const;
+  /// Throws UserError where this phantom cannot move so.
+  phantoms::Motion phantom_motion(const phantoms::Phantom& phantom) const;
 };
 
 /// Calls body(name, options) for each section of a scene.
@@ -47,6 +53,7 @@ template <class Body>
 void for_each_section(Scene& scene, const Body& body) {
   body("phantom", scene.phantom);
   body("placement", scene.placement);
+  body("motion", scene.motion);
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);

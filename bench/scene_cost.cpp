@@ -8,8 +8,9 @@
 #include <stdexcept>
 
 #include "bench/user_error.h"
-#include "sim/beam.h"
+#include "phantoms/motion.h"
 #include "sim/echo_field.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -22,15 +23,18 @@ double samples_per_volume(const hw::AcquisitionPlan& plan) {
   return 1.0 * plan.sticks_per_volume() * plan.acquisition().samples_per_stick;
 }
 
-/// sim::ProbeSimulator: beside the IQ field, averaged_under_beam() holds power on the fine grid,
-/// then averaged across lines, then across frames too.
-double field_bytes(const hw::AcquisitionPlan& plan) {
-  const sim::BeamGrid grid(plan);
-  const double sticks = plan.sticks_per_volume();
-  const double in_plane = 1.0 * grid.frames(plan) * plan.acquisition().sticks_per_frame;
-  const double fine = 1.0 * grid.frames(plan) * grid.lines(plan);
-  const double iq_samples = 1.0 * plan.acquisition().samples_per_stick * sim::iq_oversampling(plan);
-  return iq_samples * (kIqBytes * sticks + kSampleBytes * (fine + in_plane + sticks));
+/// sim::ProbeSimulator holds the echoes of all sticks where they are the same in each volume; while
+/// it makes them on the rung field, even speckle beside them. A volume on its way is held where it
+/// is made and where it is put together.
+double acquisition_bytes(const Scene& scene, const hw::AcquisitionPlan& plan) {
+  const double volume = kSampleBytes * samples_per_volume(plan);
+  const sim::Rung rung = sim::choose_fidelity(scene.simulation, plan, scene.moves()).rung;
+  if (rung == sim::Rung::geometry) return 2 * volume;
+  const double iq = kIqBytes * samples_per_volume(plan) * sim::iq_oversampling(plan);
+  const bool kept = !scene.moves() && plan.acquisition().motor != hw::MotorMode::alternating;
+  const double speckle = rung == sim::Rung::field && scene.simulation.speckle ? iq : 0;
+  const double made = kept ? iq : 0;
+  return std::max(speckle + made, (kept ? made : speckle) + 2 * volume);
 }
 
 double texel_bytes(render::TextureFormat format) {
@@ -69,11 +73,7 @@ MemoryNeed memory_need(const Scene& scene) {
   const auto& conversion = scene.render.scan_conversion;
   const double slice = 1.0 * conversion.slice_size * conversion.slice_size;
   MemoryNeed need;
-  // On its way a volume is held where it is made and where it is put together, beside the echoes.
-  const bool field = scene.simulation.fidelity == sim::Rung::field;
-  const double echoes =
-      field ? volume / kSampleBytes * kIqBytes * sim::iq_oversampling(plan) : volume;
-  need.acquisition = std::max(field ? field_bytes(plan) : 0, echoes + 2 * volume);
+  need.acquisition = acquisition_bytes(scene, plan);
   need.slices =
       slice * plan.acquisition().frames_per_volume * texel_bytes(conversion.format) + volume;
   return need;

@@ -62,6 +62,24 @@ class TomlReader {
       return true;
     });
   }
+  void texts(std::string_view key, std::vector<std::string>& values) {
+    take(key, "a list of texts in quotes", [&](const toml::node& node) {
+      if (!node.is_array()) return false;
+      std::vector<std::string> read;
+      for (const toml::node& element : *node.as_array()) {
+        if (!element.is_string()) return false;
+        read.push_back(element.as_string()->get());
+      }
+      values = std::move(read);
+      return true;
+    });
+  }
+  /// May be given, as a resolved scene does, but only as it is.
+  void constant(std::string_view key, std::string_view text) {
+    take(key, "left out, it follows from other keys", [&](const toml::node& node) {
+      return node.is_string() && node.as_string()->get() == text;
+    });
+  }
   template <class Enum>
   void choice(std::string_view key,
               Enum& value,
@@ -150,6 +168,10 @@ class JsonWriter {
   void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
   void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
   void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
+  void texts(std::string_view key, const std::vector<std::string>& values) {
+    json_[std::string(key)] = values;
+  }
+  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
   template <class Enum>
   void choice(std::string_view key,
               const Enum& value,

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "hw/acquisition_plan.h"
+#include "phantoms/motion.h"
 #include "phantoms/phantom.h"
 #include "render/image.h"
 #include "render/options.h"
@@ -24,9 +25,12 @@ struct Truth {
 };
 
 /// First crossing, within the box of interest, from fluid into tissue (or, for EdgeSign::falling,
-/// from tissue into fluid) along the ray of each pixel.
+/// from tissue into fluid) along the ray of each pixel. What moves is where it is at the time of
+/// the stick that shows the place (that of the nearest frame and line, in the first volume of the
+/// plan).
 Truth trace_truth(const phantoms::Phantom& phantom,
                   const phantoms::Placement& placement,
+                  const phantoms::Motion& motion,
                   const hw::AcquisitionPlan& plan,
                   const render::RenderOptions& options);
 

@@ -18,6 +18,17 @@ namespace {
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
+void add_output(CLI::App& command, CommandArguments& arguments) {
+  command.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  command.add_flag("--json", arguments.json, "Print report.json on stdout");
+}
+
+void add_repeats(CLI::App& command, CommandArguments& arguments) {
+  command.add_option("--repeats", arguments.repeats, "Counted runs of each setting")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+}
+
 void add_common(CLI::App& command, CommandArguments& arguments) {
   command
       .add_option("SCENE", arguments.scene, "TOML file that names what differs from the defaults")
@@ -29,8 +40,7 @@ void add_common(CLI::App& command, CommandArguments& arguments) {
       .add_option(
           "--set", arguments.settings, "Override one option: section.key=value (repeatable)")
       ->allow_extra_args(false);
-  command.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
-  command.add_flag("--json", arguments.json, "Print report.json on stdout");
+  add_output(command, arguments);
 }
 
 int dispatch(int argc, char** argv) {
@@ -49,9 +59,20 @@ int dispatch(int argc, char** argv) {
   auto* tables = app.add_subcommand("tables", "Tables I to IV beside the paper's");
   add_common(*tables, arguments);
   tables->add_flag("--full", arguments.full, "The paper's sizes; otherwise half of them a side");
-  tables->add_option("--repeats", arguments.repeats, "Counted runs of each setting")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  add_repeats(*tables, arguments);
+
+  auto* validate = app.add_subcommand(
+      "validate", "The simulated probe's physics against closed forms and publications");
+  add_output(*validate, arguments);
+  validate->add_option("--study", arguments.studies, "One study instead of all (repeatable)")
+      ->allow_extra_args(false);
+  validate->add_option("--figure-path",
+                       arguments.figure_path,
+                       "What stands before the figures' file names in validation.md's links");
+
+  auto* trade = app.add_subcommand("trade", "Speed against accuracy over the simulator's rungs");
+  add_common(*trade, arguments);
+  add_repeats(*trade, arguments);
 
   try {
     app.parse(argc, argv);
@@ -64,6 +85,8 @@ int dispatch(int argc, char** argv) {
   }
   if (*run) return run_command(arguments);
   if (*phantom) return phantom_command(arguments);
+  if (*validate) return validate_command(arguments);
+  if (*trade) return trade_command(arguments);
   return tables_command(arguments);
 }
 

@@ -34,9 +34,7 @@ bool same_plan(const Configuration& configuration, const ConfigurationPacket& pa
 /// The index lies in the plan, and is the one that the sequence number stands for. The number of
 /// volumes is what was asked for; a stream may go on beyond it.
 bool index_fits(const AcquisitionPlan& plan, const Stick& stick) {
-  const StickIndex expected = plan.index(stick.sequence);
-  return stick.index.volume == expected.volume && stick.index.frame == expected.frame &&
-         stick.index.line == expected.line;
+  return stick.index == plan.index(stick.sequence);
 }
 
 }  // namespace
@@ -126,7 +124,7 @@ bool Board::place(const VolumeEndPacket& packet, const std::stop_token& stop) {
   if (!wait_for_queue(stop)) return false;
   std::lock_guard lock(mutex_);
   if (configuration_ &&
-      packet.sequence != configuration_->plan.sequence({packet.volume, 0, 0}) +
+      packet.sequence != configuration_->plan.first_sequence(packet.volume) +
                              static_cast<std::uint64_t>(configuration_->plan.sticks_per_volume())) {
     after_damage_ = true;
     return true;

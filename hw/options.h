@@ -12,6 +12,8 @@
 //   flag(key, bool& value)
 //   choice(key, Enum& value, {{"name", Enum::name}, …})
 //   text(key, std::string& value)
+//   texts(key, std::vector<std::string>& values)  any length
+//   constant(key, std::string_view text)          follows from other fields: shown, never set
 //   reals(key, std::vector<double>& si_values, unit, min, max, count)   count 0: any length
 #pragma once
 
@@ -47,6 +49,8 @@ class OptionCheck {
   void seed(std::string_view, const std::uint64_t&) {}
   void flag(std::string_view, const bool&) {}
   void text(std::string_view, const std::string&) {}
+  void texts(std::string_view, const std::vector<std::string>&) {}
+  void constant(std::string_view, std::string_view) {}
   template <class Enum>
   void choice(std::string_view,
               const Enum&,

@@ -8,27 +8,34 @@
 namespace wobblebench::hw {
 namespace {
 
-PolarFrame empty_frame(const AcquisitionPlan& plan, std::uint32_t frame) {
+PolarFrame empty_frame(const AcquisitionPlan& plan, std::uint32_t volume, std::uint32_t frame) {
   const auto lines = static_cast<std::size_t>(plan.acquisition().sticks_per_frame);
   const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
   PolarFrame empty;
   empty.samples.assign(lines * samples, 0.0F);
   empty.arrived.assign(lines, 0);
   for (std::uint32_t line = 0; line < lines; ++line) {
-    empty.motor_angle_rad.push_back(plan.motor_angle_rad({0, frame, line}));
+    empty.motor_angle_rad.push_back(plan.motor_angle_rad({volume, frame, line}));
   }
   return empty;
 }
 
 }  // namespace
 
-PolarVolume::PolarVolume(const AcquisitionPlan& plan) : plan_(plan) {
+PolarVolume::PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume)
+    : plan_(plan), volume_index_(volume) {
   const auto count = static_cast<std::uint32_t>(plan.acquisition().frames_per_volume);
   frames_.reserve(count);
-  for (std::uint32_t frame = 0; frame < count; ++frame) frames_.push_back(empty_frame(plan, frame));
+  for (std::uint32_t frame = 0; frame < count; ++frame) {
+    frames_.push_back(empty_frame(plan, volume, frame));
+  }
 }
 
 void PolarVolume::place(const Stick& stick) {
+  if (stick.index.volume != volume_index_) {
+    throw std::out_of_range("a stick of volume " + std::to_string(stick.index.volume) +
+                            " where volume " + std::to_string(volume_index_) + " is put together");
+  }
   PolarFrame& frame = frames_.at(stick.index.frame);
   std::uint8_t& arrived = frame.arrived.at(stick.index.line);
   const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
@@ -42,7 +49,6 @@ void PolarVolume::place(const Stick& stick) {
   frame.motor_angle_rad[stick.index.line] = stick.motor_angle_rad;
   arrived = 1;
   scale_ = stick.scale;
-  volume_index_ = stick.index.volume;
 }
 
 int PolarVolume::missing_sticks() const {

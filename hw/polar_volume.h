@@ -19,10 +19,12 @@ struct PolarFrame {
 /// All frames of one volume. A lost stick stays zero and is marked, never filled with old data.
 class PolarVolume {
  public:
-  explicit PolarVolume(const AcquisitionPlan& plan);
+  /// Empty. `volume` is its index in the stream, from 0.
+  explicit PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume = 0);
 
-  /// Puts a stick in its place. Throws std::out_of_range for an index outside the plan and
-  /// std::invalid_argument for a wrong number of samples: the board lets neither through.
+  /// Puts a stick in its place, whichever turn it had. Throws std::out_of_range for an index
+  /// outside the plan, which the board does not let through, or of another volume;
+  /// std::invalid_argument for a wrong number of samples.
   void place(const Stick& stick);
 
   const AcquisitionPlan& plan() const { return plan_; }
@@ -30,14 +32,14 @@ class PolarVolume {
   const PolarFrame& frame(int index) const { return frames_.at(static_cast<std::size_t>(index)); }
   int missing_sticks() const;
   SampleScale scale() const { return scale_; }
-  /// Which volume of the stream this is: that of the last stick placed.
+  /// Which volume of the stream this is.
   std::uint32_t volume_index() const { return volume_index_; }
 
  private:
   AcquisitionPlan plan_;
   std::vector<PolarFrame> frames_;
   SampleScale scale_ = SampleScale::log_compressed;
-  std::uint32_t volume_index_ = 0;
+  std::uint32_t volume_index_;
 };
 
 }  // namespace wobblebench::hw

@@ -20,6 +20,10 @@ struct ProbeOptions {
   /// In the image plane, dynamic focus. At 4 the beams of the default 64 sticks nearly meet at 6
   /// cm.
   double f_number = 4.0;
+  double transmit_focus_m = 75e-3;  ///< fixed, in the image plane, range from the face
+  /// Along the face. No rule ties them to the sector: sticks may lie beyond the last element.
+  int elements = 128;
+  double pitch_m = 0.42e-3;  ///< of the elements along the face; 128 fill the default sector
   double element_height_m = 13.5e-3;  ///< aperture across the image plane
   double elevation_focus_m = 75e-3;   ///< fixed focus across the image plane, range from the face
 
@@ -33,6 +37,9 @@ void describe(ProbeOptions& o, Visitor& v) {
   v.real("center_frequency_mhz", o.center_frequency_hz, kMegahertz, 0.5, 20);
   v.real("fractional_bandwidth", o.fractional_bandwidth, 1, 0.1, 1.5);
   v.real("f_number", o.f_number, 1, 0.5, 10);
+  v.real("transmit_focus_mm", o.transmit_focus_m, kMillimetre, 5, 400);
+  v.integer("elements", o.elements, 1, 1024);
+  v.real("pitch_mm", o.pitch_m, kMillimetre, 0.05, 2);
   v.real("element_height_mm", o.element_height_m, kMillimetre, 1, 50);
   v.real("elevation_focus_mm", o.elevation_focus_m, kMillimetre, 5, 300);
 }

@@ -12,6 +12,7 @@ inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kMillimetre = 1e-3;
 inline constexpr double kDegree = kPi / 180.0;
 inline constexpr double kMegahertz = 1e6;
+inline constexpr double kMillisecond = 1e-3;
 inline constexpr double kMicrosecond = 1e-6;
 
 }  // namespace wobblebench

@@ -31,7 +31,7 @@ std::optional<PolarVolume> VolumeAssembly::place(const Stick& stick) {
   if (volume_ && volume_->volume_index() != stick.index.volume) {
     finished = std::exchange(volume_, std::nullopt);
   }
-  if (!volume_) volume_.emplace(configuration_.value().plan);
+  if (!volume_) volume_.emplace(configuration_.value().plan, stick.index.volume);
   volume_->place(stick);
   return finished;
 }

@@ -25,7 +25,7 @@ inline constexpr std::uint16_t kWireVersion = 1;
 inline constexpr std::size_t kWireHeaderBytes = 64;
 /// No packet of any version has a longer payload; a length beyond it is damage.
 inline constexpr std::size_t kWireMaxPayloadBytes = 65536;
-inline constexpr std::size_t kWireConfigurationBytes = 128;
+inline constexpr std::size_t kWireConfigurationBytes = 160;
 inline constexpr std::size_t kWireMaxSamples = 4096;
 
 enum class PacketKind : std::uint16_t { configuration = 1, stick = 2, volume_end = 3 };

@@ -73,7 +73,7 @@ std::optional<Packet> parse_configuration(Bytes packet) {
   const Bytes payload = packet.subspan(kWireHeaderBytes);
   const auto motor = get<std::uint32_t>(payload, kMotorModeAt);
   const auto source = get<std::uint32_t>(payload, kSourceAt);
-  if (motor > static_cast<std::uint32_t>(MotorMode::continuous)) return {};
+  if (motor > static_cast<std::uint32_t>(MotorMode::fly_back)) return {};
   if (source < static_cast<std::uint32_t>(Provenance::simulated) ||
       source > static_cast<std::uint32_t>(Provenance::hardware)) {
     return {};

@@ -79,19 +79,23 @@ void visit_configuration(ConfigurationPacket& packet, Field&& field) {
   field(16, probe.center_frequency_hz);
   field(24, probe.fractional_bandwidth);
   field(32, probe.f_number);
-  field(40, probe.element_height_m);
-  field(48, probe.elevation_focus_m);
-  field(56, plan.depth_m);
-  field(64, plan.sector_rad);
-  field(72, plan.fan_rad);
-  field(80, plan.sound_speed_m_s);
-  field(88, plan.dead_time_s);
-  field(96, plan.sticks_per_frame);
-  field(100, plan.samples_per_stick);
-  field(104, plan.frames_per_volume);
-  field(108, plan.volumes);
+  field(40, probe.transmit_focus_m);
+  field(48, probe.pitch_m);
+  field(56, probe.element_height_m);
+  field(64, probe.elevation_focus_m);
+  field(72, plan.depth_m);
+  field(80, plan.sector_rad);
+  field(88, plan.fan_rad);
+  field(96, plan.sound_speed_m_s);
+  field(104, plan.dead_time_s);
+  field(112, plan.fly_back_s);
+  field(120, probe.elements);
+  field(124, plan.sticks_per_frame);
+  field(128, plan.samples_per_stick);
+  field(132, plan.frames_per_volume);
+  field(136, plan.volumes);
 }
-inline constexpr std::size_t kMotorModeAt = 112;
-inline constexpr std::size_t kSourceAt = 116;
+inline constexpr std::size_t kMotorModeAt = 140;
+inline constexpr std::size_t kSourceAt = 144;
 
 }  // namespace wobblebench::hw::wire_layout

@@ -1,40 +1,18 @@
-// Phantoms whose truth has a closed form.
+// Bodies in fluid whose truth has a closed form.
+#include "phantoms/calibration.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <memory>
 
 #include "phantoms/builders.h"
-#include "phantoms/grids.h"
 #include "phantoms/level_set.h"
+#include "phantoms/shapes.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kMm = 1e-3;
-
-// 70 mm below the face of the default probe, whose centre of curvature is 40 mm behind its face.
-constexpr glm::dvec3 kPosition{0, 0, 110 * kMm};
-
-Box cube(double half_m) {
-  return {glm::dvec3(-half_m), glm::dvec3(half_m)};
-}
-
-std::shared_ptr<const Grids> only(openvdb::FloatGrid::ConstPtr grid) {
-  auto grids = std::make_shared<Grids>();
-  grids->signed_distance = {std::move(grid)};
-  return grids;
-}
-
-double box_distance(const glm::dvec3& position, const glm::dvec3& half_m) {
-  const glm::dvec3 beyond = glm::abs(position) - half_m;
-  const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0);
-  return glm::length(glm::max(beyond, glm::dvec3(0))) + inside;
-}
-
-// All boxes of interest are of one depth, so that a picture's step along the ray, and with it what
-// a threshold means, is the same for each.
-constexpr double kBoxDepth = 60 * kMm;
 
 }  // namespace
 
@@ -51,8 +29,8 @@ Phantom make_plane(const PhantomOptions& options) {
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"slab", material_index("soft_tissue"), true}},
-                 {{-35 * kMm, -35 * kMm, -kBoxDepth / 2}, {35 * kMm, 35 * kMm, kBoxDepth / 2}},
-                 kPosition,
+                 box_from(-kBoxDepth_m / 2, 35 * kMm),
+                 kCalibrationPosition,
                  only(grid));
 }
 
@@ -64,16 +42,13 @@ Phantom make_sphere(const PhantomOptions& options) {
                               cube(radius + 2 * kHalfWidthVoxels * options.voxel_m),
                               options.voxel_m,
                               Distances::exact);
-  const double half = std::clamp(1.5 * radius, 30 * kMm, 40 * kMm);
-  const double front = -radius - 10 * kMm;
-  const Box box{{-half, -half, front}, {half, half, front + kBoxDepth}};
   // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
-  const glm::dvec3 position{0, 0, std::max(kPosition.z, radius + 80 * kMm)};
+  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, radius + 80 * kMm)};
   return Phantom("sphere",
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"ball", material_index("soft_tissue"), true}},
-                 box,
+                 box_from(-radius - 10 * kMm, std::clamp(1.5 * radius, 30 * kMm, 40 * kMm)),
                  position,
                  only(grid));
 }
@@ -97,21 +72,7 @@ Phantom make_points(const PhantomOptions& options) {
                  material_index("amniotic_fluid"),
                  {{"points", material_index("point_target"), true}},
                  {-reach, reach},
-                 kPosition,
-                 only(grid));
-}
-
-Phantom make_speckle_block(const PhantomOptions& options) {
-  const glm::dvec3 half{150 * kMm, 150 * kMm, 120 * kMm};
-  const auto distance = [=](const glm::dvec3& position) { return box_distance(position, half); };
-  auto grid =
-      build_level_set("block", distance, cube(160 * kMm), options.voxel_m, Distances::exact);
-  return Phantom("speckle_block",
-                 material_table(),
-                 material_index("soft_tissue"),
-                 {{"block", material_index("soft_tissue"), false}},
-                 cube(35 * kMm),
-                 kPosition,
+                 kCalibrationPosition,
                  only(grid));
 }
 

@@ -1,5 +1,6 @@
 // The fetal face phantom: the head, what lies about it, and the mother's tissue in front.
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <memory>
@@ -9,11 +10,14 @@
 #include "phantoms/fetal_surroundings.h"
 #include "phantoms/grids.h"
 #include "phantoms/level_set.h"
+#include "phantoms/maternal_layer.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kMm = 1e-3;
+constexpr double kFaceOfProbe_m = 40 * kMm;    // z in the default probe's frame
+constexpr double kThinnestUterus_m = 5 * kMm;  // of its wall on the axis; assumed
 
 double face_scale(const FetalBiometry& biometry) {
   return biometry.binocular_m / fetal_biometry(21).binocular_m;
@@ -29,17 +33,43 @@ FetalHead posed_head(double weeks) {
   return head;
 }
 
+// Where the cavity begins on a line along z.
+double cavity_front_m(double scale, double x, double y) {
+  const CavitySize size = cavity_size(scale);
+  double outside = size.center_m.z - 1.5 * size.radii_m.z, inside = size.center_m.z;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (outside + inside);
+    (cavity_distance({x, y, middle}, scale) < 0 ? inside : outside) = middle;
+  }
+  return outside;
+}
+
+// The face some 60 mm before the probe, the head in the middle of the sweep; an older and so larger
+// fetus lies deeper, which leaves some 23 to 29 mm to the fluid (mean 29 mm, at least 17 mm: Carson
+// 1989); deeper still where the mother's tissue needs more.
+glm::dvec3 position_for(double scale, double maternal_layer_m) {
+  const double y = 6 * kMm * scale, usual_z = 105 * kMm + 20 * kMm * (scale - 1);
+  const double room = maternal_layer_m > 0 ? maternal_layer_m + kThinnestUterus_m : 0;
+  return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
+}
+
 // Everything that is looked at, as signed distances in the phantom frame.
 class FetalScene {
  public:
-  explicit FetalScene(double weeks)
-      : scale_(face_scale(fetal_biometry(weeks))),
-        head_(posed_head(weeks)),
+  explicit FetalScene(const PhantomOptions& options)
+      : biometry_(fetal_biometry(options.gestational_age_weeks)),
+        scale_(face_scale(biometry_)),
+        head_(posed_head(options.gestational_age_weeks)),
         to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
         body_(sculpt_body(scale_)),
         hand_(sculpt_hand(scale_)),
-        cord_(scale_) {}
+        cord_(scale_),
+        position_m_(position_for(scale_, options.maternal_layer_m)),
+        mother_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
 
+  double muscle(const glm::dvec3& p) const { return mother_.muscle(p); }
+  double fat(const glm::dvec3& p) const { return mother_.fat(p); }
+  double mothers_skin(const glm::dvec3& p) const { return mother_.skin(p); }
   double cavity(const glm::dvec3& p) const { return cavity_distance(p, scale_); }
   double cord(const glm::dvec3& p) const { return cord_.distance(p); }
   double skin(const glm::dvec3& p) const {
@@ -54,21 +84,28 @@ class FetalScene {
     return std::min(head_.eyes[0].distance(q), head_.eyes[1].distance(q));
   }
 
-  /// Holds the cavity, and so all the rest.
-  Box bounds() const {
+  /// Holds the cavity, and so all that lies in it.
+  Box cavity_bounds() const {
     const CavitySize size = cavity_size(scale_);
     return {size.center_m - 1.15 * size.radii_m, size.center_m + 1.15 * size.radii_m};
   }
+  Box mother_bounds() const { return mother_.bounds(); }
   /// From the fluid before the nose to behind the ears, from above the crown to the upper chest.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
     return {{-40 * kMm * scale_, crown - 3 * kMm, -18 * kMm * scale_},
             scale_ * kMm * glm::dvec3(40, 43, 42)};
   }
-  /// The face some 60 mm before the probe, the head in the middle of the sweep; an older and so
-  /// larger fetus lies deeper, which keeps the mother's tissue in front between 20 and 33 mm.
-  glm::dvec3 suggested_position_m() const {
-    return {0, 6 * kMm * scale_, 105 * kMm + 20 * kMm * (scale_ - 1)};
+  const glm::dvec3& suggested_position_m() const { return position_m_; }
+  /// The smallest ball that holds the skull (measured on the grids, 20 to 30 weeks), and a reach
+  /// that ends before the wall and hardly takes the hand along.
+  Joint joint() const {
+    const glm::dvec3 in_head{
+        0, -0.065 * biometry_.biparietal_m, 0.48 * biometry_.occipitofrontal_m};
+    const FetalLandmarks& pose = head_.landmarks;
+    return {pose.head_to_phantom * in_head + pose.head_position_m,
+            0.612 * biometry_.occipitofrontal_m,
+            50 * kMm * scale_};
   }
 
  private:
@@ -76,11 +113,14 @@ class FetalScene {
     return to_head_ * (p - head_.landmarks.head_position_m);
   }
 
+  FetalBiometry biometry_;
   double scale_;  // of the face against that of 21 weeks
   FetalHead head_;
   glm::dmat3 to_head_;
   Sculpture body_, hand_;
   UmbilicalCord cord_;
+  glm::dvec3 position_m_;
+  MaternalLayer mother_;
 };
 
 struct Part {
@@ -92,7 +132,11 @@ struct Part {
 };
 
 // In painter's order.
-constexpr Part kParts[] = {
+constexpr Part kMother[] = {
+    {"maternal_muscle", "muscle", false, &FetalScene::muscle, Distances::exact},
+    {"maternal_fat", "fat", false, &FetalScene::fat, Distances::exact},
+    {"maternal_skin", "skin", false, &FetalScene::mothers_skin, Distances::exact}};
+constexpr Part kWithin[] = {
     {"cavity", "amniotic_fluid", true, &FetalScene::cavity, Distances::exact},
     {"cord", "umbilical_cord", true, &FetalScene::cord, Distances::first_order},
     {"skin", "fetal_skin", true, &FetalScene::skin, Distances::first_order},
@@ -107,22 +151,27 @@ FetalLandmarks fetal_landmarks(double gestational_age_weeks) {
 }
 
 Phantom make_fetal_face(const PhantomOptions& options) {
-  const FetalScene scene(options.gestational_age_weeks);
+  const FetalScene scene(options);
   std::vector<Surface> surfaces;
   auto grids = std::make_shared<Grids>();
-  for (const Part& part : kParts) {
+  const auto add = [&](const Part& part, const Box& bounds) {
     surfaces.push_back({part.name, material_index(part.inside), part.is_target});
     const auto distance = [&](const glm::dvec3& p) { return (scene.*part.distance)(p); };
     grids->signed_distance.push_back(
-        build_level_set(part.name, distance, scene.bounds(), options.voxel_m, part.distances));
+        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances));
+  };
+  if (options.maternal_layer_m > 0) {
+    for (const Part& part : kMother) add(part, scene.mother_bounds());
   }
+  for (const Part& part : kWithin) add(part, scene.cavity_bounds());
   return Phantom("fetal_face",
                  material_table(),
                  material_index("uterus_wall"),
                  surfaces,
                  scene.region_of_interest(),
                  scene.suggested_position_m(),
-                 grids);
+                 grids,
+                 scene.joint());
 }
 
 }  // namespace wobblebench::phantoms

@@ -30,6 +30,13 @@ std::vector<Material> make_table() {
        "assumed soft skin; adult skin is 1730 m/s and 1.99 MRayl at 0.35 (PMC10346919 table A2; "
        "PMC10001275 table 4)" +
            assumed_echo},
+      {"skin",
+       1730,
+       1.99 * kMrayl,
+       0.35,
+       -42,
+       0.3,
+       "adult (PMC10346919 table A2; PMC10001275 table 4)" + assumed_echo},
       {"fat", 1450, 1.38 * kMrayl, 0.63, -48, 0.3, "tabulated" + assumed_echo},
       {"muscle", 1580, 1.70 * kMrayl, 1.09, -46, 0.3, "tabulated" + assumed_echo},
       {"soft_tissue",
@@ -98,6 +105,10 @@ const Material& material(const std::string& name) {
     known += (known.empty() ? "" : ", ") + entry.name;
   }
   throw std::out_of_range("material " + name + ": must be one of " + known);
+}
+
+MaterialIndex material_index(const std::string& name) {
+  return MaterialIndex(&material(name) - material_table().data());
 }
 
 }  // namespace wobblebench::phantoms

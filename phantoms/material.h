@@ -24,5 +24,7 @@ using MaterialIndex = int;
 /// that it does not hold, naming those that it does.
 const std::vector<Material>& material_table();
 const Material& material(const std::string& name);
+/// Row of `name` in material_table().
+MaterialIndex material_index(const std::string& name);
 
 }  // namespace wobblebench::phantoms

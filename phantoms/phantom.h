@@ -10,11 +10,13 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <stdexcept>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "phantoms/material.h"
+#include "phantoms/motion.h"
+#include "phantoms/phantom_options.h"
 
 namespace wobblebench::phantoms {
 
@@ -43,7 +45,8 @@ class Phantom {
           std::vector<Surface> surfaces,
           Box region_of_interest,
           glm::dvec3 suggested_position_m,
-          std::shared_ptr<const Grids> grids);
+          std::shared_ptr<const Grids> grids,
+          std::optional<Joint> joint = std::nullopt);
 
   const std::string& name() const { return name_; }
   const std::vector<Material>& materials() const { return materials_; }
@@ -55,6 +58,8 @@ class Phantom {
   /// mm).
   const glm::dvec3& suggested_position_m() const { return suggested_position_m_; }
   const Grids& grids() const { return *grids_; }
+  /// What of it can turn by itself: the head of fetal_face.
+  const std::optional<Joint>& joint() const { return joint_; }
 
  private:
   std::string name_;
@@ -64,6 +69,7 @@ class Phantom {
   Box region_of_interest_;
   glm::dvec3 suggested_position_m_;
   std::shared_ptr<const Grids> grids_;
+  std::optional<Joint> joint_;
 };
 
 /// Where the phantom stands: probe = rotation * phantom + position.
@@ -82,43 +88,8 @@ struct Placement {
 /// Rotations about x, then y, then z, in radians.
 glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
 
-/// Options of the built-in phantoms. Only the fields that the named phantom uses count.
-struct PhantomOptions {
-  std::string name = "fetal_face";  ///< a name of phantom_names(), or "file"
-  std::string file;                 ///< "file": path of a .vdb that write_phantom wrote
-  double voxel_m = 0.5e-3;
-  double gestational_age_weeks = 21;  ///< fetal_face
-  double radius_m = 20e-3;            ///< sphere
-  double tilt_x_rad = 0;              ///< plane: its normal turned about x …
-  double tilt_y_rad = 0;              ///< … and about y
-};
-
-template <class Visitor>
-void describe(PhantomOptions& o, Visitor& v) {
-  constexpr double kMm = 1e-3, kDeg = 3.14159265358979323846 / 180;
-  v.text("name", o.name);
-  v.text("file", o.file);
-  v.real("voxel_mm", o.voxel_m, kMm, 0.1, 5);
-  v.real("gestational_age_weeks", o.gestational_age_weeks, 1, 20, 30);
-  v.real("radius_mm", o.radius_m, kMm, 1, 100);
-  v.real("tilt_x_deg", o.tilt_x_rad, kDeg, -60, 60);
-  v.real("tilt_y_deg", o.tilt_y_rad, kDeg, -60, 60);
-}
-
-/// fetal_face, plane, sphere, points, speckle_block.
-const std::vector<std::string>& phantom_names();
-
-/// Options or a file that no phantom can be made of; what() is one line.
-class InvalidPhantom : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
-
-/// Finds out all that can be known without building: ranges, the name, the voxels that the phantom
-/// needs, a file that is missing or empty. Throws InvalidPhantom "KEY = VALUE: what is allowed".
-void validate(const PhantomOptions& options);
-
-/// Builds or reads the named phantom. Throws InvalidPhantom as validate() and read_phantom() do.
+/// Builds, imports or reads the named phantom. Throws InvalidPhantom as validate(), make_mesh(),
+/// make_vdb() and read_phantom() do.
 Phantom make_phantom(const PhantomOptions& options);
 
 /// Writes `phantom` as .vdb (float level sets in metres, one for each surface; an Int32 grid

@@ -88,6 +88,12 @@ Tube smooth_tube(const std::vector<TubePoint>& points, int pieces) {
   return tube;
 }
 
+double box_distance(const glm::dvec3& position, const glm::dvec3& half_m) {
+  const glm::dvec3 beyond = glm::abs(position) - half_m;
+  const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0);
+  return glm::length(glm::max(beyond, glm::dvec3(0))) + inside;
+}
+
 double smooth_union(double a, double b, double fillet_m) {
   const double overlap = std::max(fillet_m - std::abs(a - b), 0.0);
   return std::min(a, b) - (overlap > 0 ? overlap * overlap / (4 * fillet_m) : 0.0);

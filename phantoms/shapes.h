@@ -40,6 +40,9 @@ struct Tube {
 /// The tube through a Catmull-Rom curve of `points`, `pieces` segments between each two of them.
 Tube smooth_tube(const std::vector<TubePoint>& points, int pieces);
 
+/// Exact distance of the box of these half sizes about the origin.
+double box_distance(const glm::dvec3& position, const glm::dvec3& half_m);
+
 /// Union and difference with a fillet: beyond |a - b| >= fillet they are the sharp ones.
 double smooth_union(double a, double b, double fillet_m);
 double smooth_difference(double body, double tool, double fillet_m);

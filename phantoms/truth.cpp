@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "phantoms/clearance.h"
 #include "phantoms/grids.h"
 
 namespace wobblebench::phantoms {
@@ -31,46 +32,81 @@ glm::dvec3 to_glm(const openvdb::Vec3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// The grid with a band that holds every point within `reach_m` of the surface.
-Grid::ConstPtr with_reach(const Grid::ConstPtr& grid, double reach_m) {
+/// What of the grid lies in the box and a margin around it. Signs within stay what they are.
+Grid::ConstPtr clipped(const Grid::ConstPtr& grid, const Box& box, double margin_m) {
+  Grid::Ptr clip = grid->deepCopy();
+  clip->clipGrid({to_vdb(box.low - margin_m), to_vdb(box.high + margin_m)});
+  return clip;
+}
+
+/// The grid with a band that holds every point in the box that lies within `reach_m` of the
+/// surface.
+Grid::ConstPtr with_reach(Grid::ConstPtr grid, double reach_m, const std::optional<Box>& within) {
+  const double voxel_m = grid->voxelSize()[0];
   const double missing_m = reach_m - static_cast<double>(grid->background());
   if (missing_m <= 0) return grid;
-  return openvdb::tools::dilateSdf(*grid,
-                                   static_cast<int>(std::ceil(missing_m / grid->voxelSize()[0])));
+  if (within) grid = clipped(grid, *within, reach_m + 2 * voxel_m);
+  if (grid->empty()) return grid;
+  // Over faces alone a band grows by less than a voxel a step along diagonals.
+  return openvdb::tools::dilateSdf(
+      *grid, static_cast<int>(std::ceil(missing_m / voxel_m)), openvdb::tools::NN_FACE_EDGE);
 }
 
 }  // namespace
 
 struct SurfaceFinder::State {
   struct Target {
-    Target(int index, Grid::ConstPtr g)
-        : surface(index), grid(std::move(g)), intersector(*grid), stencil(*grid) {}
-    Target(const Target& other) : Target(other.surface, other.grid) {}
+    Target(int index, Grid::ConstPtr g, std::shared_ptr<const Clearance> c)
+        : surface(index),
+          grid(std::move(g)),
+          intersector(*grid),
+          stencil(*grid),
+          values(grid->getConstAccessor()),
+          clearance(std::move(c)) {}
+    Target(const Target& other) : Target(other.surface, other.grid, other.clearance) {}
 
     // Trilinear distance; nothing beyond the narrow band.
     std::optional<Distance> distance(const glm::dvec3& position) {
       const openvdb::Vec3d index = grid->worldToIndex(to_vdb(position));
-      if (!grid->tree().isValueOn(openvdb::Coord::round(index))) return std::nullopt;
+      if (!values.isValueOn(openvdb::Coord::round(index))) return std::nullopt;
       stencil.moveTo(index);
       return Distance{stencil.interpolation(index), to_glm(stencil.gradient(index))};
+    }
+
+    double cautious_distance(const glm::dvec3& position) {
+      const openvdb::Vec3d index = grid->worldToIndex(to_vdb(position));
+      float value = 0;
+      if (values.probeValue(openvdb::Coord::round(index), value)) {
+        stencil.moveTo(index);
+        return stencil.interpolation(index);
+      }
+      // The nearest voxel, less than one away, is beyond the band.
+      const double beyond_m =
+          static_cast<double>(grid->background()) +
+          grid->voxelSize()[0] * (clearance->voxels(openvdb::Coord::round(index)) - 1);
+      return std::copysign(beyond_m, static_cast<double>(value));
     }
 
     int surface;
     Grid::ConstPtr grid;
     Intersector intersector;
     Stencil stencil;
+    Grid::ConstAccessor values;
+    std::shared_ptr<const Clearance> clearance;
   };
 
   std::vector<Target> targets;
 };
 
-SurfaceFinder::SurfaceFinder(const Phantom& phantom, double reach_m)
+SurfaceFinder::SurfaceFinder(const Phantom& phantom,
+                             double reach_m,
+                             const std::optional<Box>& within)
     : state_(std::make_unique<State>()) {
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const auto& grid = phantom.grids().signed_distance[i];
-    if (phantom.surfaces()[i].is_target && !grid->empty()) {
-      state_->targets.emplace_back(int(i), with_reach(grid, reach_m));
-    }
+    if (!phantom.surfaces()[i].is_target) continue;
+    const auto grid = with_reach(phantom.grids().signed_distance[i], reach_m, within);
+    if (grid->empty()) continue;
+    state_->targets.emplace_back(int(i), grid, std::make_shared<Clearance>(*grid));
   }
 }
 
@@ -111,6 +147,23 @@ std::optional<SurfaceFinder::Distance> SurfaceFinder::distance(const glm::dvec3&
     if (!nearest || std::abs(candidate->value_m) < std::abs(nearest->value_m)) nearest = candidate;
   }
   return nearest;
+}
+
+int SurfaceFinder::targets() const {
+  return static_cast<int>(state_->targets.size());
+}
+
+int SurfaceFinder::surface(int target) const {
+  return state_->targets.at(static_cast<std::size_t>(target)).surface;
+}
+
+std::optional<SurfaceFinder::Distance> SurfaceFinder::target_distance(
+    int target, const glm::dvec3& position) const {
+  return state_->targets.at(static_cast<std::size_t>(target)).distance(position);
+}
+
+double SurfaceFinder::cautious_distance(int target, const glm::dvec3& position) const {
+  return state_->targets.at(static_cast<std::size_t>(target)).cautious_distance(position);
 }
 
 }  // namespace wobblebench::phantoms

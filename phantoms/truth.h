@@ -21,8 +21,11 @@ struct SurfaceHit {
 class SurfaceFinder {
  public:
   /// `reach_m`: distance() knows points at least this near a target surface; the narrow bands are
-  /// widened (by fast sweeping, in memory) where they are narrower.
-  explicit SurfaceFinder(const Phantom& phantom, double reach_m = 0);
+  /// widened (by fast sweeping, in memory) where they are narrower. `within`: only points in this
+  /// box will be asked about, so that only what lies within reach of it is widened.
+  explicit SurfaceFinder(const Phantom& phantom,
+                         double reach_m = 0,
+                         const std::optional<Box>& within = {});
   SurfaceFinder(const SurfaceFinder& other);
   ~SurfaceFinder();
 
@@ -39,6 +42,16 @@ class SurfaceFinder {
     glm::dvec3 gradient;
   };
   std::optional<Distance> distance(const glm::dvec3& position) const;
+
+  /// The target surfaces one by one, for who goes along a line that a moving phantom bends.
+  int targets() const;
+  /// Index into Phantom::surfaces() of a target, 0 to targets() - 1.
+  int surface(int target) const;
+  /// Distance to this one surface as distance() gives it; nullopt beyond its band.
+  std::optional<Distance> target_distance(int target, const glm::dvec3& position) const;
+  /// Its value alone. Beyond the band: negative inside, and of a size that the true distance is
+  /// sure to exceed.
+  double cautious_distance(int target, const glm::dvec3& position) const;
 
  private:
   struct State;

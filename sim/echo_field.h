@@ -1,5 +1,6 @@
-// Complex baseband (IQ) echoes of one volume on the polar grid, and the filters that give them the
-// probe's resolution. IQ, not RF: sub-sample delay is a phase, and the rate follows the bandwidth.
+// Complex baseband (IQ) echoes on the polar grid: even speckle with the probe's resolution, and the
+// pulse of a single reflector. IQ, not RF: sub-sample delay is a phase, and the rate follows the
+// bandwidth.
 #pragma once
 
 #include <complex>
@@ -20,8 +21,15 @@ struct EchoField {
   std::vector<std::complex<float>> values;
 
   std::span<std::complex<float>> stick(int frame, int line) {
-    const std::size_t n = static_cast<std::size_t>(samples);
-    return {values.data() + (static_cast<std::size_t>(frame) * lines + line) * n, n};
+    return {values.data() + at(frame, line), static_cast<std::size_t>(samples)};
+  }
+  std::span<const std::complex<float>> stick(int frame, int line) const {
+    return {values.data() + at(frame, line), static_cast<std::size_t>(samples)};
+  }
+
+ private:
+  std::size_t at(int frame, int line) const {
+    return (static_cast<std::size_t>(frame) * lines + line) * static_cast<std::size_t>(samples);
   }
 };
 
@@ -42,6 +50,9 @@ void fill_speckle(std::span<std::complex<float>> stick,
 /// keeping the power.
 void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
 void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
+
+/// Speckle of unit power on the whole grid, filtered in all three directions.
+EchoField even_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads);
 
 /// Adds the echo of a single reflector: a pulse of peak `amplitude` at a range, with its phase.
 void add_reflector(std::span<std::complex<float>> stick,

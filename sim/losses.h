@@ -7,7 +7,7 @@
 #include "hw/acquisition_plan.h"
 #include "phantoms/material.h"
 #include "sim/options.h"
-#include "sim/tissue_sampler.h"
+#include "sim/stick_track.h"
 
 namespace wobblebench::sim {
 
@@ -15,31 +15,69 @@ inline double amplitude_of_db(double db) {
   return std::pow(10.0, db / 20);
 }
 
-/// Amplitude reflection coefficient at normal incidence, (Z2 - Z1) / (Z2 + Z1).
-double reflection(const phantoms::Material& before, const phantoms::Material& behind);
-
-/// Two-way amplitude left at each sample: attenuation 2 alpha f d, and 1 - R^2 for each interface
-/// crossed there and back.
-std::vector<float> two_way_amplitude(const TissueProfile& profile,
-                                     const std::vector<phantoms::Material>& materials,
-                                     const hw::AcquisitionPlan& plan,
-                                     const SimulationOptions& options,
-                                     double spacing_m,
-                                     int count);
+/// Amplitude reflection of a plane wave at an interface between fluids, by impedance and angle:
+/// (Z2 cos i - Z1 cos t) / (Z2 cos i + Z1 cos t), sin t = (c2 / c1) sin i; 1 beyond the critical
+/// angle. Shear waves in bone are not modelled.
+double reflection(const phantoms::Material& before,
+                  const phantoms::Material& behind,
+                  double cos_incidence);
 
 /// Echo of an interface as amplitude against a perfect mirror, before losses on the way. The two
-/// parts of |R|: a Gaussian specular lobe about the normal, which arrives as one pulse, and by
-/// roughness a diffuse part that falls as the cosine of incidence and arrives as speckle (its
-/// mean).
-struct InterfaceEcho {
-  double specular = 0;
-  double diffuse = 0;
-};
-InterfaceEcho interface_echo(const Interface& interface,
-                             const std::vector<phantoms::Material>& materials,
-                             const SimulationOptions& options);
+/// parts of |R|: by roughness a diffuse part that falls as the cosine of incidence and arrives as
+/// speckle (its mean), and the rest in a narrow Gaussian lobe about the normal, which arrives as
+/// one pulse.
+double diffuse_echo(const phantoms::Material& before,
+                    const phantoms::Material& behind,
+                    double cos_incidence);
+double specular_echo(const phantoms::Material& before,
+                     const phantoms::Material& behind,
+                     double cos_incidence,
+                     const SimulationOptions& options);
 
 /// Time gain at a range, as an amplitude factor.
 double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m);
+
+/// Amplitude at the face below which nothing shows, however strong its reflector: 20 dB under the
+/// noise, or under the bottom of the dynamic range. 0: everything shows.
+double lost_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
+
+/// What is left on the way, and where the scanner believes to be. Samples lie at the apparent
+/// ranges (i + 1/2) * spacing_m.
+class StickLosses {
+ public:
+  StickLosses(const hw::AcquisitionPlan& plan,
+              const SimulationOptions& options,
+              const std::vector<phantoms::Material>& materials,
+              double spacing_m,
+              int samples);
+
+  /// For one stick; reuses what the last one needed.
+  void compute(const StickTrack& track);
+
+  /// Two-way amplitude left at each sample: attenuation 2 alpha f d, and 1 - R^2 for each interface
+  /// crossed there and back. Ends where everything is lost.
+  const std::vector<float>& left() const { return left_; }
+  /// Two-way amplitude that arrives at each interface of the track; 0 where everything was lost.
+  const std::vector<double>& at_interface() const { return at_interface_; }
+  /// Apparent less true range at each of left()'s samples; empty where sound has one speed.
+  const std::vector<float>& delay_m() const { return delay_m_; }
+  /// Apparent range of a true one.
+  double apparent_m(const StickTrack& track, double true_m) const;
+
+ private:
+  double speed_ratio(phantoms::MaterialIndex material) const;
+
+  const std::vector<phantoms::Material>* materials_;
+  SimulationOptions options_;
+  double assumed_speed_m_s_;
+  double frequency_mhz_;
+  double spacing_m_;
+  int samples_;
+  double lost_;
+  std::vector<float> left_;
+  std::vector<double> at_interface_;
+  std::vector<float> delay_m_;
+  std::vector<double> apparent_from_m_;  ///< of each stretch
+};
 
 }  // namespace wobblebench::sim

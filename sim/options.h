@@ -11,8 +11,11 @@ namespace wobblebench::sim {
 
 /// The ladder of fidelity (docs/architecture.md): each rung models what the one below leaves out.
 enum class Rung {
-  geometry,  ///< mean echo of the tissue at each sample; no speckle, no beam, no losses
-  field,     ///< + speckle filtered by the point spread, losses, interface echoes, receive chain
+  automatic,   ///< the lowest of these that the scene asks for (sim/fidelity.h)
+  geometry,    ///< mean echo of the tissue at each sample; no speckle, no beam, no losses
+  field,       ///< + speckle filtered by the point spread, losses, interface echoes, receive chain
+  scatterers,  ///< + scatterers fixed in the tissue: speckle that moves with it
+  reference,   ///< the same scatterers summed over the elements of the probe: small scenes only
 };
 
 /// The dB value that stands for silence: no noise is made at this level.
@@ -20,7 +23,7 @@ inline constexpr double kSilent_db = -200;
 
 /// Echo amplitudes are in dB against the echo of a perfect mirror across the beam.
 struct SimulationOptions {
-  Rung fidelity = Rung::field;
+  Rung fidelity = Rung::automatic;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: all that the machine has. Results do not depend on it.
 
@@ -29,7 +32,15 @@ struct SimulationOptions {
   bool attenuation = true;        ///< two-way absorption and scattering loss
   bool transmission_loss = true;  ///< what an interface reflects is missing behind it
   bool interface_echo = true;
+  /// The beam as a rectangular aperture makes it, side lobes included, instead of its main lobe
+  /// alone. From `scatterers` on.
+  bool side_lobes = false;
+  /// Sound travels at each material's own speed; the scanner goes on assuming one.
+  bool tissue_sound_speed = false;
 
+  /// Scatterers in the smallest resolution cell of the field (product of the three -6 dB widths);
+  /// their density in the tissue follows. Speckle is fully developed from about 10 on.
+  double scatterers_per_cell = 10;
   /// -3 dB full width of the specular lobe: about 3 deg for a focused beam (references.md [6]).
   double specular_width_rad = 3 * kDegree;
 
@@ -44,13 +55,22 @@ struct SimulationOptions {
 
 template <class Visitor>
 void describe(SimulationOptions& o, Visitor& v) {
-  v.choice("fidelity", o.fidelity, {{"geometry", Rung::geometry}, {"field", Rung::field}});
+  v.choice("fidelity",
+           o.fidelity,
+           {{"auto", Rung::automatic},
+            {"geometry", Rung::geometry},
+            {"field", Rung::field},
+            {"scatterers", Rung::scatterers},
+            {"reference", Rung::reference}});
   v.seed("seed", o.seed);
   v.integer("threads", o.threads, 0, 1024);
   v.flag("speckle", o.speckle);
   v.flag("attenuation", o.attenuation);
   v.flag("transmission_loss", o.transmission_loss);
   v.flag("interface_echo", o.interface_echo);
+  v.flag("side_lobes", o.side_lobes);
+  v.flag("tissue_sound_speed", o.tissue_sound_speed);
+  v.real("scatterers_per_cell", o.scatterers_per_cell, 1, 0.1, 100);
   v.real("specular_width_deg", o.specular_width_rad, kDegree, 0.1, 90);
   v.real("tgc_db_per_cm_mhz", o.tgc_db_per_cm_mhz, 1, 0, 3);
   v.real("noise_db", o.noise_db, 1, kSilent_db, 0);

@@ -11,6 +11,12 @@ double wavelength_m(const hw::AcquisitionPlan& plan) {
   return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
 }
 
+/// Width over F-number of a Gaussian whose product with another such, at the focus, has the two-way
+/// width 0.886 lambda F#.
+double one_way_width(const hw::AcquisitionPlan& plan) {
+  return 0.886 * std::sqrt(2.0) * wavelength_m(plan);
+}
+
 }  // namespace
 
 double axial_fwhm_m(const hw::AcquisitionPlan& plan) {
@@ -19,8 +25,24 @@ double axial_fwhm_m(const hw::AcquisitionPlan& plan) {
          (probe.fractional_bandwidth * probe.center_frequency_hz);
 }
 
-double lateral_fwhm_m(const hw::AcquisitionPlan& plan) {
-  return 0.886 * wavelength_m(plan) * plan.probe().f_number;
+double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const auto& probe = plan.probe();
+  return std::min(range_m / probe.f_number, probe.elements * probe.pitch_m);
+}
+
+double transmit_aperture_m(const hw::AcquisitionPlan& plan) {
+  return receive_aperture_m(plan, plan.probe().transmit_focus_m);
+}
+
+double transmit_fwhm_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const double aperture = transmit_aperture_m(plan);
+  return std::hypot(one_way_width(plan) * range_m / aperture,
+                    aperture * (1 - range_m / plan.probe().transmit_focus_m));
+}
+
+double lateral_fwhm_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const double received = one_way_width(plan) * range_m / receive_aperture_m(plan, range_m);
+  return 1 / std::hypot(1 / received, 1 / transmit_fwhm_m(plan, range_m));
 }
 
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m) {

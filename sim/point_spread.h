@@ -10,8 +10,17 @@ namespace wobblebench::sim {
 
 /// Full width at half amplitude along the stick: (c/2) 0.8825 / (B f0), a Gaussian pulse.
 double axial_fwhm_m(const hw::AcquisitionPlan& plan);
-/// Two-way -6 dB width in the image plane under dynamic focus: 0.886 lambda F#.
-double lateral_fwhm_m(const hw::AcquisitionPlan& plan);
+/// Apertures in the image plane: both follow the F-number, as far as there are elements. The
+/// receiving one grows with the range that it listens to, the transmitting one is that of its
+/// focus.
+double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
+double transmit_aperture_m(const hw::AcquisitionPlan& plan);
+/// Two-way -6 dB width in the image plane: 0.886 lambda F# at the transmit focus, where both
+/// apertures are focused; away from it the transmitted beam widens (diffraction and geometric width
+/// in quadrature) and the receiving one, focused at every range, is left: at most 1.253 lambda F#.
+double lateral_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
+/// One-way width of the transmitted beam alone.
+double transmit_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 /// Across the image plane, fixed focus: diffraction 0.886 lambda range / height, and the aperture's
 /// geometric width height |1 - range / focus|, in quadrature.
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);

@@ -1,52 +1,64 @@
 // The synthetic probe: phantom in, image sticks out.
 #pragma once
 
+#include <complex>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "hw/acquisition_plan.h"
+#include "phantoms/motion.h"
 #include "phantoms/phantom.h"
-#include "sim/beam.h"
 #include "sim/echo_field.h"
+#include "sim/fidelity.h"
 #include "sim/options.h"
-#include "sim/tissue_sampler.h"
+#include "sim/subject.h"
 
 namespace wobblebench::sim {
 
-/// The detected samples of one volume: [frame][line][sample], as the plan orders them.
+class StickEchoes;
+
+/// The detected samples of one volume, stick after stick in the order of their sequence numbers.
 using VolumeSamples = std::vector<float>;
 
-/// Scans a still phantom. The phantom is sampled once, at construction; each volume then differs
-/// only in its noise. Throws hw::InvalidOption.
+/// Scans a phantom. Where neither the phantom nor the places of the sticks change from volume to
+/// volume, echoes are made once, at construction, and volumes differ in their noise alone.
 class ProbeSimulator {
  public:
+  /// Throws hw::InvalidOption.
   ProbeSimulator(const phantoms::Phantom& phantom,
                  const phantoms::Placement& placement,
                  const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options);
+                 const SimulationOptions& options,
+                 const phantoms::Motion& motion = {});
 
   VolumeSamples volume(std::uint32_t index) const;
 
   const hw::AcquisitionPlan& plan() const { return plan_; }
   const SimulationOptions& options() const { return options_; }
-  /// Which effects ran, in the order of the signal's way.
+  const Fidelity& fidelity() const { return fidelity_; }
+  /// Names of the effects that ran, in the order of the signal's way.
   std::vector<std::string> effects() const;
 
+  /// Wall time of what is done once for a phantom (its map), and once for a probe and seed (even
+  /// speckle; echoes where they stay the same).
+  double map_ms() const { return map_ms_; }
+  double once_ms() const { return once_ms_; }
+
  private:
-  void scan_field(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
-  void add_power(const TissueProfile& profile, float* power) const;
-  void add_specular(const TissueProfile& profile, int frame, int line);
-  void fill_echoes(const PowerField& power);
-  void fill_even_speckle();
-  double pulse_sigma_samples() const;
-  void scan_geometry(const phantoms::Phantom& phantom, const phantoms::Placement& placement);
+  VolumeSamples geometry_volume(std::uint32_t index) const;
+  void prepare_echoes();
 
   hw::AcquisitionPlan plan_;
   SimulationOptions options_;
-  std::vector<phantoms::Material> materials_;
-  EchoField echoes_;           ///< rung `field`: noiseless IQ
-  VolumeSamples mean_echoes_;  ///< rung `geometry`: final samples
+  Fidelity fidelity_;
+  Subject subject_;
+  std::shared_ptr<const StickEchoes> source_;
+  EchoField echoes_;  ///< noiseless IQ of every stick, where it is the same in each volume
+  bool same_in_each_volume_ = false;
+  double map_ms_ = 0;
+  double once_ms_ = 0;
 };
 
 }  // namespace wobblebench::sim

@@ -3,10 +3,59 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/fast_math.h"
 #include "sim/losses.h"
 #include "sim/random.h"
 
 namespace wobblebench::sim {
+
+namespace {
+
+/// Output samples that are looked at together for silence.
+constexpr int kBlock = 16;
+/// Keeps the logarithm's argument a normal number; 380 dB below full scale.
+constexpr float kDarkest = 1e-19f;
+
+/// |iq + noise| at `count` IQ samples `stride` apart, the first of them sample `first` of its
+/// stick.
+WOBBLEBENCH_SIMD void noisy_envelope(const float* iq,
+                                     int first,
+                                     int stride,
+                                     int count,
+                                     std::uint64_t key,
+                                     float noise,
+                                     float* envelope) {
+  for (int n = 0; n < count; ++n) {
+    const int i = first + n * stride;
+    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(i));
+    const float re = iq[2 * i] + noise * z.re;
+    const float im = iq[2 * i + 1] + noise * z.im;
+    envelope[n] = std::sqrt(re * re + im * im);
+  }
+}
+
+WOBBLEBENCH_SIMD void clean_envelope(
+    const float* iq, int first, int stride, int count, float* envelope) {
+  for (int n = 0; n < count; ++n) {
+    const int i = first + n * stride;
+    envelope[n] = std::sqrt(iq[2 * i] * iq[2 * i] + iq[2 * i + 1] * iq[2 * i + 1]);
+  }
+}
+
+WOBBLEBENCH_SIMD void compress(
+    const float* envelope, const float* gain, int count, float per_octave, float* samples) {
+  for (int k = 0; k < count; ++k) {
+    const float amplitude = envelope[k] * gain[k];
+    const float level = 1.0f + per_octave * fast_log2(amplitude < kDarkest ? kDarkest : amplitude);
+    const float floored = level < 0.0f ? 0.0f : level;
+    samples[k] = floored > 1.0f ? 1.0f : floored;
+  }
+}
+
+/// dB of a doubled amplitude.
+const double kOctave_db = 20 * std::log10(2.0);
+
+}  // namespace
 
 float log_compressed(double amplitude, const SimulationOptions& options) {
   if (!(amplitude > 0)) return 0;
@@ -14,28 +63,75 @@ float log_compressed(double amplitude, const SimulationOptions& options) {
   return static_cast<float>(std::clamp(1 + db / options.dynamic_range_db, 0.0, 1.0));
 }
 
-void receive(std::span<const std::complex<float>> iq,
-             std::uint64_t noise_key,
-             const hw::AcquisitionPlan& plan,
-             const SimulationOptions& options,
-             std::span<float> samples) {
-  const std::size_t per_output = iq.size() / samples.size();
-  // Without the low-pass, the middle IQ sample stands for the output sample.
-  const std::size_t first = options.low_pass ? 0 : per_output / 2;
-  const std::size_t count = options.low_pass ? per_output : 1;
-  const bool noisy = options.noise_db > kSilent_db;
-  const float noise = static_cast<float>(amplitude_of_db(options.noise_db));
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    float envelope = 0;
-    for (std::size_t i = k * per_output + first; i < k * per_output + first + count; ++i) {
-      envelope += std::abs(noisy ? iq[i] + noise * complex_normal(noise_key, i) : iq[i]);
-    }
-    const double gained = envelope / static_cast<float>(count) *
-                          time_gain(plan, options, plan.sample_range_m(static_cast<int>(k)));
-    samples[k] = options.output == hw::SampleScale::linear_envelope
-                     ? static_cast<float>(gained / amplitude_of_db(options.full_scale_db))
-                     : log_compressed(gained, options);
+Receiver::Receiver(const hw::AcquisitionPlan& plan,
+                   const SimulationOptions& options,
+                   int oversampling)
+    : options_(options),
+      oversampling_(oversampling),
+      noise_(options.noise_db > kSilent_db ? static_cast<float>(amplitude_of_db(options.noise_db))
+                                           : 0.0f) {
+  const int samples = plan.acquisition().samples_per_stick;
+  const double full_scale = amplitude_of_db(options.full_scale_db);
+  for (int k = 0; k < samples; ++k) {
+    gain_.push_back(
+        static_cast<float>(time_gain(plan, options, plan.sample_range_m(k)) / full_scale));
   }
+  const bool log = options.output == hw::SampleScale::log_compressed;
+  const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));
+  while (first_noisy_ < samples &&
+         (noise_ == 0.0f ||
+          (log && noise_ * kMostNormal * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
+    ++first_noisy_;
+  }
+}
+
+void Receiver::detect(std::span<const std::complex<float>> iq,
+                      std::uint64_t noise_key,
+                      std::span<float> samples) {
+  const int count = static_cast<int>(samples.size());
+  for (int first = 0; first < count; first += kBlock) {
+    const int block = std::min(kBlock, count - first);
+    const auto from = iq.begin() + static_cast<std::ptrdiff_t>(first) * oversampling_;
+    const bool silent = first + block <= first_noisy_ &&
+                        std::all_of(from,
+                                    from + static_cast<std::ptrdiff_t>(block) * oversampling_,
+                                    [](auto z) { return z == std::complex<float>(0); });
+    if (silent) {
+      std::fill_n(samples.begin() + first, block, 0.0f);
+    } else {
+      detect_block(iq.data(), noise_key, first, block, samples.data() + first);
+    }
+  }
+}
+
+void Receiver::detect_block(
+    const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples) {
+  // Without the low-pass, the middle IQ sample stands for the output sample.
+  const int each = options_.low_pass ? oversampling_ : 1;
+  const int stride = options_.low_pass ? 1 : oversampling_;
+  const int from = first * oversampling_ + (options_.low_pass ? 0 : oversampling_ / 2);
+  envelope_.resize(static_cast<std::size_t>(count) * each);
+  const auto* parts = reinterpret_cast<const float*>(iq);
+  if (noise_ > 0) {
+    noisy_envelope(parts, from, stride, count * each, noise_key, noise_, envelope_.data());
+  } else {
+    clean_envelope(parts, from, stride, count * each, envelope_.data());
+  }
+  for (int k = 0; k < count; ++k) {
+    float sum = 0;
+    for (int i = k * each; i < (k + 1) * each; ++i) sum += envelope_[static_cast<std::size_t>(i)];
+    envelope_[static_cast<std::size_t>(k)] = sum / static_cast<float>(each);
+  }
+  const float* gain = gain_.data() + first;
+  if (options_.output == hw::SampleScale::linear_envelope) {
+    for (int k = 0; k < count; ++k) samples[k] = envelope_[static_cast<std::size_t>(k)] * gain[k];
+    return;
+  }
+  compress(envelope_.data(),
+           gain,
+           count,
+           static_cast<float>(kOctave_db / options_.dynamic_range_db),
+           samples);
 }
 
 }  // namespace wobblebench::sim

@@ -6,8 +6,8 @@
 
 namespace wobblebench::sim {
 
-SimLink::SimLink(ProbeSimulator simulator, std::shared_ptr<std::atomic<double>> receive_ms)
-    : simulator_(std::move(simulator)), receive_ms_(std::move(receive_ms)) {}
+SimLink::SimLink(ProbeSimulator simulator, std::shared_ptr<std::atomic<double>> volume_ms)
+    : simulator_(std::move(simulator)), volume_ms_(std::move(volume_ms)) {}
 
 hw::LinkCapabilities SimLink::capabilities() const {
   return {.provenance = hw::Provenance::simulated, .copy_in = true, .waits_for_reader = true};
@@ -33,8 +33,8 @@ void SimLink::begin_volume() {
   const std::uint32_t volume = plan.index(sequence_).volume;
   const auto start = hw::HostClock::now();
   volume_ = simulator_.volume(volume);
-  if (receive_ms_) {
-    *receive_ms_ += std::chrono::duration<double, std::milli>(hw::HostClock::now() - start).count();
+  if (volume_ms_) {
+    *volume_ms_ += std::chrono::duration<double, std::milli>(hw::HostClock::now() - start).count();
   }
   hw::encode(hw::ConfigurationPacket{.sequence = sequence_,
                                      .volume = volume,

@@ -16,9 +16,9 @@ namespace wobblebench::sim {
 /// first byte is asked for, so that read() may then take as long as the simulation of one volume.
 class SimLink : public hw::Link {
  public:
-  /// `receive_ms`, if given, is increased by the wall time of each volume's receive chain, so that
-  /// simulation can be told from transport.
-  explicit SimLink(ProbeSimulator simulator, std::shared_ptr<std::atomic<double>> receive_ms = {});
+  /// `volume_ms`, if given, is increased by the wall time of making each volume, so that simulation
+  /// can be told from transport.
+  explicit SimLink(ProbeSimulator simulator, std::shared_ptr<std::atomic<double>> volume_ms = {});
 
   hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override;
   void cancel() override { cancelled_ = true; }
@@ -31,7 +31,7 @@ class SimLink : public hw::Link {
   void encode_next();
 
   ProbeSimulator simulator_;
-  std::shared_ptr<std::atomic<double>> receive_ms_;
+  std::shared_ptr<std::atomic<double>> volume_ms_;
   std::atomic<bool> cancelled_ = false;
   std::atomic<bool> closed_ = false;
   std::uint64_t sequence_ = 0;    ///< of the stick that is encoded next

@@ -14,6 +14,7 @@
 #include "bench/truth.h"
 #include "render/reference.h"
 #include "render/renderer.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -56,9 +57,18 @@ Json board_json(const hw::BoardAccount& account) {
 
 Json simulation_json(const Acquisition& acquisition, const Scene& scene) {
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
-  return {{"rung", scene.simulation.fidelity == sim::Rung::field ? "field" : "geometry"},
-          {"ms_per_volume", acquisition.simulation_ms},
-          {"times_real_time", sound_ms / acquisition.simulation_ms},
+  Json left_out = Json::array();
+  for (const auto& effect : acquisition.fidelity.effects) {
+    if (effect.left_out.empty()) continue;
+    left_out.push_back({{"effect", effect.name}, {"why", effect.left_out}});
+  }
+  return {{"rung", sim::to_string(acquisition.fidelity.rung)},
+          {"reason", acquisition.fidelity.reason},
+          {"left_out", left_out},
+          {"map_ms", acquisition.map_ms},
+          {"once_ms", acquisition.once_ms},
+          {"ms_per_volume", acquisition.volume_ms},
+          {"times_real_time", sound_ms / acquisition.volume_ms},
           {"transport_ms", acquisition.transport_ms}};
 }
 
@@ -97,7 +107,11 @@ void print_summary(const Json& report, const std::filesystem::path& directory) {
     return value.is_null() ? std::string("none") : std::to_string(value.get<double>());
   };
   std::cout << "volume      " << report["acquisition"]["volume_time_ms"]
-            << " ms of sound, simulated in " << report["simulation"]["ms_per_volume"] << " ms\n"
+            << " ms of sound, simulated in " << report["simulation"]["ms_per_volume"]
+            << " ms (before the first: " << report["simulation"]["map_ms"]
+            << " ms for the phantom, " << report["simulation"]["once_ms"] << " ms for the scene)\n"
+            << "simulator   " << report["simulation"]["rung"].get<std::string>() << ": "
+            << report["simulation"]["reason"].get<std::string>() << "\n"
             << "board       " << report["board"].dump() << "\n"
             << "render      " << report["render"]["frame_ms"] << " ms on "
             << report["provenance"]["gl_renderer"].get<std::string>() << "\n"
@@ -121,6 +135,7 @@ int run_command(const CommandArguments& arguments) {
         progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
     complete_from_phantom(scene, phantom);
     const auto placement = scene.phantom_placement();
+    const auto motion = scene.phantom_motion(phantom);
     const auto plan = scene.plan();
     // Before any echo is made: what the driver refuses is refused now.
     const auto context = render::make_context();
@@ -128,15 +143,15 @@ int run_command(const CommandArguments& arguments) {
     auto acquisition = progress.step("acquire", [&] { return acquire(board, scene, phantom); });
     auto picture =
         progress.step("render", [&] { return render_frames(renderer, acquisition.volume); });
-    auto truth =
-        progress.step("truth", [&] { return trace_truth(phantom, placement, plan, scene.render); });
+    auto truth = progress.step(
+        "truth", [&] { return trace_truth(phantom, placement, motion, plan, scene.render); });
     auto [raw, filtered, shaded] = progress.step("compare", [&] {
       return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
                         measure_depth_error(picture.filtered_depth_m, truth, scene.render),
                         against_shaded_truth(picture, truth, scene.render));
     });
     auto registration = progress.step("register", [&] {
-      return register_surface(picture.depth_m, phantom, placement, plan, scene.render);
+      return register_surface(picture.depth_m, phantom, placement, motion, plan, scene.render);
     });
     return RunResult{std::move(acquisition),
                      context->renderer_string(),

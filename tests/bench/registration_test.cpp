@@ -15,7 +15,7 @@ namespace {
 class PlantedError : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    scene_ = new Scene(load_scene({}, {"phantom.voxel_mm=1"}));
+    scene_ = new Scene(load_scene({}, {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"}));
     scene_->render.ray_casting.image_size = 128;
     phantom_ = new phantoms::Phantom(phantoms::make_phantom(scene_->phantom));
     complete_from_phantom(*scene_, *phantom_);
@@ -27,12 +27,19 @@ class PlantedError : public testing::Test {
 
   /// What is seen with the phantom at `seen_at`, registered to the phantom where it is thought to
   /// be.
-  Registration registered(const phantoms::Placement& seen_at, double bias_m = 0) {
+  Registration registered(const phantoms::Placement& seen_at,
+                          double bias_m = 0,
+                          const phantoms::Motion& seen_moving = {},
+                          const phantoms::Motion& thought_moving = {}) {
     const auto plan = scene_->plan();
-    Truth truth = trace_truth(*phantom_, seen_at, plan, scene_->render);
+    Truth truth = trace_truth(*phantom_, seen_at, seen_moving, plan, scene_->render);
     for (float& depth : truth.depth_m.pixels) depth += static_cast<float>(bias_m);
-    return register_surface(
-        truth.depth_m, *phantom_, scene_->phantom_placement(), plan, scene_->render);
+    return register_surface(truth.depth_m,
+                            *phantom_,
+                            scene_->phantom_placement(),
+                            thought_moving,
+                            plan,
+                            scene_->render);
   }
 
   static Scene* scene_;
@@ -89,6 +96,39 @@ TEST_F(PlantedError, LargeDepthErrorsAreNotLeftOut) {
   EXPECT_NEAR(fit.value[7] - fit.value[5], 5.0e-3, 0.5e-3);
 }
 
+TEST_F(PlantedError, AKnownMotionIsNoError) {
+  for (const bool head_turns : {false, true}) {
+    phantoms::MotionOptions options;
+    if (head_turns) {
+      options.head_turn_rad = 10 * kDegree;
+    } else {
+      options.velocity_m_s = {5e-3, -10e-3, 15e-3};
+    }
+    const phantoms::Motion motion(options, phantom_->joint());
+    const auto placement = scene_->phantom_placement();
+    const Registration known = registered(placement, 0, motion, motion);
+    ASSERT_TRUE(known.converged);
+    EXPECT_GT(known.points, 500);
+    EXPECT_LT(known.rms_after_m, 0.05e-3);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_LT(std::abs(known.value[i]), 0.3e-3) << i;
+    const Registration taken_for_still = registered(placement, 0, motion);
+    EXPECT_GT(taken_for_still.rms_before_m, 0.5e-3);
+    EXPECT_GT(taken_for_still.rms_before_m, 10 * known.rms_before_m);
+  }
+}
+
+TEST_F(PlantedError, AShiftComesBackFromAMovingPhantom) {
+  phantoms::MotionOptions options;
+  options.velocity_m_s = {0, 0, 15e-3};
+  const phantoms::Motion motion(options, phantom_->joint());
+  auto moved = scene_->phantom_placement();
+  moved.position_m += glm::dvec3(1.0e-3, -0.7e-3, 0);
+  const Registration fit = registered(moved, 0, motion, motion);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_NEAR(fit.value[3], -1.0e-3, 0.1e-3);
+  EXPECT_NEAR(fit.value[4], 0.7e-3, 0.1e-3);
+}
+
 TEST_F(PlantedError, CovarianceIsSymmetricAndPositive) {
   const Registration fit = registered(scene_->phantom_placement());
   for (int i = 0; i < kRegistrationParameters; ++i) {
@@ -108,8 +148,8 @@ TEST(Registration, OfNothingDoesNotConverge) {
   const auto phantom = phantoms::make_phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
   const render::Image<float> nothing(32, 32, render::kNoSurface);
-  const auto fit =
-      register_surface(nothing, phantom, scene.phantom_placement(), scene.plan(), scene.render);
+  const auto fit = register_surface(
+      nothing, phantom, scene.phantom_placement(), phantoms::Motion(), scene.plan(), scene.render);
   EXPECT_FALSE(fit.converged);
   EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);

@@ -89,7 +89,9 @@ TEST_F(SceneFile, RefusalsNameFileKeyValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal("[acquisition]\nframes_per_volume = 3.5\n"),
             file() + ": acquisition.frames_per_volume = 3.5: must be a whole number");
   EXPECT_EQ(refusal("[simulation]\nfidelity = \"real\"\n"),
-            file() + ": simulation.fidelity = 'real': must be one of \"geometry\" \"field\"");
+            file() +
+                ": simulation.fidelity = 'real': must be one of \"auto\" \"geometry\" \"field\" "
+                "\"scatterers\" \"reference\"");
   EXPECT_EQ(refusal("[simulation]\nseed = -1\n"),
             file() + ": simulation.seed = -1: must be a whole number, 0 or more");
   EXPECT_EQ(refusal("[render.ray_casting]\nkernel_3d = 4\n")
@@ -221,14 +223,22 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
                                           "render.scan_conversion.format=r32f"};
   auto geometry = small;
   geometry.push_back("simulation.fidelity=geometry");
-  // Mean echoes, the volume on its way, and the volume put together: 4 bytes a sample each.
-  EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 3 * 4 * 20000);
+  // The volume on its way, and the volume put together: 4 bytes a sample each.
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 2 * 4 * 20000);
   EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 4 * 20000);
-  // At 20 sticks over the sector and 10 frames over the fan the beam grid is 4 x 4; the pulse's
-  // band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample.
-  const double fine = 37 * 77, in_plane = 37 * 20, sticks = 200;
-  EXPECT_EQ(memory_need(load_scene({}, small)).acquisition,
-            1000 * (8 * sticks + 4 * (fine + in_plane + sticks)));
+  // The pulse's band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample,
+  // 8 bytes each: of even speckle, and of the echoes that it becomes.
+  const double iq = 10 * 8 * 20000, volumes = 2 * 4 * 20000;
+  EXPECT_EQ(memory_need(load_scene({}, small)).acquisition, 2 * iq);
+  // Echoes that differ from volume to volume are not kept.
+  const auto with = [&](const std::string& setting) {
+    auto settings = small;
+    settings.push_back(setting);
+    return memory_need(load_scene({}, settings)).acquisition;
+  };
+  EXPECT_EQ(with("acquisition.motor=alternating"), iq + volumes);
+  EXPECT_EQ(with("simulation.fidelity=scatterers"), iq + volumes);
+  EXPECT_EQ(with("motion.velocity_mm_s=[0,0,1]"), volumes);
 }
 
 TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
@@ -247,11 +257,92 @@ TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
   EXPECT_EQ(refused(600e6),
             "a.toml: acquisition.frames_per_volume = 1000, render.scan_conversion.slice_size = "
             "512: need about 0.652 GB of memory; this machine has 0.6 GB");
-  EXPECT_EQ(refused(300e6),
+  EXPECT_EQ(refused(200e6),
             "a.toml: acquisition.frames_per_volume = 1000, acquisition.sticks_per_frame = 64, "
-            "acquisition.samples_per_stick = 500: need about 0.384 GB of memory; this machine has "
-            "0.3 GB");
+            "acquisition.samples_per_stick = 500: need about 0.256 GB of memory; this machine has "
+            "0.2 GB");
   EXPECT_GT(machine_memory_bytes(), 1e8);
+}
+
+TEST_F(SceneFile, MotionIsReadWithItsUnits) {
+  const Scene scene = load_scene(write("[motion]\nvelocity_mm_s = [1, -2, 3.5]\n"
+                                       "breath_amplitude_mm = 4\nhead_axis = \"nod\"\n"),
+                                 {"motion.turn_rate_deg_s=[0,90,0]"});
+  EXPECT_EQ(scene.motion.velocity_m_s, (std::vector<double>{1e-3, -2e-3, 3.5e-3}));
+  EXPECT_NEAR(scene.motion.turn_rate_rad_s.at(1), 90 * kDegree, 1e-15);
+  EXPECT_NEAR(scene.motion.breath_amplitude_m, 4e-3, 1e-18);
+  EXPECT_EQ(scene.motion.head_axis, phantoms::HeadAxis::nod);
+  EXPECT_TRUE(scene.moves());
+  EXPECT_FALSE(load_scene({}, {}).moves());
+  EXPECT_TRUE(load_scene({}, {"motion.head_turn_deg=5"}).moves());
+  EXPECT_EQ(resolved(scene)["motion"]["velocity_mm_s"], (std::vector<double>{1, -2, 3.5}));
+}
+
+TEST_F(SceneFile, MotionThatCannotBeIsRefused) {
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2]\n"),
+            file() + ": motion.velocity_mm_s = 2 numbers: takes 3 numbers");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, 501]\n"),
+            file() + ": motion.velocity_mm_s = 501: must be within -500 and 500");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, nan]\n"),
+            file() + ": motion.velocity_mm_s = nan: must be within -500 and 500");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, \"3\"]\n"),
+            file() + ": motion.velocity_mm_s = [...]: must be a list of numbers");
+  EXPECT_EQ(refusal("[motion]\nbreath_period_s = 0\n"),
+            file() + ": motion.breath_period_s = 0: must be within 0.1 and 60");
+  EXPECT_EQ(refusal("[motion]\nhead_axis = \"roll\"\n"),
+            file() + ": motion.head_axis = 'roll': must be one of \"nod\" \"shake\" \"tilt\"");
+}
+
+TEST_F(SceneFile, AHeadThatIsNotThereDoesNotTurn) {
+  const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10"});
+  const auto phantom = empty_phantom({});
+  try {
+    scene.phantom_motion(phantom);
+    FAIL() << "accepted";
+  } catch (const UserError& error) {
+    EXPECT_EQ(std::string(error.what()).find("motion.head_turn_deg = 10: "), 0U) << error.what();
+  }
+  EXPECT_TRUE(load_scene({}, {}).phantom_motion(phantom).still());
+}
+
+TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {
+  const Scene scene = load_scene(
+      write("[acquisition]\ndepth_mm = 140\n[probe]\nf_number = 3\npreset = \"c5-2v\"\n"), {});
+  EXPECT_NEAR(scene.probe.radius_m, 49.57e-3, 1e-15);
+  EXPECT_NEAR(scene.probe.center_frequency_hz, 3.57e6, 1e-6);
+  EXPECT_EQ(scene.probe.f_number, 3) << "a key beside the preset overrides it, in any order";
+  EXPECT_NEAR(scene.acquisition.sector_rad, 74.6 * kDegree, 0.05 * kDegree);
+  EXPECT_NEAR(scene.acquisition.depth_m, 0.14, 1e-15);
+  EXPECT_NEAR(load_scene({}, {"probe.preset=curvilinear-60", "acquisition.sector_deg=40"})
+                  .acquisition.sector_rad,
+              40 * kDegree,
+              1e-15);
+  EXPECT_TRUE(load_scene({}, {"probe.preset=default"}).probe ==
+              static_cast<const hw::ProbeOptions&>(load_scene({}, {}).probe));
+}
+
+TEST_F(SceneFile, AnUnknownPresetIsRefusedWithThoseThatExist) {
+  EXPECT_EQ(refusal("", {"probe.preset=c5-1"}),
+            "--set: probe.preset = 'c5-1': must be one of \"default\" \"c5-2v\" "
+            "\"curvilinear-60\"");
+  EXPECT_NE(refusal("[probe]\npreset_source = \"me\"\n").find("probe.preset_source = 'me'"),
+            std::string::npos);
+}
+
+TEST_F(SceneFile, ResolvedSceneNamesPresetAndSource) {
+  for (const std::string preset : {"default", "c5-2v", "curvilinear-60"}) {
+    const auto json = resolved(load_scene({}, {"probe.preset=" + preset}));
+    EXPECT_EQ(json["probe"]["preset"], preset);
+    EXPECT_NE(json["probe"]["preset_source"].get<std::string>().find("assumed: "),
+              std::string::npos);
+    EXPECT_TRUE(json["probe"]["radius_mm"].is_number());
+  }
+}
+
+TEST_F(SceneFile, WhatARungCannotShowIsRefused) {
+  EXPECT_EQ(refusal("", {"simulation.fidelity=field", "simulation.side_lobes=true"})
+                .find("--set: simulation.side_lobes = true: needs the rung scatterers"),
+            0u);
 }
 
 TEST_F(SceneFile, SettingsAreHeldToTheSameRules) {
@@ -262,7 +353,13 @@ TEST_F(SceneFile, SettingsAreHeldToTheSameRules) {
 }
 
 TEST_F(SceneFile, ResolvedSceneReadsBackAsItself) {
-  const Scene scene = load_scene({}, {"acquisition.depth_mm=123.4", "render.view.yaw_deg=-33"});
+  const Scene scene = load_scene({},
+                                 {"acquisition.depth_mm=123.4",
+                                  "render.view.yaw_deg=-33",
+                                  "probe.preset=c5-2v",
+                                  "probe.f_number=3",
+                                  "acquisition.motor=fly_back",
+                                  "motion.velocity_mm_s=[1,2,3]"});
   const auto json = resolved(scene);
   EXPECT_EQ(json["acquisition"]["depth_mm"], 123.4);
   EXPECT_EQ(json["render"]["view"]["yaw_deg"], -33);

@@ -23,7 +23,7 @@ TEST(PolarVolume, IsEmptyAtFirst) {
 
 TEST(PolarVolume, PutsEveryStickInItsPlace) {
   const AcquisitionPlan plan = small_plan();
-  PolarVolume volume(plan);
+  PolarVolume volume(plan, 1);
   for (std::uint64_t i = 0; i < 12; ++i) {
     Stick stick = test_stick(plan, 12 + i);
     stick.motor_angle_rad += 0.001;
@@ -49,6 +49,8 @@ TEST(PolarVolume, RefusesWhatDoesNotFitAndStaysAsItWas) {
   EXPECT_THROW(volume.place(stick), std::out_of_range);
   stick.index = {0, 3, 0};
   EXPECT_THROW(volume.place(stick), std::out_of_range);
+  stick.index = {1, 0, 0};
+  EXPECT_THROW(volume.place(stick), std::out_of_range) << "of another volume";
   stick.index = {0, 0, 0};
   stick.samples.push_back(0);
   EXPECT_THROW(volume.place(stick), std::invalid_argument);

@@ -134,6 +134,15 @@ TEST(ProbeOptions, RefusesWithKeyValueAndWhatIsAllowed) {
   ProbeOptions bandwidth;
   bandwidth.fractional_bandwidth = INFINITY;
   EXPECT_EQ(refusal(bandwidth), "fractional_bandwidth = inf: must be within 0.1 and 1.5");
+  ProbeOptions pitch;
+  pitch.pitch_m = 0.01e-3;
+  EXPECT_EQ(refusal(pitch), "pitch_mm = 0.01: must be within 0.05 and 2");
+  ProbeOptions focus;
+  focus.transmit_focus_m = 401e-3;
+  EXPECT_EQ(refusal(focus), "transmit_focus_mm = 401: must be within 5 and 400");
+  ProbeOptions elements;
+  elements.elements = 0;
+  EXPECT_EQ(refusal(elements), "elements = 0: must be within 1 and 1024");
   EXPECT_THROW(ProbeGeometry{wobble}, InvalidOption);
 }
 

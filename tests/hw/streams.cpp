@@ -15,12 +15,13 @@ double uniform(std::uint64_t seed, std::uint64_t index, double low, double high)
   return low + (high - low) * std::ldexp(static_cast<double>(hash(seed, index) >> 11), -53);
 }
 
-AcquisitionPlan small_plan(int volumes) {
+AcquisitionPlan small_plan(int volumes, MotorMode motor) {
   AcquisitionOptions acquisition;
   acquisition.sticks_per_frame = 4;
   acquisition.samples_per_stick = 5;
   acquisition.frames_per_volume = 3;
   acquisition.volumes = volumes;
+  acquisition.motor = motor;
   return {ProbeOptions{}, acquisition};
 }
 
@@ -30,6 +31,7 @@ Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence) {
   stick.index = plan.index(sequence);
   stick.time = plan.stick_time(sequence);
   stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+  stick.sweep_direction = plan.sweep_direction(stick.index.volume);
   const int samples = plan.acquisition().samples_per_stick;
   for (int k = 0; k < samples; ++k) {
     const auto value = static_cast<float>(hash(sequence, static_cast<std::uint64_t>(k)) >> 40);
@@ -39,7 +41,7 @@ Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence) {
 }
 
 ConfigurationPacket configuration_of(const AcquisitionPlan& plan, std::uint32_t volume) {
-  const std::uint64_t sequence = plan.sequence({volume, 0, 0});
+  const std::uint64_t sequence = plan.first_sequence(volume);
   return {sequence,
           volume,
           plan.stick_time(sequence),
@@ -49,8 +51,7 @@ ConfigurationPacket configuration_of(const AcquisitionPlan& plan, std::uint32_t 
 }
 
 VolumeEndPacket volume_end_of(const AcquisitionPlan& plan, std::uint32_t volume) {
-  const std::uint64_t sequence = plan.sequence({volume + 1, 0, 0});
-  return {sequence, volume, plan.stick_time(sequence)};
+  return {plan.first_sequence(volume + 1), volume, plan.volume_end_time(volume)};
 }
 
 std::vector<Bytes> packets_of(const AcquisitionPlan& plan, WireCrc crc) {

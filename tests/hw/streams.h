@@ -16,7 +16,10 @@ std::uint64_t hash(std::uint64_t seed, std::uint64_t index);
 double uniform(std::uint64_t seed, std::uint64_t index, double low, double high);
 
 /// 3 frames of 4 sticks of 5 samples; an odd number, so that sticks are padded.
-AcquisitionPlan small_plan(int volumes = 2);
+AcquisitionPlan small_plan(int volumes = 2, MotorMode motor = MotorMode::stepped);
+
+inline constexpr MotorMode kMotorModes[] = {
+    MotorMode::stepped, MotorMode::continuous, MotorMode::alternating, MotorMode::fly_back};
 
 /// The stick that stands at `sequence`, with samples that only it has.
 Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence);

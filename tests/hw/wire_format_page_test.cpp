@@ -32,11 +32,16 @@ Bytes example() {
 
 /// Written out, so that the page stays right when defaults change.
 AcquisitionPlan example_plan() {
-  const ProbeOptions probe{.f_number = 2.0, .elevation_focus_m = 60e-3};
+  const ProbeOptions probe{.f_number = 2.0,
+                           .transmit_focus_m = 80e-3,
+                           .elements = 96,
+                           .pitch_m = 0.5e-3,
+                           .elevation_focus_m = 60e-3};
   AcquisitionOptions acquisition;
   acquisition.sticks_per_frame = 1;
   acquisition.samples_per_stick = 4;
   acquisition.frames_per_volume = 1;
+  acquisition.fly_back_s = 50e-3;
   return {probe, acquisition};
 }
 

@@ -154,17 +154,35 @@ TEST(Wire, ConfigurationPayloadLiesWhereThePageSays) {
   ConfigurationPacket packet;
   packet.probe.f_number = 2.0;
   packet.probe.elevation_focus_m = 0.06;
+  packet.probe.transmit_focus_m = 0.08;
+  packet.probe.pitch_m = 0.0005;
+  packet.probe.elements = 96;
+  packet.acquisition.fly_back_s = 0.025;
+  packet.acquisition.motor = MotorMode::fly_back;
   const Bytes bytes = encoded(packet);
-  ASSERT_EQ(bytes.size(), 64U + 128U);
+  ASSERT_EQ(bytes.size(), 64U + 160U);
   const auto real = [&](std::size_t offset) {
     return std::bit_cast<double>(unsigned_at(bytes, 64 + offset, 8));
   };
-  const double reals[] = {
-      0.04, 0.027, 3.5e6, 0.6, 2.0, 0.0135, 0.06, 0.16, 77 * kDegree, 61 * kDegree, 1540, 0};
+  const double reals[] = {0.04,
+                          0.027,
+                          3.5e6,
+                          0.6,
+                          2.0,
+                          0.08,
+                          0.0005,
+                          0.0135,
+                          0.06,
+                          0.16,
+                          77 * kDegree,
+                          61 * kDegree,
+                          1540,
+                          0,
+                          0.025};
   for (std::size_t i = 0; i < std::size(reals); ++i) EXPECT_DOUBLE_EQ(real(8 * i), reals[i]) << i;
-  const std::uint64_t integers[] = {64, 512, 37, 1, 0, 1, 0, 0};
+  const std::uint64_t integers[] = {96, 64, 512, 37, 1, 3, 1, 0, 0, 0};
   for (std::size_t i = 0; i < std::size(integers); ++i) {
-    EXPECT_EQ(unsigned_at(bytes, 160 + 4 * i, 4), integers[i]) << i;
+    EXPECT_EQ(unsigned_at(bytes, 184 + 4 * i, 4), integers[i]) << i;
   }
 }
 
@@ -279,7 +297,7 @@ TEST(Wire, FieldsThatTheFormatDoesNotKnowAreDamage) {
     EXPECT_EQ(decoder.damage().places, 1U);
     EXPECT_EQ(decoder.damage().bytes_skipped, stream.size());
   }
-  for (const std::size_t offset : {64 + 112, 64 + 116}) {
+  for (const std::size_t offset : {64 + 140, 64 + 144}) {
     Bytes stream = encoded(configuration_of(plan, 0));
     set_unsigned(stream, offset, 4, 5);
     reseal(stream);

@@ -77,6 +77,7 @@ class Biometry : public testing::TestWithParam<double> {
   void SetUp() override {
     PhantomOptions options;
     options.gestational_age_weeks = GetParam();
+    options.maternal_layer_m = 0;  // not what is measured
     options.voxel_m = GetParam() == 21 ? 0.5 * kMm : 1.0 * kMm;
     phantom_ = std::make_unique<Phantom>(make_phantom(options));
     marks_ = fetal_landmarks(GetParam());

@@ -54,8 +54,10 @@ TEST(LevelSet, FetalGridsHoldDistances) {
     EXPECT_EQ(grid.getName(), phantom.surfaces()[i].name);
     EXPECT_NEAR(grid.background(), kHalfWidthVoxels * options.voxel_m, 1e-9);
     const Steepness steep = steepness(grid);
-    // Creases and medial axes have no gradient of 1: few, except between the strands of the cord.
-    const bool creased = phantom.surfaces()[i].name == "cord";
+    // Creases and medial axes have no gradient of 1: few, except between the strands of the cord
+    // and about the rim where the mother's tissues are cut off beside the probe.
+    const std::string& name = phantom.surfaces()[i].name;
+    const bool creased = name == "cord" || name.starts_with("maternal_");
     EXPECT_LT(steep.mean_deviation, creased ? 0.04 : 0.02);
     EXPECT_LT(steep.share_beyond, creased ? 0.06 : 0.03);
   }

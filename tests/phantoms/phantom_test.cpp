@@ -10,6 +10,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "phantoms/fetal_landmarks.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 
@@ -95,7 +96,8 @@ TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
   options.name = "doll";
   EXPECT_EQ(
       refusal(options),
-      "name = \"doll\": must be one of fetal_face, plane, sphere, points, speckle_block, file");
+      "name = \"doll\": must be one of fetal_face, plane, steps, sphere, points, cyst, bone_plate, "
+      "speckle_block, mesh, vdb, file");
   options = {};
   options.gestational_age_weeks = 19;
   EXPECT_EQ(refusal(options), "gestational_age_weeks = 19: must be within 20 and 30");
@@ -148,6 +150,14 @@ TEST(MakePhantom, PlaneCrossesItsWholeBox) {
   }
 }
 
+// The grid of a surface by its name.
+const openvdb::FloatGrid& grid_of(const Phantom& phantom, const std::string& name) {
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    if (phantom.surfaces()[i].name == name) return *phantom.grids().signed_distance[i];
+  }
+  throw std::logic_error("no surface " + name);
+}
+
 class FetalScene : public testing::TestWithParam<double> {
  protected:
   void SetUp() override {
@@ -187,6 +197,8 @@ TEST_P(FetalScene, MotherLiesBetweenProbeAndFluid) {
   ASSERT_TRUE(face);
   EXPECT_EQ(phantom_->surfaces()[face->surface].name, "skin");
   EXPECT_GT(face->distance_m - wall->distance_m, 14e-3);
+  EXPECT_FALSE(finder.first_hit({0, 0, face_z}, {0, 0, 1}, 0, wall->distance_m - 1e-3))
+      << "the mother's own interfaces are no targets";
 }
 
 TEST_P(FetalScene, FirstCrossingsPartFluidFromTissue) {
@@ -212,29 +224,69 @@ TEST_P(FetalScene, FirstCrossingsPartFluidFromTissue) {
 }
 
 TEST_P(FetalScene, FetusAndCordLieWithinTheFluid) {
-  const auto& cavity = *phantom_->grids().signed_distance[0];
-  for (std::size_t i = 1; i < phantom_->surfaces().size(); ++i) {
-    const auto& grid = *phantom_->grids().signed_distance[i];
-    for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
+  const auto& cavity = grid_of(*phantom_, "cavity");
+  for (const char* name : {"cord", "skin", "skull", "brain", "eyes"}) {
+    for (auto voxel = grid_of(*phantom_, name).cbeginValueOn(); voxel; ++voxel) {
       if (*voxel >= 0) continue;
-      ASSERT_LT(cavity.tree().getValue(voxel.getCoord()), 0)
-          << phantom_->surfaces()[i].name << " " << voxel.getCoord();
+      ASSERT_LT(cavity.tree().getValue(voxel.getCoord()), 0) << name << " " << voxel.getCoord();
     }
   }
 }
 
 TEST_P(FetalScene, BoneLiesUnderSkinAndBrainUnderBone) {
-  const auto inside_of = [&](int inner, int outer) {
-    const auto& a = *phantom_->grids().signed_distance[inner];
-    const auto& b = *phantom_->grids().signed_distance[outer];
-    for (auto voxel = a.cbeginValueOn(); voxel; ++voxel) {
+  const auto inside_of = [&](const char* inner, const char* outer) {
+    const auto& b = grid_of(*phantom_, outer);
+    for (auto voxel = grid_of(*phantom_, inner).cbeginValueOn(); voxel; ++voxel) {
       if (*voxel > -0.25e-3) continue;
       ASSERT_LT(b.tree().getValue(voxel.getCoord()), 0);
     }
   };
-  inside_of(3, 2);
-  inside_of(4, 3);
-  inside_of(5, 2);
+  inside_of("skull", "skin");
+  inside_of("brain", "skull");
+  inside_of("eyes", "skin");
+}
+
+// Distances from the joint's centre of a surface's voxels: nearest and farthest.
+std::pair<double, double> reach_from_joint(const Phantom& phantom, const std::string& name) {
+  const auto& grid = grid_of(phantom, name);
+  double nearest = 1, farthest = 0;
+  for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
+    if (*voxel > 0.5e-3 || *voxel < -0.5e-3) continue;
+    const openvdb::Vec3d p = grid.indexToWorld(voxel.getCoord());
+    const double d = glm::distance(glm::dvec3(p.x(), p.y(), p.z()), phantom.joint()->center_m);
+    nearest = std::min(nearest, d);
+    farthest = std::max(farthest, d);
+  }
+  return {nearest, farthest};
+}
+
+TEST_P(FetalScene, HeadTurnsWithinTheFluid) {
+  ASSERT_TRUE(phantom_->joint());
+  const Joint& joint = *phantom_->joint();
+  EXPECT_LT(joint.inner_m, joint.outer_m);
+  EXPECT_LT(reach_from_joint(*phantom_, "skull").second, joint.inner_m) << "bone turns as one";
+  EXPECT_LT(reach_from_joint(*phantom_, "eyes").second, joint.inner_m);
+  EXPECT_GT(reach_from_joint(*phantom_, "cavity").first, joint.outer_m) << "the wall rests";
+}
+
+TEST_P(FetalScene, HeadHardlyTakesTheRestAlong) {
+  const Joint& joint = *phantom_->joint();
+  MotionOptions options;
+  options.head_turn_rad = 10 * std::numbers::pi / 180;
+  options.head_turn_period_s = 2;
+  const Motion motion(options, joint);
+  const double scale =
+      fetal_landmarks(GetParam()).eye_center_m.x / fetal_landmarks(21).eye_center_m.x;
+  const auto moves = [&](const glm::dvec3& place_mm) {
+    const glm::dvec3 place = 1e-3 * scale * place_mm;
+    return glm::distance(motion.from_rest(place, 0.5), place) / scale;
+  };
+  EXPECT_GT(moves({0, 0, 0}), 5e-3) << "the face turns";
+  // The middle of the hand, its knuckles, the chest and the shoulders; see fetal_surroundings.cpp.
+  EXPECT_LT(moves({25.5, 24, 4}), 2e-3);
+  EXPECT_LT(moves({23, 18, 0}), 3e-3);
+  EXPECT_LT(moves({0, 56, 38}), 0.1e-3);
+  EXPECT_LT(moves({26, 40, 40}), 0.1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Weeks, FetalScene, testing::Values(20.0, 21.0, 25.5, 30.0));

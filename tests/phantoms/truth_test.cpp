@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <limits>
 #include <random>
 
 namespace wobblebench::phantoms {
@@ -170,11 +172,96 @@ TEST(SurfaceFinder, DistanceIsSignedAndEndsWithTheBand) {
   EXPECT_FALSE(finder.distance({0, 0, 1}));
 }
 
+TEST(SurfaceFinder, ABoxLeavesOutWhatIsFarFromItAndNothingElse) {
+  constexpr double kReach = 6e-3;
+  const Phantom phantom = ball(20e-3);
+  const Box box{{-4e-3, -10e-3, -30e-3}, {25e-3, 12e-3, 5e-3}};
+  const SurfaceFinder whole(phantom, kReach), part(phantom, kReach, box);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> share(0, 1);
+  int known = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 at =
+        box.low + (box.high - box.low) * glm::dvec3(share(random), share(random), share(random));
+    const double truth = glm::length(at) - 20e-3;
+    if (std::abs(truth) > kReach - kVoxel) continue;
+    const auto a = whole.distance(at), b = part.distance(at);
+    ASSERT_TRUE(a && b) << i;
+    ASSERT_NEAR(b->value_m, truth, kVoxel) << "what was widened is known to first order";
+    ASSERT_NEAR(b->value_m, a->value_m, 0.02 * kVoxel);
+    ++known;
+  }
+  EXPECT_GT(known, 2000);
+  EXPECT_TRUE(whole.distance({-25e-3, 0, 0}));
+  EXPECT_FALSE(part.distance({-25e-3, 0, 0})) << "nobody asks there";
+}
+
+TEST(SurfaceFinder, ABoxFarFromEverythingFindsNothing) {
+  const SurfaceFinder finder(ball(20e-3), 6e-3, Box{glm::dvec3(80e-3), glm::dvec3(100e-3)});
+  EXPECT_FALSE(finder.distance({90e-3, 90e-3, 90e-3}));
+}
+
+TEST(SurfaceFinder, CautiousDistanceIsNeverMoreThanTheTrueOne) {
+  const Phantom phantom = ball(20e-3);
+  const SurfaceFinder finder(phantom);
+  ASSERT_EQ(finder.targets(), 1);
+  EXPECT_EQ(finder.surface(0), 0);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> coordinate(-80e-3, 80e-3);
+  for (int i = 0; i < 50000; ++i) {
+    const glm::dvec3 at{coordinate(random), coordinate(random), coordinate(random)};
+    const double truth = glm::length(at) - 20e-3;
+    const double cautious = finder.cautious_distance(0, at);
+    if (const auto exact = finder.target_distance(0, at)) {
+      ASSERT_EQ(cautious, exact->value_m);
+      // At the band's rim its neighbours beyond are taken for nearer than they are.
+      if (std::abs(truth) < 3 * kVoxel) {
+        ASSERT_NEAR(cautious, truth, 0.1 * kVoxel);
+      } else {
+        ASSERT_LE(std::abs(cautious), std::abs(truth) + 0.1 * kVoxel);
+      }
+      continue;
+    }
+    ASSERT_EQ(cautious < 0, truth < 0);
+    ASSERT_LE(std::abs(cautious), std::abs(truth));
+    // Nor so much less that a march in its steps would crawl.
+    ASSERT_GE(std::abs(cautious), std::abs(truth) / 3 - 16 * kVoxel);
+    ASSERT_GT(std::abs(cautious), 2 * kVoxel);
+  }
+}
+
+TEST(SurfaceFinder, DistanceIsThatToTheNearestOfItsTargets) {
+  PhantomOptions options;
+  options.voxel_m = 2e-3;
+  options.maternal_layer_m = 0;
+  const Phantom phantom = make_phantom(options);
+  const SurfaceFinder finder(phantom);
+  int targets = 0;
+  for (const Surface& surface : phantom.surfaces()) targets += surface.is_target;
+  ASSERT_EQ(finder.targets(), targets);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> coordinate(-60e-3, 60e-3);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 at{coordinate(random), coordinate(random), coordinate(random)};
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int target = 0; target < targets; ++target) {
+      const auto known = finder.target_distance(target, at);
+      if (known) nearest = std::min(nearest, std::abs(known->value_m));
+    }
+    const auto known = finder.distance(at);
+    ASSERT_EQ(known.has_value(), std::isfinite(nearest));
+    if (known) {
+      ASSERT_EQ(std::abs(known->value_m), nearest);
+    }
+  }
+}
+
 TEST(SurfaceFinder, FindsNoTargetInTheSpeckleBlock) {
   PhantomOptions options;
   options.name = "speckle_block";
   options.voxel_m = 2e-3;
   const SurfaceFinder finder(make_phantom(options));
+  EXPECT_EQ(finder.targets(), 0);
   EXPECT_FALSE(finder.first_hit({0, 0, -1}, {0, 0, 1}, 0, 2));
   EXPECT_FALSE(finder.distance({0, 0, 0}));
 }

@@ -83,6 +83,10 @@ TEST_F(VdbFile, RoundTrip) {
   EXPECT_EQ(read.region_of_interest().low, written.region_of_interest().low);
   EXPECT_EQ(read.region_of_interest().high, written.region_of_interest().high);
   EXPECT_EQ(read.suggested_position_m(), written.suggested_position_m());
+  ASSERT_TRUE(read.joint() && written.joint());
+  EXPECT_EQ(read.joint()->center_m, written.joint()->center_m);
+  EXPECT_EQ(read.joint()->inner_m, written.joint()->inner_m);
+  EXPECT_EQ(read.joint()->outer_m, written.joint()->outer_m);
   ASSERT_EQ(read.materials().size(), written.materials().size());
   for (std::size_t i = 0; i < read.materials().size(); ++i) {
     const Material &a = read.materials()[i], &b = written.materials()[i];
@@ -113,6 +117,16 @@ TEST_F(VdbFile, IsReadByName) {
   options.name = "file";
   options.file = file().string();
   EXPECT_EQ(make_phantom(options).name(), "sphere");
+  EXPECT_FALSE(make_phantom(options).joint()) << "a ball has no head";
+}
+
+TEST_F(VdbFile, RefusesAJointThatCannotTurn) {
+  write_phantom(make_phantom({.voxel_m = 2e-3}), file());
+  rewrite(
+      [](auto&, auto& meta) { meta.insertMeta("joint_outer_m", openvdb::DoubleMetadata(0.01)); });
+  expect_refusal("metadata \"joint_outer_m\" must be larger than \"joint_inner_m\"");
+  rewrite([](auto&, auto& meta) { meta.removeMeta("joint_outer_m"); });
+  expect_refusal("has no metadata \"joint_outer_m\"");
 }
 
 TEST_F(VdbFile, MaterialGridIsPaintedInOrder) {
@@ -132,7 +146,7 @@ TEST_F(VdbFile, MaterialGridIsPaintedInOrder) {
   std::set<int> met;
   for (int x = -80; x <= 80; x += 3) {
     for (int y = -90; y <= 110; y += 3) {
-      for (int z = -60; z <= 110; z += 3) {
+      for (int z = -69; z <= 110; z += 3) {
         int expected = phantom.background();
         for (std::size_t i = 0; i < distances.size(); ++i) {
           if (distances[i].getValue({x, y, z}) < 0) expected = phantom.surfaces()[i].inside;
@@ -142,7 +156,8 @@ TEST_F(VdbFile, MaterialGridIsPaintedInOrder) {
       }
     }
   }
-  EXPECT_EQ(met.size(), 7u) << "mother, fluid, cord, skin, skull, brain, eyes";
+  EXPECT_EQ(met.size(), 10u)
+      << "mother's skin, fat, muscle, uterus; fluid, cord; fetal skin, skull, brain, eyes";
 }
 
 TEST_F(VdbFile, RefusesAMissingFile) {
@@ -159,6 +174,7 @@ TEST_F(VdbFile, RefusesWhatIsNoVdb) {
 TEST_F(VdbFile, RefusesAVdbOfSomebodyElse) {
   openvdb::io::File(file().string()).write({openvdb::FloatGrid::create(1.0f)});
   expect_refusal("not a phantom");
+  expect_refusal("name = \"vdb\" imports level sets of others");
 }
 
 TEST_F(VdbFile, RefusesAMissingGrid) {

@@ -15,7 +15,7 @@ const hw::AcquisitionPlan& default_plan() {
 TEST(PointSpread, WidthsFollowTheFormulas) {
   // c = 1540 m/s, f0 = 3.5 MHz, B = 0.6, F# = 4, height 13.5 mm: worked by hand.
   EXPECT_NEAR(axial_fwhm_m(default_plan()), 0.3236e-3, 1e-7);
-  EXPECT_NEAR(lateral_fwhm_m(default_plan()), 1.5594e-3, 1e-7);
+  EXPECT_NEAR(lateral_fwhm_m(default_plan(), 75e-3), 1.5594e-3, 1e-7) << "at the transmit focus";
   EXPECT_NEAR(elevation_fwhm_m(default_plan(), 75e-3), 2.1658e-3, 1e-7);
 }
 
@@ -24,6 +24,24 @@ TEST(PointSpread, ElevationIsNarrowestNearItsFocus) {
   EXPECT_GT(elevation_fwhm_m(default_plan(), 25e-3), 2 * at_focus);
   EXPECT_GT(elevation_fwhm_m(default_plan(), 150e-3), 2 * at_focus);
   EXPECT_NEAR(elevation_fwhm_m(default_plan(), 0), 13.5e-3, 1e-9) << "the aperture itself";
+}
+
+TEST(PointSpread, LateralWidensToThatOfTheReceivingApertureAlone) {
+  const double at_focus = lateral_fwhm_m(default_plan(), 75e-3);
+  for (double range_m : {30e-3, 50e-3, 100e-3, 160e-3}) {
+    EXPECT_GT(lateral_fwhm_m(default_plan(), range_m), at_focus);
+    EXPECT_LT(lateral_fwhm_m(default_plan(), range_m), std::sqrt(2.0) * at_focus);
+  }
+  EXPECT_NEAR(lateral_fwhm_m(default_plan(), 20e-3), std::sqrt(2.0) * at_focus, 0.02 * at_focus);
+}
+
+TEST(PointSpread, ApertureEndsWithTheElements) {
+  hw::ProbeOptions probe;
+  probe.elements = 32;
+  const hw::AcquisitionPlan few(probe, {});
+  EXPECT_NEAR(receive_aperture_m(few, 40e-3), 10e-3, 1e-12);
+  EXPECT_NEAR(receive_aperture_m(few, 160e-3), 32 * 0.42e-3, 1e-12);
+  EXPECT_GT(lateral_fwhm_m(few, 160e-3), 2 * lateral_fwhm_m(default_plan(), 160e-3));
 }
 
 TEST(PointSpread, KernelKeepsThePowerOfWhiteNoise) {

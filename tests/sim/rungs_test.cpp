@@ -24,10 +24,13 @@ struct Scan {
   }
 };
 
-/// The same body with smooth interfaces, whose echo is specular alone.
-phantoms::Phantom without_roughness(const phantoms::Phantom& phantom) {
+/// The same body with smooth interfaces and silent tissue: its echo is specular alone.
+phantoms::Phantom mirror_like(const phantoms::Phantom& phantom) {
   auto materials = phantom.materials();
-  for (auto& material : materials) material.roughness = 0;
+  for (auto& material : materials) {
+    material.roughness = 0;
+    material.backscatter_db = kSilent_db;
+  }
   // Shares the grids with `owner`, which it keeps alive.
   const auto owner = std::make_shared<const phantoms::Phantom>(phantom);
   return {phantom.name(),
@@ -47,14 +50,14 @@ Scan scan_sphere(const SimulationOptions& options, bool smooth = false) {
   acquisition.frames_per_volume = 17;
   const hw::AcquisitionPlan plan({}, acquisition);
   auto phantom = phantoms::make_phantom({.name = "sphere"});
-  if (smooth) phantom = without_roughness(phantom);
+  if (smooth) phantom = mirror_like(phantom);
   const ProbeSimulator simulator(phantom, {glm::dmat3(1.0), {0, 0, 0.11}}, plan, options);
   return {plan, simulator.volume(0), simulator.effects()};
 }
 
 /// Fluid to soft tissue at normal incidence.
 double surface_reflection() {
-  return reflection(phantoms::material("amniotic_fluid"), phantoms::material("soft_tissue"));
+  return reflection(phantoms::material("amniotic_fluid"), phantoms::material("soft_tissue"), 1);
 }
 
 TEST(Rungs, GeometryIsAStepAtTheSurface) {
@@ -91,9 +94,7 @@ TEST(Rungs, FieldEchoesTheSurfaceAtItsReflection) {
   const double off = scan.plan.sample_spacing_m() / 4 / sigma_of_fwhm(axial_fwhm_m(scan.plan));
   const double expected = surface_reflection() * std::exp(-0.5 * off * off) *
                           std::pow(10, (gain_db - through_fluid_db) / 20);
-  // Steady tissue behind the surface interferes with the pulse's flank, by at most its own echo.
-  const double tissue = std::pow(10, phantoms::material("soft_tissue").backscatter_db / 20);
-  EXPECT_NEAR(peak / expected, 1, tissue / surface_reflection());
+  EXPECT_NEAR(peak / expected, 1, 0.01);
 }
 
 TEST(Rungs, OnlyWhatIsAskedForRuns) {

@@ -103,7 +103,7 @@ TEST(Speckle, AxialCorrelationFollowsThePulse) {
 
 TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
   hw::AcquisitionOptions acquisition;
-  acquisition.sticks_per_frame = 512;  // 0.26 mm apart at 100 mm from the centre of curvature
+  acquisition.sticks_per_frame = 512;  // 0.3 mm apart at 115 mm from the centre of curvature
   acquisition.frames_per_volume = 8;
   const hw::AcquisitionPlan plan({}, acquisition);
   EchoField field = make_echo_field(plan);
@@ -111,15 +111,16 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
     fill_speckle(field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0);
   }
   filter_across_lines(field, plan, 0);
-  const int sample = static_cast<int>(60e-3 / field.spacing_m);
-  const double step_m = (plan.probe().radius_m + 60e-3) * plan.theta_step_rad();
-  const double sigma_m = sigma_of_fwhm(lateral_fwhm_m(plan));
+  const double range_m = 75e-3;
+  const int sample = static_cast<int>(range_m / field.spacing_m);
+  const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
+  const double sigma_m = sigma_of_fwhm(lateral_fwhm_m(plan, range_m));
   for (int lag : {1, 2, 4}) {
     std::complex<double> cross = 0;
     double power = 0;
     for (int f = 0; f < field.frames; ++f) {
       for (int line = 20; line + 24 < field.lines; ++line) {
-        for (int i = sample; i < sample + 40; ++i) {
+        for (int i = sample - 20; i < sample + 20; ++i) {
           const std::complex<double> a = field.stick(f, line)[static_cast<std::size_t>(i)];
           const std::complex<double> b = field.stick(f, line + lag)[static_cast<std::size_t>(i)];
           cross += a * std::conj(b);

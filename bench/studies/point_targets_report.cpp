@@ -1,0 +1,179 @@
+#include <cmath>
+
+#include "bench/studies/point_targets.h"
+#include "sim/fidelity.h"
+#include "sim/point_spread.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr double kTolerance = 0.05;
+
+struct Direction {
+  const char* name;
+  Profile PointResult::*profile;
+  double (*formula_m)(const hw::AcquisitionPlan&, double);
+};
+
+double axial_m(const hw::AcquisitionPlan& plan, double) {
+  return sim::axial_fwhm_m(plan);
+}
+
+const Direction kDirections[] = {{"axial", &PointResult::axial, axial_m},
+                                 {"lateral", &PointResult::lateral, sim::lateral_fwhm_m},
+                                 {"elevation", &PointResult::elevation, sim::elevation_fwhm_m}};
+
+/// One rung as it was asked for.
+struct Variant {
+  std::string name;
+  sim::Rung rung;
+  bool side_lobes;
+  Mark mark;
+  std::vector<PointResult> results;
+};
+
+std::string in_mm(double metres) {
+  return std::to_string(static_cast<int>(std::lround(metres * 1e3))) + " mm";
+}
+
+void add_checks(const Variant& variant, StudyReport& report) {
+  for (const PointResult& result : variant.results) {
+    for (const Direction& direction : kDirections) {
+      const Profile& profile = result.*direction.profile;
+      report.checks.push_back({"points." + variant.name + "." + direction.name + "_at_" +
+                                   std::to_string(std::lround(result.range_m * 1e3)) + "mm",
+                               Check::Kind::within,
+                               profile.fwhm_m * 1e3,
+                               profile.formula_m * 1e3,
+                               kTolerance * profile.formula_m * 1e3,
+                               "mm",
+                               "full width at half maximum, docs/references.md [4, 5]",
+                               static_cast<long>(profile.place_m.size()),
+                               "places",
+                               {}});
+    }
+  }
+}
+
+void add_points(const Variant& variant, StudyReport& report) {
+  for (const PointResult& result : variant.results) {
+    report.points.push_back({variant.name + " on the axis",
+                             "range_mm",
+                             result.range_m * 1e3,
+                             "amplitude",
+                             result.amplitude,
+                             1.0});
+    for (const Direction& direction : kDirections) {
+      const Profile& profile = result.*direction.profile;
+      const double sigma = sim::sigma_of_fwhm(profile.formula_m);
+      for (std::size_t i = 0; i < profile.place_m.size(); ++i) {
+        const double u = profile.place_m[i] / sigma;
+        report.points.push_back({variant.name + " " + direction.name + " " + in_mm(result.range_m),
+                                 "offset_mm",
+                                 profile.place_m[i] * 1e3,
+                                 "amplitude",
+                                 profile.amplitude[i],
+                                 std::exp(-0.5 * u * u)});
+      }
+    }
+  }
+}
+
+Picture3 draw_profiles(const Direction& direction, const std::vector<Variant>& variants) {
+  Chart chart{std::string(direction.name) + " profile of one scatterer",
+              {"offset (mm)"},
+              {"amplitude / largest"}};
+  const auto& first = variants.front().results;
+  for (std::size_t depth = 0; depth < first.size(); ++depth) {
+    const int colour = static_cast<int>(depth);
+    const Profile& profile = first[depth].*direction.profile;
+    Series formula{in_mm(first[depth].range_m) + ", formula"};
+    formula.colour = colour;
+    const double sigma = sim::sigma_of_fwhm(profile.formula_m);
+    for (const double place : profile.place_m) {
+      formula.x.push_back(place * 1e3);
+      formula.y.push_back(std::exp(-0.5 * place * place / sigma / sigma));
+    }
+    chart.series.push_back(formula);
+    for (const Variant& variant : variants) {
+      if (variant.side_lobes) continue;
+      const Profile& found = variant.results[depth].*direction.profile;
+      Series series{in_mm(first[depth].range_m) + ", " + variant.name,
+                    {},
+                    {},
+                    Stroke::none,
+                    variant.mark,
+                    colour};
+      for (std::size_t i = 0; i < found.place_m.size(); i += 2) {
+        series.x.push_back(found.place_m[i] * 1e3);
+        series.y.push_back(found.amplitude[i]);
+      }
+      chart.series.push_back(series);
+    }
+  }
+  return draw(chart, {700, 380});
+}
+
+Picture3 draw_widths(const std::vector<Variant>& variants) {
+  Chart chart{"Width of one scatterer's echo", {"range (mm)"}, {"full width at half maximum (mm)"}};
+  chart.y.low = 0.0;
+  const hw::AcquisitionPlan plan({}, {});
+  for (int d = 0; d < 3; ++d) {
+    const Direction& direction = kDirections[d];
+    Series formula{std::string(direction.name) + ", formula"};
+    formula.colour = d;
+    for (double r = 40e-3; r <= 120e-3; r += 1e-3) {
+      formula.x.push_back(r * 1e3);
+      formula.y.push_back(direction.formula_m(plan, r) * 1e3);
+    }
+    chart.series.push_back(formula);
+  }
+  for (const Variant& variant : variants) {
+    for (int d = 0; d < 3; ++d) {
+      Series series{d == 0 ? variant.name : "", {}, {}, Stroke::none, variant.mark, d};
+      for (const PointResult& result : variant.results) {
+        series.x.push_back(result.range_m * 1e3);
+        series.y.push_back((result.*kDirections[d].profile).fwhm_m * 1e3);
+      }
+      chart.series.push_back(series);
+    }
+  }
+  return draw(chart, {700, 400});
+}
+
+}  // namespace
+
+StudyReport point_target_study(const PointInputs& inputs) {
+  StudyReport report;
+  report.id = "points";
+  report.title = "Point targets";
+  std::vector<Variant> variants = {
+      {"scatterers", sim::Rung::scatterers, false, Mark::disc, {}},
+      {"scatterers_side_lobes", sim::Rung::scatterers, true, Mark::triangle, {}},
+      {"reference", sim::Rung::reference, false, Mark::ring, {}}};
+  for (Variant& variant : variants) {
+    for (const double range_m : inputs.ranges_m) {
+      variant.results.push_back(measure_point(variant.rung, range_m, variant.side_lobes, inputs));
+    }
+    add_checks(variant, report);
+    add_points(variant, report);
+  }
+  report.figures.push_back({"points_lateral",
+                            "Echo of one scatterer against its offset in the image plane.",
+                            draw_profiles(kDirections[1], variants)});
+  report.figures.push_back({"points_elevation",
+                            "The same across the image plane.",
+                            draw_profiles(kDirections[2], variants)});
+  report.figures.push_back(
+      {"points_widths", "Widths at half maximum; lines are the formulas.", draw_widths(variants)});
+  report.text =
+      "One scatterer in the open, on the axis of the probe, seen by sticks that turn past it: in "
+      "the "
+      "image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
+      "(`sim::ScattererField`, `sim::ReferenceScene`), with nothing else around. The formulas are "
+      "those of `sim/point_spread.h`.";
+  return report;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,120 @@
+#include "phantoms/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+
+#include "phantoms/phantom.h"
+#include "phantoms/range_check.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kBeatShare = 0.3;  // of the heartbeat's period; the rest of it is still
+
+glm::dvec3 to_vec3(const std::vector<double>& v) {
+  return {v.at(0), v.at(1), v.at(2)};
+}
+
+double sine(double time_s, double period_s) {
+  return std::sin(2 * std::numbers::pi * time_s / period_s);
+}
+
+double beat(double time_s, double period_s) {
+  const double cycles = time_s / period_s;
+  const double share = cycles - std::floor(cycles);
+  if (share >= kBeatShare) return 0;
+  const double root = std::sin(std::numbers::pi * share / kBeatShare);
+  return root * root;
+}
+
+// 1 at the joint's rigid part, 0 beyond its reach; 6 u^5 - 15 u^4 + 10 u^3 between them.
+double share_of_turn(const Joint& joint, double from_center_m) {
+  const double u = (joint.outer_m - from_center_m) / (joint.outer_m - joint.inner_m);
+  if (u <= 0) return 0;
+  if (u >= 1) return 1;
+  return u * u * u * (u * (6 * u - 15) + 10);
+}
+
+// Right-handed about an axis of the frame.
+glm::dvec3 turned(const glm::dvec3& v, int axis, double angle_rad) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  glm::dvec3 result = v;
+  result[next] = c * v[next] - s * v[last];
+  result[last] = s * v[next] + c * v[last];
+  return result;
+}
+
+bool is_zero(const std::vector<double>& list) {
+  return std::all_of(list.begin(), list.end(), [](double x) { return x == 0; });
+}
+
+}  // namespace
+
+void validate(const MotionOptions& options) {
+  check_ranges(options);
+}
+
+glm::dvec3 Moment::head_turned(const glm::dvec3& place_m, double angle_rad) const {
+  if (angle_rad == 0) return place_m;
+  const glm::dvec3 arm = place_m - joint_.center_m;
+  // A turn keeps the distance from the centre, so that both ways find the same share.
+  const double share = share_of_turn(joint_, glm::length(arm));
+  if (share == 0) return place_m;
+  return joint_.center_m + turned(arm, head_axis_, share * angle_rad);
+}
+
+glm::dvec3 Moment::from_rest(const glm::dvec3& rest_m) const {
+  const glm::dvec3 pulsed = head_turned(rest_m, head_angle_rad_) + pulse_m_;
+  return (turns_ ? turn_ * pulsed : pulsed) + path_m_;
+}
+
+glm::dvec3 Moment::to_rest(const glm::dvec3& now_m) const {
+  const glm::dvec3 on_path = now_m - path_m_;
+  const glm::dvec3 pulsed = turns_ ? glm::transpose(turn_) * on_path : on_path;
+  return head_turned(pulsed - pulse_m_, -head_angle_rad_);
+}
+
+Motion::Motion(const MotionOptions& options, const std::optional<Joint>& joint)
+    : options_(options), joint_(joint) {
+  validate(options);
+  if (options.head_turn_rad != 0 && !joint) {
+    throw refusal("head_turn_deg",
+                  options.head_turn_rad * 180 / std::numbers::pi,
+                  "this phantom has no head that turns; it must be 0");
+  }
+}
+
+bool Motion::rigid() const {
+  return options_.head_turn_rad == 0;
+}
+
+bool Motion::still() const {
+  return rigid() && is_zero(options_.velocity_m_s) && is_zero(options_.turn_rate_rad_s) &&
+         options_.breath_amplitude_m == 0 && options_.heartbeat_amplitude_m == 0;
+}
+
+Moment Motion::at(double time_s) const {
+  const MotionOptions& o = options_;
+  Moment moment;
+  if (!rigid()) {
+    moment.joint_ = *joint_;
+    moment.head_axis_ = static_cast<int>(o.head_axis);
+    moment.head_angle_rad_ = o.head_turn_rad * sine(time_s, o.head_turn_period_s);
+  }
+  if (o.breath_amplitude_m != 0) {
+    moment.pulse_m_.y = o.breath_amplitude_m * sine(time_s, o.breath_period_s);
+  }
+  if (o.heartbeat_amplitude_m != 0) {
+    moment.pulse_m_.z = o.heartbeat_amplitude_m * beat(time_s, o.heartbeat_period_s);
+  }
+  moment.turns_ = !is_zero(o.turn_rate_rad_s);
+  if (moment.turns_) moment.turn_ = rotation_xyz(time_s * to_vec3(o.turn_rate_rad_s));
+  moment.path_m_ = time_s * to_vec3(o.velocity_m_s);
+  return moment;
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,118 @@
+#include "sim/beam_pattern.h"
+
+#include <cmath>
+
+#include "sim/fast_math.h"
+#include "sim/point_spread.h"
+#include "sim/simd.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Gauss-Legendre rule of 16 points on (-1, 1), its positive half: places and weights (Abramowitz
+/// and Stegun, table 25.4). It takes phases that turn by up to kPanel_rad to 1e-6.
+constexpr int kHalf = 8;
+constexpr float kPlaces[kHalf] = {0.0950125098f,
+                                  0.2816035508f,
+                                  0.4580167777f,
+                                  0.6178762444f,
+                                  0.7554044084f,
+                                  0.8656312024f,
+                                  0.9445750231f,
+                                  0.9894009350f};
+constexpr float kWeights[kHalf] = {0.1894506105f,
+                                   0.1826034150f,
+                                   0.1691565194f,
+                                   0.1495959888f,
+                                   0.1246289713f,
+                                   0.0951585117f,
+                                   0.0622535239f,
+                                   0.0271524594f};
+constexpr double kPanel_rad = 20;
+
+/// Phase over a panel, in cycles: (bend x + slope) x + start, x from -1 to 1.
+struct Panel {
+  float bend;
+  float slope;
+  float start;
+};
+
+struct Sum {
+  float re;
+  float im;
+};
+
+WOBBLEBENCH_INLINE CosSin turn(float cycles) {
+  const float away = cycles < 0.0f ? -0.5f : 0.5f;
+  return cos_sin_of_cycles(cycles - static_cast<float>(static_cast<std::int32_t>(cycles + away)));
+}
+
+/// Integral over the panel, over its length.
+WOBBLEBENCH_SIMD Sum integral(const Panel& panel) {
+  float re[kHalf], im[kHalf];
+  for (int i = 0; i < kHalf; ++i) {
+    const float x = kPlaces[i];
+    const CosSin ahead = turn((panel.bend * x + panel.slope) * x + panel.start);
+    const CosSin behind = turn((panel.bend * x - panel.slope) * x + panel.start);
+    re[i] = kWeights[i] * (ahead.cosine + behind.cosine);
+    im[i] = kWeights[i] * (ahead.sine + behind.sine);
+  }
+  Sum sum{0, 0};
+  for (int i = 0; i < kHalf; ++i) {
+    sum.re += re[i];
+    sum.im += im[i];
+  }
+  return {0.5f * sum.re, 0.5f * sum.im};
+}
+
+double wavenumber(const hw::AcquisitionPlan& plan, double frequency_hz) {
+  return 2 * kPi * frequency_hz / plan.acquisition().sound_speed_m_s;
+}
+
+}  // namespace
+
+std::complex<double> aperture_response(
+    double wavenumber_per_m, double aperture_m, double focus_m, double range_m, double offset_m) {
+  // In cycles over the place on the aperture.
+  const double bend = -0.25 / kPi * wavenumber_per_m * (1 / range_m - 1 / focus_m);
+  const double slope = 0.5 / kPi * wavenumber_per_m * offset_m / range_m;
+  const double turns = (std::abs(bend) * 0.5 * aperture_m + std::abs(slope)) * aperture_m;
+  const int panels = 1 + static_cast<int>(2 * kPi * turns / kPanel_rad);
+  const double half = 0.5 * aperture_m / panels;
+  std::complex<double> sum = 0;
+  for (int i = 0; i < panels; ++i) {
+    const double middle = (2 * i + 1) * half - 0.5 * aperture_m;
+    const double start = (bend * middle + slope) * middle;
+    const Sum part = integral({static_cast<float>(bend * half * half),
+                               static_cast<float>((2 * bend * middle + slope) * half),
+                               static_cast<float>(start - std::floor(start))});
+    sum += std::complex<double>(static_cast<double>(part.re), static_cast<double>(part.im));
+  }
+  const double aside = -0.5 * wavenumber_per_m * offset_m * offset_m / range_m;
+  return sum / static_cast<double>(panels) * std::polar(1.0, aside);
+}
+
+std::complex<double> lateral_response(const hw::AcquisitionPlan& plan,
+                                      double frequency_hz,
+                                      double range_m,
+                                      double offset_m) {
+  const double k = wavenumber(plan, frequency_hz);
+  return aperture_response(
+             k, transmit_aperture_m(plan), plan.probe().transmit_focus_m, range_m, offset_m) *
+         aperture_response(k, receive_aperture_m(plan, range_m), range_m, range_m, offset_m);
+}
+
+std::complex<double> elevation_response(const hw::AcquisitionPlan& plan,
+                                        double frequency_hz,
+                                        double range_m,
+                                        double offset_m) {
+  const std::complex<double> one_way = aperture_response(wavenumber(plan, frequency_hz),
+                                                         plan.probe().element_height_m,
+                                                         plan.probe().elevation_focus_m,
+                                                         range_m,
+                                                         offset_m);
+  return one_way * one_way;
+}
+
+}  // namespace wobblebench::sim

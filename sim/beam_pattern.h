@@ -1,0 +1,28 @@
+// The probe's response across the beam, from diffraction at its rectangular apertures
+// (references.md [16]): what the closed forms of sim/point_spread.h leave out.
+#pragma once
+
+#include <complex>
+
+#include "hw/acquisition_plan.h"
+
+namespace wobblebench::sim {
+
+/// Mean over a line of sources of the phase at a place `range_m` ahead and `offset_m` aside,
+/// against the way along the axis, in the Fresnel approximation: exp(-i k ((x - u)^2 / 2 r - x^2 /
+/// 2 F)). 1 on the axis at the focus.
+std::complex<double> aperture_response(
+    double wavenumber_per_m, double aperture_m, double focus_m, double range_m, double offset_m);
+
+/// Two-way responses at one frequency. In the image plane: sent with a fixed focus, received with a
+/// focus at the range itself. Across it: the same fixed focus both ways.
+std::complex<double> lateral_response(const hw::AcquisitionPlan& plan,
+                                      double frequency_hz,
+                                      double range_m,
+                                      double offset_m);
+std::complex<double> elevation_response(const hw::AcquisitionPlan& plan,
+                                        double frequency_hz,
+                                        double range_m,
+                                        double offset_m);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,304 @@
+#include "sim/beam_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <functional>
+
+#include "sim/beam_pattern.h"
+#include "sim/parallel.h"
+#include "sim/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kRow_m = 1e-3;
+constexpr int kMostRows = 512;
+constexpr int kFewestRows = 16;
+constexpr int kColumns = 128;  // 1 % of the beam's reach
+constexpr int kSideLobeColumns = 512;
+constexpr int kSearchSteps = 128;
+/// Share of the power on a line across the beam that its rim cuts off.
+constexpr double kBeyondMainLobe = 3e-3;
+constexpr double kBeyondSideLobes = 1e-4;
+constexpr double kLobes = 4;  // the main one and three beside it
+
+/// The pulse's power over frequency, (f - f0) / f0, at a few frequencies.
+struct Band {
+  static constexpr int kCount = 7;
+  std::array<double, kCount> offset{};
+  std::array<double, kCount> weight{};  // sum 1
+  double variance = 0;                  // sum of weight * offset^2
+
+  explicit Band(const hw::AcquisitionPlan& plan) {
+    // The spectrum of a Gaussian pulse of sigma s in range is one of sigma c / (4 pi s).
+    const double sigma = plan.acquisition().sound_speed_m_s /
+                         (4 * kPi * sigma_of_fwhm(axial_fwhm_m(plan))) /
+                         plan.probe().center_frequency_hz / std::sqrt(2.0);
+    const double widest = std::min(2.5 * sigma, 0.9);
+    double sum = 0;
+    for (int i = 0; i < kCount; ++i) {
+      const double x = widest * (2.0 * i / (kCount - 1) - 1);
+      offset[static_cast<std::size_t>(i)] = x;
+      weight[static_cast<std::size_t>(i)] = std::exp(-0.5 * x * x / (sigma * sigma));
+      sum += weight[static_cast<std::size_t>(i)];
+    }
+    for (std::size_t i = 0; i < kCount; ++i) {
+      weight[i] /= sum;
+      variance += weight[i] * offset[i] * offset[i];
+    }
+  }
+};
+
+/// A response over the band.
+using Spectrum = std::array<Complex, Band::kCount>;
+
+/// What makes one direction's table: the response at a relative frequency offset, range and place.
+struct Source {
+  std::function<Complex(double frequency_ratio, double range_m, double offset_m)> response;
+  /// Where to look for the beam's edge at most.
+  std::function<double(double range_m)> widest_m;
+  double beyond = kBeyondMainLobe;  ///< share of the power beyond the rim
+};
+
+struct Column {
+  Complex level;   // A
+  Complex colour;  // B
+};
+
+/// One row as it is found.
+struct Row {
+  double reach_m = 0;
+  double bend_per_m = 0;
+  std::vector<Column> columns;
+};
+
+class RowMaker {
+ public:
+  RowMaker(const hw::AcquisitionPlan& plan, const Source& source, int columns)
+      : source_(source),
+        band_(plan),
+        columns_(columns),
+        wavenumber_per_m_(2 * kPi * plan.probe().center_frequency_hz /
+                          plan.acquisition().sound_speed_m_s) {}
+
+  Row row(double range_m) const {
+    Row row;
+    row.reach_m = edge_m(range_m);
+    std::vector<Spectrum> spectra;
+    for (int c = 0; c < columns_; ++c) spectra.push_back(spectrum(range_m, place(row, c)));
+    row.bend_per_m = bend(row, spectra);
+    const Complex on_axis = source_.response(1, range_m, 0);
+    for (int c = 0; c < columns_; ++c) {
+      const double path = row.bend_per_m * place(row, c) * place(row, c);
+      row.columns.push_back(column(spectra[static_cast<std::size_t>(c)], path, on_axis));
+    }
+    return row;
+  }
+
+  double place(const Row& row, int column) const { return row.reach_m * (column + 0.5) / columns_; }
+  double variance() const { return band_.variance; }
+
+ private:
+  Spectrum spectrum(double range_m, double offset_m) const {
+    Spectrum result;
+    for (std::size_t i = 0; i < result.size(); ++i) {
+      result[i] = source_.response(1 + band_.offset[i], range_m, offset_m);
+    }
+    return result;
+  }
+
+  /// Where all but a small share of the power lies within.
+  double edge_m(double range_m) const {
+    const double step = source_.widest_m(range_m) / kSearchSteps;
+    std::vector<double> within;
+    double sum = 0;
+    for (int i = 0; i < kSearchSteps; ++i) {
+      sum += std::norm(source_.response(1, range_m, (i + 0.5) * step));
+      within.push_back(sum);
+    }
+    const auto edge = std::lower_bound(within.begin(), within.end(), (1 - source_.beyond) * sum);
+    return static_cast<double>(edge - within.begin() + 1) * step;
+  }
+
+  /// Parabola nearest to the delays over the row, each by its power.
+  double bend(const Row& row, const std::vector<Spectrum>& spectra) const {
+    double up = 0, down = 0;
+    const double spacing = band_.offset[1] - band_.offset[0];
+    for (int c = 0; c < columns_; ++c) {
+      const Spectrum& at = spectra[static_cast<std::size_t>(c)];
+      Complex turn = 0;
+      for (std::size_t i = 1; i < at.size(); ++i) {
+        turn += std::sqrt(band_.weight[i] * band_.weight[i - 1]) * at[i] * std::conj(at[i - 1]);
+      }
+      const double delay = -std::arg(turn) / (2 * wavenumber_per_m_ * spacing);
+      const double u2 = place(row, c) * place(row, c);
+      up += std::abs(turn) * u2 * delay;
+      down += std::abs(turn) * u2 * u2;
+    }
+    return down > 0 ? up / down : 0;
+  }
+
+  Column column(const Spectrum& spectrum, double path_m, const Complex& on_axis) const {
+    Column result;
+    for (std::size_t i = 0; i < spectrum.size(); ++i) {
+      const double phase = 2 * wavenumber_per_m_ * (1 + band_.offset[i]) * path_m;
+      const Complex straight = spectrum[i] * std::polar(band_.weight[i], phase) / on_axis;
+      result.level += straight;
+      result.colour += band_.offset[i] / band_.variance * straight;
+    }
+    return result;
+  }
+
+  const Source& source_;
+  Band band_;
+  int columns_;
+  double wavenumber_per_m_;
+};
+
+/// Integrals over a row that its power over the cross-section needs.
+struct RowPower {
+  double level = 0;
+  double colour = 0;
+  Complex mixed = 0;
+  double square = 0;   ///< of the power
+  double width_m = 0;  ///< (integral of power)^2 / integral of power^2
+
+  RowPower(const Row& row, const RowMaker& maker) {
+    const double width = 2 * (maker.place(row, 1) - maker.place(row, 0));
+    for (const Column& at : row.columns) {
+      level += width * std::norm(at.level);
+      colour += width * std::norm(at.colour);
+      mixed += width * at.level * std::conj(at.colour);
+      const double power = std::norm(at.level) + maker.variance() * std::norm(at.colour);
+      square += width * power * power;
+    }
+    width_m = (level + maker.variance() * colour) * (level + maker.variance() * colour) / square;
+  }
+};
+
+/// Of the product of both directions, (A + B e)(A' + B' e) without its e^2.
+double area(const RowPower& a, const RowPower& b, double variance) {
+  const double colour =
+      a.level * b.colour + a.colour * b.level + 2 * std::real(a.mixed * std::conj(b.mixed));
+  return a.level * b.level + variance * colour;
+}
+
+void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& direction) {
+  direction.rows[at] = {static_cast<float>(columns / row.reach_m),
+                        static_cast<float>(row.bend_per_m)};
+  float* values = direction.values.data() + at * static_cast<std::size_t>(columns) * 4;
+  for (const Column& column : row.columns) {
+    *values++ = static_cast<float>(column.level.real());
+    *values++ = static_cast<float>(column.level.imag());
+    *values++ = static_cast<float>(column.colour.real());
+    *values++ = static_cast<float>(column.colour.imag());
+  }
+}
+
+/// The wave front of a Gaussian beam is bent by the relative growth of its width.
+double growth_per_m(const std::function<double(double)>& width, double range_m) {
+  const double step = 1e-5;
+  const double from = std::max(range_m - step, 1e-9);
+  return std::log(width(range_m + step) / width(from)) / (range_m + step - from);
+}
+
+Source gaussian_source(const hw::AcquisitionPlan& plan,
+                       double (*fwhm_m)(const hw::AcquisitionPlan&, double),
+                       const std::function<double(double)>& bend) {
+  const double k = 2 * kPi * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s;
+  Source source;
+  source.response = [&plan, fwhm_m, bend, k](double ratio, double range_m, double offset_m) {
+    const double relative = ratio * offset_m / sigma_of_fwhm(fwhm_m(plan, range_m));
+    const double path = bend(range_m) * offset_m * offset_m;
+    return std::polar(std::exp(-0.5 * relative * relative), -2 * k * ratio * path);
+  };
+  source.widest_m = [&plan, fwhm_m](double range_m) { return 2 * fwhm_m(plan, range_m); };
+  return source;
+}
+
+struct Sources {
+  Source lateral;
+  Source elevation;
+};
+
+Sources gaussian_sources(const hw::AcquisitionPlan& plan) {
+  const auto sent = [&plan](double range_m) { return transmit_fwhm_m(plan, range_m); };
+  const auto high = [&plan](double range_m) { return elevation_fwhm_m(plan, range_m); };
+  // Two-way ranges are half the way there and back; what is received comes from its focus.
+  const auto lateral_bend = [sent](double r) { return 0.25 * (growth_per_m(sent, r) + 1 / r); };
+  const auto elevation_bend = [high](double r) { return 0.5 * growth_per_m(high, r); };
+  return {gaussian_source(plan, lateral_fwhm_m, lateral_bend),
+          gaussian_source(plan, elevation_fwhm_m, elevation_bend)};
+}
+
+Source aperture_source(const hw::AcquisitionPlan& plan,
+                       Complex (*response)(const hw::AcquisitionPlan&, double, double, double),
+                       const std::function<double(double)>& aperture_m,
+                       double focus_m,
+                       bool main_lobe_only) {
+  Source source;
+  source.response = [&plan, response](double ratio, double range_m, double offset_m) {
+    return response(plan, ratio * plan.probe().center_frequency_hz, range_m, offset_m);
+  };
+  source.widest_m = [&plan, aperture_m, focus_m](double range_m) {
+    const double wavelength = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+    const double aperture = aperture_m(range_m);
+    return kLobes * wavelength * range_m / aperture +
+           0.5 * aperture * std::abs(1 - range_m / focus_m);
+  };
+  if (!main_lobe_only) source.beyond = kBeyondSideLobes;
+  return source;
+}
+
+Sources aperture_sources(const hw::AcquisitionPlan& plan, bool main_lobe_only) {
+  const auto across = [&plan](double range_m) { return receive_aperture_m(plan, range_m); };
+  const auto height = [&plan](double) { return plan.probe().element_height_m; };
+  return {aperture_source(
+              plan, lateral_response, across, plan.probe().transmit_focus_m, main_lobe_only),
+          aperture_source(
+              plan, elevation_response, height, plan.probe().elevation_focus_m, main_lobe_only)};
+}
+
+}  // namespace
+
+BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threads)
+    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns) {
+  const double depth_m = plan.acquisition().depth_m;
+  const int count =
+      std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kFewestRows, kMostRows);
+  rows_per_m_ = count / depth_m;
+  const Sources sources = shape == BeamShape::gaussian
+                              ? gaussian_sources(plan)
+                              : aperture_sources(plan, shape == BeamShape::main_lobe);
+  const RowMaker lateral(plan, sources.lateral, columns_);
+  const RowMaker elevation(plan, sources.elevation, columns_);
+  for (Direction* direction : {&lateral_, &elevation_}) {
+    direction->rows.resize(static_cast<std::size_t>(count));
+    direction->values.resize(static_cast<std::size_t>(count) * columns_ * 4);
+  }
+  area_m2_.resize(static_cast<std::size_t>(count));
+  speckle_area_m2_.resize(static_cast<std::size_t>(count));
+  parallel_ranges(count, threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const double range_m = (i + 0.5) / rows_per_m_;
+      const auto at = static_cast<std::size_t>(i);
+      const Row across = lateral.row(range_m), high = elevation.row(range_m);
+      store(across, columns_, at, lateral_);
+      store(high, columns_, at, elevation_);
+      const RowPower wide(across, lateral), tall(high, elevation);
+      area_m2_[at] = area(wide, tall, lateral.variance());
+      speckle_area_m2_[at] = wide.width_m * tall.width_m;
+    }
+  });
+}
+
+int BeamTable::row(double range_m) const {
+  return std::clamp(static_cast<int>(range_m * rows_per_m_), 0, rows() - 1);
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,183 @@
+// The loops that millions of scatterers pass through, written so that compilers make them wide.
+// Positions are floats in beam coordinates: metres along the stick, to the side in the image plane,
+// and across it. A float's last digit is 1e-8 m there, 1e-4 of a cycle.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/scatterer_cells.h"
+#include "sim/simd.h"
+#include "sim/surface_patches.h"
+
+namespace wobblebench::sim {
+
+/// Metres along three axes.
+struct BeamVector {
+  float axial = 0;
+  float lateral = 0;
+  float elevation = 0;
+};
+
+/// The beam for hash cells whose middle lies nearest to one row of its table. A bend is
+/// bend + slope * axial; columns are those of the table.
+struct BeamAtRow {
+  float lateral_columns_per_m = 0;
+  float elevation_columns_per_m = 0;
+  float lateral_bend_per_m = 0;
+  float lateral_slope_per_m2 = 0;
+  float elevation_bend_per_m = 0;
+  float elevation_slope_per_m2 = 0;
+};
+
+/// A hash cell that the beam touches.
+struct TouchedHashCell {
+  BeamVector corner;    ///< low corner
+  float amplitude = 0;  ///< of its scatterers on the axis
+  std::uint32_t key = 0;
+  std::int32_t count = 0;  ///< of scatterers
+  std::int32_t row = 0;    ///< of the beam's table
+};
+
+/// What one hash unit along each of the tissue's axes is in beam coordinates.
+struct HashAxes {
+  BeamVector x;
+  BeamVector y;
+  BeamVector z;
+};
+
+/// Scatterers within the beam's reach, one array for each property: apparent range, column and row
+/// of the beam's tables (see pack_entry), and amplitude.
+struct SeenScatterers {
+  float* path_m;
+  std::uint32_t* entry;
+  float* amplitude;
+
+  SeenScatterers from(std::size_t first) const {
+    return {path_m + first, entry + first, amplitude + first};
+  }
+};
+
+/// Where a scatterer looks into the tables: row, lateral column, elevation column.
+inline constexpr int kColumnBits = 10;
+WOBBLEBENCH_INLINE std::uint32_t pack_entry(std::uint32_t row, std::int32_t u, std::int32_t v) {
+  return (row << (2 * kColumnBits)) | (static_cast<std::uint32_t>(u) << kColumnBits) |
+         static_cast<std::uint32_t>(v);
+}
+
+/// What a scatterer puts into the bin that its echo falls into; see sim/echo_bins.h.
+struct alignas(16) BinShare {
+  float low_re;
+  float low_im;
+  float high_re;
+  float high_im;
+};
+
+/// Scatterers of a cell are looked at this many at a time: room in buffers must be left for it.
+inline constexpr int kScattererLanes = 16;
+
+/// Where the beam ends: at an ellipse through the last columns, or, for side lobes, where the sum
+/// of both columns reaches the last.
+enum class BeamRim { ellipse, diamond };
+
+/// What all scatterers of a stick share.
+struct Sight {
+  const BeamAtRow* rows;
+  float columns;  ///< of the beam's table
+  BeamRim rim;
+};
+
+/// Writes the cells' scatterers within reach to `seen`, which has room for all of them, and each
+/// one's number in its cell to `numbers` if given. Returns how many.
+int see_scatterers(const TouchedHashCell* cells,
+                   int count,
+                   const HashAxes& axes,
+                   const Sight& sight,
+                   const SeenScatterers& seen,
+                   std::int32_t* numbers);
+
+/// The same for single places, each with the nearest row of the beam's table.
+struct BeamPlace {
+  BeamVector at;
+  float amplitude = 0;
+  std::int32_t row = 0;
+};
+int see_places(const BeamPlace* places, int count, const Sight& sight, const SeenScatterers& seen);
+
+/// A scatterer so close to a surface that it echoes with the interface too.
+struct SheetHit {
+  std::int32_t seen;    ///< its place in `seen`
+  std::int32_t cell;    ///< of those given
+  std::int32_t number;  ///< in its cell
+};
+
+/// The same for cells that a surface cuts: scatterers take the amplitude of their side, and those
+/// of a silent side are left out. Writes those within `half_sheet_m` of the surface to `hits` too
+/// (room for all), and their number to `hit_count`.
+int see_cut_scatterers(const TouchedHashCell* cells,
+                       const SurfacePatch* const* patches,
+                       int count,
+                       const HashAxes& axes,
+                       const Sight& sight,
+                       float half_sheet_m,
+                       const SeenScatterers& seen,
+                       SheetHit* hits,
+                       int* hit_count);
+
+/// The centres of a parcel's hash cells, from its low corner.
+struct HashCellCenters {
+  const float* axial;
+  const float* lateral;
+  const float* elevation;
+};
+/// The beam's reach around a parcel: parabolas over the way along the stick.
+struct ReachAlong {
+  float at = 0;
+  float slope = 0;
+  float square = 0;
+};
+struct ParcelReach {
+  ReachAlong lateral_m;
+  ReachAlong elevation_m;
+};
+/// Finds the hash cells that the beam may touch: near[i] is 1 for them. Makes all keys.
+void find_near_cells(const HashCellCenters& centers,
+                     int count,
+                     const BeamVector& corner,
+                     const BeamVector& half_cell,
+                     const ParcelReach& reach,
+                     BeamRim rim,
+                     std::uint32_t parcel_key,
+                     std::uint32_t first_number,
+                     std::uint32_t* keys,
+                     std::uint8_t* near);
+
+struct EchoConstants {
+  const float* lateral;  ///< table values
+  const float* elevation;
+  std::int32_t columns;
+  float cycles_per_m;  ///< of path: 2 f0 / c
+  float bins_per_m;
+  std::int32_t last_bin;  ///< what lies beyond it, and what lies before range 0, falls into the
+                          ///< last and the first bin, which nobody reads
+  float colour_per_bin;   ///< 1 / (2 k0 * bin)
+};
+
+/// Echoes are made at most this many at a time.
+inline constexpr int kEchoBatch = 256;
+
+/// The echoes of at most kEchoBatch scatterers: shares and the bins that they belong to; bin 1
+/// begins at range 0.
+void make_echoes(const SeenScatterers& seen,
+                 int count,
+                 const EchoConstants& constants,
+                 BinShare* shares,
+                 std::int32_t* bins);
+
+/// bins[at[i]] += shares[i], in this order.
+void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare* bins);
+
+/// sums[m] += sum over taps of taps[t] * values[m + t].
+void smooth(const float* values, const float* taps, int tap_count, int count, float* sums);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,115 @@
+#include "sim/scatterer_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/echo_field.h"
+#include "sim/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr double kRangeStep_m = 0.5e-3;
+
+double density_per_m3(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
+  const double depth_m = plan.acquisition().depth_m;
+  double smallest_m2 = HUGE_VAL;
+  for (double r = std::min(kRangeStep_m, depth_m); r <= depth_m; r += kRangeStep_m) {
+    smallest_m2 = std::min(smallest_m2, lateral_fwhm_m(plan, r) * elevation_fwhm_m(plan, r));
+  }
+  return options.scatterers_per_cell / (smallest_m2 * axial_fwhm_m(plan));
+}
+
+double narrowest_m2(const BeamTable& table) {
+  double narrowest = table.speckle_area_m2(0);
+  for (int i = 1; i < table.rows(); ++i) narrowest = std::min(narrowest, table.speckle_area_m2(i));
+  return narrowest;
+}
+
+double widest_ratio(const BeamTable& table) {
+  double widest = 0;
+  for (int i = 0; i < table.rows(); ++i) widest = std::max(widest, table.speckle_area_m2(i));
+  return widest / narrowest_m2(table);
+}
+
+double half_diagonal(double side_m) {
+  return 0.5 * std::sqrt(3.0) * side_m;
+}
+
+struct Bend {
+  float at_face_per_m;
+  float slope_per_m2;
+};
+
+/// The bend of the wave front around a row, as a straight line over the range.
+Bend bend_around(const BeamTable& table, const BeamTable::Direction& direction, int row) {
+  const int before = std::max(row - 1, 0), behind = std::min(row + 1, table.rows() - 1);
+  const auto at = [&](int i) {
+    return static_cast<double>(direction.rows[static_cast<std::size_t>(i)].bend_per_m);
+  };
+  const double slope =
+      (at(behind) - at(before)) * table.rows_per_m() / std::max(1, behind - before);
+  const double range_m = (row + 0.5) / table.rows_per_m();
+  return {static_cast<float>(at(row) - slope * range_m), static_cast<float>(slope)};
+}
+
+}  // namespace
+
+ScattererScene::ScattererScene(const Subject& scanned,
+                               const hw::AcquisitionPlan& plan,
+                               const SimulationOptions& options,
+                               const ScattererModel& model)
+    : subject(scanned),
+      table(plan, model.beam, options.threads),
+      per_m3(density_per_m3(plan, options)),
+      pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
+      cells(per_m3, widest_ratio(table), options.seed),
+      parcels(scanned, plan, options, cells),
+      tube(table, plan.acquisition().depth_m, half_diagonal(cells.parcel_m)),
+      rim(model.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
+      taps(plan, plan.sample_spacing_m() / iq_oversampling(plan)),
+      cycles_per_m(2 * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s) {
+  weigh_octaves(model.all_octaves);
+  tabulate_rows();
+}
+
+void ScattererScene::weigh_octaves(bool all) {
+  const int count = static_cast<int>(cells.octaves.size());
+  const int window =
+      static_cast<int>(std::ceil(half_diagonal(cells.parcel_m) * table.rows_per_m())) + 1;
+  const double narrow_m2 = narrowest_m2(table);
+  gains.resize(cells.octaves.size());
+  for (auto& gain : gains) gain.heard.assign(static_cast<std::size_t>(table.rows()), 0);
+  for (int row = 0; row < table.rows(); ++row) {
+    const double width = all ? 1 : table.speckle_area_m2(row) / narrow_m2;
+    double density = 0;
+    for (int i = 0; i < count; ++i) {
+      density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * octave_power(i, count, width);
+    }
+    const double even = 1 / (density * table.area_m2(row) * pulse_m);
+    for (int i = 0; i < count; ++i) {
+      OctaveGain& gain = gains[static_cast<std::size_t>(i)];
+      const double power = octave_power(i, count, width);
+      gain.amplitude.push_back(static_cast<float>(std::sqrt(even * power)));
+      if (power <= 0) continue;
+      const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
+      std::fill(gain.heard.begin() + from, gain.heard.begin() + to + 1, char{1});
+    }
+  }
+}
+
+void ScattererScene::tabulate_rows() {
+  for (int row = 0; row < table.rows(); ++row) {
+    const Bend lateral = bend_around(table, table.lateral(), row);
+    const Bend elevation = bend_around(table, table.elevation(), row);
+    rows.push_back({table.lateral().rows[static_cast<std::size_t>(row)].columns_per_m,
+                    table.elevation().rows[static_cast<std::size_t>(row)].columns_per_m,
+                    lateral.at_face_per_m,
+                    lateral.slope_per_m2,
+                    elevation.at_face_per_m,
+                    elevation.slope_per_m2});
+  }
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,123 @@
+#include "sim/stick_echoes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/reference.h"
+#include "sim/scatterers.h"
+#include "sim/simd.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// A hash cell of scatterers is up to this wide (sim/surface_patches.h looks at all of it).
+constexpr double kScattererReach_m = 2e-3;
+
+double fastest_ratio(const Subject& subject, const hw::AcquisitionPlan& plan) {
+  double ratio = 1;
+  for (const auto& material : subject.materials) {
+    ratio = std::max(ratio, material.sound_speed_m_s / plan.acquisition().sound_speed_m_s);
+  }
+  return ratio;
+}
+
+WOBBLEBENCH_SIMD void scale_by_root(float* parts, const float* power, int count) {
+  for (int i = 0; i < count; ++i) {
+    const float amplitude = std::sqrt(power[i]);
+    parts[2 * i] *= amplitude;
+    parts[2 * i + 1] *= amplitude;
+  }
+}
+
+}  // namespace
+
+Sightline sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
+  const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
+  return {plan.geometry().stick(plan.theta_rad(static_cast<int>(index.line)),
+                                plan.motor_angle_rad(index)),
+          std::chrono::duration<double>(time).count()};
+}
+
+double StickEchoes::reach_m(const hw::AcquisitionPlan& plan, Rung rung) {
+  if (rung == Rung::geometry) return 0;
+  return rung == Rung::field ? TissuePower::reach_m(plan) : kScattererReach_m;
+}
+
+StickEchoes::StickEchoes(const Subject& subject,
+                         const hw::AcquisitionPlan& plan,
+                         const SimulationOptions& options,
+                         Rung rung)
+    : subject_(subject), plan_(plan), options_(options), rung_(rung) {
+  const int oversampling = iq_oversampling(plan);
+  samples_ = plan.acquisition().samples_per_stick * oversampling;
+  spacing_m_ = plan.sample_spacing_m() / oversampling;
+  depth_m_ = plan.acquisition().depth_m;
+  if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(subject, plan);
+  if (rung == Rung::field) {
+    if (options.speckle) speckle_ = even_speckle(plan, options.seed, options.threads);
+  } else if (rung == Rung::scatterers) {
+    scatterers_ = std::make_unique<ScattererField>(subject_, plan, options);
+  } else {
+    reference_ = std::make_unique<ReferenceScene>(subject_, plan, options);
+  }
+}
+
+StickEchoes::~StickEchoes() = default;
+
+StickEchoes::Worker StickEchoes::make_worker() const {
+  return {{},
+          StickLosses(plan_, options_, subject_.materials, spacing_m_, samples_),
+          TissuePower(
+              plan_, options_, subject_.materials, spacing_m_, samples_, subject_.map->reach_m()),
+          std::vector<float>(static_cast<std::size_t>(samples_))};
+}
+
+void StickEchoes::make(const hw::StickIndex& index,
+                       Worker& worker,
+                       std::span<std::complex<float>> iq) const {
+  const Sightline line = sightline(plan_, index);
+  follow(subject_, line, depth_m_, worker.track);
+  worker.losses.compute(worker.track);
+  if (rung_ == Rung::field) {
+    modulate_speckle(index, worker, iq);
+  } else {
+    std::fill(iq.begin(), iq.end(), std::complex<float>(0));
+    const StickWay way{line, spacing_m_, worker.losses.left(), worker.losses.delay_m()};
+    if (scatterers_) scatterers_->add_echoes(way, iq);
+    if (reference_) reference_->add_echoes(way, iq);
+  }
+  if (options_.interface_echo) add_specular(worker, iq);
+}
+
+void StickEchoes::modulate_speckle(const hw::StickIndex& index,
+                                   Worker& worker,
+                                   std::span<std::complex<float>> iq) const {
+  worker.power.compute(worker.track, worker.losses, worker.mean_power);
+  if (options_.speckle) {
+    const auto even = speckle_.stick(static_cast<int>(index.frame), static_cast<int>(index.line));
+    std::copy(even.begin(), even.end(), iq.begin());
+  } else {
+    std::fill(iq.begin(), iq.end(), std::complex<float>(1));
+  }
+  scale_by_root(reinterpret_cast<float*>(iq.data()), worker.mean_power.data(), samples_);
+}
+
+void StickEchoes::add_specular(const Worker& worker, std::span<std::complex<float>> iq) const {
+  const double faintest = lost_amplitude(plan_, options_);
+  const auto material = [&](phantoms::MaterialIndex index) -> const phantoms::Material& {
+    return subject_.materials[static_cast<std::size_t>(index)];
+  };
+  for (std::size_t i = 0; i < worker.track.interfaces.size(); ++i) {
+    const Interface& at = worker.track.interfaces[i];
+    const double arriving = worker.losses.at_interface()[i];
+    if (arriving <= faintest) return;
+    const double echo =
+        arriving *
+        specular_echo(material(at.before), material(at.behind), at.cos_incidence, options_);
+    if (echo <= faintest) continue;
+    add_reflector(iq, spacing_m_, worker.losses.apparent_m(worker.track, at.range_m), echo, plan_);
+  }
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,102 @@
+// One stick's search for scatterers: tube, parcels, hash cells, scatterers, echoes.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sim/echo_bins.h"
+#include "sim/scatterers.h"
+
+namespace wobblebench::sim {
+
+/// An octave's hash cells in a parcel, in beam coordinates.
+struct CellGrid {
+  /// Centres and low corners, from the parcel's low corner.
+  std::vector<float> axial, lateral, elevation;
+  std::vector<BeamVector> corner;
+  HashAxes axes;
+  BeamVector half;  ///< half extents of a cell
+
+  void fill(const RestToBeam& map, double side_m, int divisions);
+};
+
+/// Hash cells that are looked at together.
+struct CellBatch {
+  std::vector<TouchedHashCell> cells;
+  std::vector<const SurfacePatch*> patches;  ///< of cells that a surface cuts
+  std::vector<int> numbers;                  ///< of intricate cells, in their parcel
+  int scatterers = 0;
+
+  void add(const TouchedHashCell& cell) {
+    cells.push_back(cell);
+    scatterers += cell.count;
+  }
+  void clear();
+};
+
+/// What a thread works with, reused from stick to stick.
+struct ScanBuffers {
+  std::vector<TouchedParcel> touched;
+  std::vector<CellGrid> grids;
+  std::vector<std::uint32_t> keys;
+  std::vector<std::uint8_t> near;
+  CellBatch even, cut, intricate;
+  std::vector<float> path_m;
+  std::vector<std::uint32_t> entry;
+  std::vector<float> amplitude;
+  std::vector<SheetHit> hits;
+  std::vector<std::int32_t> numbers;
+  std::vector<float> delay_m;
+  EchoBins bins;
+};
+
+class StickScan {
+ public:
+  StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffers& buffers);
+
+  /// Adds the stick's echoes to `iq`. Returns how many scatterers contributed.
+  std::uint64_t run(std::span<std::complex<float>> iq);
+  /// The same for given scatterers alone.
+  std::uint64_t run(std::span<const PointEcho> points, std::span<std::complex<float>> iq);
+
+ private:
+  /// A parcel as it is now.
+  struct Parcel {
+    TissueParcels::Parcel tissue;
+    RestToBeam map;
+    bool straight = true;  ///< the map is good for all of it
+    glm::dvec3 corner;     ///< low corner, at rest
+    BeamVector beam_corner;
+    glm::vec3 direction;  ///< of the sound, at rest
+    ParcelReach reach;
+  };
+
+  void scan(const TouchedParcel& touched);
+  ParcelReach reach_around(double range_m) const;
+  void scan_octave(const Parcel& parcel, const CellGrid& grid, int octave);
+  void take_near_cells(
+      const Parcel& parcel, const CellGrid& grid, int octave, int first, int count);
+  void sort_cell(const TouchedHashCell& cell, int code, int number);
+  HashAxes place_bent(const Parcel& parcel, int octave, int number, TouchedHashCell& cell) const;
+  void see(const Parcel& parcel, const HashAxes& axes, int octave);
+  void see_even(const HashAxes& axes);
+  void see_cut(const Parcel& parcel, const HashAxes& axes);
+  void see_intricate(const Parcel& parcel, const HashAxes& axes, int octave);
+  SeenScatterers room_for(const CellBatch& batch);
+  void flush();
+  void delay_paths();
+  void find_delays();
+
+  const ScattererScene& scene_;
+  const StickWay& way_;
+  ScanBuffers& buffers_;
+  StickView view_;
+  double heard_m_;  ///< apparent range of the farthest echo
+  double end_m_;    ///< its true range
+  std::size_t pending_ = 0;
+  std::uint64_t total_ = 0;
+};
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,209 @@
+#include "sim/stick_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "sim/cell_walk.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Nodes lie closer than the map's own: distances run nearly straight between them.
+constexpr double kNodesPerStep = 1.5;
+constexpr int kStepsPerCell = 4;
+/// Straight pieces of a stick where moving tissue bends it.
+constexpr double kBentPiece_m = 2e-3;
+
+/// A straight piece of the stick in the rest frame.
+struct Straight {
+  double from_m;
+  double to_m;
+  glm::dvec3 origin;     ///< at from_m
+  glm::dvec3 direction;  ///< rest metres for a metre of range
+  AcrossStick across;
+
+  glm::dvec3 at(double range_m) const { return origin + (range_m - from_m) * direction; }
+};
+
+Straight straight(const Subject& subject, const Sightline& line, double from_m, double to_m) {
+  const auto rest = [&](const glm::dvec3& place) { return subject.to_rest(place, line.time_s); };
+  const glm::dvec3 begin = rest(line.ray.at(from_m)), end = rest(line.ray.at(to_m));
+  const AcrossStick across = across_stick(line.ray);
+  constexpr double kAside_m = 1e-3;
+  return {from_m,
+          to_m,
+          begin,
+          (end - begin) / (to_m - from_m),
+          {(rest(line.ray.at(from_m) + kAside_m * across.lateral) - begin) / kAside_m,
+           (rest(line.ray.at(from_m) + kAside_m * across.elevation) - begin) / kAside_m}};
+}
+
+class Follower {
+ public:
+  Follower(const Subject& subject, StickTrack& track) : map_(*subject.map), track_(track) {}
+
+  void walk(const Straight& piece) {
+    for (CellWalk walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
+         walk.advance()) {
+      const double from = walk.from_m(), to = walk.to_m();
+      if (to <= from) continue;
+      const TissueMap::Cell& cell = map_.cell(walk.cell());
+      if (cell.count == 0) {
+        pass_clear(from, to, cell.base);
+      } else {
+        pass_surfaces(piece, walk.cell(), cell, from, to);
+      }
+    }
+  }
+
+  void finish(double depth_m) {
+    if (!track_.stretches.empty()) track_.stretches.back().to_m = depth_m;
+  }
+
+ private:
+  void pass_clear(double from, double to, phantoms::MaterialIndex base) {
+    auto& pieces = track_.pieces;
+    if (!pieces.empty() && pieces.back().layers == 0 && pieces.back().base == base) {
+      pieces.back().to_m = to;
+    } else {
+      pieces.push_back({from, to, base, 0, 0, 0});
+    }
+    enter(from, base, 1.0);
+  }
+
+  void pass_surfaces(const Straight& piece,
+                     const glm::ivec3& index,
+                     const TissueMap::Cell& cell,
+                     double from,
+                     double to) {
+    const double step_m = map_.cell_m() / (kStepsPerCell * kNodesPerStep);
+    const int nodes = 1 + std::max(1, static_cast<int>(std::ceil((to - from) / step_m)));
+    const int first_layer = static_cast<int>(track_.layers.size());
+    track_.pieces.push_back(
+        {from, to, cell.base, first_layer, static_cast<int>(cell.count), nodes});
+    const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(index);
+    const glm::vec3 begin((piece.at(from) - low) / map_.cell_m());
+    const glm::vec3 stride(piece.direction * ((to - from) / (nodes - 1) / map_.cell_m()));
+    const glm::vec3 axial(piece.direction), lateral(piece.across.lateral),
+        elevation(piece.across.elevation);
+    for (const TissueMap::Entry& entry : map_.entries(cell)) {
+      track_.layers.push_back({entry.surface, entry.inside, static_cast<int>(track_.nodes.size())});
+      for (int n = 0; n < nodes; ++n) {
+        const auto found = map_.distance(entry, begin + static_cast<float>(n) * stride);
+        track_.nodes.push_back({found.value_m,
+                                glm::dot(found.gradient, axial),
+                                glm::dot(found.gradient, lateral),
+                                glm::dot(found.gradient, elevation)});
+      }
+    }
+    mark_interfaces(piece, track_.pieces.back());
+  }
+
+  const TrackNode& node(const TrackPiece& piece, int layer, int n) const {
+    const auto& found = track_.layers[static_cast<std::size_t>(piece.first_layer + layer)];
+    return track_.nodes[static_cast<std::size_t>(found.first_node + n)];
+  }
+
+  phantoms::MaterialIndex material(const TrackPiece& piece, int n) const {
+    for (int layer = piece.layers - 1; layer >= 0; --layer) {
+      if (node(piece, layer, n).distance_m >= 0) continue;
+      return track_.layers[static_cast<std::size_t>(piece.first_layer + layer)].inside;
+    }
+    return piece.base;
+  }
+
+  void mark_interfaces(const Straight& way, const TrackPiece& piece) {
+    const double step = (piece.to_m - piece.from_m) / (piece.nodes - 1);
+    const auto cosine = [&](int layer, double range_m) {
+      const auto& found = track_.layers[static_cast<std::size_t>(piece.first_layer + layer)];
+      const glm::dvec3 normal = map_.normal(found.surface, way.at(range_m));
+      return std::min(1.0, std::abs(glm::dot(normal, glm::normalize(way.direction))));
+    };
+    if (material(piece, 0) != current()) {
+      enter(piece.from_m, material(piece, 0), cosine(nearest_surface(piece, 0), piece.from_m));
+    }
+    for (int n = 1; n < piece.nodes; ++n) {
+      const auto behind = material(piece, n);
+      if (behind == current()) continue;
+      const Crossing found = crossing(piece, n - 1);
+      const double range_m = piece.from_m + (n - 1 + found.share) * step;
+      enter(range_m, behind, cosine(found.layer, range_m));
+    }
+  }
+
+  struct Crossing {
+    int layer = 0;
+    double share = 1;  ///< of the way from one node to the next
+  };
+
+  /// The first surface that is crossed between node n and the next.
+  Crossing crossing(const TrackPiece& piece, int n) const {
+    Crossing first;
+    for (int layer = 0; layer < piece.layers; ++layer) {
+      const TrackNode& a = node(piece, layer, n);
+      const TrackNode& b = node(piece, layer, n + 1);
+      if ((a.distance_m < 0) == (b.distance_m < 0)) continue;
+      const double share =
+          static_cast<double>(a.distance_m) / static_cast<double>(a.distance_m - b.distance_m);
+      if (share <= first.share) first = {layer, share};
+    }
+    return first;
+  }
+
+  int nearest_surface(const TrackPiece& piece, int n) const {
+    int nearest = 0;
+    for (int layer = 1; layer < piece.layers; ++layer) {
+      const float candidate = std::abs(node(piece, layer, n).distance_m);
+      if (candidate < std::abs(node(piece, nearest, n).distance_m)) nearest = layer;
+    }
+    return nearest;
+  }
+
+  /// What lies where the way has come to; none before it begins.
+  phantoms::MaterialIndex current() const {
+    return track_.stretches.empty() ? -1 : track_.stretches.back().material;
+  }
+
+  void enter(double range_m, phantoms::MaterialIndex material, double cosine) {
+    auto& stretches = track_.stretches;
+    if (!stretches.empty()) {
+      if (stretches.back().material == material) return;
+      track_.interfaces.push_back({range_m, stretches.back().material, material, cosine});
+      stretches.back().to_m = range_m;
+    }
+    stretches.push_back({range_m, range_m, material});
+  }
+
+  const TissueMap& map_;
+  StickTrack& track_;
+};
+
+}  // namespace
+
+AcrossStick across_stick(const hw::Ray& ray) {
+  // The image plane holds the array, which lies along x.
+  const glm::dvec3 elevation = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), ray.direction));
+  return {glm::cross(ray.direction, elevation), elevation};
+}
+
+void follow(const Subject& subject, const Sightline& line, double depth_m, StickTrack& track) {
+  track.stretches.clear();
+  track.interfaces.clear();
+  track.pieces.clear();
+  track.layers.clear();
+  track.nodes.clear();
+  Follower follower(subject, track);
+  if (subject.motion.rigid()) {
+    follower.walk(straight(subject, line, 0, depth_m));
+  } else {
+    const int pieces = static_cast<int>(std::ceil(depth_m / kBentPiece_m));
+    for (int i = 0; i < pieces; ++i) {
+      follower.walk(straight(subject, line, depth_m * i / pieces, depth_m * (i + 1) / pieces));
+    }
+  }
+  follower.finish(depth_m);
+}
+
+}  // namespace wobblebench::sim

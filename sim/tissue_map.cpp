@@ -1,0 +1,253 @@
+#include "sim/tissue_map.h"
+
+#include <openvdb/openvdb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "phantoms/grids.h"
+#include "sim/parallel.h"
+#include "sim/wide_distance.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+using Grid = openvdb::FloatGrid;
+
+constexpr int kFine = 4;    // divisions of a cell that a surface passes through or nearly so
+constexpr int kCoarse = 2;  // of a cell that is only within its reach
+/// Finer than any beam resolves; finer lattices only cost memory.
+constexpr double kFinestStep_m = 0.25e-3;
+constexpr double kMostCells = 1e8;
+
+openvdb::Vec3d to_vdb(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+phantoms::Box bounds_of(const Grid& grid) {
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  phantoms::Box box{glm::dvec3(std::numeric_limits<double>::infinity()),
+                    glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (int corner = 0; corner < 8; ++corner) {
+    const openvdb::Vec3d at =
+        grid.indexToWorld(openvdb::Coord(corner & 1 ? active.max().x() : active.min().x(),
+                                         corner & 2 ? active.max().y() : active.min().y(),
+                                         corner & 4 ? active.max().z() : active.min().z()));
+    const glm::dvec3 place{at.x(), at.y(), at.z()};
+    box = {glm::min(box.low, place), glm::max(box.high, place)};
+  }
+  return box;
+}
+
+/// The entries and nodes of one slab of cells.
+struct Slab {
+  std::vector<TissueMap::Entry> entries;
+  std::vector<float> nodes;
+};
+
+}  // namespace
+
+/// Fills a map's lattice cell by cell. Nodes are counted in fine steps from the phantom's origin.
+class TissueMapBuilder {
+ public:
+  TissueMapBuilder(const phantoms::Phantom& phantom, double cell_m, double reach_m, int threads)
+      : phantom_(phantom), cell_m_(cell_m), reach_m_(reach_m) {
+    const auto& grids = phantom.grids().signed_distance;
+    surfaces_.resize(grids.size());
+    parallel_ranges(static_cast<int>(grids.size()), threads, [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        const auto s = static_cast<std::size_t>(i);
+        surfaces_[s] = WideDistance(grids[s], cell_m / kFine, reach_m + half_diagonal_m());
+      }
+    });
+  }
+
+  /// Fills cells for one thread.
+  class Worker {
+   public:
+    explicit Worker(const TissueMapBuilder& builder) : builder_(builder) {
+      for (const auto& surface : builder.surfaces_) readers_.emplace_back(surface);
+    }
+
+    /// `low`: node at the cell's low corner.
+    TissueMap::Cell cell(const openvdb::Coord& low, Slab& slab) {
+      TissueMap::Cell cell;
+      cell.base = builder_.phantom_.background();
+      cell.first = static_cast<std::uint32_t>(slab.entries.size());
+      for (std::size_t s = 0; s < readers_.size(); ++s) add_surface(s, low, cell, slab);
+      cell.count = static_cast<std::uint32_t>(slab.entries.size()) - cell.first;
+      return cell;
+    }
+
+   private:
+    void add_surface(std::size_t s, const openvdb::Coord& low, TissueMap::Cell& cell, Slab& slab) {
+      const auto inside = builder_.phantom_.surfaces()[s].inside;
+      const double middle = static_cast<double>(readers_[s].at(low.offsetBy(kFine / 2)));
+      const double corner = builder_.half_diagonal_m();
+      if (std::abs(middle) >= builder_.reach_m_ + corner) {
+        if (middle > 0) return;
+        // What was painted before is hidden here.
+        slab.entries.resize(cell.first);
+        cell.base = inside;
+        return;
+      }
+      const bool close = std::abs(middle) < corner + builder_.cell_m_ / kFine;
+      const int divisions = close ? kFine : kCoarse, stride = kFine / divisions;
+      slab.entries.push_back({static_cast<std::int32_t>(s),
+                              inside,
+                              static_cast<std::uint32_t>(slab.nodes.size()),
+                              divisions});
+      for (int z = 0; z <= kFine; z += stride) {
+        for (int y = 0; y <= kFine; y += stride) {
+          for (int x = 0; x <= kFine; x += stride) {
+            slab.nodes.push_back(readers_[s].at(low.offsetBy(x, y, z)));
+          }
+        }
+      }
+    }
+
+    const TissueMapBuilder& builder_;
+    std::vector<WideDistance::Reader> readers_;
+  };
+
+ private:
+  double half_diagonal_m() const { return std::sqrt(3.0) / 2 * cell_m_; }
+
+  const phantoms::Phantom& phantom_;
+  double cell_m_;
+  double reach_m_;
+  std::vector<WideDistance> surfaces_;
+};
+
+TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threads)
+    : reach_m_(reach_m) {
+  outside_.base = phantom.background();
+  double finest = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
+  for (const auto& grid : phantom.grids().signed_distance) {
+    if (grid->empty()) continue;
+    finest = std::min(finest, grid->voxelSize()[0]);
+    const phantoms::Box box = bounds_of(*grid);
+    low = glm::min(low, box.low);
+    high = glm::max(high, box.high);
+  }
+  if (!std::isfinite(finest)) return;
+
+  cell_m_ = kFine * std::max(finest, kFinestStep_m);
+  const double margin = reach_m + cell_m_;
+  origin_m_ = glm::floor((low - margin) / cell_m_) * cell_m_;
+  const glm::dvec3 span = glm::ceil((high + margin - origin_m_) / cell_m_);
+  if (span.x * span.y * span.z > kMostCells) {
+    throw std::runtime_error("phantom " + phantom.name() + ": too large for its voxels to scan");
+  }
+  cells_ = glm::ivec3(span);
+  lattice_.resize(static_cast<std::size_t>(cells_.x) * cells_.y * cells_.z);
+
+  const openvdb::Coord origin = openvdb::Coord::round(to_vdb(origin_m_ / cell_m_));
+  const TissueMapBuilder builder(phantom, cell_m_, reach_m, threads);
+  std::vector<Slab> slabs(static_cast<std::size_t>(cells_.z));
+  parallel_ranges(cells_.z, threads, [&](int first, int last) {
+    TissueMapBuilder::Worker worker(builder);
+    for (int z = first; z < last; ++z) {
+      std::size_t i = static_cast<std::size_t>(z) * cells_.y * cells_.x;
+      for (int y = 0; y < cells_.y; ++y) {
+        for (int x = 0; x < cells_.x; ++x) {
+          const openvdb::Coord cell = origin.offsetBy(x, y, z);
+          lattice_[i++] =
+              worker.cell(openvdb::Coord(cell.x() * kFine, cell.y() * kFine, cell.z() * kFine),
+                          slabs[static_cast<std::size_t>(z)]);
+        }
+      }
+    }
+  });
+  for (std::size_t z = 0; z < slabs.size(); ++z) {
+    const std::size_t layer = static_cast<std::size_t>(cells_.x) * cells_.y;
+    for (std::size_t i = z * layer; i < (z + 1) * layer; ++i) {
+      lattice_[i].first += static_cast<std::uint32_t>(entries_.size());
+    }
+    for (Entry& entry : slabs[z].entries) entry.block += static_cast<std::uint32_t>(nodes_.size());
+    entries_.insert(entries_.end(), slabs[z].entries.begin(), slabs[z].entries.end());
+    nodes_.insert(nodes_.end(), slabs[z].nodes.begin(), slabs[z].nodes.end());
+    slabs[z] = {};
+  }
+}
+
+glm::ivec3 TissueMap::cell_at(const glm::dvec3& rest_m) const {
+  return glm::ivec3(glm::floor((rest_m - origin_m_) / cell_m_));
+}
+
+const TissueMap::Cell& TissueMap::cell(const glm::ivec3& index) const {
+  const bool within = index.x >= 0 && index.y >= 0 && index.z >= 0 && index.x < cells_.x &&
+                      index.y < cells_.y && index.z < cells_.z;
+  if (!within) return outside_;
+  return lattice_[(static_cast<std::size_t>(index.z) * cells_.y + index.y) * cells_.x + index.x];
+}
+
+TissueMap::Distance TissueMap::distance(const Entry& entry, const glm::vec3& local) const {
+  const int n = entry.divisions;
+  const glm::vec3 place = local * static_cast<float>(n);
+  const int x = std::clamp(static_cast<int>(place.x), 0, n - 1);
+  const int y = std::clamp(static_cast<int>(place.y), 0, n - 1);
+  const int z = std::clamp(static_cast<int>(place.z), 0, n - 1);
+  const float u = place.x - static_cast<float>(x);
+  const float v = place.y - static_cast<float>(y);
+  const float w = place.z - static_cast<float>(z);
+  const std::size_t row = static_cast<std::size_t>(n) + 1;
+  const float* corner =
+      nodes_.data() + entry.block + (static_cast<std::size_t>(z) * row + y) * row + x;
+  const float* above = corner + row * row;
+  // Along x on the four edges, then along y on both faces, then along z.
+  const float dx00 = corner[1] - corner[0], dx10 = corner[row + 1] - corner[row];
+  const float dx01 = above[1] - above[0], dx11 = above[row + 1] - above[row];
+  const float c00 = corner[0] + u * dx00, c10 = corner[row] + u * dx10;
+  const float c01 = above[0] + u * dx01, c11 = above[row] + u * dx11;
+  const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
+  const float per_m = static_cast<float>(n / cell_m_);
+  const float gx = (1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11);
+  const float gy = (1 - w) * (c10 - c00) + w * (c11 - c01);
+  return {c0 + w * (c1 - c0), per_m * glm::vec3(gx, gy, c1 - c0)};
+}
+
+phantoms::MaterialIndex TissueMap::material(const glm::dvec3& rest_m) const {
+  const glm::ivec3 index = cell_at(rest_m);
+  const Cell& found = cell(index);
+  const glm::vec3 local((rest_m - origin_m_) / cell_m_ - glm::dvec3(index));
+  phantoms::MaterialIndex result = found.base;
+  for (const Entry& entry : entries(found)) {
+    if (distance(entry, local).value_m < 0) result = entry.inside;
+  }
+  return result;
+}
+
+glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) const {
+  const double step_m = cell_m_ / kFine;
+  const auto distance_at = [&](const glm::dvec3& place) -> double {
+    const glm::ivec3 index = cell_at(place);
+    const glm::vec3 local((place - origin_m_) / cell_m_ - glm::dvec3(index));
+    for (const Entry& entry : entries(cell(index))) {
+      if (entry.surface == surface) return static_cast<double>(distance(entry, local).value_m);
+    }
+    return 0;
+  };
+  glm::dvec3 rise(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 step(0);
+    step[axis] = step_m;
+    rise[axis] = distance_at(rest_m + step) - distance_at(rest_m - step);
+  }
+  const double length = glm::length(rise);
+  return length > 0 ? rise / length : glm::dvec3(0);
+}
+
+std::size_t TissueMap::bytes() const {
+  return lattice_.size() * sizeof(Cell) + entries_.size() * sizeof(Entry) +
+         nodes_.size() * sizeof(float);
+}
+
+}  // namespace wobblebench::sim

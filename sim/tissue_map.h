@@ -1,0 +1,96 @@
+// What lies where, for those who ask millions of times: a phantom's level sets resampled onto one
+// lattice of cells. Most cells hold one material and cost nothing; the others know the signed
+// distance of each surface nearby. OpenVDB stays in the .cpp.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "phantoms/phantom.h"
+
+namespace wobblebench::sim {
+
+/// Immutable after construction; const functions may be called from any thread. All places are in
+/// the phantom frame at rest, in metres.
+class TissueMap {
+ public:
+  /// A surface that comes within reach of a cell. Entries of a cell are in painter's order: where
+  /// `distance` is negative, `inside` replaces what came before.
+  struct Entry {
+    std::int32_t surface = 0;
+    phantoms::MaterialIndex inside = 0;
+    std::uint32_t block = 0;     ///< where its nodes begin
+    std::int32_t divisions = 0;  ///< of the cell's side; the block has (divisions + 1)^3 nodes
+  };
+  struct Cell {
+    phantoms::MaterialIndex base = 0;  ///< what lies there but for the entries
+    std::uint32_t first = 0;           ///< of the entries
+    std::uint32_t count = 0;           ///< none: the cell is all `base`
+  };
+  struct Distance {
+    float value_m = 0;  ///< negative inside; at least `reach` away it is only a bound
+    glm::vec3 gradient{0};
+  };
+
+  /// `reach_m`: distances are known at least this far from each surface.
+  TissueMap(const phantoms::Phantom& phantom, double reach_m, int threads);
+
+  double cell_m() const { return cell_m_; }
+  double reach_m() const { return reach_m_; }
+  const glm::dvec3& origin_m() const { return origin_m_; }  ///< low corner of cell (0, 0, 0)
+  const glm::ivec3& cells() const { return cells_; }        ///< in each direction
+
+  /// The cell that holds a place; beyond the lattice everything is background.
+  glm::ivec3 cell_at(const glm::dvec3& rest_m) const;
+  const Cell& cell(const glm::ivec3& index) const;
+  std::span<const Entry> entries(const Cell& cell) const {
+    return {entries_.data() + cell.first, cell.count};
+  }
+  /// Trilinear distance and its gradient; `local` is the place in the cell, 0 to 1 in each axis.
+  Distance distance(const Entry& entry, const glm::vec3& local) const;
+
+  /// The distance alone.
+  float value_m(const Entry& entry, const glm::vec3& local) const;
+
+  phantoms::MaterialIndex material(const glm::dvec3& rest_m) const;
+  /// Unit normal of a surface near a place, outwards: central differences over a fine step, which
+  /// unlike the gradient of one cell know the neighbours. Zero where the surface is out of reach.
+  glm::dvec3 normal(std::int32_t surface, const glm::dvec3& rest_m) const;
+  std::size_t bytes() const;
+
+ private:
+  double cell_m_ = 1;
+  double reach_m_ = 0;
+  glm::dvec3 origin_m_{0};
+  glm::ivec3 cells_{0};
+  Cell outside_;
+  std::vector<Cell> lattice_;  ///< x fastest
+  std::vector<Entry> entries_;
+  std::vector<float> nodes_;  ///< x fastest within a block
+};
+
+inline float TissueMap::value_m(const Entry& entry, const glm::vec3& local) const {
+  const int n = entry.divisions;
+  const float scale = static_cast<float>(n);
+  const float px = local.x * scale, py = local.y * scale, pz = local.z * scale;
+  const int x = std::clamp(static_cast<int>(px), 0, n - 1);
+  const int y = std::clamp(static_cast<int>(py), 0, n - 1);
+  const int z = std::clamp(static_cast<int>(pz), 0, n - 1);
+  const float u = px - static_cast<float>(x);
+  const float v = py - static_cast<float>(y);
+  const float w = pz - static_cast<float>(z);
+  const int row = n + 1;
+  const float* near = nodes_.data() + entry.block + (z * row + y) * row + x;
+  const float* far = near + row * row;
+  const float c00 = near[0] + u * (near[1] - near[0]);
+  const float c10 = near[row] + u * (near[row + 1] - near[row]);
+  const float c01 = far[0] + u * (far[1] - far[0]);
+  const float c11 = far[row] + u * (far[row + 1] - far[row]);
+  const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
+  return c0 + w * (c1 - c0);
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,305 @@
+// Level sets of other programs become phantoms; anything else is refused with one clear line.
+#include <gtest/gtest.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetMeasure.h>
+#include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/LevelSetUtil.h>
+
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "phantoms/grids.h"
+#include "phantoms/truth.h"
+#include "tests/phantoms/scratch_folder.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+
+using Grid = openvdb::FloatGrid;
+
+// A ball in the file's unit, as OpenVDB makes one: a band of three voxels.
+Grid::Ptr ball(const std::string& name,
+               double radius,
+               const glm::dvec3& center = glm::dvec3(0),
+               double voxel = 0.5) {
+  auto grid = openvdb::tools::createLevelSetSphere<Grid>(
+      float(radius),
+      openvdb::Vec3f(float(center.x), float(center.y), float(center.z)),
+      float(voxel));
+  grid->setName(name);
+  return grid;
+}
+
+class VdbImport : public ScratchFolder {
+ protected:
+  void SetUp() override { openvdb::initialize(); }
+
+  PhantomOptions options() const {
+    PhantomOptions o;
+    o.name = "vdb";
+    o.file = file("foreign.vdb").string();
+    return o;
+  }
+  void write(const openvdb::GridCPtrVec& grids) const {
+    openvdb::io::File(options().file).write(grids);
+  }
+
+  static std::string refusal(const PhantomOptions& o) {
+    try {
+      make_phantom(o);
+    } catch (const InvalidPhantom& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  void expect_refusal(const std::string& words) const {
+    const std::string line = refusal(options());
+    EXPECT_EQ(line.rfind("file = \"" + options().file + "\": ", 0), 0u) << line;
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  }
+};
+
+TEST_F(VdbImport, TakesEveryLevelSetInMetres) {
+  auto fog = ball("fog", 10);
+  openvdb::tools::sdfToFogVolume(*fog);
+  write({ball("head", 20, {100, -50, 300}),
+         fog,
+         ball("eye", 5, {105, -50, 290}),
+         openvdb::Int32Grid::create(3)});
+  PhantomOptions o = options();
+  o.materials = {"fetal_skin", "vitreous"};
+  o.background = "water";
+  o.targets = {"head"};
+  const Phantom phantom = make_phantom(o);
+  EXPECT_EQ(phantom.name(), "vdb");
+  ASSERT_EQ(phantom.surfaces().size(), 2u);
+  EXPECT_EQ(phantom.surfaces()[0].name, "head");
+  EXPECT_EQ(phantom.surfaces()[1].name, "eye");
+  EXPECT_EQ(phantom.materials()[phantom.surfaces()[0].inside].name, "fetal_skin");
+  EXPECT_EQ(phantom.materials()[phantom.surfaces()[1].inside].name, "vitreous");
+  EXPECT_EQ(phantom.materials()[phantom.background()].name, "water");
+  EXPECT_TRUE(phantom.surfaces()[0].is_target);
+  EXPECT_FALSE(phantom.surfaces()[1].is_target);
+  const auto& grids = phantom.grids().signed_distance;
+  EXPECT_NEAR(
+      openvdb::tools::levelSetVolume(*grids[0]) / (4 * std::acos(-1.0) / 3 * 8e-6), 1, 2e-3);
+  EXPECT_NEAR(grids[0]->background(), 1.5 * kMm, 1e-9);
+  EXPECT_NEAR(grids[0]->voxelSize()[0], 0.5 * kMm, 1e-12);
+}
+
+TEST_F(VdbImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
+  write({ball("ball", 20, {100, -50, 300})});
+  const Phantom phantom = make_phantom(options());
+  const SurfaceFinder finder(phantom);
+  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMm) - phantom.suggested_position_m();
+  const auto hit = finder.first_hit(face, {0, 0, 1}, 0, 0.2);
+  ASSERT_TRUE(hit);
+  // The box that holds the negative voxels ends up to a voxel within the ball.
+  EXPECT_NEAR(hit->distance_m, 65 * kMm, 0.501 * kMm);
+  for (double x = -15; x <= 15; x += 3.1) {
+    const auto there = finder.first_hit({x * kMm, 0, -0.05}, {0, 0, 1}, 0, 0.1);
+    ASSERT_TRUE(there);
+    const double half = std::sqrt(400 - x * x);
+    EXPECT_NEAR(there->distance_m, (50 - half) * kMm, 0.06 * kMm * 20 / half);
+  }
+}
+
+TEST_F(VdbImport, TakesTheUnitOfTheFile) {
+  write({ball("ball", 0.02, {}, 0.0005)});
+  PhantomOptions o = options();
+  o.unit_m = 1;
+  const Phantom phantom = make_phantom(o);
+  EXPECT_NEAR(openvdb::tools::levelSetVolume(*phantom.grids().signed_distance[0]),
+              4 * std::acos(-1.0) / 3 * 8e-6,
+              0.1e-6);
+}
+
+TEST_F(VdbImport, TakesNamedGridsInTheirOrder) {
+  write({ball("a", 20), ball("b", 10), ball("c", 5)});
+  PhantomOptions o = options();
+  o.grids = {"c", "a"};
+  const Phantom phantom = make_phantom(o);
+  ASSERT_EQ(phantom.surfaces().size(), 2u);
+  EXPECT_EQ(phantom.surfaces()[0].name, "c");
+  EXPECT_EQ(phantom.surfaces()[1].name, "a");
+  EXPECT_EQ(phantom.surfaces()[0].inside, phantom.surfaces()[1].inside) << "one material for all";
+  EXPECT_TRUE(phantom.surfaces()[0].is_target && phantom.surfaces()[1].is_target);
+  o.target = false;
+  EXPECT_FALSE(make_phantom(o).surfaces()[0].is_target);
+}
+
+TEST_F(VdbImport, GridsMayShareATree) {
+  const Grid::Ptr first = ball("first", 20);
+  const Grid::Ptr second = openvdb::gridPtrCast<Grid>(first->copyGrid());
+  second->setName("second");
+  write({first, second});
+  const Phantom phantom = make_phantom(options());
+  for (const auto& grid : phantom.grids().signed_distance) {
+    EXPECT_NEAR(openvdb::tools::levelSetVolume(*grid), 33.51e-6, 0.1e-6);
+  }
+}
+
+TEST_F(VdbImport, SignsWhatOthersLeaveUnsignedInside) {
+  const Grid::Ptr grid = ball("ball", 20);
+  for (auto tile = grid->beginValueOff(); tile; ++tile) tile.setValue(grid->background());
+  write({grid});
+  const Phantom phantom = make_phantom(options());
+  const auto& inside = *phantom.grids().signed_distance[0];
+  EXPECT_LT(inside.tree().getValue(openvdb::Coord::round(inside.worldToIndex({0, 0, 0}))), 0);
+}
+
+TEST_F(VdbImport, IsWrittenAndReadAsAPhantom) {
+  write({ball("ball", 20, {3, 4, 5})});
+  const Phantom phantom = make_phantom(options());
+  write_phantom(phantom, file("ours.vdb"));
+  const Phantom read = read_phantom(file("ours.vdb"));
+  const auto &a = *phantom.grids().signed_distance[0], &b = *read.grids().signed_distance[0];
+  EXPECT_EQ(a.transform(), b.transform());
+  EXPECT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
+  openvdb::io::File in(file("ours.vdb").string());
+  in.open();
+  const auto painted = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
+  EXPECT_EQ(painted->tree().getValue(openvdb::Coord::round(painted->worldToIndex({0, 0, 0}))),
+            material_index("soft_tissue"));
+}
+
+TEST_F(VdbImport, TakesOurOwnFilesAsLevelSets) {
+  PhantomOptions sphere;
+  sphere.name = "sphere";
+  write_phantom(make_phantom(sphere),
+                options().file);  // written as a stream, without places to go to
+  PhantomOptions o = options();
+  o.unit_m = 1;
+  const Phantom phantom = make_phantom(o);
+  EXPECT_EQ(phantom.surfaces().at(0).name, "ball");
+}
+
+TEST_F(VdbImport, RefusesFilesThatAreNoVdb) {
+  expect_refusal("no such file");
+  std::ofstream(options().file) << "level sets, honestly; many of them";
+  expect_refusal("not a readable OpenVDB file");
+  std::ofstream(options().file, std::ios::trunc).close();
+  expect_refusal("not readable as a .vdb (it is empty)");
+}
+
+TEST_F(VdbImport, RefusesEveryTruncation) {
+  for (const bool seekable : {true, false}) {
+    if (seekable) {
+      write({ball("ball", 20)});
+    } else {
+      std::ofstream out(options().file, std::ios::binary);
+      openvdb::io::Stream(out).write(openvdb::GridCPtrVec{ball("ball", 20)});
+    }
+    const auto whole = std::filesystem::file_size(options().file);
+    for (int tenth = 9; tenth >= 0; --tenth) {
+      std::filesystem::resize_file(options().file, whole * tenth / 10);
+      EXPECT_NE(refusal(options()), "accepted") << tenth << " tenths";
+    }
+  }
+}
+
+TEST_F(VdbImport, RefusesGridsWithoutASurface) {
+  auto empty = Grid::create(1.5f);
+  empty->setGridClass(openvdb::GRID_LEVEL_SET);
+  empty->setName("nothing");
+  write({empty});
+  expect_refusal("grid \"nothing\" is empty");
+  const Grid::Ptr outside = ball("outside", 20);
+  for (auto value = outside->beginValueAll(); value; ++value)
+    value.setValue(std::abs(*value) + 0.01f);
+  write({outside});
+  EXPECT_NE(refusal(options()), "accepted");
+}
+
+TEST_F(VdbImport, RefusesValuesThatAreNoDistances) {
+  const Grid::Ptr nan = ball("nan", 20);
+  nan->tree().setValue({40, 0, 0}, std::numeric_limits<float>::quiet_NaN());
+  write({nan});
+  expect_refusal("grid \"nan\" holds a value that is not finite");
+
+  const Grid::Ptr voxels = ball("voxels", 20);  // distances in voxels, places in millimetres
+  for (auto value = voxels->beginValueAll(); value; ++value) value.setValue(2 * *value);
+  voxels->tree().root().setBackground(3, false);
+  write({voxels});
+  expect_refusal("grid \"voxels\" does not hold distances in the unit of its voxels");
+
+  auto thin = openvdb::tools::createLevelSetSphere<Grid>(20, {0, 0, 0}, 0.5, 1.2f);
+  thin->setName("thin");
+  write({thin});
+  expect_refusal("grid \"thin\" has a narrow band of less than 1.5 voxels");
+}
+
+TEST_F(VdbImport, RefusesOtherClassesTypesAndVoxels) {
+  auto fog = ball("fog", 20);
+  openvdb::tools::sdfToFogVolume(*fog);
+  auto ids = openvdb::Int32Grid::create(0);
+  ids->setName("ids");
+  write({fog, ids});
+  expect_refusal("holds no float level set, but fog (float fog volume), ids (int32 unknown)");
+
+  PhantomOptions o = options();
+  o.grids = {"fog"};
+  EXPECT_NE(refusal(o).find("grid \"fog\" is not of the class level set"), std::string::npos);
+  o.grids = {"ids"};
+  EXPECT_NE(refusal(o).find("grid \"ids\" holds int32, not float"), std::string::npos);
+
+  const Grid::Ptr slab = ball("slab", 20);
+  slab->setTransform(std::make_shared<openvdb::math::Transform>(
+      openvdb::math::MapBase::Ptr(new openvdb::math::ScaleMap({0.5, 0.5, 1}))));
+  write({slab});
+  expect_refusal("grid \"slab\" does not have cubic voxels");
+
+  write({ball("fine", 20), ball("coarse", 20, {}, 1.0)});
+  expect_refusal("grid \"coarse\" has other voxels than \"fine\"");
+  write({ball("same", 20), ball("same", 10)});
+  EXPECT_NE(refusal(options()), "accepted");
+}
+
+TEST_F(VdbImport, RefusesNamesThatTheFileOrTheTableDoesNotHold) {
+  write({ball("head", 20), ball("eye", 5)});
+  PhantomOptions o = options();
+  o.grids = {"heart"};
+  EXPECT_EQ(refusal(o),
+            "grids = \"heart\": no such grid; the file holds head (float level set), "
+            "eye (float level set)");
+  o = options();
+  o.materials = {"cheese"};
+  EXPECT_EQ(refusal(o).rfind("materials = \"cheese\": must be one of water, amniotic_fluid, ", 0),
+            0u);
+  o.materials = {"fat", "fat", "muscle"};
+  EXPECT_EQ(refusal(o), "materials = 3 names: takes 1, or one for each of head, eye");
+  o = options();
+  o.targets = {"nose"};
+  EXPECT_EQ(refusal(o), "targets = \"nose\": must be among the grids: head, eye");
+  write({ball("bad\nname", 20)});
+  expect_refusal("not printable UTF-8");
+}
+
+TEST_F(VdbImport, RefusesSizesBeyondSense) {
+  write({ball("ball", 260, {}, 5)});
+  expect_refusal("more than 500: is unit_mm right?");
+  PhantomOptions metres = options();
+  metres.unit_m = 1;
+  EXPECT_NE(refusal(metres).find("more than 500: is unit_mm right?"), std::string::npos);
+  write({ball("ball", 2.4, {}, 1.5)});
+  expect_refusal("less than 4 voxels of 1.5 mm");
+}
+
+TEST_F(VdbImport, SaysTheMemoryThatAFileWouldTakeBeforeReadingIt) {
+  const Grid::Ptr grid = ball("ball", 20);
+  openvdb::io::File out(options().file);
+  out.setGridStatsMetadataEnabled(false);  // or OpenVDB would put in the truth
+  grid->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(7'500'000'000));
+  out.write(openvdb::GridCPtrVec{grid});
+  expect_refusal("would take about 7.5 GB of memory; at most 4 GB are allowed");
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms

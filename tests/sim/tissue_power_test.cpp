@@ -1,0 +1,144 @@
+// The closed form of the beam against its brute-force average over many lines of sight.
+#include "sim/tissue_power.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "sim/point_spread.h"
+
+namespace wobblebench::sim {
+namespace {
+
+constexpr double kRadius_m = 20e-3;
+constexpr double kSpacing_m = 0.1e-3;
+constexpr int kSamples = 1000;
+const glm::dvec3 kCenter{0, 0, 0.11};
+
+const hw::AcquisitionPlan& plan() {
+  static const hw::AcquisitionPlan default_plan({}, {});
+  return default_plan;
+}
+
+SimulationOptions tissue_alone() {
+  SimulationOptions options;
+  options.speckle = false;
+  options.attenuation = false;
+  options.transmission_loss = false;
+  options.interface_echo = false;
+  options.noise_db = kSilent_db;
+  options.output = hw::SampleScale::linear_envelope;
+  return options;
+}
+
+struct Scanned {
+  phantoms::Phantom phantom;
+  Subject subject;
+};
+
+Scanned sphere() {
+  auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
+  const double reach_m = TissuePower::reach_m(plan());
+  Subject subject{std::make_shared<const TissueMap>(phantom, reach_m, 0),
+                  phantom.materials(),
+                  {glm::dmat3(1.0), kCenter},
+                  {}};
+  return {std::move(phantom), std::move(subject)};
+}
+
+std::vector<float> power_of(const Scanned& scanned,
+                            const hw::Ray& stick,
+                            const SimulationOptions& options) {
+  StickTrack track;
+  follow(scanned.subject, {stick, 0}, kSamples * kSpacing_m, track);
+  const auto& materials = scanned.subject.materials;
+  StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
+  losses.compute(track);
+  TissuePower power(
+      plan(), options, materials, kSpacing_m, kSamples, scanned.subject.map->reach_m());
+  std::vector<float> result(kSamples);
+  power.compute(track, losses, result);
+  return result;
+}
+
+double tissue_power() {
+  return std::pow(10, phantoms::material("soft_tissue").backscatter_db / 10);
+}
+
+/// Share of the beam's power at a range that lies inside the sphere, summed over its footprint and
+/// the pulse.
+double share_inside(const hw::Ray& stick, double range_m) {
+  const auto across = across_stick(stick);
+  const double lateral = sigma_of_fwhm(lateral_fwhm_m(plan(), range_m)) / std::sqrt(2.0);
+  const double elevation = sigma_of_fwhm(elevation_fwhm_m(plan(), range_m)) / std::sqrt(2.0);
+  const double axial = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+  double inside = 0, all = 0;
+  constexpr int kHalf = 12;
+  for (int i = -kHalf; i <= kHalf; ++i) {
+    for (int j = -kHalf; j <= kHalf; ++j) {
+      for (int k = -kHalf; k <= kHalf; ++k) {
+        const double u = 4.0 * i / kHalf, v = 4.0 * j / kHalf, w = 4.0 * k / kHalf;
+        const double weight = std::exp(-0.5 * (u * u + v * v + w * w));
+        const glm::dvec3 place = stick.at(range_m + w * axial) + u * lateral * across.lateral +
+                                 v * elevation * across.elevation;
+        all += weight;
+        if (glm::distance(place, kCenter) < kRadius_m) inside += weight;
+      }
+    }
+  }
+  return inside / all;
+}
+
+TEST(TissuePower, BlursASphereAsTheBeamDoes) {
+  const Scanned scanned = sphere();
+  // A sphere falls back by the beam's width squared over its diameter: at normal incidence, where
+  // only the pulse blurs, its edge shifts by that much.
+  constexpr double kShift_m = 0.06e-3;
+  constexpr double kTolerance = 0.035;
+  // From straight on to sticks that pass the sphere by within the beam.
+  for (double theta : {0.0, 0.06, 0.12, 0.16, 0.18, 0.19, 0.2}) {
+    for (double phi : {0.0, 0.1}) {
+      const hw::Ray stick = plan().geometry().stick(theta, phi);
+      const auto power = power_of(scanned, stick, tissue_alone());
+      for (int i = 420; i < 760; i += 10) {
+        const double range_m = (i + 0.5) * kSpacing_m;
+        const double found =
+            static_cast<double>(power[static_cast<std::size_t>(i)]) / tissue_power();
+        const auto [low, high] = std::minmax(
+            {share_inside(stick, range_m - kShift_m), share_inside(stick, range_m + kShift_m)});
+        EXPECT_GT(found, low - kTolerance) << theta << " " << phi << " " << range_m;
+        EXPECT_LT(found, high + kTolerance) << theta << " " << phi << " " << range_m;
+      }
+    }
+  }
+}
+
+TEST(TissuePower, RoughSurfaceEchoesAsItsReflectionAsks) {
+  Scanned scanned = sphere();
+  auto options = tissue_alone();
+  options.interface_echo = true;
+  const auto power = power_of(scanned, plan().geometry().stick(0, 0), options);
+  const auto without = power_of(scanned, plan().geometry().stick(0, 0), tissue_alone());
+  double peak = 0;
+  for (int i = 450; i < 550; ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    peak = std::max(peak, static_cast<double>(power[s] - without[s]));
+  }
+  const double echo =
+      diffuse_echo(phantoms::material("amniotic_fluid"), phantoms::material("soft_tissue"), 1);
+  // The surface lies half a sample from the nearest one.
+  const double off = kSpacing_m / 2 / sigma_of_fwhm(axial_fwhm_m(plan()));
+  EXPECT_NEAR(std::sqrt(peak) / echo, std::exp(-0.5 * off * off), 0.01);
+}
+
+TEST(TissuePower, FluidIsSilent) {
+  const Scanned scanned = sphere();
+  for (float value : power_of(scanned, plan().geometry().stick(0.5, 0.4), tissue_alone())) {
+    ASSERT_EQ(value, 0.0f);
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::sim
