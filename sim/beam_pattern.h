@@ -8,14 +8,26 @@
 
 namespace wobblebench::sim {
 
-/// Mean over a line of sources of the phase at a place `range_m` ahead and `offset_m` aside,
-/// against the way along the axis, in the Fresnel approximation: exp(-i k ((x - u)^2 / 2 r - x^2 /
-/// 2 F)). 1 on the axis at the focus.
-std::complex<double> aperture_response(
-    double wavenumber_per_m, double aperture_m, double focus_m, double range_m, double offset_m);
+/// A line of sources as one way uses it.
+struct Aperture {
+  double width_m;
+  double focus_m;
+  /// Turn of phase from an element's middle to its edge, for each metre that the element lies from
+  /// the aperture's middle: the sources have the strength sinc(turn * place / pi). 0: all the same.
+  double element_turn_per_m = 0;
+};
+
+/// Mean over the sources of the phase at a place `range_m` ahead and `offset_m` aside, against the
+/// way along the axis, in the Fresnel approximation: exp(-i k ((x - u)^2 / 2 r - x^2 / 2 F)). 1 on
+/// the axis at the focus, if all have the same strength.
+std::complex<double> aperture_response(const Aperture& aperture,
+                                       double wavenumber_per_m,
+                                       double range_m,
+                                       double offset_m);
 
 /// Two-way responses at one frequency. In the image plane: sent with a fixed focus, received with a
-/// focus at the range itself. Across it: the same fixed focus both ways.
+/// focus at the range itself, by elements that lie on the curved face and look away from the stick
+/// at the aperture's edges. Across it: the same fixed focus both ways.
 std::complex<double> lateral_response(const hw::AcquisitionPlan& plan,
                                       double frequency_hz,
                                       double range_m,

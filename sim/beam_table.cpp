@@ -73,6 +73,7 @@ struct Column {
 /// One row as it is found.
 struct Row {
   double reach_m = 0;
+  double late_m = 0;
   double bend_per_m = 0;
   std::vector<Column> columns;
 };
@@ -91,10 +92,10 @@ class RowMaker {
     row.reach_m = edge_m(range_m);
     std::vector<Spectrum> spectra;
     for (int c = 0; c < columns_; ++c) spectra.push_back(spectrum(range_m, place(row, c)));
-    row.bend_per_m = bend(row, spectra);
+    fit_delays(spectra, row);
     const Complex on_axis = source_.response(1, range_m, 0);
     for (int c = 0; c < columns_; ++c) {
-      const double path = row.bend_per_m * place(row, c) * place(row, c);
+      const double path = row.late_m + row.bend_per_m * place(row, c) * place(row, c);
       row.columns.push_back(column(spectra[static_cast<std::size_t>(c)], path, on_axis));
     }
     return row;
@@ -126,8 +127,8 @@ class RowMaker {
   }
 
   /// Parabola nearest to the delays over the row, each by its power.
-  double bend(const Row& row, const std::vector<Spectrum>& spectra) const {
-    double up = 0, down = 0;
+  void fit_delays(const std::vector<Spectrum>& spectra, Row& row) const {
+    double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     const double spacing = band_.offset[1] - band_.offset[0];
     for (int c = 0; c < columns_; ++c) {
       const Spectrum& at = spectra[static_cast<std::size_t>(c)];
@@ -137,10 +138,17 @@ class RowMaker {
       }
       const double delay = -std::arg(turn) / (2 * wavenumber_per_m_ * spacing);
       const double u2 = place(row, c) * place(row, c);
-      up += std::abs(turn) * u2 * delay;
-      down += std::abs(turn) * u2 * u2;
+      const double weight = std::abs(turn);
+      w += weight;
+      wx += weight * u2;
+      wxx += weight * u2 * u2;
+      wy += weight * delay;
+      wxy += weight * u2 * delay;
     }
-    return down > 0 ? up / down : 0;
+    const double determinant = w * wxx - wx * wx;
+    if (determinant <= 0) return;
+    row.late_m = (wxx * wy - wx * wxy) / determinant;
+    row.bend_per_m = (w * wxy - wx * wy) / determinant;
   }
 
   Column column(const Spectrum& spectrum, double path_m, const Complex& on_axis) const {
@@ -190,6 +198,7 @@ double area(const RowPower& a, const RowPower& b, double variance) {
 
 void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& direction) {
   direction.rows[at] = {static_cast<float>(columns / row.reach_m),
+                        static_cast<float>(row.late_m),
                         static_cast<float>(row.bend_per_m)};
   float* values = direction.values.data() + at * static_cast<std::size_t>(columns) * 4;
   for (const Column& column : row.columns) {
@@ -200,41 +209,10 @@ void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& di
   }
 }
 
-/// The wave front of a Gaussian beam is bent by the relative growth of its width.
-double growth_per_m(const std::function<double(double)>& width, double range_m) {
-  const double step = 1e-5;
-  const double from = std::max(range_m - step, 1e-9);
-  return std::log(width(range_m + step) / width(from)) / (range_m + step - from);
-}
-
-Source gaussian_source(const hw::AcquisitionPlan& plan,
-                       double (*fwhm_m)(const hw::AcquisitionPlan&, double),
-                       const std::function<double(double)>& bend) {
-  const double k = 2 * kPi * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s;
-  Source source;
-  source.response = [&plan, fwhm_m, bend, k](double ratio, double range_m, double offset_m) {
-    const double relative = ratio * offset_m / sigma_of_fwhm(fwhm_m(plan, range_m));
-    const double path = bend(range_m) * offset_m * offset_m;
-    return std::polar(std::exp(-0.5 * relative * relative), -2 * k * ratio * path);
-  };
-  source.widest_m = [&plan, fwhm_m](double range_m) { return 2 * fwhm_m(plan, range_m); };
-  return source;
-}
-
 struct Sources {
   Source lateral;
   Source elevation;
 };
-
-Sources gaussian_sources(const hw::AcquisitionPlan& plan) {
-  const auto sent = [&plan](double range_m) { return transmit_fwhm_m(plan, range_m); };
-  const auto high = [&plan](double range_m) { return elevation_fwhm_m(plan, range_m); };
-  // Two-way ranges are half the way there and back; what is received comes from its focus.
-  const auto lateral_bend = [sent](double r) { return 0.25 * (growth_per_m(sent, r) + 1 / r); };
-  const auto elevation_bend = [high](double r) { return 0.5 * growth_per_m(high, r); };
-  return {gaussian_source(plan, lateral_fwhm_m, lateral_bend),
-          gaussian_source(plan, elevation_fwhm_m, elevation_bend)};
-}
 
 Source aperture_source(const hw::AcquisitionPlan& plan,
                        Complex (*response)(const hw::AcquisitionPlan&, double, double, double),
@@ -272,9 +250,7 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
   const int count =
       std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kFewestRows, kMostRows);
   rows_per_m_ = count / depth_m;
-  const Sources sources = shape == BeamShape::gaussian
-                              ? gaussian_sources(plan)
-                              : aperture_sources(plan, shape == BeamShape::main_lobe);
+  const Sources sources = aperture_sources(plan, shape == BeamShape::main_lobe);
   const RowMaker lateral(plan, sources.lateral, columns_);
   const RowMaker elevation(plan, sources.elevation, columns_);
   for (Direction* direction : {&lateral_, &elevation_}) {

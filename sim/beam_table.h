@@ -5,8 +5,8 @@
 // echoes from its rim are darker in colour: around the centre frequency the response is
 //   H(f) = A + B (f - f0) / f0,
 // which one pulse and its derivative can show. What bends with the wave front is kept apart: an
-// echo from `u` aside is late as if it came from bend * u^2 farther away, so that A and B vary
-// slowly.
+// echo from `u` aside is late as if it came from late + bend * u^2 farther away, so that A and B
+// vary slowly.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,6 @@
 namespace wobblebench::sim {
 
 enum class BeamShape {
-  gaussian,    ///< a Gaussian of the widths in sim/point_spread.h
   main_lobe,   ///< what the apertures make (sim/beam_pattern.h), to the edge of its main lobe
   side_lobes,  ///< the same with three side lobes
 };
@@ -25,6 +24,7 @@ enum class BeamShape {
 /// One direction across the beam at one range.
 struct BeamRow {
   float columns_per_m = 0;  ///< of the table; beyond its last column there is no echo
+  float late_m = 0;
   float bend_per_m = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kColumnsPerElement = 2;
+constexpr int kColumnsPerElement = 3;
 constexpr double kBandSigmas = 3.2;  // where the spectrum has 0.6 % of its peak left
 constexpr double kPulseSigmas = 4;   // and the pulse 0.03 %
 constexpr double kPeriodSlack = 1.1;
@@ -69,13 +69,10 @@ ElementSum::ElementSum(const hw::AcquisitionPlan& plan, double theta_rad)
   const auto& probe = plan.probe();
   for (int e = 0; e < probe.elements; ++e) {
     const double angle = (e - 0.5 * (probe.elements - 1)) * pitch_m_ / radius_m_ - theta_rad;
-    Element element{angle,
-                    radius_m_ * (std::cos(angle) - 1),
-                    radius_m_ * std::sin(angle),
-                    0,
-                    std::abs(angle) * radius_m_ <= 0.5 * transmit_aperture_m(plan)};
+    Element element{radius_m_ * (std::cos(angle) - 1), radius_m_ * std::sin(angle), 0, 0};
     element.send_m =
         std::hypot(transmit_focus_m_ - element.axial_m, element.lateral_m) - transmit_focus_m_;
+    element.sends = within(element, transmit_aperture_m(plan), transmit_focus_m_);
     for (int c = 0; c < kColumnsPerElement; ++c) {
       const double at = angle + ((c + 0.5) / kColumnsPerElement - 0.5) * pitch_m_ / radius_m_;
       columns_.push_back(
@@ -96,14 +93,20 @@ ElementSum::ElementSum(const hw::AcquisitionPlan& plan, double theta_rad)
 std::size_t ElementSum::sources(double range_m) const {
   std::size_t sending = 0, receiving = 0;
   for (const Element& element : elements_) {
-    sending += element.sends;
-    receiving += receives(element, range_m);
+    sending += element.sends > 0;
+    receiving += receives(element, range_m) > 0;
   }
   return (sending + receiving) * kColumnsPerElement * heights_m_.size();
 }
 
-bool ElementSum::receives(const Element& element, double range_m) const {
-  return std::abs(element.angle_rad) * radius_m_ <= 0.5 * receive_aperture_m(plan_, range_m);
+double ElementSum::within(const Element& element, double aperture_m, double range_m) const {
+  // The face bends away from the focus, which sees an aperture smaller than it is.
+  const double half_m = 0.5 * aperture_m * (range_m - element.axial_m) / range_m;
+  return std::clamp((half_m - std::abs(element.lateral_m)) / pitch_m_ + 0.5, 0.0, 1.0);
+}
+
+double ElementSum::receives(const Element& element, double range_m) const {
+  return within(element, receive_aperture_m(plan_, range_m), range_m);
 }
 
 ElementSum::Ways ElementSum::ways_to(const glm::dvec3& point_m) const {
@@ -145,7 +148,7 @@ std::vector<Complex> ElementSum::element_spectra(const Ways& ways,
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> spectra(elements_.size() * count);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (!elements_[e].sends && !receives(elements_[e], last_m)) continue;
+    if (elements_[e].sends == 0 && receives(elements_[e], last_m) == 0) continue;
     add_sources(ways.length_m.data() + e * each,
                 ways.weight.data() + e * each,
                 each,
@@ -164,10 +167,11 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> received(count);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (!receives(elements_[e], range_m)) continue;
+    const double share = receives(elements_[e], range_m);
+    if (share == 0) continue;
     const double late =
         std::hypot(range_m - elements_[e].axial_m, elements_[e].lateral_m) - range_m;
-    Complex turn = std::polar(1.0, band.wavenumber_per_m[0] * late);
+    Complex turn = std::polar(share, band.wavenumber_per_m[0] * late);
     const Complex more = std::polar(1.0, step * late);
     for (std::size_t f = 0; f < count; ++f) {
       received[f] += times(spectra[e * count + f], turn);
@@ -194,12 +198,12 @@ void ElementSum::add(const BeamPoint& point,
   const std::size_t each = kColumnsPerElement * heights_m_.size();
   double first_m = std::numeric_limits<double>::infinity(), last_m = 0;
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const bool used = elements_[e].sends || receives(elements_[e], point.at_m.x);
-    if (!used) continue;
+    const bool sends = elements_[e].sends > 0;
+    if (!sends && receives(elements_[e], point.at_m.x) == 0) continue;
     const double focus_m =
         std::hypot(point.at_m.x - elements_[e].axial_m, elements_[e].lateral_m) - point.at_m.x;
-    const double early_m = elements_[e].sends ? std::max(elements_[e].send_m, focus_m) : focus_m;
-    const double late_m = elements_[e].sends ? std::min(elements_[e].send_m, focus_m) : focus_m;
+    const double early_m = sends ? std::max(elements_[e].send_m, focus_m) : focus_m;
+    const double late_m = sends ? std::min(elements_[e].send_m, focus_m) : focus_m;
     const auto [low, high] = std::minmax_element(ways.length_m.begin() + e * each,
                                                  ways.length_m.begin() + (e + 1) * each);
     first_m = std::min(first_m, *low - early_m);
@@ -210,10 +214,10 @@ void ElementSum::add(const BeamPoint& point,
   const std::vector<Complex> spectra = element_spectra(ways, band, last_m + margin_m);
   std::vector<Complex> sent(count);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (!elements_[e].sends) continue;
+    if (elements_[e].sends == 0) continue;
     for (std::size_t f = 0; f < count; ++f) {
       const double ahead = band.wavenumber_per_m[f] * elements_[e].send_m;
-      sent[f] += times(spectra[e * count + f], std::polar(1.0, ahead));
+      sent[f] += times(spectra[e * count + f], std::polar(elements_[e].sends, ahead));
     }
   }
   for (std::size_t f = 0; f < count; ++f) sent[f] *= point.amplitude * band.power[f];

@@ -19,10 +19,11 @@ struct BeamPoint {
 };
 
 /// The probe as one stick uses it. Elements lie on the curved face, each divided into point
-/// sources, two along the face and so many across it that none is longer than half a wavelength
+/// sources, three along the face and so many across it that none is longer than half a wavelength
 /// there. A lens focuses each across the image plane. Transmitted sound is delayed to meet at the
-/// transmit focus, received sound to come from the range that is listened to, with an aperture that
-/// grows with it.
+/// transmit focus, received sound to come from the range that is listened to. Apertures subtend
+/// the F-number's angle as the focus sees them, so that they grow with its range; an element that
+/// lies across an edge has the share of it that lies within.
 class ElementSum {
  public:
   /// `theta_rad`: angle of the stick. Elements beyond the array's ends are missing.
@@ -44,11 +45,10 @@ class ElementSum {
 
  private:
   struct Element {
-    double angle_rad;  ///< from the stick
-    double axial_m;    ///< of its middle, in the image plane
+    double axial_m;  ///< of its middle, in the image plane
     double lateral_m;
     double send_m;  ///< way from its middle to the transmit focus, less the focus's range
-    bool sends;
+    double sends;   ///< share of it that lies within the transmitting aperture
   };
   /// One part of an element's length, over all of its height.
   struct Column {
@@ -69,7 +69,9 @@ class ElementSum {
 
   Ways ways_to(const glm::dvec3& point_m) const;
   Band band(double spread_m) const;
-  bool receives(const Element& element, double range_m) const;
+  /// Share of an element that lies within an aperture with its focus at a range.
+  double within(const Element& element, double aperture_m, double range_m) const;
+  double receives(const Element& element, double range_m) const;
   std::vector<std::complex<double>> element_spectra(const Ways& ways,
                                                     const Band& band,
                                                     double last_m) const;

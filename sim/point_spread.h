@@ -16,13 +16,18 @@ double axial_fwhm_m(const hw::AcquisitionPlan& plan);
 double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
 double transmit_aperture_m(const hw::AcquisitionPlan& plan);
 /// Two-way -6 dB width in the image plane: 0.886 lambda F# at the transmit focus, where both
-/// apertures are focused; away from it the transmitted beam widens (diffraction and geometric width
-/// in quadrature) and the receiving one, focused at every range, is left: at most 1.253 lambda F#.
+/// apertures are focused, and a little more because elements look away from the stick at the
+/// apertures' edges (1 + 2 q / 15, if the edge is heard with 1 - q of the middle's strength); away
+/// from it the transmitted beam widens (diffraction and geometric width in quadrature) and the
+/// receiving one, focused at every range, is left: at most 1.253 lambda F#.
 double lateral_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 /// One-way width of the transmitted beam alone.
 double transmit_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
-/// Across the image plane, fixed focus: diffraction 0.886 lambda range / height, and the aperture's
-/// geometric width height |1 - range / focus|, in quadrature.
+/// Two-way width across the image plane: 0.886 lambda range / height at the fixed focus. Away from
+/// it the aperture's shadow widens it as the Fresnel number of the defocus says, height^2 |1 /
+/// range - 1 / focus| / 4 lambda: little below 0.6, and to three quarters of the shadow far away.
+/// It is the width of the Gaussian whose power varies as much over the beam (equal (integral of
+/// p)^2 / integral of p^2) as that of the diffracted beam in sim/beam_pattern.h.
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 
 /// Distance between neighbouring image planes at a place, (r cos(theta) - b) d phi; 0 for one

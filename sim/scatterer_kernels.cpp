@@ -63,7 +63,8 @@ look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, float column
   const float v = magnitude(at.elevation) * beam.elevation_columns_per_m;
   const float lateral_bend = beam.lateral_bend_per_m + beam.lateral_slope_per_m2 * at.axial;
   const float elevation_bend = beam.elevation_bend_per_m + beam.elevation_slope_per_m2 * at.axial;
-  return {at.axial + lateral_bend * at.lateral * at.lateral +
+  const float late = beam.late_m + beam.late_slope * at.axial;
+  return {at.axial + late + lateral_bend * at.lateral * at.lateral +
               elevation_bend * at.elevation * at.elevation,
           pack_entry(static_cast<std::uint32_t>(row),
                      static_cast<std::int32_t>(u),

@@ -20,10 +20,12 @@ struct BeamVector {
 };
 
 /// The beam for hash cells whose middle lies nearest to one row of its table. A bend is
-/// bend + slope * axial; columns are those of the table.
+/// bend + slope * axial, lateness too; columns are those of the table.
 struct BeamAtRow {
   float lateral_columns_per_m = 0;
   float elevation_columns_per_m = 0;
+  float late_m = 0;
+  float late_slope = 0;
   float lateral_bend_per_m = 0;
   float lateral_slope_per_m2 = 0;
   float elevation_bend_per_m = 0;

@@ -37,17 +37,16 @@ double half_diagonal(double side_m) {
   return 0.5 * std::sqrt(3.0) * side_m;
 }
 
-struct Bend {
-  float at_face_per_m;
-  float slope_per_m2;
+/// What changes slowly with the range, as a straight line through a row's two neighbours.
+struct Line {
+  float at_face;
+  float slope_per_m;
 };
 
-/// The bend of the wave front around a row, as a straight line over the range.
-Bend bend_around(const BeamTable& table, const BeamTable::Direction& direction, int row) {
+template <class Value>
+Line line_around(const BeamTable& table, int row, const Value& value) {
   const int before = std::max(row - 1, 0), behind = std::min(row + 1, table.rows() - 1);
-  const auto at = [&](int i) {
-    return static_cast<double>(direction.rows[static_cast<std::size_t>(i)].bend_per_m);
-  };
+  const auto at = [&](int i) { return static_cast<double>(value(static_cast<std::size_t>(i))); };
   const double slope =
       (at(behind) - at(before)) * table.rows_per_m() / std::max(1, behind - before);
   const double range_m = (row + 0.5) / table.rows_per_m();
@@ -100,15 +99,23 @@ void ScattererScene::weigh_octaves(bool all) {
 }
 
 void ScattererScene::tabulate_rows() {
+  const auto& across = table.lateral().rows;
+  const auto& high = table.elevation().rows;
   for (int row = 0; row < table.rows(); ++row) {
-    const Bend lateral = bend_around(table, table.lateral(), row);
-    const Bend elevation = bend_around(table, table.elevation(), row);
-    rows.push_back({table.lateral().rows[static_cast<std::size_t>(row)].columns_per_m,
-                    table.elevation().rows[static_cast<std::size_t>(row)].columns_per_m,
-                    lateral.at_face_per_m,
-                    lateral.slope_per_m2,
-                    elevation.at_face_per_m,
-                    elevation.slope_per_m2});
+    const Line late =
+        line_around(table, row, [&](std::size_t i) { return across[i].late_m + high[i].late_m; });
+    const Line lateral =
+        line_around(table, row, [&](std::size_t i) { return across[i].bend_per_m; });
+    const Line elevation =
+        line_around(table, row, [&](std::size_t i) { return high[i].bend_per_m; });
+    rows.push_back({across[static_cast<std::size_t>(row)].columns_per_m,
+                    high[static_cast<std::size_t>(row)].columns_per_m,
+                    late.at_face,
+                    late.slope_per_m,
+                    lateral.at_face,
+                    lateral.slope_per_m,
+                    elevation.at_face,
+                    elevation.slope_per_m});
   }
 }
 

@@ -89,8 +89,10 @@ PointResult measure_point(sim::Rung rung,
                           double range_m,
                           bool side_lobes,
                           const PointInputs& inputs) {
+  hw::ProbeOptions probe;
+  if (inputs.in_focus) probe.transmit_focus_m = probe.elevation_focus_m = range_m;
   // So fine that IQ samples are the plan's own.
-  const hw::AcquisitionPlan plan({}, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
+  const hw::AcquisitionPlan plan(probe, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
   const LonePoint point(rung, plan, range_m, side_lobes);
   const auto across = [&](bool in_plane, double radius_m, double formula_m) {
     std::vector<double> places, amplitudes;

@@ -10,10 +10,11 @@
 namespace wobblebench::bench {
 
 struct PointInputs {
-  /// Of the scatterer, along the axis from the face. The fixed foci of the default probe lie at 75
-  /// mm.
+  /// Of the scatterer, along the axis from the face.
   std::vector<double> ranges_m = {50e-3, 75e-3, 110e-3};
   int across = 41;  ///< sticks over each profile
+  /// Puts both fixed foci at the scatterer, where the formulas are exact closed forms.
+  bool in_focus = true;
 };
 
 /// Largest echo on each stick across the beam, or each sample along it, over its largest.
