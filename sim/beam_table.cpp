@@ -19,12 +19,14 @@ using Complex = std::complex<double>;
 constexpr double kRow_m = 1e-3;
 constexpr int kMostRows = 512;
 constexpr int kFewestRows = 16;
-constexpr int kColumns = 128;  // 1 % of the beam's reach
-constexpr int kSideLobeColumns = 512;
+constexpr int kColumns = 32;  // a scatterer takes the middle of its column: -36 dB off
+constexpr int kSideLobeColumns = 96;
 constexpr int kSearchSteps = 128;
-/// Share of the power on a line across the beam that its rim cuts off.
-constexpr double kBeyondMainLobe = 3e-3;
-constexpr double kBeyondSideLobes = 1e-4;
+/// A beam ends where its power stays below a share of its largest, but not within the main lobe:
+/// this much of the way to the first zero of a beam in its focus.
+constexpr double kFaintest = 1e-2;
+constexpr double kMainLobe = 0.8;
+constexpr double kFaintestSideLobe = 3e-5;
 constexpr double kLobes = 4;  // the main one and three beside it
 
 /// The pulse's power over frequency, (f - f0) / f0, at a few frequencies.
@@ -62,7 +64,8 @@ struct Source {
   std::function<Complex(double frequency_ratio, double range_m, double offset_m)> response;
   /// Where to look for the beam's edge at most.
   std::function<double(double range_m)> widest_m;
-  double beyond = kBeyondMainLobe;  ///< share of the power beyond the rim
+  std::function<double(double range_m)> narrowest_m;
+  double faintest = kFaintest;  ///< power at the rim, over the largest
 };
 
 struct Column {
@@ -113,17 +116,17 @@ class RowMaker {
     return result;
   }
 
-  /// Where all but a small share of the power lies within.
+  /// Beyond which the power stays faint.
   double edge_m(double range_m) const {
     const double step = source_.widest_m(range_m) / kSearchSteps;
-    std::vector<double> within;
-    double sum = 0;
+    std::vector<double> power;
     for (int i = 0; i < kSearchSteps; ++i) {
-      sum += std::norm(source_.response(1, range_m, (i + 0.5) * step));
-      within.push_back(sum);
+      power.push_back(std::norm(source_.response(1, range_m, (i + 0.5) * step)));
     }
-    const auto edge = std::lower_bound(within.begin(), within.end(), (1 - source_.beyond) * sum);
-    return static_cast<double>(edge - within.begin() + 1) * step;
+    const double faintest = source_.faintest * *std::max_element(power.begin(), power.end());
+    const auto edge =
+        std::find_if(power.rbegin(), power.rend(), [&](double value) { return value >= faintest; });
+    return std::max(source_.narrowest_m(range_m), static_cast<double>(power.rend() - edge) * step);
   }
 
   /// Parabola nearest to the delays over the row, each by its power.
@@ -219,17 +222,20 @@ Source aperture_source(const hw::AcquisitionPlan& plan,
                        const std::function<double(double)>& aperture_m,
                        double focus_m,
                        bool main_lobe_only) {
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   Source source;
   source.response = [&plan, response](double ratio, double range_m, double offset_m) {
     return response(plan, ratio * plan.probe().center_frequency_hz, range_m, offset_m);
   };
-  source.widest_m = [&plan, aperture_m, focus_m](double range_m) {
-    const double wavelength = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  source.widest_m = [=](double range_m) {
     const double aperture = aperture_m(range_m);
-    return kLobes * wavelength * range_m / aperture +
+    return kLobes * wavelength_m * range_m / aperture +
            0.5 * aperture * std::abs(1 - range_m / focus_m);
   };
-  if (!main_lobe_only) source.beyond = kBeyondSideLobes;
+  source.narrowest_m = [=](double range_m) {
+    return kMainLobe * wavelength_m * range_m / aperture_m(range_m);
+  };
+  if (!main_lobe_only) source.faintest = kFaintestSideLobe;
   return source;
 }
 

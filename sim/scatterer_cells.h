@@ -1,15 +1,14 @@
-// Where scatterers lie in tissue at rest: a Poisson process on a lattice of hash cells. A cell's
-// key says how many it holds and where, so that nothing is stored and everybody finds the same.
+// Where scatterers lie in tissue at rest: a lattice of hash cells with the same number in each. A
+// cell's key says where, so that nothing is stored and everybody finds the same.
 //
 // Far from the beam's foci thousands of scatterers would fall into one resolution cell, where ten
-// make the same speckle. The process is therefore the sum of octaves: the first holds the density
+// make the same speckle. They are therefore the sum of octaves: the first holds the density
 // that the widest beam needs, each further one as much as all before it. A beam that is too wide
 // for an octave fades it out, and the others become stronger, so that the mean echo stays what it
 // is. The fade is slow, and depends on the range alone: tissue that moves, or is seen from another
 // stick, keeps its speckle.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -18,18 +17,9 @@
 
 namespace wobblebench::sim {
 
-/// Number of scatterers in a cell, by the leading bits of the cell's key: Poisson with a given
-/// mean. Its steps are 1/2048 of the probability; mean and variance keep within 0.5 %.
-class PoissonCount {
- public:
-  /// `mean` at most 64.
-  explicit PoissonCount(double mean);
-  int operator()(std::uint32_t key) const { return counts_[key >> (32 - kBits)]; }
-
- private:
-  static constexpr int kBits = 11;
-  std::array<std::uint8_t, 1 << kBits> counts_{};
-};
+/// In each cell: as many as a wide machine looks at together. Over a resolution cell or less that
+/// is close to a Poisson process.
+inline constexpr int kScatterersInCell = 8;
 
 /// Offset in a cell in hash units: 2^11 of them along x and y, 2^10 along z.
 struct CellOffset {
@@ -52,14 +42,12 @@ WOBBLEBENCH_INLINE std::uint32_t hash_cell_key(std::uint32_t parcel_key, std::ui
   return mix32(parcel_key + number * 0x85ebca6bU);
 }
 
-/// One octave: a Poisson process of its own.
+/// One octave.
 struct Octave {
   double per_m3;
   int divisions;  ///< hash cells along the side of a parcel
   std::uint64_t key;
-  PoissonCount count;
 
-  Octave(double density_per_m3, double parcel_m, std::uint64_t seed, int number);
   int cells() const { return divisions * divisions * divisions; }
   std::uint32_t parcel_key(const glm::ivec3& parcel) const;
 };

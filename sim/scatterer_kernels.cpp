@@ -1,6 +1,12 @@
 #include "sim/scatterer_kernels.h"
 
+#include <bit>
+
 #include "sim/fast_math.h"
+
+#if WOBBLEBENCH_HAND_SIMD
+#include <immintrin.h>
+#endif
 
 namespace wobblebench::sim {
 
@@ -34,14 +40,57 @@ WOBBLEBENCH_INLINE BeamVector place(const TouchedHashCell& cell,
           at.z * axes.z.elevation};
 }
 
-/// One block of a cell's scatterers, seen or not.
+constexpr int kLanes = kScatterersInCell;
+
+/// A cell's scatterers, seen or not.
 struct Lanes {
-  float path_m[kScattererLanes];
-  std::uint32_t entry[kScattererLanes];
-  std::int32_t within[kScattererLanes];
-  float amplitude[kScattererLanes];
-  std::int32_t in_sheet[kScattererLanes];
+  float path_m[kLanes];
+  std::int32_t entry[kLanes];
+  float amplitude[kLanes];
+  std::int32_t within[kLanes];
 };
+
+/// Writes the lanes that are within to the front of `to`, in order, and anything behind them, as
+/// far as there are lanes. Returns which, one bit each.
+using Pack = std::uint32_t (*)(const Lanes& lanes, const SeenScatterers& to);
+
+std::uint32_t pack_one_by_one(const Lanes& lanes, const SeenScatterers& to) {
+  std::uint32_t mask = 0;
+  int kept = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    to.path_m[kept] = lanes.path_m[i];
+    to.entry[kept] = lanes.entry[i];
+    to.amplitude[kept] = lanes.amplitude[i];
+    kept += lanes.within[i];
+    mask |= static_cast<std::uint32_t>(lanes.within[i]) << i;
+  }
+  return mask;
+}
+
+#if WOBBLEBENCH_HAND_SIMD
+__attribute__((target("avx512f,avx512vl"))) std::uint32_t pack_at_once(const Lanes& lanes,
+                                                                       const SeenScatterers& to) {
+  static_assert(kLanes == 8);
+  const auto load = [](const auto* from) __attribute__((target("avx512f,avx512vl"))) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+  };
+  const auto store = [](auto* at, __m256i value) __attribute__((target("avx512f,avx512vl"))) {
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(at), value);
+  };
+  const __m256i within = load(lanes.within);
+  const __mmask8 mask = _mm256_test_epi32_mask(within, within);
+  store(to.path_m, _mm256_maskz_compress_epi32(mask, load(lanes.path_m)));
+  store(to.entry, _mm256_maskz_compress_epi32(mask, load(lanes.entry)));
+  store(to.amplitude, _mm256_maskz_compress_epi32(mask, load(lanes.amplitude)));
+  return mask;
+}
+
+const Pack pack = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0
+                      ? pack_at_once
+                      : pack_one_by_one;
+#else
+constexpr Pack pack = pack_one_by_one;
+#endif
 
 /// How far beyond the rim a place is, in squared columns or columns; negative: within.
 template <BeamRim rim>
@@ -52,153 +101,84 @@ WOBBLEBENCH_INLINE float beyond_rim(float u, float v, float columns) {
 /// One place in the beam.
 struct Seen {
   float path_m;
-  std::uint32_t entry;
+  std::int32_t entry;
   std::int32_t within;
 };
 
 template <BeamRim rim>
 WOBBLEBENCH_INLINE Seen
-look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, float columns) {
+look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, std::int32_t columns) {
   const float u = magnitude(at.lateral) * beam.lateral_columns_per_m;
   const float v = magnitude(at.elevation) * beam.elevation_columns_per_m;
+  const float late = beam.late_m + beam.late_slope * at.axial;
   const float lateral_bend = beam.lateral_bend_per_m + beam.lateral_slope_per_m2 * at.axial;
   const float elevation_bend = beam.elevation_bend_per_m + beam.elevation_slope_per_m2 * at.axial;
-  const float late = beam.late_m + beam.late_slope * at.axial;
+  const std::int32_t place = row * columns + static_cast<std::int32_t>(u);
   return {at.axial + late + lateral_bend * at.lateral * at.lateral +
               elevation_bend * at.elevation * at.elevation,
-          pack_entry(static_cast<std::uint32_t>(row),
-                     static_cast<std::int32_t>(u),
-                     static_cast<std::int32_t>(v)),
-          (beyond_rim<rim>(u, v, columns) < 0.0f) & (at.axial > 0.0f)};
+          place * columns + static_cast<std::int32_t>(v),
+          (beyond_rim<rim>(u, v, static_cast<float>(columns)) < 0.0f) & (at.axial > 0.0f)};
 }
 
-WOBBLEBENCH_INLINE float distance_to(const SurfacePatch& p, const CellOffset& at) {
-  constexpr float kX = static_cast<float>(2 / kHashUnits[0]);
-  constexpr float kY = static_cast<float>(2 / kHashUnits[1]);
-  constexpr float kZ = static_cast<float>(2 / kHashUnits[2]);
-  const float x = at.x * kX - 1.0f, y = at.y * kY - 1.0f, z = at.z * kZ - 1.0f;
-  return p.at + x * (p.bx + p.qxx * x + p.qxy * y) + y * (p.by + p.qyy * y + p.qyz * z) +
-         z * (p.bz + p.qzz * z + p.qxz * x);
-}
-
-template <BeamRim rim, bool cut>
-WOBBLEBENCH_INLINE void fill_lanes(const TouchedHashCell& cell,
-                                   const BeamAtRow& beam,
-                                   std::uint32_t first,
-                                   const HashAxes& axes,
-                                   float columns,
-                                   const SurfacePatch& patch,
-                                   float half_sheet_m,
-                                   Lanes& lanes) {
-  const float inside = patch.inside_amplitude, outside = patch.outside_amplitude;
-  for (int i = 0; i < kScattererLanes; ++i) {
-    const CellOffset offset = scatterer_offset(cell.key, first + static_cast<std::uint32_t>(i));
+/// A cell's scatterers, all in one tissue.
+template <BeamRim rim>
+WOBBLEBENCH_INLINE void fill_even(const TouchedHashCell& cell,
+                                  const BeamAtRow& beam,
+                                  const HashAxes& axes,
+                                  std::int32_t columns,
+                                  Lanes& lanes) {
+  for (int i = 0; i < kLanes; ++i) {
+    const CellOffset offset = scatterer_offset(cell.key, static_cast<std::uint32_t>(i));
     const Seen seen = look<rim>(place(cell, axes, offset), beam, cell.row, columns);
     lanes.path_m[i] = seen.path_m;
     lanes.entry[i] = seen.entry;
-    std::int32_t within = seen.within;
-    if constexpr (cut) {
-      const float distance = distance_to(patch, offset);
-      const float side = distance < 0.0f ? inside : outside;
-      const std::int32_t in_sheet = magnitude(distance) < half_sheet_m;
-      within &= in_sheet | (side > 0.0f);
-      lanes.amplitude[i] = cell.amplitude * side;
-      lanes.in_sheet[i] = in_sheet & within;
-    }
-    lanes.within[i] = within;
+    lanes.amplitude[i] = cell.amplitude;
+    lanes.within[i] = seen.within;
   }
 }
 
-template <BeamRim rim, bool numbered>
-WOBBLEBENCH_INLINE int see(const TouchedHashCell* cells,
-                           int count,
-                           const HashAxes& axes,
-                           const Sight& sight,
-                           const SeenScatterers& seen,
-                           std::int32_t* numbers) {
+template <BeamRim rim>
+WOBBLEBENCH_INLINE int see_even_within(const TouchedHashCell* cells,
+                                       int count,
+                                       const HashAxes& axes,
+                                       const Sight& sight,
+                                       const SeenScatterers& seen) {
   int kept = 0;
   Lanes lanes;
   for (int c = 0; c < count; ++c) {
-    const TouchedHashCell& cell = cells[c];
-    const BeamAtRow& beam = sight.rows[cell.row];
-    for (int first = 0; first < cell.count; first += kScattererLanes) {
-      fill_lanes<rim, false>(
-          cell, beam, static_cast<std::uint32_t>(first), axes, sight.columns, {}, 0.0f, lanes);
-      const int left = cell.count - first;
-      const int used = left < kScattererLanes ? left : kScattererLanes;
-#pragma GCC unroll 1  // unrolled, it takes the lanes apart one by one
-      for (int i = 0; i < used; ++i) {
-        seen.path_m[kept] = lanes.path_m[i];
-        seen.entry[kept] = lanes.entry[i];
-        seen.amplitude[kept] = cell.amplitude;
-        if (numbered) numbers[kept] = first + i;
-        kept += lanes.within[i];
-      }
-    }
+    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
+    kept += std::popcount(pack(lanes, seen.from(static_cast<std::size_t>(kept))));
   }
   return kept;
 }
 
 template <BeamRim rim>
-WOBBLEBENCH_INLINE int see_cut(const TouchedHashCell* cells,
-                               const SurfacePatch* const* patches,
-                               int count,
-                               const HashAxes& axes,
-                               const Sight& sight,
-                               float half_sheet_m,
-                               const SeenScatterers& seen,
-                               SheetHit* hits,
-                               int* hit_count) {
+WOBBLEBENCH_INLINE int see_mixed_within(const TouchedHashCell* cells,
+                                        const MixedCell* const* mixed,
+                                        int count,
+                                        const HashAxes& axes,
+                                        const Sight& sight,
+                                        const SeenScatterers& seen,
+                                        SheetHit* hits,
+                                        int* hit_count) {
   int kept = 0, hit = 0;
   Lanes lanes;
   for (int c = 0; c < count; ++c) {
-    const TouchedHashCell& cell = cells[c];
-    const BeamAtRow& beam = sight.rows[cell.row];
-    for (int first = 0; first < cell.count; first += kScattererLanes) {
-      fill_lanes<rim, true>(cell,
-                            beam,
-                            static_cast<std::uint32_t>(first),
-                            axes,
-                            sight.columns,
-                            *patches[c],
-                            half_sheet_m,
-                            lanes);
-      const int left = cell.count - first;
-      const int used = left < kScattererLanes ? left : kScattererLanes;
-#pragma GCC unroll 1
-      for (int i = 0; i < used; ++i) {
-        seen.path_m[kept] = lanes.path_m[i];
-        seen.entry[kept] = lanes.entry[i];
-        seen.amplitude[kept] = lanes.amplitude[i];
-        hits[hit] = {kept, c, first + i};
-        hit += lanes.in_sheet[i];
-        kept += lanes.within[i];
-      }
+    const MixedCell& tissue = *mixed[c];
+    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
+    for (int i = 0; i < kLanes; ++i) {
+      lanes.amplitude[i] *= tissue.amplitude[i];
+      lanes.within[i] &= tissue.amplitude[i] > 0.0f;
     }
+    const std::uint32_t within = pack(lanes, seen.from(static_cast<std::size_t>(kept)));
+    for (std::uint32_t left = within & tissue.in_sheet; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      hits[hit++] = {kept + std::popcount(within & ((1u << i) - 1)), c, i};
+    }
+    kept += std::popcount(within);
   }
   *hit_count = hit;
   return kept;
-}
-
-WOBBLEBENCH_SIMD int see_even(const TouchedHashCell* cells,
-                              int count,
-                              const HashAxes& axes,
-                              const Sight& sight,
-                              const SeenScatterers& seen) {
-  return sight.rim == BeamRim::ellipse
-             ? see<BeamRim::ellipse, false>(cells, count, axes, sight, seen, nullptr)
-             : see<BeamRim::diamond, false>(cells, count, axes, sight, seen, nullptr);
-}
-
-WOBBLEBENCH_SIMD int see_numbered(const TouchedHashCell* cells,
-                                  int count,
-                                  const HashAxes& axes,
-                                  const Sight& sight,
-                                  const SeenScatterers& seen,
-                                  std::int32_t* numbers) {
-  return sight.rim == BeamRim::ellipse
-             ? see<BeamRim::ellipse, true>(cells, count, axes, sight, seen, numbers)
-             : see<BeamRim::diamond, true>(cells, count, axes, sight, seen, numbers);
 }
 
 WOBBLEBENCH_INLINE float reach_at(const ReachAlong& reach, float axial) {
@@ -211,9 +191,6 @@ WOBBLEBENCH_INLINE void find_near(const HashCellCenters& centers,
                                   const BeamVector& corner,
                                   const BeamVector& half_cell,
                                   const ParcelReach& reach,
-                                  std::uint32_t parcel_key,
-                                  std::uint32_t first_number,
-                                  std::uint32_t* __restrict keys,
                                   std::uint8_t* __restrict near) {
   for (int i = 0; i < count; ++i) {
     const float axial = corner.axial + centers.axial[i];
@@ -227,20 +204,19 @@ WOBBLEBENCH_INLINE void find_near(const HashCellCenters& centers,
     const float u = (lateral > 0.0f ? lateral : 0.0f) * high;
     const float v = (elevation > 0.0f ? elevation : 0.0f) * wide;
     near[i] = beyond_rim<rim>(u, v, wide * high) < 0.0f ? 1 : 0;
-    keys[i] = hash_cell_key(parcel_key, first_number + static_cast<std::uint32_t>(i));
   }
 }
 
 }  // namespace
 
-int see_scatterers(const TouchedHashCell* cells,
-                   int count,
-                   const HashAxes& axes,
-                   const Sight& sight,
-                   const SeenScatterers& seen,
-                   std::int32_t* numbers) {
-  return numbers == nullptr ? see_even(cells, count, axes, sight, seen)
-                            : see_numbered(cells, count, axes, sight, seen, numbers);
+WOBBLEBENCH_SIMD int see_scatterers(const TouchedHashCell* cells,
+                                    int count,
+                                    const HashAxes& axes,
+                                    const Sight& sight,
+                                    const SeenScatterers& seen) {
+  return sight.rim == BeamRim::ellipse
+             ? see_even_within<BeamRim::ellipse>(cells, count, axes, sight, seen)
+             : see_even_within<BeamRim::diamond>(cells, count, axes, sight, seen);
 }
 
 int see_places(const BeamPlace* places, int count, const Sight& sight, const SeenScatterers& seen) {
@@ -253,26 +229,25 @@ int see_places(const BeamPlace* places, int count, const Sight& sight, const See
                            : look<BeamRim::diamond>(place.at, beam, place.row, sight.columns);
     seen.path_m[kept] = found.path_m;
     seen.entry[kept] = found.entry;
-    seen.amplitude[kept] = place.amplitude;
+    seen.amplitude[kept] = place.amplitude * beam.scale;
     kept += found.within;
   }
   return kept;
 }
 
-WOBBLEBENCH_SIMD int see_cut_scatterers(const TouchedHashCell* cells,
-                                        const SurfacePatch* const* patches,
-                                        int count,
-                                        const HashAxes& axes,
-                                        const Sight& sight,
-                                        float half_sheet_m,
-                                        const SeenScatterers& seen,
-                                        SheetHit* hits,
-                                        int* hit_count) {
+WOBBLEBENCH_SIMD int see_mixed_scatterers(const TouchedHashCell* cells,
+                                          const MixedCell* const* mixed,
+                                          int count,
+                                          const HashAxes& axes,
+                                          const Sight& sight,
+                                          const SeenScatterers& seen,
+                                          SheetHit* hits,
+                                          int* hit_count) {
   return sight.rim == BeamRim::ellipse
-             ? see_cut<BeamRim::ellipse>(
-                   cells, patches, count, axes, sight, half_sheet_m, seen, hits, hit_count)
-             : see_cut<BeamRim::diamond>(
-                   cells, patches, count, axes, sight, half_sheet_m, seen, hits, hit_count);
+             ? see_mixed_within<BeamRim::ellipse>(
+                   cells, mixed, count, axes, sight, seen, hits, hit_count)
+             : see_mixed_within<BeamRim::diamond>(
+                   cells, mixed, count, axes, sight, seen, hits, hit_count);
 }
 
 WOBBLEBENCH_SIMD void find_near_cells(const HashCellCenters& centers,
@@ -281,16 +256,11 @@ WOBBLEBENCH_SIMD void find_near_cells(const HashCellCenters& centers,
                                       const BeamVector& half_cell,
                                       const ParcelReach& reach,
                                       BeamRim rim,
-                                      std::uint32_t parcel_key,
-                                      std::uint32_t first_number,
-                                      std::uint32_t* keys,
                                       std::uint8_t* near) {
   if (rim == BeamRim::ellipse) {
-    find_near<BeamRim::ellipse>(
-        centers, count, corner, half_cell, reach, parcel_key, first_number, keys, near);
+    find_near<BeamRim::ellipse>(centers, count, corner, half_cell, reach, near);
   } else {
-    find_near<BeamRim::diamond>(
-        centers, count, corner, half_cell, reach, parcel_key, first_number, keys, near);
+    find_near<BeamRim::diamond>(centers, count, corner, half_cell, reach, near);
   }
 }
 
@@ -304,33 +274,28 @@ struct EchoLanes {
   float high_im[kEchoBatch];
 };
 
+/// Two 16-bit fractions, the real part in the low half.
+WOBBLEBENCH_INLINE Complex unpacked(std::uint32_t word) {
+  return {static_cast<float>(static_cast<std::int32_t>(word << 16) >> 16),
+          static_cast<float>(static_cast<std::int32_t>(word) >> 16)};
+}
+
 WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
                                    int count,
                                    const EchoConstants& constants,
                                    EchoLanes& __restrict lanes,
                                    std::int32_t* __restrict bins) {
-  const float* lateral = constants.lateral;
-  const float* elevation = constants.elevation;
+  const std::uint32_t* beam = constants.beam;
   const float* paths = seen.path_m;
-  const std::uint32_t* entries = seen.entry;
+  const std::int32_t* entries = seen.entry;
   const float* amplitudes = seen.amplitude;
   const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
   const float colour_per_bin = constants.colour_per_bin;
-  const std::int32_t last_bin = constants.last_bin, columns = constants.columns;
-  constexpr std::int32_t kColumn = (1 << kColumnBits) - 1;
+  const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
     const float path = paths[i], amplitude = amplitudes[i];
-    const std::int32_t entry = static_cast<std::int32_t>(entries[i]);
-    const std::int32_t row = (entry >> (2 * kColumnBits)) * columns;
-    const std::int32_t at_l = 4 * (row + ((entry >> kColumnBits) & kColumn));
-    const std::int32_t at_e = 4 * (row + (entry & kColumn));
-    const Complex level_l{lateral[at_l], lateral[at_l + 1]};
-    const Complex colour_l{lateral[at_l + 2], lateral[at_l + 3]};
-    const Complex level_e{elevation[at_e], elevation[at_e + 1]};
-    const Complex colour_e{elevation[at_e + 2], elevation[at_e + 3]};
-    const Complex level = level_l * level_e;
-    const Complex colour = level_l * colour_e + colour_l * level_e;
-
+    const std::int32_t at = 2 * entries[i];
+    const Complex level = unpacked(beam[at]), colour = unpacked(beam[at + 1]);
     const float cycles = path * cycles_per_m;
     const CosSin angle =
         cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(cycles)) - cycles);

@@ -8,7 +8,7 @@
 
 #include "sim/scatterer_cells.h"
 #include "sim/simd.h"
-#include "sim/surface_patches.h"
+#include "sim/tissue_parcels.h"
 
 namespace wobblebench::sim {
 
@@ -30,15 +30,15 @@ struct BeamAtRow {
   float lateral_slope_per_m2 = 0;
   float elevation_bend_per_m = 0;
   float elevation_slope_per_m2 = 0;
+  float scale = 1;  ///< of the beam's sections there (sim/beam_sections.h)
 };
 
 /// A hash cell that the beam touches.
 struct TouchedHashCell {
   BeamVector corner;    ///< low corner
-  float amplitude = 0;  ///< of its scatterers on the axis
+  float amplitude = 0;  ///< of its scatterers on the axis, times the sections' scale
   std::uint32_t key = 0;
-  std::int32_t count = 0;  ///< of scatterers
-  std::int32_t row = 0;    ///< of the beam's table
+  std::int32_t row = 0;  ///< of the beam's table
 };
 
 /// What one hash unit along each of the tissue's axes is in beam coordinates.
@@ -48,24 +48,17 @@ struct HashAxes {
   BeamVector z;
 };
 
-/// Scatterers within the beam's reach, one array for each property: apparent range, column and row
-/// of the beam's tables (see pack_entry), and amplitude.
+/// Scatterers within the beam's reach, one array for each property: apparent range, place in the
+/// beam's sections, and amplitude.
 struct SeenScatterers {
   float* path_m;
-  std::uint32_t* entry;
+  std::int32_t* entry;
   float* amplitude;
 
   SeenScatterers from(std::size_t first) const {
     return {path_m + first, entry + first, amplitude + first};
   }
 };
-
-/// Where a scatterer looks into the tables: row, lateral column, elevation column.
-inline constexpr int kColumnBits = 10;
-WOBBLEBENCH_INLINE std::uint32_t pack_entry(std::uint32_t row, std::int32_t u, std::int32_t v) {
-  return (row << (2 * kColumnBits)) | (static_cast<std::uint32_t>(u) << kColumnBits) |
-         static_cast<std::uint32_t>(v);
-}
 
 /// What a scatterer puts into the bin that its echo falls into; see sim/echo_bins.h.
 struct alignas(16) BinShare {
@@ -75,9 +68,6 @@ struct alignas(16) BinShare {
   float high_im;
 };
 
-/// Scatterers of a cell are looked at this many at a time: room in buffers must be left for it.
-inline constexpr int kScattererLanes = 16;
-
 /// Where the beam ends: at an ellipse through the last columns, or, for side lobes, where the sum
 /// of both columns reaches the last.
 enum class BeamRim { ellipse, diamond };
@@ -85,20 +75,19 @@ enum class BeamRim { ellipse, diamond };
 /// What all scatterers of a stick share.
 struct Sight {
   const BeamAtRow* rows;
-  float columns;  ///< of the beam's table
+  std::int32_t columns;  ///< of the beam's table
   BeamRim rim;
 };
 
-/// Writes the cells' scatterers within reach to `seen`, which has room for all of them, and each
-/// one's number in its cell to `numbers` if given. Returns how many.
+/// Writes the cells' scatterers within reach to `seen`, which has room for all of them and one cell
+/// more. Returns how many.
 int see_scatterers(const TouchedHashCell* cells,
                    int count,
                    const HashAxes& axes,
                    const Sight& sight,
-                   const SeenScatterers& seen,
-                   std::int32_t* numbers);
+                   const SeenScatterers& seen);
 
-/// The same for single places, each with the nearest row of the beam's table.
+/// Scatterers at given places, each with the nearest row of the beam's table.
 struct BeamPlace {
   BeamVector at;
   float amplitude = 0;
@@ -106,25 +95,23 @@ struct BeamPlace {
 };
 int see_places(const BeamPlace* places, int count, const Sight& sight, const SeenScatterers& seen);
 
-/// A scatterer so close to a surface that it echoes with the interface too.
+/// A scatterer whose amplitude depends on the direction of the sound.
 struct SheetHit {
-  std::int32_t seen;    ///< its place in `seen`
-  std::int32_t cell;    ///< of those given
-  std::int32_t number;  ///< in its cell
+  std::int32_t seen;       ///< its place in `seen`
+  std::int32_t cell;       ///< of those given
+  std::int32_t scatterer;  ///< in its cell
 };
 
-/// The same for cells that a surface cuts: scatterers take the amplitude of their side, and those
-/// of a silent side are left out. Writes those within `half_sheet_m` of the surface to `hits` too
-/// (room for all), and their number to `hit_count`.
-int see_cut_scatterers(const TouchedHashCell* cells,
-                       const SurfacePatch* const* patches,
-                       int count,
-                       const HashAxes& axes,
-                       const Sight& sight,
-                       float half_sheet_m,
-                       const SeenScatterers& seen,
-                       SheetHit* hits,
-                       int* hit_count);
+/// The same for mixed cells, whose silent scatterers are left out. Writes those that lie in sheets
+/// to `hits` too (room for all), and their number to `hit_count`.
+int see_mixed_scatterers(const TouchedHashCell* cells,
+                         const MixedCell* const* mixed,
+                         int count,
+                         const HashAxes& axes,
+                         const Sight& sight,
+                         const SeenScatterers& seen,
+                         SheetHit* hits,
+                         int* hit_count);
 
 /// The centres of a parcel's hash cells, from its low corner.
 struct HashCellCenters {
@@ -142,23 +129,18 @@ struct ParcelReach {
   ReachAlong lateral_m;
   ReachAlong elevation_m;
 };
-/// Finds the hash cells that the beam may touch: near[i] is 1 for them. Makes all keys.
+/// Finds the hash cells that the beam may touch: near[i] is 1 for them.
 void find_near_cells(const HashCellCenters& centers,
                      int count,
                      const BeamVector& corner,
                      const BeamVector& half_cell,
                      const ParcelReach& reach,
                      BeamRim rim,
-                     std::uint32_t parcel_key,
-                     std::uint32_t first_number,
-                     std::uint32_t* keys,
                      std::uint8_t* near);
 
 struct EchoConstants {
-  const float* lateral;  ///< table values
-  const float* elevation;
-  std::int32_t columns;
-  float cycles_per_m;  ///< of path: 2 f0 / c
+  const std::uint32_t* beam;  ///< words of the sections
+  float cycles_per_m;         ///< of path: 2 f0 / c
   float bins_per_m;
   std::int32_t last_bin;  ///< what lies beyond it, and what lies before range 0, falls into the
                           ///< last and the first bin, which nobody reads

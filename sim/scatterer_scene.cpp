@@ -61,6 +61,7 @@ ScattererScene::ScattererScene(const Subject& scanned,
                                const ScattererModel& model)
     : subject(scanned),
       table(plan, model.beam, options.threads),
+      sections(table),
       per_m3(density_per_m3(plan, options)),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
       cells(per_m3, widest_ratio(table), options.seed),
@@ -91,6 +92,7 @@ void ScattererScene::weigh_octaves(bool all) {
       OctaveGain& gain = gains[static_cast<std::size_t>(i)];
       const double power = octave_power(i, count, width);
       gain.amplitude.push_back(static_cast<float>(std::sqrt(even * power)));
+      gain.scaled.push_back(gain.amplitude.back() * sections.scale(row));
       if (power <= 0) continue;
       const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
       std::fill(gain.heard.begin() + from, gain.heard.begin() + to + 1, char{1});
@@ -115,7 +117,8 @@ void ScattererScene::tabulate_rows() {
                     lateral.at_face,
                     lateral.slope_per_m,
                     elevation.at_face,
-                    elevation.slope_per_m});
+                    elevation.slope_per_m,
+                    sections.scale(row)});
   }
 }
 

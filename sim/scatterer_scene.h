@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hw/acquisition_plan.h"
-#include "sim/beam_table.h"
+#include "sim/beam_sections.h"
 #include "sim/beam_tube.h"
 #include "sim/echo_bins.h"
 #include "sim/options.h"
@@ -35,11 +35,13 @@ struct ScattererScene {
   /// whether any scatterer of a parcel with its middle there has one.
   struct OctaveGain {
     std::vector<float> amplitude;
+    std::vector<float> scaled;  ///< by the sections' scale
     std::vector<char> heard;
   };
 
   Subject subject;
   BeamTable table;
+  BeamSections sections;
   double per_m3;   ///< scatterers, all octaves
   double pulse_m;  ///< length of a pulse of even power that has the same energy
   ScattererCells cells;
@@ -51,7 +53,7 @@ struct ScattererScene {
   PulseTaps taps;
   double cycles_per_m;  ///< of range, there and back
 
-  Sight sight() const { return {rows.data(), static_cast<float>(table.columns()), rim}; }
+  Sight sight() const { return {rows.data(), table.columns(), rim}; }
   ParcelLattice lattice() const { return {parcels.origin_m(), parcels.side_m()}; }
 
  private:

@@ -26,10 +26,8 @@ class ParcelSearch {
     const std::uint32_t parcel_key = process.parcel_key(parcel.index);
     for (int cell = 0; cell < process.cells(); ++cell) {
       const std::uint32_t key = hash_cell_key(parcel_key, static_cast<std::uint32_t>(cell));
-      const int count = process.count(key);
-      for (int i = 0; i < count; ++i) {
-        const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(i));
-        take(parcel, octave, cell, offset, found);
+      for (int i = 0; i < kScatterersInCell; ++i) {
+        take(parcel, octave, cell, key, i, found);
       }
     }
   }
@@ -38,9 +36,11 @@ class ParcelSearch {
   void take(const TissueParcels::Parcel& parcel,
             int octave,
             int cell,
-            const CellOffset& offset,
+            std::uint32_t key,
+            int scatterer,
             std::vector<PointEcho>& found) const {
     const int n = scene_.cells.octaves[static_cast<std::size_t>(octave)].divisions;
+    const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(scatterer));
     const glm::dvec3 within(static_cast<double>(offset.x) / kHashUnits[0],
                             static_cast<double>(offset.y) / kHashUnits[1],
                             static_cast<double>(offset.z) / kHashUnits[2]);
@@ -51,8 +51,8 @@ class ParcelSearch {
     const glm::dvec3 beam = view_.to_beam(rest);
     if (!within_beam(beam)) return;
     const glm::dvec3 ahead = view_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
-    const float strength =
-        scene_.parcels.amplitude_at(parcel, octave, cell, offset, glm::vec3(glm::normalize(ahead)));
+    const float strength = scene_.parcels.amplitude_at(
+        parcel, octave, cell, scatterer, glm::vec3(glm::normalize(ahead)));
     const auto row = static_cast<std::size_t>(scene_.table.row(beam.x));
     const float amplitude =
         strength * scene_.gains[static_cast<std::size_t>(octave)].amplitude[row];

@@ -11,7 +11,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// A hash cell of scatterers is up to this wide (sim/surface_patches.h looks at all of it).
+/// Half the diagonal of a hash cell of scatterers, at most, and what its sheets are thick.
 constexpr double kScattererReach_m = 2e-3;
 
 double fastest_ratio(const Subject& subject, const hw::AcquisitionPlan& plan) {

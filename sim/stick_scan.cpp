@@ -1,7 +1,9 @@
 #include "sim/stick_scan.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -13,6 +15,7 @@ namespace {
 constexpr std::size_t kPending = 1024;
 /// Hash cells are tested this many at a time.
 constexpr int kCells = 256;
+constexpr int kFlagsInWord = 8;
 /// Scatterers may be out of place by this much where tissue turns in itself.
 constexpr double kStraight_m = 2e-6;
 /// Cells of such tissue are taken as larger than they are by this factor.
@@ -83,9 +86,7 @@ void CellGrid::fill(const RestToBeam& map, double side_m, int divisions) {
 
 void CellBatch::clear() {
   cells.clear();
-  patches.clear();
-  numbers.clear();
-  scatterers = 0;
+  mixed.clear();
 }
 
 StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffers& buffers)
@@ -94,8 +95,8 @@ StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffe
   const double samples = static_cast<double>(way.left.size()) + scene.taps.beside();
   heard_m_ = samples * way.spacing_m;
   end_m_ = heard_m_ - (way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back()));
-  buffers_.keys.resize(kCells);
-  buffers_.near.resize(kCells);
+  buffers_.near.resize(kCells + kFlagsInWord);
+  buffers_.list.resize(kCells);
   find_delays();
 }
 
@@ -119,15 +120,13 @@ std::uint64_t StickScan::run(std::span<std::complex<float>> iq) {
 std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::complex<float>> iq) {
   buffers_.bins.begin(scene_.taps, heard_m_);
   const AcrossStick across = across_stick(way_.line.ray);
-  CellBatch none;
   for (const PointEcho& point : points) {
     const glm::dvec3 from_face = point.position_m - way_.line.ray.origin;
     const glm::dvec3 at(glm::dot(from_face, way_.line.ray.direction),
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const BeamPlace place{narrow(at), point.amplitude, scene_.table.row(at.x)};
-    none.scatterers = 1;
-    pending_ += static_cast<std::size_t>(see_places(&place, 1, scene_.sight(), room_for(none)));
+    pending_ += static_cast<std::size_t>(see_places(&place, 1, scene_.sight(), room_for(1)));
   }
   flush();
   buffers_.bins.finish(scene_.taps, way_.left, iq);
@@ -174,11 +173,11 @@ ParcelReach StickScan::reach_around(double range_m) const {
   return {parabola(table.lateral()), parabola(table.elevation())};
 }
 
-void StickScan::scan_octave(const Parcel& parcel, const CellGrid& grid, int octave) {
+void StickScan::scan_octave(Parcel& parcel, const CellGrid& grid, int octave) {
   const Octave& process = scene_.cells.octaves[static_cast<std::size_t>(octave)];
   const float stretch = parcel.straight ? 1.0f : kStretch;
   const BeamVector half{0, stretch * grid.half.lateral, stretch * grid.half.elevation};
-  const std::uint32_t parcel_key = process.parcel_key(parcel.tissue.index);
+  parcel.key = process.parcel_key(parcel.tissue.index);
   for (int first = 0; first < process.cells(); first += kCells) {
     const int count = std::min(kCells, process.cells() - first);
     find_near_cells(
@@ -188,55 +187,88 @@ void StickScan::scan_octave(const Parcel& parcel, const CellGrid& grid, int octa
         half,
         parcel.reach,
         scene_.rim,
-        parcel_key,
-        static_cast<std::uint32_t>(first),
-        buffers_.keys.data(),
         buffers_.near.data());
     take_near_cells(parcel, grid, octave, first, count);
   }
-  if (parcel.straight) see(parcel, grid.axes, octave);
+  if (parcel.straight) see(parcel, grid.axes);
   if (pending_ >= kPending) flush();
+}
+
+TouchedHashCell StickScan::touched_cell(const Parcel& parcel,
+                                        const CellGrid& grid,
+                                        int number) const {
+  const auto at = static_cast<std::size_t>(number);
+  TouchedHashCell cell;
+  cell.key = hash_cell_key(parcel.key, static_cast<std::uint32_t>(number));
+  cell.row = std::clamp(static_cast<int>((parcel.beam_corner.axial + grid.axial[at]) *
+                                         static_cast<float>(scene_.table.rows_per_m())),
+                        0,
+                        scene_.table.rows() - 1);
+  cell.corner = parcel.beam_corner + grid.corner[at];
+  return cell;
+}
+
+std::span<const int> StickScan::list_near(int count) {
+  // Few are near, eight by eight: whole words of flags are passed over.
+  std::fill(buffers_.near.begin() + count, buffers_.near.begin() + count + kFlagsInWord, 0);
+  std::size_t listed = 0;
+  for (int first = 0; first < count; first += kFlagsInWord) {
+    std::uint64_t flags;
+    std::memcpy(&flags, buffers_.near.data() + first, sizeof flags);
+    for (; flags != 0; flags &= flags - 1) {
+      buffers_.list[listed++] = first + std::countr_zero(flags) / 8;
+    }
+  }
+  return {buffers_.list.data(), listed};
 }
 
 void StickScan::take_near_cells(
     const Parcel& parcel, const CellGrid& grid, int octave, int first, int count) {
-  const auto o = static_cast<std::size_t>(octave);
-  const PoissonCount& counts = scene_.cells.octaves[o].count;
-  const float* gain = scene_.gains[o].amplitude.data();
-  const float rows_per_m = static_cast<float>(scene_.table.rows_per_m());
-  const int last_row = scene_.table.rows() - 1;
-  for (int i = 0; i < count; ++i) {
-    if (!buffers_.near[static_cast<std::size_t>(i)]) continue;
-    const int code = scene_.parcels.code(parcel.tissue, octave, first + i);
-    const float strength = code >= 0 ? scene_.parcels.amplitude(code) : 1.0f;
-    const auto at = static_cast<std::size_t>(first + i);
-    TouchedHashCell cell;
-    cell.key = buffers_.keys[static_cast<std::size_t>(i)];
-    cell.count = counts(cell.key);
-    cell.row = std::clamp(
-        static_cast<int>((parcel.beam_corner.axial + grid.axial[at]) * rows_per_m), 0, last_row);
+  const std::span<const int> near = list_near(count);
+  if (parcel.tissue.mixed < 0 && parcel.straight) {
+    take_even_cells(parcel, grid, octave, first, near);
+    return;
+  }
+  const TissueParcels& parcels = scene_.parcels;
+  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
+  for (const int i : near) {
+    const int number = first + i;
+    const int code = parcel.tissue.mixed < 0 ? parcel.tissue.material
+                                             : parcels.code(parcel.tissue, octave, number);
+    const float strength = code >= 0 ? parcels.amplitude(code) : 1.0f;
+    TouchedHashCell cell = touched_cell(parcel, grid, number);
     cell.amplitude = strength * gain[cell.row];
-    if (cell.count == 0 || cell.amplitude == 0) continue;
-    cell.corner = parcel.beam_corner + grid.corner[at];
+    if (cell.amplitude == 0) continue;
     if (parcel.straight) {
-      sort_cell(cell, code, first + i);
+      sort_cell(cell, code);
     } else {
-      const HashAxes axes = place_bent(parcel, octave, first + i, cell);
-      sort_cell(cell, code, first + i);
-      see(parcel, axes, octave);
+      const HashAxes axes = place_bent(parcel, octave, number, cell);
+      sort_cell(cell, code);
+      see(parcel, axes);
     }
   }
 }
 
-void StickScan::sort_cell(const TouchedHashCell& cell, int code, int number) {
+void StickScan::take_even_cells(
+    const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near) {
+  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
+  const float strength = scene_.parcels.amplitude(parcel.tissue.material);
+  auto& cells = buffers_.even.cells;
+  const std::size_t before = cells.size();
+  cells.resize(before + near.size());
+  for (std::size_t n = 0; n < near.size(); ++n) {
+    TouchedHashCell cell = touched_cell(parcel, grid, first + near[n]);
+    cell.amplitude = strength * gain[cell.row];
+    cells[before + n] = cell;
+  }
+}
+
+void StickScan::sort_cell(const TouchedHashCell& cell, int code) {
   if (code >= 0) {
-    buffers_.even.add(cell);
-  } else if (code == TissueParcels::kIntricate) {
-    buffers_.intricate.add(cell);
-    buffers_.intricate.numbers.push_back(number);
+    buffers_.even.cells.push_back(cell);
   } else {
-    buffers_.cut.add(cell);
-    buffers_.cut.patches.push_back(&scene_.parcels.patch(code));
+    buffers_.mixed.cells.push_back(cell);
+    buffers_.mixed.mixed.push_back(&scene_.parcels.mixed_cell(code));
   }
 }
 
@@ -252,21 +284,19 @@ HashAxes StickScan::place_bent(const Parcel& parcel,
   return hash_axes(map, cell_m);
 }
 
-void StickScan::see(const Parcel& parcel, const HashAxes& axes, int octave) {
+void StickScan::see(const Parcel& parcel, const HashAxes& axes) {
   if (!buffers_.even.cells.empty()) see_even(axes);
-  if (!buffers_.cut.cells.empty()) see_cut(parcel, axes);
-  if (!buffers_.intricate.cells.empty()) see_intricate(parcel, axes, octave);
+  if (!buffers_.mixed.cells.empty()) see_mixed(parcel, axes);
 }
 
-SeenScatterers StickScan::room_for(const CellBatch& batch) {
-  const std::size_t needed =
-      pending_ + static_cast<std::size_t>(batch.scatterers + kScattererLanes);
+SeenScatterers StickScan::room_for(std::size_t cells) {
+  // One more, because cells are written as a whole.
+  const std::size_t needed = pending_ + (cells + 1) * kScatterersInCell;
   if (buffers_.path_m.size() < needed) {
     buffers_.path_m.resize(2 * needed);
     buffers_.entry.resize(2 * needed);
     buffers_.amplitude.resize(2 * needed);
     buffers_.hits.resize(2 * needed);
-    buffers_.numbers.resize(2 * needed);
   }
   return {buffers_.path_m.data() + pending_,
           buffers_.entry.data() + pending_,
@@ -275,68 +305,37 @@ SeenScatterers StickScan::room_for(const CellBatch& batch) {
 
 void StickScan::see_even(const HashAxes& axes) {
   CellBatch& batch = buffers_.even;
-  const SeenScatterers seen = room_for(batch);
+  const SeenScatterers seen = room_for(batch.cells.size());
   const int count = static_cast<int>(batch.cells.size());
   pending_ += static_cast<std::size_t>(
-      see_scatterers(batch.cells.data(), count, axes, scene_.sight(), seen, nullptr));
+      see_scatterers(batch.cells.data(), count, axes, scene_.sight(), seen));
   batch.clear();
 }
 
-void StickScan::see_cut(const Parcel& parcel, const HashAxes& axes) {
-  CellBatch& batch = buffers_.cut;
-  const SeenScatterers seen = room_for(batch);
+void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
+  CellBatch& batch = buffers_.mixed;
+  const SeenScatterers seen = room_for(batch.cells.size());
   int hits = 0;
-  pending_ += static_cast<std::size_t>(see_cut_scatterers(batch.cells.data(),
-                                                          batch.patches.data(),
-                                                          static_cast<int>(batch.cells.size()),
-                                                          axes,
-                                                          scene_.sight(),
-                                                          scene_.parcels.half_sheet_m(),
-                                                          seen,
-                                                          buffers_.hits.data(),
-                                                          &hits));
+  pending_ += static_cast<std::size_t>(see_mixed_scatterers(batch.cells.data(),
+                                                            batch.mixed.data(),
+                                                            static_cast<int>(batch.cells.size()),
+                                                            axes,
+                                                            scene_.sight(),
+                                                            seen,
+                                                            buffers_.hits.data(),
+                                                            &hits));
   for (int i = 0; i < hits; ++i) {
     const SheetHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
-    const auto at = static_cast<std::size_t>(hit.cell);
-    const TouchedHashCell& cell = batch.cells[at];
-    const CellOffset offset = scatterer_offset(cell.key, static_cast<std::uint32_t>(hit.number));
-    seen.amplitude[hit.seen] = cell.amplitude * scene_.parcels.sheet_amplitude(
-                                                    *batch.patches[at], offset, parcel.direction);
+    seen.amplitude[hit.seen] *= scene_.parcels.sheet_amplitude(
+        *batch.mixed[static_cast<std::size_t>(hit.cell)], hit.scatterer, parcel.direction);
   }
-  batch.clear();
-}
-
-void StickScan::see_intricate(const Parcel& parcel, const HashAxes& axes, int octave) {
-  CellBatch& batch = buffers_.intricate;
-  const SeenScatterers room = room_for(batch);
-  std::size_t kept = 0;
-  for (std::size_t c = 0; c < batch.cells.size(); ++c) {
-    const SeenScatterers seen = room.from(kept);
-    const TouchedHashCell& cell = batch.cells[c];
-    const int found = see_scatterers(&cell, 1, axes, scene_.sight(), seen, buffers_.numbers.data());
-    std::size_t heard = 0;
-    for (int i = 0; i < found; ++i) {
-      const CellOffset offset = scatterer_offset(
-          cell.key, static_cast<std::uint32_t>(buffers_.numbers[static_cast<std::size_t>(i)]));
-      const float strength = scene_.parcels.amplitude_at(
-          parcel.tissue, octave, batch.numbers[c], offset, parcel.direction);
-      seen.path_m[heard] = seen.path_m[i];
-      seen.entry[heard] = seen.entry[i];
-      seen.amplitude[heard] = strength * cell.amplitude;
-      heard += strength > 0;
-    }
-    kept += heard;
-  }
-  pending_ += kept;
   batch.clear();
 }
 
 void StickScan::flush() {
   if (!way_.delay_m.empty()) delay_paths();
   const EchoConstants constants{
-      scene_.table.lateral().values.data(),
-      scene_.table.elevation().values.data(),
-      scene_.table.columns(),
+      scene_.sections.words(),
       static_cast<float>(scene_.cycles_per_m),
       static_cast<float>(1 / scene_.taps.bin_m()),
       buffers_.bins.last_bin(),

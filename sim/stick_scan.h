@@ -25,14 +25,8 @@ struct CellGrid {
 /// Hash cells that are looked at together.
 struct CellBatch {
   std::vector<TouchedHashCell> cells;
-  std::vector<const SurfacePatch*> patches;  ///< of cells that a surface cuts
-  std::vector<int> numbers;                  ///< of intricate cells, in their parcel
-  int scatterers = 0;
+  std::vector<const MixedCell*> mixed;  ///< of mixed cells
 
-  void add(const TouchedHashCell& cell) {
-    cells.push_back(cell);
-    scatterers += cell.count;
-  }
   void clear();
 };
 
@@ -40,14 +34,13 @@ struct CellBatch {
 struct ScanBuffers {
   std::vector<TouchedParcel> touched;
   std::vector<CellGrid> grids;
-  std::vector<std::uint32_t> keys;
   std::vector<std::uint8_t> near;
-  CellBatch even, cut, intricate;
+  std::vector<int> list;
+  CellBatch even, mixed;
   std::vector<float> path_m;
-  std::vector<std::uint32_t> entry;
+  std::vector<std::int32_t> entry;
   std::vector<float> amplitude;
   std::vector<SheetHit> hits;
-  std::vector<std::int32_t> numbers;
   std::vector<float> delay_m;
   EchoBins bins;
 };
@@ -71,20 +64,25 @@ class StickScan {
     BeamVector beam_corner;
     glm::vec3 direction;  ///< of the sound, at rest
     ParcelReach reach;
+    std::uint32_t key = 0;  ///< of the octave at hand
   };
 
   void scan(const TouchedParcel& touched);
   ParcelReach reach_around(double range_m) const;
-  void scan_octave(const Parcel& parcel, const CellGrid& grid, int octave);
+  void scan_octave(Parcel& parcel, const CellGrid& grid, int octave);
+  TouchedHashCell touched_cell(const Parcel& parcel, const CellGrid& grid, int number) const;
+  /// Those of the first `count` hash cells that are near.
+  std::span<const int> list_near(int count);
   void take_near_cells(
       const Parcel& parcel, const CellGrid& grid, int octave, int first, int count);
-  void sort_cell(const TouchedHashCell& cell, int code, int number);
+  void take_even_cells(
+      const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near);
+  void sort_cell(const TouchedHashCell& cell, int code);
   HashAxes place_bent(const Parcel& parcel, int octave, int number, TouchedHashCell& cell) const;
-  void see(const Parcel& parcel, const HashAxes& axes, int octave);
+  void see(const Parcel& parcel, const HashAxes& axes);
   void see_even(const HashAxes& axes);
-  void see_cut(const Parcel& parcel, const HashAxes& axes);
-  void see_intricate(const Parcel& parcel, const HashAxes& axes, int octave);
-  SeenScatterers room_for(const CellBatch& batch);
+  void see_mixed(const Parcel& parcel, const HashAxes& axes);
+  SeenScatterers room_for(std::size_t cells);
   void flush();
   void delay_paths();
   void find_delays();

@@ -1,14 +1,15 @@
 #include "sim/tissue_parcels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <optional>
 
 #include "sim/losses.h"
 #include "sim/parallel.h"
 #include "sim/point_spread.h"
-#include "sim/surface_patches.h"
 
 namespace wobblebench::sim {
 
@@ -19,31 +20,73 @@ constexpr int kCosines = 64;
 
 /// Mean intensity of a Rayleigh envelope of mean 1.
 const double kPowerOfMean = 4 / kPi;
-/// A pulse in the middle of a sheet as thick as sigma sqrt(pi), its effective length, finds this
-/// much of its own power in it.
-const double kShareInSheet = std::erf(std::sqrt(kPi) / 2);
-
 glm::dvec3 cell_number(int cell, int divisions) {
   return {cell % divisions, cell / divisions % divisions, cell / (divisions * divisions)};
 }
 
-/// From -1 to 1 across the hash cell.
-glm::vec3 place_in_cell(const CellOffset& offset) {
-  return glm::vec3(offset.x * static_cast<float>(2 / kHashUnits[0]),
-                   offset.y * static_cast<float>(2 / kHashUnits[1]),
-                   offset.z * static_cast<float>(2 / kHashUnits[2])) -
-         1.0f;
+/// A cube at rest.
+struct Cube {
+  glm::dvec3 center_m{0};
+  double side_m = 0;
+};
+
+/// The material of all of a cube and of what is within `margin_m` of its surfaces, if it is one.
+std::optional<phantoms::MaterialIndex> one_material(const TissueMap& map,
+                                                    const Cube& cube,
+                                                    double margin_m) {
+  // A cube may lie in several cells, each of which knows its own surfaces.
+  const double half_m = 0.5 * cube.side_m;
+  const glm::ivec3 first = map.cell_at(cube.center_m - half_m * (1 - 1e-6));
+  const glm::ivec3 last = map.cell_at(cube.center_m + half_m * (1 - 1e-6));
+  std::optional<phantoms::MaterialIndex> material;
+  for (int z = first.z; z <= last.z; ++z) {
+    for (int y = first.y; y <= last.y; ++y) {
+      for (int x = first.x; x <= last.x; ++x) {
+        const glm::ivec3 index(x, y, z);
+        const glm::dvec3 corner = map.origin_m() + map.cell_m() * glm::dvec3(index);
+        const glm::dvec3 low = glm::max(cube.center_m - half_m, corner);
+        const glm::dvec3 high = glm::min(cube.center_m + half_m, corner + map.cell_m());
+        const TissueMap::Cell& cell = map.cell(index);
+        const glm::vec3 local((0.5 * (low + high) - corner) / map.cell_m());
+        const double reach_m = 0.5 * glm::length(high - low) + margin_m;
+        phantoms::MaterialIndex here = cell.base;
+        for (const TissueMap::Entry& entry : map.entries(cell)) {
+          const auto distance = static_cast<double>(map.value_m(entry, local));
+          if (std::abs(distance) <= reach_m) return {};
+          if (distance < 0) here = entry.inside;
+        }
+        if (material && *material != here) return {};
+        material = here;
+      }
+    }
+  }
+  return material;
 }
 
-float distance(const SurfacePatch& p, const glm::vec3& r) {
-  return p.at + r.x * (p.bx + p.qxx * r.x + p.qxy * r.y) +
-         r.y * (p.by + p.qyy * r.y + p.qyz * r.z) + r.z * (p.bz + p.qzz * r.z + p.qxz * r.x);
-}
+/// What a scatterer lies in.
+struct Surroundings {
+  phantoms::MaterialIndex material = 0;
+  std::optional<SheetScatterer> sheet;
+};
 
-glm::vec3 gradient(const SurfacePatch& p, const glm::vec3& r) {
-  return {p.bx + 2 * p.qxx * r.x + p.qxy * r.y + p.qxz * r.z,
-          p.by + 2 * p.qyy * r.y + p.qxy * r.x + p.qyz * r.z,
-          p.bz + 2 * p.qzz * r.z + p.qyz * r.y + p.qxz * r.x};
+Surroundings surroundings(const TissueMap& map, const glm::dvec3& rest_m, float half_sheet_m) {
+  const glm::ivec3 index = map.cell_at(rest_m);
+  const glm::vec3 local((rest_m - map.origin_m()) / map.cell_m() - glm::dvec3(index));
+  const TissueMap::Cell& cell = map.cell(index);
+  Surroundings result{cell.base, {}};
+  for (const TissueMap::Entry& entry : map.entries(cell)) {
+    const float from_surface_m = map.value_m(entry, local);
+    if (std::abs(from_surface_m) < half_sheet_m && entry.inside != result.material) {
+      const glm::vec3 gradient = map.distance(entry, local).gradient;
+      const float length = glm::length(gradient);
+      const glm::vec3 outwards = length > 0 ? gradient / length : glm::vec3(0);
+      result.sheet = SheetScatterer{0, entry.inside, result.material, outwards};
+    } else if (from_surface_m < 0) {
+      result.sheet.reset();  // painted over
+    }
+    if (from_surface_m < 0) result.material = entry.inside;
+  }
+  return result;
 }
 
 }  // namespace
@@ -72,15 +115,17 @@ TissueParcels::TissueParcels(const Subject& subject,
     codes_per_parcel_ += static_cast<std::size_t>(octave.cells());
   }
   find_parcels(options.threads);
-  find_codes(options.threads);
+  find_codes(cells, options.threads);
 }
 
 void TissueParcels::tabulate_sheets(const std::vector<phantoms::Material>& materials) {
   for (const auto& before : materials) {
     for (const auto& behind : materials) {
       for (int i = 0; i <= kCosines; ++i) {
-        const double mean = diffuse_echo(before, behind, static_cast<double>(i) / kCosines);
-        sheets_.push_back(static_cast<float>(kPowerOfMean * mean * mean / kShareInSheet));
+        // A stick passes a tilted sheet for longer, but hears the same energy.
+        const double cosine = static_cast<double>(i) / kCosines;
+        const double mean = diffuse_echo(before, behind, cosine);
+        sheets_.push_back(static_cast<float>(kPowerOfMean * mean * mean * cosine));
       }
     }
   }
@@ -116,144 +161,124 @@ TissueParcels::Parcel TissueParcels::parcel(const glm::ivec3& index) const {
   return kind >= 0 ? Parcel{index, kind, -1} : Parcel{index, 0, -1 - kind};
 }
 
-/// Finds the codes of mixed parcels, each with patches of its own.
-class PatchMaker {
+/// Finds the codes of one mixed parcel, whose mixed cells and their sheets count from its own
+/// first.
+class CellMaker {
  public:
-  explicit PatchMaker(const TissueParcels& parcels) : parcels_(parcels) {}
+  std::vector<MixedCell> cells;
+  std::vector<SheetScatterer> sheets;
 
-  /// Codes that name patches count from this parcel's first one.
-  void make(int number, std::int32_t* codes, std::vector<SurfacePatch>& patches) const {
-    const glm::dvec3 corner =
-        parcels_.origin_m_ +
-        parcels_.side_m_ * glm::dvec3(parcels_.mixed_[static_cast<std::size_t>(number)]);
-    for (const auto& division : parcels_.divisions_) {
-      const int n = division.cells;
-      const double side_m = parcels_.side_m_ / n;
-      for (int i = 0; i < n * n * n; ++i) {
-        *codes++ = code({corner + side_m * (cell_number(i, n) + 0.5), side_m}, patches);
+  CellMaker(const TissueParcels& parcels, const glm::ivec3& index)
+      : parcels_(parcels),
+        index_(index),
+        corner_(parcels.origin_m_ + parcels.side_m_ * glm::dvec3(index)) {}
+
+  void make(const ScattererCells& processes, std::int32_t* codes) {
+    for (const Octave& octave : processes.octaves) {
+      const double side_m = parcels_.side_m_ / octave.divisions;
+      const std::uint32_t parcel_key = octave.parcel_key(index_);
+      for (int i = 0; i < octave.cells(); ++i) {
+        const glm::dvec3 low = corner_ + side_m * cell_number(i, octave.divisions);
+        *codes++ = code(low, side_m, hash_cell_key(parcel_key, static_cast<std::uint32_t>(i)));
       }
     }
   }
 
  private:
-  int code(const Cube& cube, std::vector<SurfacePatch>& patches) const {
+  std::int32_t code(const glm::dvec3& low, double side_m, std::uint32_t key) {
+    const Cube cube{low + 0.5 * side_m, side_m};
     const auto margin_m = static_cast<double>(parcels_.half_sheet_m_);
-    const CubeTissue tissue = study_cube(*parcels_.map_, cube, margin_m);
-    if (tissue.material) return *tissue.material;
-    if (!tissue.cut) return TissueParcels::kIntricate;
-    patches.push_back(patch(*tissue.cut));
-    return TissueParcels::kIntricate - static_cast<int>(patches.size());
+    if (const auto material = one_material(*parcels_.map_, cube, margin_m)) return *material;
+    Surroundings found[kScatterersInCell];
+    bool alike = true;
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      const CellOffset at = scatterer_offset(key, static_cast<std::uint32_t>(i));
+      const glm::dvec3 within(at.x, at.y, at.z);
+      const glm::dvec3 units(kHashUnits[0], kHashUnits[1], kHashUnits[2]);
+      found[i] =
+          surroundings(*parcels_.map_, low + side_m * within / units, parcels_.half_sheet_m_);
+      alike &= found[i].material == found[0].material && !found[i].sheet;
+    }
+    return alike ? found[0].material : mixed(found);
   }
 
-  SurfacePatch patch(const CutCube& cut) const {
-    const Parabola& d = cut.distance;
-    const auto f = [](double x) { return static_cast<float>(x); };
-    return {f(d.at),
-            f(d.slope.x),
-            f(d.slope.y),
-            f(d.slope.z),
-            f(d.square.x),
-            f(d.square.y),
-            f(d.square.z),
-            f(d.product.x),
-            f(d.product.y),
-            f(d.product.z),
-            parcels_.amplitude(cut.inside),
-            parcels_.amplitude(cut.outside),
-            static_cast<std::int16_t>(cut.inside),
-            static_cast<std::int16_t>(cut.outside)};
+  std::int32_t mixed(const Surroundings (&found)[kScatterersInCell]) {
+    MixedCell cell;
+    cell.first_sheet = static_cast<std::int32_t>(sheets.size());
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      cell.amplitude[i] = found[i].sheet ? 1 : parcels_.amplitude(found[i].material);
+      if (!found[i].sheet) continue;
+      cell.in_sheet |= 1u << i;
+      sheets.push_back(*found[i].sheet);
+      sheets.back().power = parcels_.power_[static_cast<std::size_t>(found[i].material)];
+    }
+    cells.push_back(cell);
+    return -static_cast<std::int32_t>(cells.size());
   }
 
   const TissueParcels& parcels_;
+  glm::ivec3 index_;
+  glm::dvec3 corner_;
 };
 
-void TissueParcels::find_codes(int threads) {
+void TissueParcels::find_codes(const ScattererCells& cells, int threads) {
   codes_.resize(mixed_.size() * codes_per_parcel_);
-  std::vector<std::vector<SurfacePatch>> patches(mixed_.size());
-  const PatchMaker maker(*this);
+  std::vector<std::optional<CellMaker>> makers(mixed_.size());
   parallel_ranges(static_cast<int>(mixed_.size()), threads, [&](int first, int last) {
     for (int m = first; m < last; ++m) {
       const auto at = static_cast<std::size_t>(m);
-      maker.make(m, codes_.data() + at * codes_per_parcel_, patches[at]);
+      makers[at].emplace(*this, mixed_[at]);
+      makers[at]->make(cells, codes_.data() + at * codes_per_parcel_);
     }
   });
-  for (std::size_t m = 0; m < patches.size(); ++m) {
-    const auto before = static_cast<std::int32_t>(patches_.size());
+  for (std::size_t m = 0; m < makers.size(); ++m) {
+    const auto cells_before = static_cast<std::int32_t>(cells_.size());
+    const auto sheets_before = static_cast<std::int32_t>(scatterers_in_sheets_.size());
     for (std::size_t i = 0; i < codes_per_parcel_; ++i) {
       std::int32_t& code = codes_[m * codes_per_parcel_ + i];
-      if (code < kIntricate) code -= before;
+      if (code < 0) code -= cells_before;
     }
-    patches_.insert(patches_.end(), patches[m].begin(), patches[m].end());
+    for (MixedCell& cell : makers[m]->cells) cell.first_sheet += sheets_before;
+    cells_.insert(cells_.end(), makers[m]->cells.begin(), makers[m]->cells.end());
+    scatterers_in_sheets_.insert(
+        scatterers_in_sheets_.end(), makers[m]->sheets.begin(), makers[m]->sheets.end());
+    makers[m].reset();
   }
-  patches_.shrink_to_fit();
+  cells_.shrink_to_fit();
+  scatterers_in_sheets_.shrink_to_fit();
 }
 
-float TissueParcels::sheet_power(phantoms::MaterialIndex inside,
-                                 phantoms::MaterialIndex outside,
-                                 const glm::vec3& gradient,
-                                 const glm::vec3& direction) const {
-  const float length = glm::length(gradient);
-  const float along = glm::dot(gradient, direction);
-  const float cosine = length > 0 ? std::min(std::abs(along) / length, 1.0f) : 1.0f;
-  const auto before = static_cast<std::size_t>(along < 0 ? outside : inside);
-  const auto behind = static_cast<std::size_t>(along < 0 ? inside : outside);
-  const float place = cosine * kCosines;
+float TissueParcels::sheet_power(const SheetScatterer& sheet, const glm::vec3& direction) const {
+  const float along = glm::dot(sheet.outwards, direction);
+  const auto before = static_cast<std::size_t>(along < 0 ? sheet.outside : sheet.inside);
+  const auto behind = static_cast<std::size_t>(along < 0 ? sheet.inside : sheet.outside);
+  const float place = std::min(std::abs(along), 1.0f) * kCosines;
   const int i = std::min(static_cast<int>(place), kCosines - 1);
   const float* value = sheets_.data() + (before * power_.size() + behind) * (kCosines + 1) + i;
   return value[0] + (place - static_cast<float>(i)) * (value[1] - value[0]);
 }
 
-float TissueParcels::sheet_amplitude(const SurfacePatch& patch,
-                                     const CellOffset& offset,
+float TissueParcels::sheet_amplitude(const MixedCell& cell,
+                                     int scatterer,
                                      const glm::vec3& direction) const {
-  const glm::vec3 place = place_in_cell(offset);
-  const auto material =
-      static_cast<std::size_t>(distance(patch, place) < 0 ? patch.inside : patch.outside);
-  const float sheet = sheet_power(patch.inside, patch.outside, gradient(patch, place), direction);
-  return std::sqrt(power_[material] + sheet);
+  const int before = std::popcount(cell.in_sheet & ((1u << scatterer) - 1));
+  const SheetScatterer& sheet =
+      scatterers_in_sheets_[static_cast<std::size_t>(cell.first_sheet + before)];
+  return std::sqrt(sheet.power + sheet_power(sheet, direction));
 }
 
-float TissueParcels::power_at(const glm::dvec3& rest_m, const glm::vec3& direction) const {
-  const glm::ivec3 index = map_->cell_at(rest_m);
-  const glm::vec3 local((rest_m - map_->origin_m()) / map_->cell_m() - glm::dvec3(index));
-  const TissueMap::Cell& cell = map_->cell(index);
-  phantoms::MaterialIndex material = cell.base;
-  float sheet = 0;
-  for (const TissueMap::Entry& entry : map_->entries(cell)) {
-    const float from_surface_m = map_->value_m(entry, local);
-    if (std::abs(from_surface_m) < half_sheet_m_ && entry.inside != material) {
-      const glm::vec3 outwards = map_->distance(entry, local).gradient;
-      sheet = sheet_power(entry.inside, material, outwards, direction);
-    } else if (from_surface_m < 0) {
-      sheet = 0;  // painted over
-    }
-    if (from_surface_m < 0) material = entry.inside;
-  }
-  return power_[static_cast<std::size_t>(material)] + sheet;
-}
-
-float TissueParcels::amplitude_at(const Parcel& parcel,
-                                  int octave,
-                                  int cell,
-                                  const CellOffset& offset,
-                                  const glm::vec3& direction) const {
+float TissueParcels::amplitude_at(
+    const Parcel& parcel, int octave, int cell, int scatterer, const glm::vec3& direction) const {
   const int known = code(parcel, octave, cell);
   if (known >= 0) return amplitude(known);
-  if (known < kIntricate) {
-    const SurfacePatch& cut = patch(known);
-    const float from_surface_m = distance(cut, place_in_cell(offset));
-    if (std::abs(from_surface_m) < half_sheet_m_) return sheet_amplitude(cut, offset, direction);
-    return from_surface_m < 0 ? cut.inside_amplitude : cut.outside_amplitude;
-  }
-  const int n = divisions_[static_cast<std::size_t>(octave)].cells;
-  const glm::dvec3 within = 0.5 + 0.5 * glm::dvec3(place_in_cell(offset));
-  const glm::dvec3 place = (cell_number(cell, n) + within) / static_cast<double>(n);
-  return std::sqrt(power_at(origin_m_ + side_m_ * (glm::dvec3(parcel.index) + place), direction));
+  const MixedCell& mixed = mixed_cell(known);
+  const bool in_sheet = (mixed.in_sheet >> scatterer & 1u) != 0;
+  return in_sheet ? sheet_amplitude(mixed, scatterer, direction) : mixed.amplitude[scatterer];
 }
 
 std::size_t TissueParcels::bytes() const {
   return kinds_.size() * sizeof(kinds_[0]) + codes_.size() * sizeof(codes_[0]) +
-         patches_.size() * sizeof(SurfacePatch);
+         cells_.size() * sizeof(MixedCell) + scatterers_in_sheets_.size() * sizeof(SheetScatterer);
 }
 
 }  // namespace wobblebench::sim

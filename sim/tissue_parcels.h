@@ -1,8 +1,7 @@
-// How strongly tissue echoes at a place, for those who ask for millions of scatterers: tissue at
-// rest in parcels of a few millimetres, divided into the scatterers' hash cells. Most hash cells
-// are all of one material. Most others are cut by one surface, whose distance within the cell is
-// close to a parabola of the place, and known as such. Only the rest asks the tissue map for every
-// scatterer.
+// How strongly tissue echoes at a scatterer's place, for those who ask for millions of them: tissue
+// at rest in parcels of a few millimetres, divided into the scatterers' hash cells. Most hash cells
+// hold one material. For the others each scatterer's material is found once, when the scene is
+// made.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +14,24 @@
 #include "sim/options.h"
 #include "sim/scatterer_cells.h"
 #include "sim/subject.h"
-#include "sim/surface_patches.h"
 
 namespace wobblebench::sim {
+
+/// A hash cell whose scatterers lie in several materials, or near a rough interface.
+struct MixedCell {
+  float amplitude[kScatterersInCell] = {};  ///< 0: silent; of those in sheets: any but 0
+  std::int32_t first_sheet = 0;             ///< of its scatterers that lie in sheets, in order …
+  std::uint32_t in_sheet = 0;               ///< … which these bits name
+};
+
+/// A scatterer that also echoes as part of a rough interface: of a sheet as thick as the pulse,
+/// whose echo has the energy of a pulse with the interface's power.
+struct SheetScatterer {
+  float power;  ///< of its tissue
+  phantoms::MaterialIndex inside;
+  phantoms::MaterialIndex outside;
+  glm::vec3 outwards;  ///< unit normal
+};
 
 /// Echoes are roots of relative powers, those of a Rayleigh envelope: of its mean intensity where
 /// the beam and the pulse are full of such scatterers.
@@ -43,40 +57,29 @@ class TissueParcels {
     return parcel.mixed < 0 && amplitude(parcel.material) == 0;
   }
 
-  /// What is known of a hash cell: a material from 0 on; kIntricate: ask amplitude_at(); below
-  /// that, patch(code).
-  static constexpr int kIntricate = -1;
+  /// What is known of a hash cell: its material, or below 0 mixed_cell(code).
   int code(const Parcel& parcel, int octave, int cell) const {
     if (parcel.mixed < 0) return parcel.material;
     const auto first = static_cast<std::size_t>(parcel.mixed) * codes_per_parcel_;
     return codes_[first + divisions_[static_cast<std::size_t>(octave)].first + cell];
   }
-  const SurfacePatch& patch(int code) const {
-    return patches_[static_cast<std::size_t>(kIntricate - 1 - code)];
+  const MixedCell& mixed_cell(int code) const {
+    return cells_[static_cast<std::size_t>(-1 - code)];
   }
 
   float amplitude(phantoms::MaterialIndex material) const {
     return amplitude_[static_cast<std::size_t>(material)];
   }
-  /// At a scatterer's place in any hash cell, with the diffuse echo of rough interfaces: a sheet as
-  /// thick as the pulse, whose power at its peak is the interface's. `direction`: of the sound, at
-  /// rest.
-  float amplitude_at(const Parcel& parcel,
-                     int octave,
-                     int cell,
-                     const CellOffset& offset,
-                     const glm::vec3& direction) const;
-  /// Within the sheet around a patch's surface.
-  float sheet_amplitude(const SurfacePatch& patch,
-                        const CellOffset& offset,
-                        const glm::vec3& direction) const;
-  /// Half of that sheet's thickness; 0: interfaces do not echo.
-  float half_sheet_m() const { return half_sheet_m_; }
+  /// Of a mixed cell's scatterer that lies in a sheet. `direction`: of the sound, at rest.
+  float sheet_amplitude(const MixedCell& cell, int scatterer, const glm::vec3& direction) const;
+  /// Of any hash cell's scatterer.
+  float amplitude_at(
+      const Parcel& parcel, int octave, int cell, int scatterer, const glm::vec3& direction) const;
 
   std::size_t bytes() const;
 
  private:
-  friend class PatchMaker;
+  friend class CellMaker;
 
   /// Where an octave's hash cells are among a mixed parcel's codes.
   struct Division {
@@ -85,13 +88,8 @@ class TissueParcels {
   };
   void tabulate_sheets(const std::vector<phantoms::Material>& materials);
   void find_parcels(int threads);
-  void find_codes(int threads);
-  float power_at(const glm::dvec3& rest_m, const glm::vec3& direction) const;
-  /// `gradient`: of the distance, outwards.
-  float sheet_power(phantoms::MaterialIndex inside,
-                    phantoms::MaterialIndex outside,
-                    const glm::vec3& gradient,
-                    const glm::vec3& direction) const;
+  void find_codes(const ScattererCells& cells, int threads);
+  float sheet_power(const SheetScatterer& sheet, const glm::vec3& direction) const;
 
   std::shared_ptr<const TissueMap> map_;
   double side_m_ = 0;
@@ -103,11 +101,12 @@ class TissueParcels {
   std::vector<Division> divisions_;
   std::size_t codes_per_parcel_ = 0;
   std::vector<std::int32_t> codes_;
-  std::vector<SurfacePatch> patches_;
+  std::vector<MixedCell> cells_;
+  std::vector<SheetScatterer> scatterers_in_sheets_;
   std::vector<float> power_;      ///< of each material
   std::vector<float> amplitude_;  ///< of each material
   std::vector<float> sheets_;     ///< power by material before, material behind, cosine
-  float half_sheet_m_ = 0;
+  float half_sheet_m_ = 0;        ///< 0: interfaces do not echo
 };
 
 }  // namespace wobblebench::sim

@@ -9,18 +9,11 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <filesystem>
-#include <iterator>
 #include <stdexcept>
 
 namespace wobblebench::bench {
 
 namespace {
-
-bool has_one_thread() {
-  const std::filesystem::directory_iterator tasks("/proc/self/task");
-  return std::distance(begin(tasks), end(tasks)) == 1;
-}
 
 [[noreturn]] void run_and_leave(const std::function<void()>& body) {
   // Signals end a copy; cleaning up is the original's.
@@ -39,7 +32,6 @@ bool has_one_thread() {
 }  // namespace
 
 double peak_memory_bytes(const std::function<void()>& body) {
-  if (!has_one_thread()) throw std::logic_error("peak_memory_bytes: this process has threads");
   const pid_t copy = ::fork();
   if (copy < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
   if (copy == 0) run_and_leave(body);

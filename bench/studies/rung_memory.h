@@ -7,9 +7,9 @@
 namespace wobblebench::bench {
 
 /// Runs `body` in a copy of this process and returns the largest resident size that the copy had,
-/// in bytes (getrusage). Must be called before this process starts a thread: a copy has only the
-/// one that asked for it. Throws std::logic_error if it has others, std::runtime_error if the body
-/// fails.
+/// in bytes (getrusage). Must be called before this process does any work on other threads: a
+/// copy has only the one that asked for it. (Idle ones that libraries start when they are loaded,
+/// as OpenVDB's logging does, are not missed.) Throws std::runtime_error if the body fails.
 double peak_memory_bytes(const std::function<void()>& body);
 
 }  // namespace wobblebench::bench
