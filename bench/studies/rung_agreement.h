@@ -13,9 +13,9 @@ namespace wobblebench::bench {
 struct AgreementInputs {
   std::vector<double> ranges_m = {50e-3, 75e-3, 110e-3};  ///< of its middle, from the face
   double thickness_m = 2e-3;
-  double half_width_m = 4e-3;
-  int sticks = 6;
-  double sector_rad = 4 * kDegree;
+  double half_width_m = 9e-3;
+  int sticks = 10;
+  double sector_rad = 7 * kDegree;
   std::uint64_t seed = 1;
 };
 
