@@ -48,10 +48,17 @@ StickEchoes::StickEchoes(const Subject& subject,
                          const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options,
                          Rung rung)
-    : subject_(subject), plan_(plan), options_(options), rung_(rung) {
-  const int oversampling = iq_oversampling(plan);
-  samples_ = plan.acquisition().samples_per_stick * oversampling;
-  spacing_m_ = plan.sample_spacing_m() / oversampling;
+    : subject_(subject),
+      plan_(plan),
+      options_(options),
+      rung_(rung),
+      samples_(plan.acquisition().samples_per_stick * iq_oversampling(plan)),
+      spacing_m_(plan.sample_spacing_m() / iq_oversampling(plan)),
+      fresh_{{},
+             StickLosses(plan, options, subject_.materials, spacing_m_, samples_),
+             TissuePower(
+                 plan, options, subject_.materials, spacing_m_, samples_, subject.map->reach_m()),
+             std::vector<float>(static_cast<std::size_t>(samples_))} {
   depth_m_ = plan.acquisition().depth_m;
   if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(subject, plan);
   if (rung == Rung::field) {
@@ -64,14 +71,6 @@ StickEchoes::StickEchoes(const Subject& subject,
 }
 
 StickEchoes::~StickEchoes() = default;
-
-StickEchoes::Worker StickEchoes::make_worker() const {
-  return {{},
-          StickLosses(plan_, options_, subject_.materials, spacing_m_, samples_),
-          TissuePower(
-              plan_, options_, subject_.materials, spacing_m_, samples_, subject_.map->reach_m()),
-          std::vector<float>(static_cast<std::size_t>(samples_))};
-}
 
 void StickEchoes::make(const hw::StickIndex& index,
                        Worker& worker,

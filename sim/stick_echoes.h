@@ -33,7 +33,7 @@ class StickEchoes {
     TissuePower power;
     std::vector<float> mean_power;
   };
-  Worker make_worker() const;
+  Worker make_worker() const { return fresh_; }
 
   int samples() const { return samples_; }  ///< of a stick, at the IQ rate
   double spacing_m() const { return spacing_m_; }
@@ -57,6 +57,7 @@ class StickEchoes {
   int samples_;
   double spacing_m_;
   double depth_m_;     ///< true range that the last sample can come from
+  Worker fresh_;       ///< what a worker begins with: tables over the range
   EchoField speckle_;  ///< rung `field`: even speckle
   std::unique_ptr<const ScattererField> scatterers_;  ///< rung `scatterers`
   std::unique_ptr<const ReferenceScene> reference_;   ///< rung `reference`

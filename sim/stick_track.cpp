@@ -84,31 +84,29 @@ class Follower {
     track_.pieces.push_back(
         {from, to, cell.base, first_layer, static_cast<int>(cell.count), nodes});
     const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(index);
-    const glm::vec3 begin((piece.at(from) - low) / map_.cell_m());
-    const glm::vec3 stride(piece.direction * ((to - from) / (nodes - 1) / map_.cell_m()));
-    const glm::vec3 axial(piece.direction), lateral(piece.across.lateral),
-        elevation(piece.across.elevation);
+    const TissueMap::Line line{
+        glm::vec3((piece.at(from) - low) / map_.cell_m()),
+        glm::vec3(piece.direction * ((to - from) / (nodes - 1) / map_.cell_m())),
+        glm::vec3(piece.direction),
+        glm::vec3(piece.across.lateral),
+        glm::vec3(piece.across.elevation)};
     for (const TissueMap::Entry& entry : map_.entries(cell)) {
-      track_.layers.push_back({entry.surface, entry.inside, static_cast<int>(track_.nodes.size())});
-      for (int n = 0; n < nodes; ++n) {
-        const auto found = map_.distance(entry, begin + static_cast<float>(n) * stride);
-        track_.nodes.push_back({found.value_m,
-                                glm::dot(found.gradient, axial),
-                                glm::dot(found.gradient, lateral),
-                                glm::dot(found.gradient, elevation)});
-      }
+      const std::size_t before = track_.nodes.size();
+      track_.layers.push_back({entry.surface, entry.inside, static_cast<int>(before)});
+      track_.nodes.resize(before + static_cast<std::size_t>(nodes));
+      map_.trace(entry, line, nodes, track_.nodes.data() + before);
     }
     mark_interfaces(piece, track_.pieces.back());
   }
 
-  const TrackNode& node(const TrackPiece& piece, int layer, int n) const {
+  const TissueMap::LineNode& node(const TrackPiece& piece, int layer, int n) const {
     const auto& found = track_.layers[static_cast<std::size_t>(piece.first_layer + layer)];
     return track_.nodes[static_cast<std::size_t>(found.first_node + n)];
   }
 
   phantoms::MaterialIndex material(const TrackPiece& piece, int n) const {
     for (int layer = piece.layers - 1; layer >= 0; --layer) {
-      if (node(piece, layer, n).distance_m >= 0) continue;
+      if (node(piece, layer, n).value_m >= 0) continue;
       return track_.layers[static_cast<std::size_t>(piece.first_layer + layer)].inside;
     }
     return piece.base;
@@ -142,11 +140,11 @@ class Follower {
   Crossing crossing(const TrackPiece& piece, int n) const {
     Crossing first;
     for (int layer = 0; layer < piece.layers; ++layer) {
-      const TrackNode& a = node(piece, layer, n);
-      const TrackNode& b = node(piece, layer, n + 1);
-      if ((a.distance_m < 0) == (b.distance_m < 0)) continue;
+      const TissueMap::LineNode& a = node(piece, layer, n);
+      const TissueMap::LineNode& b = node(piece, layer, n + 1);
+      if ((a.value_m < 0) == (b.value_m < 0)) continue;
       const double share =
-          static_cast<double>(a.distance_m) / static_cast<double>(a.distance_m - b.distance_m);
+          static_cast<double>(a.value_m) / static_cast<double>(a.value_m - b.value_m);
       if (share <= first.share) first = {layer, share};
     }
     return first;
@@ -155,8 +153,8 @@ class Follower {
   int nearest_surface(const TrackPiece& piece, int n) const {
     int nearest = 0;
     for (int layer = 1; layer < piece.layers; ++layer) {
-      const float candidate = std::abs(node(piece, layer, n).distance_m);
-      if (candidate < std::abs(node(piece, nearest, n).distance_m)) nearest = layer;
+      const float candidate = std::abs(node(piece, layer, n).value_m);
+      if (candidate < std::abs(node(piece, nearest, n).value_m)) nearest = layer;
     }
     return nearest;
   }

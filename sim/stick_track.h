@@ -22,15 +22,6 @@ struct Stretch {
   phantoms::MaterialIndex material = 0;
 };
 
-/// A place on the axis as one surface sees it: its distance (negative inside), and how that grows
-/// along the stick, across it in the image plane, and across the image plane.
-struct TrackNode {
-  float distance_m = 0;
-  float axial = 0;
-  float lateral = 0;
-  float elevation = 0;
-};
-
 /// One cell's share of the axis, with the surfaces nearby in painter's order. Each has `nodes`
 /// nodes, spread evenly from `from_m` to `to_m`.
 struct TrackPiece {
@@ -55,7 +46,9 @@ struct StickTrack {
   std::vector<Interface> interfaces;  ///< one between each two stretches
   std::vector<TrackPiece> pieces;
   std::vector<TrackLayer> layers;
-  std::vector<TrackNode> nodes;
+  /// Distance to the surface (negative inside), and how it grows along the stick, across it in the
+  /// image plane, and across the image plane.
+  std::vector<TissueMap::LineNode> nodes;
 };
 
 /// Follows a stick from the face to `depth_m`. Reuses what `track` holds.

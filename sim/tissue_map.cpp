@@ -12,6 +12,7 @@
 
 #include "phantoms/grids.h"
 #include "sim/parallel.h"
+#include "sim/simd.h"
 #include "sim/wide_distance.h"
 
 namespace wobblebench::sim {
@@ -212,6 +213,77 @@ TissueMap::Distance TissueMap::distance(const Entry& entry, const glm::vec3& loc
   const float gx = (1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11);
   const float gy = (1 - w) * (c10 - c00) + w * (c11 - c01);
   return {c0 + w * (c1 - c0), per_m * glm::vec3(gx, gy, c1 - c0)};
+}
+
+namespace {
+
+struct TraceBlock {
+  const float* nodes;
+  std::int32_t divisions;
+  float per_m;
+};
+
+constexpr int kTraceLanes = 8;
+
+/// trace() for a block of places, the first of which is number `first`.
+WOBBLEBENCH_INLINE void trace_lanes(const TraceBlock& block,
+                                    const TissueMap::Line& line,
+                                    int first,
+                                    float (&values)[4][kTraceLanes]) {
+  const std::int32_t n = block.divisions, row = n + 1, layer = row * row;
+  const float scale = static_cast<float>(n), per_m = block.per_m;
+  const float* nodes = block.nodes;
+  const glm::vec3 begin = line.begin * scale, stride = line.stride * scale;
+  for (int i = 0; i < kTraceLanes; ++i) {
+    const float step = static_cast<float>(first + i);
+    const float px = begin.x + step * stride.x, py = begin.y + step * stride.y,
+                pz = begin.z + step * stride.z;
+    const std::int32_t ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py),
+                       iz = static_cast<std::int32_t>(pz);
+    const std::int32_t x = ix < 0 ? 0 : ix > n - 1 ? n - 1 : ix;
+    const std::int32_t y = iy < 0 ? 0 : iy > n - 1 ? n - 1 : iy;
+    const std::int32_t z = iz < 0 ? 0 : iz > n - 1 ? n - 1 : iz;
+    const float u = px - static_cast<float>(x), v = py - static_cast<float>(y),
+                w = pz - static_cast<float>(z);
+    const std::int32_t at = z * layer + y * row + x;
+    const float a000 = nodes[at], a010 = nodes[at + row];
+    const float a001 = nodes[at + layer], a011 = nodes[at + layer + row];
+    // Along x on the four edges, then along y on both faces, then along z.
+    const float dx00 = nodes[at + 1] - a000, dx10 = nodes[at + row + 1] - a010;
+    const float dx01 = nodes[at + layer + 1] - a001, dx11 = nodes[at + layer + row + 1] - a011;
+    const float c00 = a000 + u * dx00, c10 = a010 + u * dx10;
+    const float c01 = a001 + u * dx01, c11 = a011 + u * dx11;
+    const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
+    const float gx =
+        per_m * ((1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11));
+    const float gy = per_m * ((1 - w) * (c10 - c00) + w * (c11 - c01));
+    const float gz = per_m * (c1 - c0);
+    values[0][i] = c0 + w * (c1 - c0);
+    values[1][i] = gx * line.axial.x + gy * line.axial.y + gz * line.axial.z;
+    values[2][i] = gx * line.lateral.x + gy * line.lateral.y + gz * line.lateral.z;
+    values[3][i] = gx * line.elevation.x + gy * line.elevation.y + gz * line.elevation.z;
+  }
+}
+
+WOBBLEBENCH_SIMD void trace_block(const TraceBlock& block,
+                                  const TissueMap::Line& line,
+                                  int count,
+                                  TissueMap::LineNode* found) {
+  float values[4][kTraceLanes];
+  for (int first = 0; first < count; first += kTraceLanes) {
+    trace_lanes(block, line, first, values);
+    const int used = std::min(kTraceLanes, count - first);
+    for (int i = 0; i < used; ++i) {
+      found[first + i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
+    }
+  }
+}
+
+}  // namespace
+
+void TissueMap::trace(const Entry& entry, const Line& line, int count, LineNode* found) const {
+  const auto per_m = static_cast<float>(entry.divisions / cell_m_);
+  trace_block({nodes_.data() + entry.block, entry.divisions, per_m}, line, count, found);
 }
 
 phantoms::MaterialIndex TissueMap::material(const glm::dvec3& rest_m) const {

@@ -52,6 +52,22 @@ class TissueMap {
   /// Trilinear distance and its gradient; `local` is the place in the cell, 0 to 1 in each axis.
   Distance distance(const Entry& entry, const glm::vec3& local) const;
 
+  /// Distances along a straight line of places, each with its gradient along three directions.
+  struct Line {
+    glm::vec3 begin;   ///< in the cell, as above
+    glm::vec3 stride;  ///< from one place to the next
+    glm::vec3 axial;
+    glm::vec3 lateral;
+    glm::vec3 elevation;
+  };
+  struct LineNode {
+    float value_m = 0;
+    float axial = 0;
+    float lateral = 0;
+    float elevation = 0;
+  };
+  void trace(const Entry& entry, const Line& line, int count, LineNode* nodes) const;
+
   /// The distance alone.
   float value_m(const Entry& entry, const glm::vec3& local) const;
 

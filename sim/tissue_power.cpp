@@ -56,7 +56,7 @@ phantoms::MaterialIndex material_beneath(const StickTrack& track,
   for (int l = 0; l < layer; ++l) {
     const auto& other = track.layers[static_cast<std::size_t>(piece.first_layer + l)];
     const auto& node = track.nodes[static_cast<std::size_t>(other.first_node + n)];
-    if (node.distance_m < 0) material = other.inside;
+    if (node.value_m < 0) material = other.inside;
   }
   return material;
 }
@@ -147,7 +147,7 @@ void TissuePower::prepare(const StickTrack& track,
   const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
   bool beside = true, around = true;
   for (int n = 0; n < piece.nodes; ++n) {
-    const TrackNode& node = track.nodes[static_cast<std::size_t>(source.first_node + n)];
+    const TissueMap::LineNode& node = track.nodes[static_cast<std::size_t>(source.first_node + n)];
     const auto sample = static_cast<std::size_t>(
         std::clamp(static_cast<int>((piece.from_m + n * step_m) / spacing_m_),
                    0,
@@ -156,13 +156,13 @@ void TissuePower::prepare(const StickTrack& track,
                          widths_[sample].lateral2 * node.lateral * node.lateral +
                          widths_[sample].elevation2 * node.elevation * node.elevation;
     const float width = std::sqrt(std::min(std::max(width2, 1e-12f), most2_));
-    const float depth = node.distance_m / width;
+    const float depth = node.value_m / width;
     beside = beside && depth > kFarAway;
     around = around && depth < -kFarAway;
     prepared.depth.push_back(depth);
     // One node beyond, for the samples before it.
     const bool shows = options_.interface_echo &&
-                       std::abs(node.distance_m) < kFarAway * width + static_cast<float>(step_m);
+                       std::abs(node.value_m) < kFarAway * width + static_cast<float>(step_m);
     prepared.sheet.push_back(shows ? sheet_power(track, losses, piece, layer, n, width) : 0);
   }
   prepared.cover = beside ? Layer::beside : around ? Layer::around : Layer::partly;
@@ -180,7 +180,7 @@ float TissuePower::sheet_power(const StickTrack& track,
   const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
   const auto outside = material_beneath(track, piece, layer, n);
   if (outside == surface.inside) return 0;
-  const TrackNode& node = track.nodes[static_cast<std::size_t>(surface.first_node + n)];
+  const TissueMap::LineNode& node = track.nodes[static_cast<std::size_t>(surface.first_node + n)];
   const float slope = std::sqrt(node.axial * node.axial + node.lateral * node.lateral +
                                 node.elevation * node.elevation);
   if (!(slope > 0)) return 0;
@@ -200,10 +200,10 @@ float TissuePower::sheet_power(const StickTrack& track,
 
 double TissuePower::front_gain(const StickTrack& track,
                                const StickLosses& losses,
-                               const TrackNode& node,
+                               const TissueMap::LineNode& node,
                                double range_m) const {
-  const bool behind = (node.axial < 0) == (node.distance_m < 0);
-  const double to_surface_m = static_cast<double>(-node.distance_m / node.axial);
+  const bool behind = (node.axial < 0) == (node.value_m < 0);
+  const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
   constexpr double kSamePlace_m = 2e-3;  // farther off it is another part of the surface
   if (!behind || !(std::abs(to_surface_m) < kSamePlace_m)) return 1;
   const auto& left = losses.left();

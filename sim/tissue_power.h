@@ -61,7 +61,7 @@ class TissuePower {
   /// A sheet is reached with what is left before it; a place behind it has lost its transmission.
   double front_gain(const StickTrack& track,
                     const StickLosses& losses,
-                    const TrackNode& node,
+                    const TissueMap::LineNode& node,
                     double range_m) const;
   void blend(const TrackPiece& piece,
              const StickLosses& losses,
