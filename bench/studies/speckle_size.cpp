@@ -175,7 +175,9 @@ std::vector<Autocorrelation> measure_speckle_size(sim::Rung rung,
   const auto tissue = open_tissue();
   std::vector<Scan> volumes;
   for (const std::uint64_t seed : inputs.seeds) {
-    volumes.push_back(scan(tissue, {}, plan, lossless_envelope(rung, seed)));
+    auto options = lossless_envelope(rung, seed);
+    options.side_lobes = inputs.side_lobes && rung == sim::Rung::scatterers;
+    volumes.push_back(scan(tissue, {}, plan, options));
   }
   std::vector<Autocorrelation> results;
   for (const double range_m : inputs.ranges_m) {

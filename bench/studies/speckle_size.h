@@ -15,6 +15,7 @@ struct SpeckleSizeInputs {
   std::vector<std::uint64_t> seeds = seeds_from(1, 2);
   int dense = 128;  ///< sticks, or frames, of the dense direction
   int sparse = 12;  ///< of the other
+  bool side_lobes = true;
 };
 
 enum class BeamDirection { axial, lateral, elevation };

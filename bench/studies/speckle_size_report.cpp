@@ -9,6 +9,9 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kTolerance = 0.05;
+/// Of `scatterers` without side lobes, and along the stick away from the foci, where its beam's
+/// table loses a part of the band.
+constexpr double kLooseTolerance = 0.12;
 
 struct Named {
   BeamDirection direction;
@@ -18,6 +21,25 @@ constexpr std::array<Named, 3> kDirections = {{{BeamDirection::axial, "axial"},
                                                {BeamDirection::lateral, "lateral"},
                                                {BeamDirection::elevation, "elevation"}}};
 
+struct Variant {
+  const char* name;
+  const char* title;
+  sim::Rung rung;
+  bool side_lobes;
+  Mark mark;
+};
+constexpr std::array<Variant, 3> kVariants = {
+    {{"field", "field", sim::Rung::field, false, Mark::disc},
+     {"scatterers_side_lobes", "with side lobes", sim::Rung::scatterers, true, Mark::ring},
+     {"scatterers", "main lobe", sim::Rung::scatterers, false, Mark::triangle}}};
+
+double tolerance(const Variant& variant, BeamDirection direction, double range_m) {
+  if (variant.rung == sim::Rung::field) return kTolerance;
+  const bool in_focus = std::abs(range_m / hw::ProbeOptions().transmit_focus_m - 1) < 0.1;
+  if (direction == BeamDirection::axial) return in_focus ? kTolerance : kLooseTolerance;
+  return variant.side_lobes ? kTolerance : kLooseTolerance;
+}
+
 std::string whole_mm(double metres) {
   return std::to_string(std::lround(metres * 1e3));
 }
@@ -25,13 +47,14 @@ std::string whole_mm(double metres) {
 void add_result(const std::string& series,
                 const Autocorrelation& found,
                 const SpeckleSizeInputs& inputs,
+                double tolerance,
                 StudyReport& report) {
   report.checks.push_back(
       {"speckle_size." + series + "_at_" + whole_mm(found.range_m) + "mm",
        Check::Kind::within,
        found.fwhm_m * 1e3,
        found.expected_m * 1e3,
-       kTolerance * found.expected_m * 1e3,
+       tolerance * found.expected_m * 1e3,
        "mm",
        "full width at half maximum of the point spread's autocorrelation, squared",
        found.cells,
@@ -81,17 +104,21 @@ StudyReport speckle_size_study(const SpeckleSizeInputs& inputs) {
     gaussian.y.push_back(std::exp2(-4 * u * u));
   }
   chart.series.push_back(gaussian);
-  for (const sim::Rung rung : {sim::Rung::field, sim::Rung::scatterers}) {
+  for (const Variant& variant : kVariants) {
+    SpeckleSizeInputs asked = inputs;
+    asked.side_lobes = variant.side_lobes;
     int colour = 0;
     for (const Named& direction : kDirections) {
-      const auto found = measure_speckle_size(rung, direction.direction, inputs);
-      const std::string series = sim::to_string(rung) + "." + direction.name;
-      for (const Autocorrelation& one : found) add_result(series, one, inputs, report);
-      add_series(sim::to_string(rung) + ", " + direction.name,
-                 colour++,
-                 rung == sim::Rung::field ? Mark::disc : Mark::ring,
-                 found,
-                 chart);
+      const auto found = measure_speckle_size(variant.rung, direction.direction, asked);
+      for (const Autocorrelation& one : found) {
+        add_result(std::string(variant.name) + "." + direction.name,
+                   one,
+                   inputs,
+                   tolerance(variant, direction.direction, one.range_m),
+                   report);
+      }
+      add_series(
+          std::string(variant.title) + ", " + direction.name, colour++, variant.mark, found, chart);
     }
   }
   report.figures.push_back({"speckle_size",
@@ -107,7 +134,10 @@ StudyReport speckle_size_study(const SpeckleSizeInputs& inputs) {
       "rectangular "
       "apertures: its expected width is that of the autocorrelation of the apertures' two-way "
       "response "
-      "(sim/beam_pattern.h) over the pulse's band.";
+      "(sim/beam_pattern.h) over the pulse's band. With side lobes it has that width; its main "
+      "lobe "
+      "alone, the default, makes speckle up to a tenth smaller, which is what leaving them out "
+      "costs.";
   return report;
 }
 
