@@ -225,7 +225,7 @@ std::span<const int> StickScan::list_near(int count) {
 void StickScan::take_near_cells(
     const Parcel& parcel, const CellGrid& grid, int octave, int first, int count) {
   const std::span<const int> near = list_near(count);
-  if (parcel.tissue.mixed < 0 && parcel.straight) {
+  if (parcel.tissue.mixed == nullptr && parcel.straight) {
     take_even_cells(parcel, grid, octave, first, near);
     return;
   }
@@ -233,17 +233,17 @@ void StickScan::take_near_cells(
   const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
   for (const int i : near) {
     const int number = first + i;
-    const int code = parcel.tissue.mixed < 0 ? parcel.tissue.material
-                                             : parcels.code(parcel.tissue, octave, number);
+    const int code = parcel.tissue.mixed == nullptr ? parcel.tissue.material
+                                                    : parcels.code(parcel.tissue, octave, number);
     const float strength = code >= 0 ? parcels.amplitude(code) : 1.0f;
     TouchedHashCell cell = touched_cell(parcel, grid, number);
     cell.amplitude = strength * gain[cell.row];
     if (cell.amplitude == 0) continue;
     if (parcel.straight) {
-      sort_cell(cell, code);
+      sort_cell(parcel, cell, code);
     } else {
       const HashAxes axes = place_bent(parcel, octave, number, cell);
-      sort_cell(cell, code);
+      sort_cell(parcel, cell, code);
       see(parcel, axes);
     }
   }
@@ -263,12 +263,12 @@ void StickScan::take_even_cells(
   }
 }
 
-void StickScan::sort_cell(const TouchedHashCell& cell, int code) {
+void StickScan::sort_cell(const Parcel& parcel, const TouchedHashCell& cell, int code) {
   if (code >= 0) {
     buffers_.even.cells.push_back(cell);
   } else {
     buffers_.mixed.cells.push_back(cell);
-    buffers_.mixed.mixed.push_back(&scene_.parcels.mixed_cell(code));
+    buffers_.mixed.mixed.push_back(&TissueParcels::mixed_cell(parcel.tissue, code));
   }
 }
 
@@ -326,8 +326,11 @@ void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
                                                             &hits));
   for (int i = 0; i < hits; ++i) {
     const SheetHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
-    seen.amplitude[hit.seen] *= scene_.parcels.sheet_amplitude(
-        *batch.mixed[static_cast<std::size_t>(hit.cell)], hit.scatterer, parcel.direction);
+    seen.amplitude[hit.seen] *=
+        scene_.parcels.sheet_amplitude(parcel.tissue,
+                                       *batch.mixed[static_cast<std::size_t>(hit.cell)],
+                                       hit.scatterer,
+                                       parcel.direction);
   }
   batch.clear();
 }

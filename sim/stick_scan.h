@@ -77,7 +77,7 @@ class StickScan {
       const Parcel& parcel, const CellGrid& grid, int octave, int first, int count);
   void take_even_cells(
       const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near);
-  void sort_cell(const TouchedHashCell& cell, int code);
+  void sort_cell(const Parcel& parcel, const TouchedHashCell& cell, int code);
   HashAxes place_bent(const Parcel& parcel, int octave, int number, TouchedHashCell& cell) const;
   void see(const Parcel& parcel, const HashAxes& axes);
   void see_even(const HashAxes& axes);

@@ -99,7 +99,8 @@ TissueParcels::TissueParcels(const Subject& subject,
       side_m_(cells.parcel_m),
       origin_m_(subject.map->origin_m()),
       parcels_(glm::ceil(glm::dvec3(map_->cells()) * map_->cell_m() / cells.parcel_m)),
-      background_(map_->cell(glm::ivec3(-1)).base) {
+      background_(map_->cell(glm::ivec3(-1)).base),
+      processes_(&cells) {
   for (const auto& material : subject.materials) {
     const double mean =
         material.backscatter_db > kNoEcho_db ? amplitude_of_db(material.backscatter_db) : 0;
@@ -111,11 +112,15 @@ TissueParcels::TissueParcels(const Subject& subject,
     tabulate_sheets(subject.materials);
   }
   for (const Octave& octave : cells.octaves) {
-    divisions_.push_back({octave.divisions, static_cast<int>(codes_per_parcel_)});
-    codes_per_parcel_ += static_cast<std::size_t>(octave.cells());
+    divisions_.push_back({octave.divisions, codes_per_parcel_});
+    codes_per_parcel_ += octave.cells();
   }
   find_parcels(options.threads);
-  find_codes(cells, options.threads);
+  known_ = std::vector<std::atomic<const ParcelCells*>>(mixed_.size());
+}
+
+TissueParcels::~TissueParcels() {
+  for (const auto& cells : known_) delete cells.load();
 }
 
 void TissueParcels::tabulate_sheets(const std::vector<phantoms::Material>& materials) {
@@ -155,33 +160,33 @@ void TissueParcels::find_parcels(int threads) {
 TissueParcels::Parcel TissueParcels::parcel(const glm::ivec3& index) const {
   const bool within = index.x >= 0 && index.y >= 0 && index.z >= 0 && index.x < parcels_.x &&
                       index.y < parcels_.y && index.z < parcels_.z;
-  if (!within) return {index, background_, -1};
+  if (!within) return {index, background_, nullptr};
   const std::int32_t kind =
       kinds_[(static_cast<std::size_t>(index.z) * parcels_.y + index.y) * parcels_.x + index.x];
-  return kind >= 0 ? Parcel{index, kind, -1} : Parcel{index, 0, -1 - kind};
+  if (kind >= 0) return {index, kind, nullptr};
+  return {index, 0, &cells_of(-1 - kind)};
 }
 
-/// Finds the codes of one mixed parcel, whose mixed cells and their sheets count from its own
-/// first.
+/// Finds what one mixed parcel holds.
 class CellMaker {
  public:
-  std::vector<MixedCell> cells;
-  std::vector<SheetScatterer> sheets;
-
   CellMaker(const TissueParcels& parcels, const glm::ivec3& index)
       : parcels_(parcels),
         index_(index),
         corner_(parcels.origin_m_ + parcels.side_m_ * glm::dvec3(index)) {}
 
-  void make(const ScattererCells& processes, std::int32_t* codes) {
+  std::unique_ptr<const ParcelCells> make(const ScattererCells& processes) {
+    found_ = std::make_unique<ParcelCells>();
     for (const Octave& octave : processes.octaves) {
       const double side_m = parcels_.side_m_ / octave.divisions;
       const std::uint32_t parcel_key = octave.parcel_key(index_);
       for (int i = 0; i < octave.cells(); ++i) {
         const glm::dvec3 low = corner_ + side_m * cell_number(i, octave.divisions);
-        *codes++ = code(low, side_m, hash_cell_key(parcel_key, static_cast<std::uint32_t>(i)));
+        found_->codes.push_back(
+            code(low, side_m, hash_cell_key(parcel_key, static_cast<std::uint32_t>(i))));
       }
     }
+    return std::move(found_);
   }
 
  private:
@@ -204,48 +209,32 @@ class CellMaker {
 
   std::int32_t mixed(const Surroundings (&found)[kScatterersInCell]) {
     MixedCell cell;
-    cell.first_sheet = static_cast<std::int32_t>(sheets.size());
+    cell.first_sheet = static_cast<std::int32_t>(found_->sheets.size());
     for (int i = 0; i < kScatterersInCell; ++i) {
       cell.amplitude[i] = found[i].sheet ? 1 : parcels_.amplitude(found[i].material);
       if (!found[i].sheet) continue;
       cell.in_sheet |= 1u << i;
-      sheets.push_back(*found[i].sheet);
-      sheets.back().power = parcels_.power_[static_cast<std::size_t>(found[i].material)];
+      found_->sheets.push_back(*found[i].sheet);
+      found_->sheets.back().power = parcels_.power_[static_cast<std::size_t>(found[i].material)];
     }
-    cells.push_back(cell);
-    return -static_cast<std::int32_t>(cells.size());
+    found_->cells.push_back(cell);
+    return -static_cast<std::int32_t>(found_->cells.size());
   }
 
   const TissueParcels& parcels_;
   glm::ivec3 index_;
   glm::dvec3 corner_;
+  std::unique_ptr<ParcelCells> found_;
 };
 
-void TissueParcels::find_codes(const ScattererCells& cells, int threads) {
-  codes_.resize(mixed_.size() * codes_per_parcel_);
-  std::vector<std::optional<CellMaker>> makers(mixed_.size());
-  parallel_ranges(static_cast<int>(mixed_.size()), threads, [&](int first, int last) {
-    for (int m = first; m < last; ++m) {
-      const auto at = static_cast<std::size_t>(m);
-      makers[at].emplace(*this, mixed_[at]);
-      makers[at]->make(cells, codes_.data() + at * codes_per_parcel_);
-    }
-  });
-  for (std::size_t m = 0; m < makers.size(); ++m) {
-    const auto cells_before = static_cast<std::int32_t>(cells_.size());
-    const auto sheets_before = static_cast<std::int32_t>(scatterers_in_sheets_.size());
-    for (std::size_t i = 0; i < codes_per_parcel_; ++i) {
-      std::int32_t& code = codes_[m * codes_per_parcel_ + i];
-      if (code < 0) code -= cells_before;
-    }
-    for (MixedCell& cell : makers[m]->cells) cell.first_sheet += sheets_before;
-    cells_.insert(cells_.end(), makers[m]->cells.begin(), makers[m]->cells.end());
-    scatterers_in_sheets_.insert(
-        scatterers_in_sheets_.end(), makers[m]->sheets.begin(), makers[m]->sheets.end());
-    makers[m].reset();
-  }
-  cells_.shrink_to_fit();
-  scatterers_in_sheets_.shrink_to_fit();
+const ParcelCells& TissueParcels::cells_of(int mixed) const {
+  auto& known = known_[static_cast<std::size_t>(mixed)];
+  if (const ParcelCells* cells = known.load(std::memory_order_acquire)) return *cells;
+  auto made = CellMaker(*this, mixed_[static_cast<std::size_t>(mixed)]).make(*processes_);
+  // Another thread may have been faster; both found the same.
+  const ParcelCells* others = nullptr;
+  if (!known.compare_exchange_strong(others, made.get(), std::memory_order_acq_rel)) return *others;
+  return *made.release();
 }
 
 float TissueParcels::sheet_power(const SheetScatterer& sheet, const glm::vec3& direction) const {
@@ -258,12 +247,13 @@ float TissueParcels::sheet_power(const SheetScatterer& sheet, const glm::vec3& d
   return value[0] + (place - static_cast<float>(i)) * (value[1] - value[0]);
 }
 
-float TissueParcels::sheet_amplitude(const MixedCell& cell,
+float TissueParcels::sheet_amplitude(const Parcel& parcel,
+                                     const MixedCell& cell,
                                      int scatterer,
                                      const glm::vec3& direction) const {
   const int before = std::popcount(cell.in_sheet & ((1u << scatterer) - 1));
   const SheetScatterer& sheet =
-      scatterers_in_sheets_[static_cast<std::size_t>(cell.first_sheet + before)];
+      parcel.mixed->sheets[static_cast<std::size_t>(cell.first_sheet + before)];
   return std::sqrt(sheet.power + sheet_power(sheet, direction));
 }
 
@@ -271,14 +261,10 @@ float TissueParcels::amplitude_at(
     const Parcel& parcel, int octave, int cell, int scatterer, const glm::vec3& direction) const {
   const int known = code(parcel, octave, cell);
   if (known >= 0) return amplitude(known);
-  const MixedCell& mixed = mixed_cell(known);
+  const MixedCell& mixed = mixed_cell(parcel, known);
   const bool in_sheet = (mixed.in_sheet >> scatterer & 1u) != 0;
-  return in_sheet ? sheet_amplitude(mixed, scatterer, direction) : mixed.amplitude[scatterer];
-}
-
-std::size_t TissueParcels::bytes() const {
-  return kinds_.size() * sizeof(kinds_[0]) + codes_.size() * sizeof(codes_[0]) +
-         cells_.size() * sizeof(MixedCell) + scatterers_in_sheets_.size() * sizeof(SheetScatterer);
+  return in_sheet ? sheet_amplitude(parcel, mixed, scatterer, direction)
+                  : mixed.amplitude[scatterer];
 }
 
 }  // namespace wobblebench::sim

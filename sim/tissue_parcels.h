@@ -1,9 +1,10 @@
 // How strongly tissue echoes at a scatterer's place, for those who ask for millions of them: tissue
 // at rest in parcels of a few millimetres, divided into the scatterers' hash cells. Most hash cells
-// hold one material. For the others each scatterer's material is found once, when the scene is
-// made.
+// hold one material. For the others each scatterer's material is found once, when a beam first
+// comes near: tissue outside every beam is never visited.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -33,14 +34,26 @@ struct SheetScatterer {
   glm::vec3 outwards;  ///< unit normal
 };
 
+/// What is known of a parcel that holds several materials.
+struct ParcelCells {
+  std::vector<std::int32_t>
+      codes;  ///< of all hash cells, octave by octave; see TissueParcels::code
+  std::vector<MixedCell> cells;
+  std::vector<SheetScatterer> sheets;
+};
+
 /// Echoes are roots of relative powers, those of a Rayleigh envelope: of its mean intensity where
 /// the beam and the pulse are full of such scatterers.
 class TissueParcels {
  public:
+  /// `cells` must outlive it. Const functions may be called from several threads.
   TissueParcels(const Subject& subject,
                 const hw::AcquisitionPlan& plan,
                 const SimulationOptions& options,
                 const ScattererCells& cells);
+  ~TissueParcels();
+  TissueParcels(const TissueParcels&) = delete;
+  TissueParcels& operator=(const TissueParcels&) = delete;
 
   double side_m() const { return side_m_; }
   const glm::dvec3& origin_m() const { return origin_m_; }  ///< low corner of parcel (0, 0, 0)
@@ -49,34 +62,35 @@ class TissueParcels {
   struct Parcel {
     glm::ivec3 index{0};
     phantoms::MaterialIndex material = 0;  ///< of all of it, if it is not mixed
-    int mixed = -1;                        ///< number of a mixed parcel
+    const ParcelCells* mixed = nullptr;    ///< what a mixed parcel holds
   };
   Parcel parcel(const glm::ivec3& index) const;
   /// Nothing in it echoes.
   bool silent(const Parcel& parcel) const {
-    return parcel.mixed < 0 && amplitude(parcel.material) == 0;
+    return parcel.mixed == nullptr && amplitude(parcel.material) == 0;
   }
 
-  /// What is known of a hash cell: its material, or below 0 mixed_cell(code).
+  /// What is known of a hash cell: its material, or below 0 mixed_cell(parcel, code).
   int code(const Parcel& parcel, int octave, int cell) const {
-    if (parcel.mixed < 0) return parcel.material;
-    const auto first = static_cast<std::size_t>(parcel.mixed) * codes_per_parcel_;
-    return codes_[first + divisions_[static_cast<std::size_t>(octave)].first + cell];
+    if (parcel.mixed == nullptr) return parcel.material;
+    return parcel.mixed->codes[static_cast<std::size_t>(
+        divisions_[static_cast<std::size_t>(octave)].first + cell)];
   }
-  const MixedCell& mixed_cell(int code) const {
-    return cells_[static_cast<std::size_t>(-1 - code)];
+  static const MixedCell& mixed_cell(const Parcel& parcel, int code) {
+    return parcel.mixed->cells[static_cast<std::size_t>(-1 - code)];
   }
 
   float amplitude(phantoms::MaterialIndex material) const {
     return amplitude_[static_cast<std::size_t>(material)];
   }
   /// Of a mixed cell's scatterer that lies in a sheet. `direction`: of the sound, at rest.
-  float sheet_amplitude(const MixedCell& cell, int scatterer, const glm::vec3& direction) const;
+  float sheet_amplitude(const Parcel& parcel,
+                        const MixedCell& cell,
+                        int scatterer,
+                        const glm::vec3& direction) const;
   /// Of any hash cell's scatterer.
   float amplitude_at(
       const Parcel& parcel, int octave, int cell, int scatterer, const glm::vec3& direction) const;
-
-  std::size_t bytes() const;
 
  private:
   friend class CellMaker;
@@ -88,7 +102,7 @@ class TissueParcels {
   };
   void tabulate_sheets(const std::vector<phantoms::Material>& materials);
   void find_parcels(int threads);
-  void find_codes(const ScattererCells& cells, int threads);
+  const ParcelCells& cells_of(int mixed) const;
   float sheet_power(const SheetScatterer& sheet, const glm::vec3& direction) const;
 
   std::shared_ptr<const TissueMap> map_;
@@ -99,10 +113,10 @@ class TissueParcels {
   std::vector<std::int32_t> kinds_;     ///< material, or -1 - number of the mixed parcel; x fastest
   std::vector<glm::ivec3> mixed_;
   std::vector<Division> divisions_;
-  std::size_t codes_per_parcel_ = 0;
-  std::vector<std::int32_t> codes_;
-  std::vector<MixedCell> cells_;
-  std::vector<SheetScatterer> scatterers_in_sheets_;
+  int codes_per_parcel_ = 0;
+  const ScattererCells* processes_;
+  /// Of each mixed parcel, once somebody has asked for it.
+  mutable std::vector<std::atomic<const ParcelCells*>> known_;
   std::vector<float> power_;      ///< of each material
   std::vector<float> amplitude_;  ///< of each material
   std::vector<float> sheets_;     ///< power by material before, material behind, cosine

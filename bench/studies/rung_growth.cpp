@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMm = 1e-3;
 /// A block wider and deeper than the field.
-const glm::dvec3 kHalf_m{0.25, 0.25, 0.2};
+const glm::dvec3 kHalf_m{0.14, 0.13, 0.11};
 constexpr double kVoxel_m = 4e-3;  // flat faces lose nothing by it
 
 TradeScene scene_with(const phantoms::Phantom& body,

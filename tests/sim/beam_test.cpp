@@ -1,0 +1,116 @@
+// The beam's response against closed forms and brute force, and its packed table against itself.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "sim/beam_pattern.h"
+#include "sim/beam_sections.h"
+#include "sim/point_spread.h"
+
+namespace wobblebench::sim {
+namespace {
+
+using Complex = std::complex<double>;
+
+const hw::AcquisitionPlan& plan() {
+  static const hw::AcquisitionPlan shared({}, {});
+  return shared;
+}
+
+double sinc(double x) {
+  return x == 0 ? 1 : std::sin(kPi * x) / (kPi * x);
+}
+
+/// The aperture's integral by a fine midpoint rule, in double precision.
+Complex brute_force(const Aperture& aperture, double k, double range_m, double offset_m) {
+  constexpr int kSources = 4000;
+  Complex sum = 0;
+  for (int i = 0; i < kSources; ++i) {
+    const double u = ((i + 0.5) / kSources - 0.5) * aperture.width_m;
+    const double strength = sinc(aperture.element_turn_per_m * u / kPi);
+    const double aside = offset_m - u;
+    sum += std::polar(strength, -0.5 * k * (aside * aside / range_m - u * u / aperture.focus_m));
+  }
+  return sum / static_cast<double>(kSources);
+}
+
+TEST(BeamPattern, InTheFocusItIsASinc) {
+  const double k = 14280, width_m = 18e-3, focus_m = 75e-3;
+  const double zero_m = 2 * kPi / k * focus_m / width_m;
+  for (double share : {0.0, 0.3, 0.5, 0.9, 1.0, 1.5, 2.7}) {
+    const Complex found = aperture_response({width_m, focus_m}, k, focus_m, share * zero_m);
+    EXPECT_NEAR(std::abs(found), std::abs(sinc(share)), 2e-5) << share;
+  }
+}
+
+TEST(BeamPattern, IsTheIntegralOverItsSources) {
+  for (double range_m : {25e-3, 60e-3, 140e-3}) {
+    for (double offset_m : {0.0, 0.7e-3, 3e-3, 8e-3}) {
+      for (double turn_per_m : {0.0, 110.0}) {
+        const Aperture aperture{14e-3, 75e-3, turn_per_m};
+        const Complex found = aperture_response(aperture, 14280, range_m, offset_m);
+        EXPECT_LT(std::abs(found - brute_force(aperture, 14280, range_m, offset_m)), 2e-3)
+            << range_m << " " << offset_m << " " << turn_per_m;
+      }
+    }
+  }
+}
+
+TEST(BeamPattern, TwoWayResponseHasTheWidthsOfTheFormulas) {
+  const double frequency_hz = plan().probe().center_frequency_hz, focus_m = 75e-3;
+  const auto at_half = [&](const auto& response, double fwhm_m) {
+    return std::abs(response(plan(), frequency_hz, focus_m, 0.5 * fwhm_m)) /
+           std::abs(response(plan(), frequency_hz, focus_m, 0));
+  };
+  EXPECT_NEAR(at_half(lateral_response, lateral_fwhm_m(plan(), focus_m)), 0.5, 0.02);
+  EXPECT_NEAR(at_half(elevation_response, elevation_fwhm_m(plan(), focus_m)), 0.5, 0.005);
+}
+
+class BeamShapes : public testing::TestWithParam<BeamShape> {};
+
+TEST_P(BeamShapes, SectionsAreBothDirectionsMultiplied) {
+  const BeamTable table(plan(), GetParam());
+  const BeamSections sections(table);
+  const int columns = table.columns();
+  const auto part = [&](const BeamTable::Direction& direction, int row, int column, int which) {
+    const float* at = direction.values.data() + 4 * (row * columns + column) + 2 * which;
+    return std::complex<float>(at[0], at[1]);
+  };
+  for (int row = 3; row < table.rows(); row += 31) {
+    for (int u = 0; u < columns; u += 5) {
+      for (int v = 0; v < columns; v += 7) {
+        const std::uint32_t* words = sections.words() + 2 * ((row * columns + u) * columns + v);
+        const auto unpack = [&](std::uint32_t word) {
+          return std::complex<float>(static_cast<float>(static_cast<std::int16_t>(word & 0xffff)),
+                                     static_cast<float>(static_cast<std::int16_t>(word >> 16))) *
+                 sections.scale(row);
+        };
+        const auto level = part(table.lateral(), row, u, 0) * part(table.elevation(), row, v, 0);
+        const auto colour = part(table.lateral(), row, u, 0) * part(table.elevation(), row, v, 1) +
+                            part(table.lateral(), row, u, 1) * part(table.elevation(), row, v, 0);
+        EXPECT_LT(std::abs(unpack(words[0]) - level), sections.scale(row));
+        EXPECT_LT(std::abs(unpack(words[1]) - colour), sections.scale(row));
+      }
+    }
+  }
+}
+
+TEST_P(BeamShapes, RimIsWideEnoughAndNotWider) {
+  const BeamTable table(plan(), GetParam());
+  const double wavelength_m = 1540 / plan().probe().center_frequency_hz;
+  const int focus = table.row(75e-3);
+  const double zero_m =
+      wavelength_m * 75e-3 / transmit_aperture_m(plan());  // first one of the lateral beam
+  const double lobes = GetParam() == BeamShape::main_lobe ? 1 : 4;
+  EXPECT_GT(table.reach_m(table.lateral(), focus), 0.75 * zero_m);
+  EXPECT_LT(table.reach_m(table.lateral(), focus), 1.1 * lobes * zero_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         BeamShapes,
+                         testing::Values(BeamShape::main_lobe, BeamShape::side_lobes));
+
+}  // namespace
+}  // namespace wobblebench::sim
