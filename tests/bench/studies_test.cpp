@@ -52,10 +52,12 @@ TEST(PointTargetStudy, WidthsInTheFocusAreThoseOfTheFormulas) {
 
 TEST(AgreementStudy, ScatterersInTheFocusAreThoseOfTheReference) {
   AgreementInputs inputs;
-  inputs.sticks = 2;
-  inputs.half_width_m = 2e-3;
+  inputs.sticks = 4;
+  inputs.sector_rad = 2 * kDegree;
+  inputs.half_width_m = 5e-3;
   const auto found = measure_agreement(75e-3, inputs);
-  EXPECT_GE(found.main_lobe, 0.98);
+  // Tissue wider than the beam: its main lobe alone misses a little.
+  EXPECT_GE(found.main_lobe, 0.95);
   EXPECT_GE(found.side_lobes, 0.98);
 }
 
