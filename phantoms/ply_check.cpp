@@ -164,7 +164,7 @@ class Body {
 void check_list(Body& body, const Property& list, bool is_face, double vertices) {
   const double count = body.next(list.count);
   if (!(count >= (is_face ? 3 : 0))) throw damaged("a face of less than three corners");
-  for (double i = 0; i < count; ++i) {
+  for (long i = 0; static_cast<double>(i) < count; ++i) {
     const double value = body.next(list.value);
     if (is_face && !(value >= 0 && value < vertices)) {
       throw damaged("a corner that is no vertex");

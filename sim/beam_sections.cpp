@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 
 namespace wobblebench::sim {
 
@@ -30,8 +31,9 @@ BeamSections::BeamSections(const BeamTable& table) {
 
 void BeamSections::add_row(const BeamTable& table, int row) {
   const int columns = table.columns();
-  const auto value = [&](const BeamTable::Direction& direction, int column, int part) {
-    const float* at = direction.values.data() + 4 * (row * columns + column) + 2 * part;
+  const auto value = [&](const BeamTable::Direction& direction, int column, std::ptrdiff_t part) {
+    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(row) * columns + column;
+    const float* at = direction.values.data() + 4 * place + 2 * part;
     return Complex(at[0], at[1]);
   };
   std::vector<Complex> level, colour;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <functional>
 
 #include "sim/beam_pattern.h"
 #include "sim/parallel.h"
@@ -59,14 +58,34 @@ struct Band {
 /// A response over the band.
 using Spectrum = std::array<Complex, Band::kCount>;
 
-/// What makes one direction's table: the response at a relative frequency offset, range and place.
+/// What makes one direction's table.
 struct Source {
-  std::function<Complex(double frequency_ratio, double range_m, double offset_m)> response;
-  /// Where to look for the beam's edge at most.
-  std::function<double(double range_m)> widest_m;
-  std::function<double(double range_m)> narrowest_m;
-  double faintest = kFaintest;  ///< power at the rim, over the largest
+  const hw::AcquisitionPlan& plan;
+  Complex (*two_way)(const hw::AcquisitionPlan&, double frequency_hz, double range_m, double off_m);
+  double (*aperture_m)(const hw::AcquisitionPlan&, double range_m);
+  double focus_m;
+  double faintest;  ///< power at the rim, over the largest
+
+  Complex response(double frequency_ratio, double range_m, double offset_m) const {
+    return two_way(plan, frequency_ratio * plan.probe().center_frequency_hz, range_m, offset_m);
+  }
+  /// From the axis to the first zero of a beam in its focus.
+  double lobe_m(double range_m) const {
+    const double wavelength_m =
+        plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+    return wavelength_m * range_m / aperture_m(plan, range_m);
+  }
+  /// Where to look for the beam's edge at most, and where it is at least.
+  double widest_m(double range_m) const {
+    const double shadow_m = aperture_m(plan, range_m) * std::abs(1 - range_m / focus_m);
+    return kLobes * lobe_m(range_m) + 0.5 * shadow_m;
+  }
+  double narrowest_m(double range_m) const { return kMainLobe * lobe_m(range_m); }
 };
+
+double element_height_m(const hw::AcquisitionPlan& plan, double) {
+  return plan.probe().element_height_m;
+}
 
 struct Column {
   Complex level;   // A
@@ -212,42 +231,6 @@ void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& di
   }
 }
 
-struct Sources {
-  Source lateral;
-  Source elevation;
-};
-
-Source aperture_source(const hw::AcquisitionPlan& plan,
-                       Complex (*response)(const hw::AcquisitionPlan&, double, double, double),
-                       const std::function<double(double)>& aperture_m,
-                       double focus_m,
-                       bool main_lobe_only) {
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  Source source;
-  source.response = [&plan, response](double ratio, double range_m, double offset_m) {
-    return response(plan, ratio * plan.probe().center_frequency_hz, range_m, offset_m);
-  };
-  source.widest_m = [=](double range_m) {
-    const double aperture = aperture_m(range_m);
-    return kLobes * wavelength_m * range_m / aperture +
-           0.5 * aperture * std::abs(1 - range_m / focus_m);
-  };
-  source.narrowest_m = [=](double range_m) {
-    return kMainLobe * wavelength_m * range_m / aperture_m(range_m);
-  };
-  if (!main_lobe_only) source.faintest = kFaintestSideLobe;
-  return source;
-}
-
-Sources aperture_sources(const hw::AcquisitionPlan& plan, bool main_lobe_only) {
-  const auto across = [&plan](double range_m) { return receive_aperture_m(plan, range_m); };
-  const auto height = [&plan](double) { return plan.probe().element_height_m; };
-  return {aperture_source(
-              plan, lateral_response, across, plan.probe().transmit_focus_m, main_lobe_only),
-          aperture_source(
-              plan, elevation_response, height, plan.probe().elevation_focus_m, main_lobe_only)};
-}
-
 }  // namespace
 
 BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threads)
@@ -256,9 +239,12 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
   const int count =
       std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kFewestRows, kMostRows);
   rows_per_m_ = count / depth_m;
-  const Sources sources = aperture_sources(plan, shape == BeamShape::main_lobe);
-  const RowMaker lateral(plan, sources.lateral, columns_);
-  const RowMaker elevation(plan, sources.elevation, columns_);
+  const auto& probe = plan.probe();
+  const double faintest = shape == BeamShape::main_lobe ? kFaintest : kFaintestSideLobe;
+  const Source across{plan, lateral_response, receive_aperture_m, probe.transmit_focus_m, faintest};
+  const Source high{plan, elevation_response, element_height_m, probe.elevation_focus_m, faintest};
+  const RowMaker lateral(plan, across, columns_);
+  const RowMaker elevation(plan, high, columns_);
   for (Direction* direction : {&lateral_, &elevation_}) {
     direction->rows.resize(static_cast<std::size_t>(count));
     direction->values.resize(static_cast<std::size_t>(count) * columns_ * 4);
@@ -269,10 +255,10 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
     for (int i = first; i < last; ++i) {
       const double range_m = (i + 0.5) / rows_per_m_;
       const auto at = static_cast<std::size_t>(i);
-      const Row across = lateral.row(range_m), high = elevation.row(range_m);
-      store(across, columns_, at, lateral_);
-      store(high, columns_, at, elevation_);
-      const RowPower wide(across, lateral), tall(high, elevation);
+      const Row aside = lateral.row(range_m), up = elevation.row(range_m);
+      store(aside, columns_, at, lateral_);
+      store(up, columns_, at, elevation_);
+      const RowPower wide(aside, lateral), tall(up, elevation);
       area_m2_[at] = area(wide, tall, lateral.variance());
       speckle_area_m2_[at] = wide.width_m * tall.width_m;
     }

@@ -86,8 +86,9 @@ class LayerWalk {
     const double from = std::max(0.0, range_m - aside_m_),
                  to = std::min(end_m_, range_m + aside_m_);
     BeamTube::Reach widest = tube_.reach(to);
-    for (double at = from; at < to; at += kStep_m) {
-      const BeamTube::Reach& here = tube_.reach(at);
+    const int steps = static_cast<int>(std::ceil((to - from) / kStep_m));
+    for (int i = 0; i < steps; ++i) {
+      const BeamTube::Reach& here = tube_.reach(from + i * kStep_m);
       widest.lateral_m = std::max(widest.lateral_m, here.lateral_m);
       widest.elevation_m = std::max(widest.elevation_m, here.elevation_m);
     }
@@ -142,8 +143,9 @@ class SlabWalk {
 
   void collect(std::vector<TouchedParcel>& touched) const {
     const double thick_m = 2 * lattice_.side_m;
-    for (double from = -half_m_; from < end_m_ + half_m_; from += thick_m) {
-      slab(from, from + thick_m, touched);
+    const int slabs = static_cast<int>(std::ceil((end_m_ + 2 * half_m_) / thick_m));
+    for (int i = 0; i < slabs; ++i) {
+      slab(i * thick_m - half_m_, (i + 1) * thick_m - half_m_, touched);
     }
   }
 

@@ -63,7 +63,7 @@ void EchoBins::spread(const PulseTaps& taps, std::span<const float> left, int sa
       const float here = left_at(column);
       const float amplitude = here + share * (left_at(column + neighbour) - here);
       // The end is the first bin's far end and the second one's near end.
-      const BinShare* first = bins_.data() + column * bins + place;
+      const BinShare* first = bins_.data() + static_cast<std::ptrdiff_t>(column) * bins + place;
       phase.re[static_cast<std::size_t>(column + taps.beside())] =
           amplitude * (first[0].high_re + first[1].low_re);
       phase.im[static_cast<std::size_t>(column + taps.beside())] =

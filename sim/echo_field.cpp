@@ -20,8 +20,9 @@ constexpr int kMaxHalfFrames = 32;
 WOBBLEBENCH_SIMD void fill_noise(float* parts, int count, std::uint64_t key) {
   for (int i = 0; i < count; ++i) {
     const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(i));
-    parts[2 * i] = z.re;
-    parts[2 * i + 1] = z.im;
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    parts[at] = z.re;
+    parts[at + 1] = z.im;
   }
 }
 
@@ -36,8 +37,9 @@ WOBBLEBENCH_SIMD void add_weighted(float* target,
                                    const float* weights,
                                    int count) {
   for (int i = 0; i < count; ++i) {
-    target[2 * i] += weights[i] * source[2 * i];
-    target[2 * i + 1] += weights[i] * source[2 * i + 1];
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    target[at] += weights[i] * source[at];
+    target[at + 1] += weights[i] * source[at + 1];
   }
 }
 

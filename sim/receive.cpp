@@ -27,9 +27,10 @@ WOBBLEBENCH_SIMD void noisy_envelope(const float* iq,
                                      float* envelope) {
   for (int n = 0; n < count; ++n) {
     const int i = first + n * stride;
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
     const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(i));
-    const float re = iq[2 * i] + noise * z.re;
-    const float im = iq[2 * i + 1] + noise * z.im;
+    const float re = iq[at] + noise * z.re;
+    const float im = iq[at + 1] + noise * z.im;
     envelope[n] = std::sqrt(re * re + im * im);
   }
 }
@@ -37,8 +38,8 @@ WOBBLEBENCH_SIMD void noisy_envelope(const float* iq,
 WOBBLEBENCH_SIMD void clean_envelope(
     const float* iq, int first, int stride, int count, float* envelope) {
   for (int n = 0; n < count; ++n) {
-    const int i = first + n * stride;
-    envelope[n] = std::sqrt(iq[2 * i] * iq[2 * i] + iq[2 * i + 1] * iq[2 * i + 1]);
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(first + n * stride);
+    envelope[n] = std::sqrt(iq[at] * iq[at] + iq[at + 1] * iq[at + 1]);
   }
 }
 

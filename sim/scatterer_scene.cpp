@@ -15,7 +15,9 @@ constexpr double kRangeStep_m = 0.5e-3;
 double density_per_m3(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
   const double depth_m = plan.acquisition().depth_m;
   double smallest_m2 = HUGE_VAL;
-  for (double r = std::min(kRangeStep_m, depth_m); r <= depth_m; r += kRangeStep_m) {
+  const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
+  for (int i = 1; i <= steps; ++i) {
+    const double r = depth_m * i / steps;
     smallest_m2 = std::min(smallest_m2, lateral_fwhm_m(plan, r) * elevation_fwhm_m(plan, r));
   }
   return options.scatterers_per_cell / (smallest_m2 * axial_fwhm_m(plan));

@@ -24,9 +24,10 @@ double fastest_ratio(const Subject& subject, const hw::AcquisitionPlan& plan) {
 
 WOBBLEBENCH_SIMD void scale_by_root(float* parts, const float* power, int count) {
   for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
     const float amplitude = std::sqrt(power[i]);
-    parts[2 * i] *= amplitude;
-    parts[2 * i + 1] *= amplitude;
+    parts[at] *= amplitude;
+    parts[at + 1] *= amplitude;
   }
 }
 

@@ -365,7 +365,9 @@ void StickScan::find_delays() {
   };
   const std::size_t last = way_.delay_m.size() - 1;
   std::size_t i = 0;
-  for (double range = 0; range < end_m_ + way_.spacing_m; range += way_.spacing_m) {
+  const int count = static_cast<int>(std::ceil(end_m_ / way_.spacing_m)) + 1;
+  for (int k = 0; k < count; ++k) {
+    const double range = k * way_.spacing_m;
     while (i + 1 < last && true_m(i + 1) < range) ++i;
     const std::size_t next = std::min(i + 1, last);
     const double step = true_m(next) - true_m(i);

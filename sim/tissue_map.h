@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -98,7 +99,7 @@ inline float TissueMap::value_m(const Entry& entry, const glm::vec3& local) cons
   const float u = px - static_cast<float>(x);
   const float v = py - static_cast<float>(y);
   const float w = pz - static_cast<float>(z);
-  const int row = n + 1;
+  const std::ptrdiff_t row = n + 1;
   const float* near = nodes_.data() + entry.block + (z * row + y) * row + x;
   const float* far = near + row * row;
   const float c00 = near[0] + u * (near[1] - near[0]);

@@ -157,7 +157,8 @@ Picture3 draw_widths(const std::vector<Variant>& variants) {
     const Direction& direction = kDirections[d];
     Series formula{std::string(direction.name) + ", formula"};
     formula.colour = d;
-    for (double r = 40e-3; r <= 120e-3; r += 1e-3) {
+    for (int mm = 40; mm <= 120; ++mm) {
+      const double r = 1e-3 * mm;
       formula.x.push_back(r * 1e3);
       formula.y.push_back(direction.formula_m(plan, r) * 1e3);
     }

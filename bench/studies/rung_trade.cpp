@@ -78,7 +78,7 @@ render::Image<float> frame_picture(const hw::AcquisitionPlan& plan,
       const int k0 = std::min(static_cast<int>(k), a.samples_per_stick - 2);
       const int l0 = std::min(static_cast<int>(l), a.sticks_per_frame - 2);
       const float u = static_cast<float>(k - k0), v = static_cast<float>(l - l0);
-      const float* stick = frame_begin + l0 * a.samples_per_stick + k0;
+      const float* stick = frame_begin + static_cast<std::ptrdiff_t>(l0) * a.samples_per_stick + k0;
       const float* next = stick + a.samples_per_stick;
       picture.at(column, row) = (1 - v) * (stick[0] + u * (stick[1] - stick[0])) +
                                 v * (next[0] + u * (next[1] - next[0]));

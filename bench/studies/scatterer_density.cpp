@@ -84,10 +84,11 @@ double effective_scatterers(const DensityInputs& inputs, double per_cell) {
     smallest = std::min(smallest, cell_m3(plan, plan.sample_range_m(k)));
   }
   const double per_fwhm = std::pow(std::sqrt(2 * kPi) / 2.354820, 3);
+  const int count = 1 + static_cast<int>((inputs.speckle.to_m - inputs.speckle.from_m) / 1e-3);
   double sum = 0;
-  int count = 0;
-  for (double r = inputs.speckle.from_m; r <= inputs.speckle.to_m; r += 1e-3, ++count) {
-    sum += smallest / cell_m3(plan, r);  // 1 / N is what statistics are linear in
+  for (int i = 0; i < count; ++i) {
+    // 1 / N is what statistics are linear in.
+    sum += smallest / cell_m3(plan, inputs.speckle.from_m + 1e-3 * i);
   }
   return per_cell * per_fwhm * count / sum;
 }

@@ -150,7 +150,8 @@ double expected_speckle_m(sim::Rung rung,
   const BeamDirection other =
       direction == BeamDirection::lateral ? BeamDirection::elevation : BeamDirection::lateral;
   const double other_grid_m = point_spread_m(other, plan, range_m) / 100;
-  for (double u = -2.4; u <= 2.41; u += 0.4) {
+  for (int i = -6; i <= 6; ++i) {
+    const double u = 0.4 * i;
     const double frequency_hz = plan.probe().center_frequency_hz + u * sigma_hz;
     const auto values = turning_response(direction, plan, frequency_hz, range_m, grid_m);
     double weight = 0;
@@ -158,8 +159,8 @@ double expected_speckle_m(sim::Rung rung,
       weight += std::exp(-0.5 * u * u) * std::norm(value);
     }
     for (std::size_t lag = 0; lag < kLags; ++lag) {
-      for (std::size_t i = 0; i + lag < values.size(); ++i) {
-        sums[lag] += weight * values[i] * std::conj(values[i + lag]);
+      for (std::size_t at = 0; at + lag < values.size(); ++at) {
+        sums[lag] += weight * values[at] * std::conj(values[at + lag]);
       }
     }
   }

@@ -99,7 +99,8 @@ StudyReport speckle_size_study(const SpeckleSizeInputs& inputs) {
               {"autocovariance / variance"}};
   Series gaussian{"Gaussian"};
   gaussian.colour = 6;
-  for (double u = 0; u <= 1.5; u += 0.02) {
+  for (int i = 0; i <= 75; ++i) {
+    const double u = 0.02 * i;
     gaussian.x.push_back(u);
     gaussian.y.push_back(std::exp2(-4 * u * u));
   }

@@ -42,7 +42,8 @@ Series histogram(const std::string& name, const SpeckleResult& result) {
 Series rayleigh_density() {
   Series series{"Rayleigh"};
   series.colour = 6;
-  for (double x = 0; x <= 3.001; x += 0.025) {
+  for (int i = 0; i <= 120; ++i) {
+    const double x = 0.025 * i;
     series.x.push_back(x);
     series.y.push_back(2 * x * std::exp(-x * x));
   }
