@@ -90,7 +90,7 @@ int dispatch(int argc, char** argv) {
   return tables_command(arguments);
 }
 
-int report_error(const char* what, int code) {
+int report_error(const std::string& what, int code) {
   std::fprintf(stderr, "wobblebench: %s\n", one_line(what).c_str());
   return code;
 }
@@ -106,9 +106,10 @@ int main(int argc, char** argv) {
   } catch (const UserError& error) {
     return report_error(error.what(), kBadInput);
   } catch (const wobblebench::hw::InvalidOption& error) {
-    return report_error(error.what(), kBadInput);
+    // What the scene's own check cannot know: a scan too large for its rung.
+    return report_error(std::string("simulation.") + error.what(), kBadInput);
   } catch (const wobblebench::phantoms::InvalidPhantom& error) {
-    return report_error(error.what(), kBadInput);
+    return report_error(std::string("phantom.") + error.what(), kBadInput);
   } catch (const std::bad_alloc&) {
     return report_error("out of memory", kFailed);
   } catch (const std::exception& error) {

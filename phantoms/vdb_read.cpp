@@ -122,9 +122,10 @@ Phantom read_phantom(const std::filesystem::path& path) {
     const VdbFile file = read_vdb(path);
     return phantom_from(file.metadata, file.grids);
   } catch (const openvdb::Exception& error) {
-    throw InvalidPhantom(path.string() + ": not a readable phantom (" + error.what() + ")");
+    throw InvalidPhantom("file = \"" + path.string() + "\": not a readable phantom (" +
+                         error.what() + ")");
   } catch (const std::exception& error) {
-    throw InvalidPhantom(path.string() + ": " + error.what());
+    throw InvalidPhantom("file = \"" + path.string() + "\": " + error.what());
   }
 }
 

@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "--set: phantom.file = \"\": must be the path of a .vdb"},
         BadInput{"garbage_vdb",
                  {"run", "--set", "phantom.name=file", "--set", "phantom.file=garbage.vdb"},
-                 "garbage.vdb: ",
+                 "phantom.file = \"garbage.vdb\": ",
                  true},
         BadInput{"empty_vdb",
                  {"run", "--set", "phantom.name=file", "--set", "phantom.file=empty.vdb"},
