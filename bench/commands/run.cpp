@@ -1,6 +1,8 @@
 // The main job: acquire, render, compare, write.
 #include <cmath>
+#include <iomanip>
 #include <iostream>
+#include <sstream>
 
 #include "bench/acquire.h"
 #include "bench/commands/commands.h"
@@ -104,16 +106,23 @@ void write_results(OutputFolder& out, const RunResult& result) {
 void print_summary(const Json& report, const std::filesystem::path& directory) {
   const Json& error = report["error"];
   const auto figure = [](const Json& value) {
-    return value.is_null() ? std::string("none") : std::to_string(value.get<double>());
+    if (value.is_null()) return std::string("none");
+    std::ostringstream text;
+    const double number = value.get<double>();
+    text << std::setprecision(3);
+    if (std::abs(number) >= 100) text << std::fixed << std::setprecision(0);
+    text << number;
+    return text.str();
   };
-  std::cout << "volume      " << report["acquisition"]["volume_time_ms"]
-            << " ms of sound, simulated in " << report["simulation"]["ms_per_volume"]
-            << " ms (before the first: " << report["simulation"]["map_ms"]
-            << " ms for the phantom, " << report["simulation"]["once_ms"] << " ms for the scene)\n"
+  std::cout << "volume      " << figure(report["acquisition"]["volume_time_ms"])
+            << " ms of sound, simulated in " << figure(report["simulation"]["ms_per_volume"])
+            << " ms (before the first: " << figure(report["simulation"]["map_ms"])
+            << " ms for the phantom, " << figure(report["simulation"]["once_ms"])
+            << " ms for the scene)\n"
             << "simulator   " << report["simulation"]["rung"].get<std::string>() << ": "
             << report["simulation"]["reason"].get<std::string>() << "\n"
             << "board       " << report["board"].dump() << "\n"
-            << "render      " << report["render"]["frame_ms"] << " ms on "
+            << "render      " << figure(report["render"]["frame_ms"]) << " ms on "
             << report["provenance"]["gl_renderer"].get<std::string>() << "\n"
             << "depth error bias " << figure(error["depth_mm"]["bias"]) << " mm, RMS "
             << figure(error["depth_mm"]["rms"]) << " mm, P95 " << figure(error["depth_mm"]["p95"])
