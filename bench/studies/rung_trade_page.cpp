@@ -77,7 +77,7 @@ void write_trade(const RungTradeResults& results, std::ostream& page) {
          << " |\n";
   }
   page << format(
-      "\n`reference` sums over pairs of elements and is for small scenes: on the sheet above (8 "
+      "\n`reference` sums over the probe's elements and is for small scenes: on the sheet above (4 "
       "sticks) "
       "a volume takes %.0f ms, against %.1f ms by `scatterers`, %.0f times as long.\n",
       results.small_reference.first_ms,
