@@ -64,7 +64,7 @@ class VdbFile : public testing::Test {
 
   void expect_refusal(const std::string& words) const {
     const std::string line = refusal();
-    EXPECT_EQ(line.rfind(file().string() + ": ", 0), 0u) << line;
+    EXPECT_EQ(line.rfind("file = \"" + file().string() + "\": ", 0), 0u) << line;
     EXPECT_NE(line.find(words), std::string::npos) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
