@@ -217,9 +217,9 @@ StudyReport point_target_study(const PointInputs& inputs) {
       "image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
       "(`sim::ScattererField`, `sim::ReferenceScene`), with nothing else around. The formulas are "
       "those of `sim/point_spread.h`. First both foci are put at the scatterer's depth, where the "
-      "formulas are closed forms of diffraction; `reference` is 2 to 5 % wider there, because its "
-      "elements lie on a curved face and look away from the stick at the aperture's edges, and its "
-      "band is wide. Then the foci stay at 75 mm, and `scatterers` is held against `reference`; "
+      "formulas are closed forms of diffraction, with the directivity of elements on a curved face "
+      "in the lateral one. Then the foci stay at 75 mm, and `scatterers` is held against "
+      "`reference`; "
       "the formulas, which `field` uses, are an approximation there.";
   return report;
 }
