@@ -11,6 +11,20 @@ constexpr std::size_t kRememberedGaps = 1024;
 
 }  // namespace
 
+const char* to_string(LossCause cause) {
+  switch (cause) {
+    case LossCause::ring_full:
+      return "ring_full";
+    case LossCause::link:
+      return "link";
+    case LossCause::corrupt:
+      return "corrupt";
+    case LossCause::out_of_order:
+      return "out_of_order";
+  }
+  return "unknown";
+}
+
 std::uint64_t& SequenceLedger::counter(LossCause cause) {
   switch (cause) {
     case LossCause::ring_full:

@@ -14,6 +14,9 @@ enum class LossCause {
   out_of_order,  ///< arrived after sticks that follow it
 };
 
+/// "ring_full", "link", "corrupt" or "out_of_order", as reports say it.
+const char* to_string(LossCause cause);
+
 /// A run of sticks that are missing from what was delivered.
 struct Gap {
   std::uint64_t first_sequence = 0;

@@ -13,6 +13,7 @@ std::unique_ptr<Link> not_null(std::unique_ptr<Link> link) {
 Board::Board(std::unique_ptr<Link> link, const BoardOptions& options)
     : link_(not_null(std::move(link))),
       waits_for_reader_(link_->capabilities().waits_for_reader),
+      reader_mode_(options.reader),
       ring_(std::make_shared<StickRing>(options.ring_slots)) {}
 
 Board::~Board() {
@@ -45,6 +46,7 @@ void Board::start() {
     cancelled_ = false;
     ending_ = Ending::none;
   }
+  if (reader_mode_ == ReaderMode::stepped) return;
   reader_ = std::thread([this, stop = stop_.get_token()] { read_until(stop); });
 }
 
@@ -94,7 +96,7 @@ void Board::join_reader() {
   if (reader_.joinable()) reader_.join();
   std::lock_guard lock(mutex_);
   if (state_ != BoardState::stopping) return;
-  state_ = configuration_ ? BoardState::configured : BoardState::open;
+  state_ = audit_.configuration() ? BoardState::configured : BoardState::open;
   changed_.notify_all();
 }
 
@@ -105,7 +107,7 @@ BoardState Board::state() const {
 
 BoardAccount Board::account() const {
   std::lock_guard lock(mutex_);
-  return ledger_.account();
+  return audit_.account();
 }
 
 WireDamage Board::damage() const {
@@ -133,7 +135,7 @@ std::optional<Event> Board::ready_event() {
   }
   if (open_gap_) return *std::exchange(open_gap_, std::nullopt);
   if (ending_ == Ending::end_of_stream) return end_of_stream_;
-  if (ending_ == Ending::lost) return DeviceLost{lost_reason_};
+  if (ending_ == Ending::lost) return loss_;
   if (state_ != BoardState::running && state_ != BoardState::stopping) return Stopped{};
   return {};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -13,21 +14,29 @@
 #include <thread>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "hw/account.h"
-#include "hw/acquisition_plan.h"
 #include "hw/clock.h"
+#include "hw/decoder.h"
 #include "hw/link.h"
 #include "hw/ring.h"
 #include "hw/stick.h"
+#include "hw/stream_audit.h"
 #include "hw/wire.h"
 
 namespace wobblebench::hw {
+
+enum class ReaderMode {
+  thread,   ///< the board reads on a thread of its own
+  stepped,  ///< whoever calls step() reads: for a schedule that can be repeated
+};
 
 struct BoardOptions {
   /// Sticks that wait for the program, and sticks that the program holds, together. The default
   /// holds a volume of the paper's reference settings and two thirds of the next.
   int ring_slots = 4096;
+  ReaderMode reader = ReaderMode::thread;
 };
 
 template <class Visitor>
@@ -60,12 +69,6 @@ class StickSlot {
   Stick* stick_;
 };
 
-/// The plan that the following sticks belong to: once at the start, and when it changes.
-struct Configuration {
-  AcquisitionPlan plan;
-  Provenance source;  ///< what made the samples
-};
-
 struct VolumeEnd {
   std::uint32_t volume = 0;
   DeviceTime time{};
@@ -76,9 +79,15 @@ struct EndOfStream {
   bool truncated = false;
 };
 
-/// The device is gone, or sends what cannot be read; says why in one line.
+enum class LossOfDevice {
+  unplugged,   ///< the link says that the device is gone
+  unreadable,  ///< the stream cannot be interpreted: its version, or its configuration
+};
+
+/// Nothing will come until the board is closed and the link opened anew.
 struct DeviceLost {
-  std::string reason;
+  LossOfDevice cause = LossOfDevice::unplugged;
+  std::string reason;  ///< one line
 };
 
 struct TimedOut {};   ///< nothing came before the deadline
@@ -142,6 +151,11 @@ class Board {
   /// Stops, and closes the link. Slots that are held stay readable. May be repeated.
   void close();
 
+  /// With ReaderMode::stepped: places what was read, and reads the link once without waiting. False
+  /// if that brought nothing forward: the link was silent, the queue full, or the stream over.
+  /// Throws IllegalBoardCall with a reader thread, and unless running.
+  bool step();
+
   BoardState state() const;
   /// Sticks that wait to be taken count as delivered.
   BoardAccount account() const;
@@ -162,24 +176,28 @@ class Board {
 
   // board_intake.cpp: the reader thread. A bool is false where a stop broke off.
   void read_until(const std::stop_token& stop);
-  bool read_link(const std::stop_token& stop);
+  bool read_link(const std::stop_token& stop, HostTime deadline);
   bool place_decoded(const std::stop_token& stop);
   bool place(const ConfigurationPacket& packet, const std::stop_token& stop);
   bool place(StickPacket& packet, const std::stop_token& stop);
   bool place(const VolumeEndPacket& packet, const std::stop_token& stop);
-  bool awaits(const Stick& stick);
-  bool wait_for_queue(const std::stop_token& stop);
+  std::optional<std::unique_lock<std::mutex>> lock_with_room(const std::stop_token& stop);
+  Stick* wait_for_slot(const std::stop_token& stop);
+  void note_damage();
+  void announce();
+  Ending ending() const;
   void end_stream();
-  void lose_device(const std::string& reason);
+  void lose_device(LossOfDevice cause, const std::string& reason);
 
   // The reader thread, holding mutex_.
-  void advance_to(std::uint64_t sequence);
+  void report(const Audited& audited);
   void report(const Gap& gap);
   void push(Notice notice);
   bool queue_is_full() const;
 
   const std::unique_ptr<Link> link_;
   const bool waits_for_reader_;
+  const ReaderMode reader_mode_;
   const std::shared_ptr<StickRing> ring_;
 
   // Locked in this order: control_, wake_, mutex_.
@@ -189,25 +207,26 @@ class Board {
   std::stop_source stop_;  ///< guarded by wake_
 
   // Only the reader thread.
+  std::vector<std::byte> incoming_;
   Decoder decoder_;
   std::optional<Packet> unplaced_;  ///< decoded, and waits for room
-  bool after_damage_ = false;       ///< since the stream last moved on
   bool cut_packet_ = false;
+  WireDamage noted_damage_;   ///< as in damage_
+  bool unannounced_ = false;  ///< something was placed since announce()
+  bool stepped_on_ = false;   ///< the step under way read or placed something
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable_any changed_;
   BoardState state_ = BoardState::open;
   bool started_ = false;
   bool cancelled_ = false;
-  SequenceLedger ledger_;
+  StreamAudit audit_;
   WireDamage damage_;
-  std::optional<Configuration> configuration_;
-  bool inside_volume_ = false;
   std::deque<Notice> queue_;
   std::optional<Gap> open_gap_;  ///< follows all that is queued; may still grow
   Ending ending_ = Ending::none;
   EndOfStream end_of_stream_;
-  std::string lost_reason_;
+  DeviceLost loss_;
 };
 
 }  // namespace wobblebench::hw

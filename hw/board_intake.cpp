@@ -1,6 +1,5 @@
 // The board's reader thread: link to decoder to ring, and the account of what went missing.
 #include <algorithm>
-#include <array>
 #include <exception>
 
 #include "hw/board.h"
@@ -16,42 +15,42 @@ constexpr auto kReadPatience = std::chrono::milliseconds(500);
 /// Events other than sticks that may wait for the program.
 constexpr std::size_t kWaitingNotices = 256;
 
-AcquisitionPlan plan_of(const ConfigurationPacket& packet) {
-  try {
-    return AcquisitionPlan(packet.probe, packet.acquisition);
-  } catch (const InvalidOption& error) {
-    throw std::runtime_error(std::string("the device's configuration is not possible: ") +
-                             error.what());
-  }
-}
-
-bool same_plan(const Configuration& configuration, const ConfigurationPacket& packet) {
-  return configuration.plan.probe() == packet.probe &&
-         configuration.plan.acquisition() == packet.acquisition &&
-         configuration.source == packet.source;
-}
-
-/// The index lies in the plan, and is the one that the sequence number stands for. The number of
-/// volumes is what was asked for; a stream may go on beyond it.
-bool index_fits(const AcquisitionPlan& plan, const Stick& stick) {
-  return stick.index == plan.index(stick.sequence);
-}
-
 }  // namespace
 
 void Board::read_until(const std::stop_token& stop) {
   try {
-    while (!stop.stop_requested() && place_decoded(stop) && read_link(stop)) {
+    while (!stop.stop_requested() && place_decoded(stop) &&
+           read_link(stop, HostClock::now() + kReadPatience)) {
     }
   } catch (const std::exception& error) {
-    lose_device(error.what());
+    lose_device(LossOfDevice::unreadable, error.what());
   }
 }
 
-bool Board::read_link(const std::stop_token& stop) {
-  std::array<std::byte, kReadBytes> buffer;
-  const ReadResult result = link_->read(buffer, HostClock::now() + kReadPatience);
-  decoder_.feed(std::span(buffer).first(result.bytes));
+bool Board::step() {
+  std::lock_guard control(control_);
+  if (reader_mode_ != ReaderMode::stepped) {
+    throw IllegalBoardCall("step: the board reads on a thread of its own");
+  }
+  if (state() != BoardState::running) throw IllegalBoardCall("step: the board is not running");
+  if (ending() != Ending::none) return false;
+  // A stop already asked for: whatever would wait breaks off instead.
+  std::stop_source now;
+  now.request_stop();
+  stepped_on_ = false;
+  try {
+    if (place_decoded(now.get_token())) read_link(now.get_token(), HostTime::min());
+  } catch (const std::exception& error) {
+    lose_device(LossOfDevice::unreadable, error.what());
+  }
+  return stepped_on_ || ending() != Ending::none;
+}
+
+bool Board::read_link(const std::stop_token& stop, HostTime deadline) {
+  incoming_.resize(kReadBytes);
+  const ReadResult result = link_->read(incoming_, deadline);
+  stepped_on_ = stepped_on_ || result.bytes > 0;
+  decoder_.feed(std::span(incoming_).first(result.bytes));
   switch (result.status) {
     case ReadStatus::ok:
     case ReadStatus::timeout:
@@ -59,7 +58,7 @@ bool Board::read_link(const std::stop_token& stop) {
     case ReadStatus::cancelled:
       return false;
     case ReadStatus::lost:
-      lose_device("the device is gone");
+      lose_device(LossOfDevice::unplugged, link_->loss());
       return false;
     case ReadStatus::end_of_stream:
       break;
@@ -73,98 +72,71 @@ bool Board::read_link(const std::stop_token& stop) {
 bool Board::place_decoded(const std::stop_token& stop) {
   for (;;) {
     if (!unplaced_) unplaced_ = decoder_.next();
-    {
-      std::lock_guard lock(mutex_);
-      after_damage_ = after_damage_ || decoder_.damage().places != damage_.places;
-      damage_ = decoder_.damage();
+    note_damage();
+    const bool placed =
+        !unplaced_ || std::visit([&](auto& packet) { return place(packet, stop); }, *unplaced_);
+    if (!unplaced_ || !placed) {
+      announce();
+      return placed;
     }
-    if (!unplaced_) return true;
-    if (!std::visit([&](auto& packet) { return place(packet, stop); }, *unplaced_)) return false;
     unplaced_.reset();
+    stepped_on_ = true;
   }
 }
 
-bool Board::place(const ConfigurationPacket& packet, const std::stop_token& stop) {
-  Configuration configuration{plan_of(packet), packet.source};
-  if (!wait_for_queue(stop)) return false;
+void Board::note_damage() {
+  const WireDamage& damage = decoder_.damage();
+  if (damage.bytes_skipped == noted_damage_.bytes_skipped) return;
   std::lock_guard lock(mutex_);
-  const bool repeated = configuration_ && same_plan(*configuration_, packet);
-  if (configuration_ && !repeated) ledger_.restart();
-  advance_to(packet.sequence);
-  if (repeated) return true;
-  configuration_ = configuration;
-  push(configuration);
+  if (damage.places != noted_damage_.places) audit_.note_damage();
+  damage_ = noted_damage_ = damage;
+}
+
+bool Board::place(const ConfigurationPacket& packet, const std::stop_token& stop) {
+  const auto lock = lock_with_room(stop);
+  if (!lock) return false;
+  const Audited audited = audit_.take(packet);
+  report(audited);
+  if (audited.accepted) push(*audit_.configuration());
   return true;
 }
 
 bool Board::place(StickPacket& packet, const std::stop_token& stop) {
-  if (!wait_for_queue(stop)) return false;
-  {
-    std::lock_guard lock(mutex_);
-    if (!awaits(packet.stick)) return true;
-  }
-  Stick* slot = waits_for_reader_ ? ring_->wait(stop) : ring_->acquire();
-  if (slot == nullptr && waits_for_reader_) return false;
-  std::lock_guard lock(mutex_);
-  if (slot != nullptr && queue_is_full()) {
+  // Before the audit, which counts a stick only once.
+  Stick* slot = waits_for_reader_ ? wait_for_slot(stop) : nullptr;
+  if (waits_for_reader_ && slot == nullptr) return false;
+  const auto lock = lock_with_room(stop);
+  if (!lock) {
     ring_->release(slot);
-    slot = nullptr;
+    return false;
   }
-  if (slot == nullptr) {
-    report(ledger_.lose(LossCause::ring_full));
-    return true;
+  const Audited audited = audit_.take(packet.stick);
+  report(audited);
+  if (audited.accepted && slot == nullptr && !queue_is_full()) slot = ring_->acquire();
+  if (!audited.accepted) {
+    if (slot != nullptr) ring_->release(slot);
+  } else if (slot == nullptr) {
+    report(audit_.lose(LossCause::ring_full));
+  } else {
+    std::swap(*slot, packet.stick);
+    audit_.deliver();
+    push(StickSlot(ring_, slot));
   }
-  *slot = std::move(packet.stick);
-  ledger_.deliver();
-  push(StickSlot(ring_, slot));
   return true;
 }
 
 bool Board::place(const VolumeEndPacket& packet, const std::stop_token& stop) {
-  if (!wait_for_queue(stop)) return false;
-  std::lock_guard lock(mutex_);
-  if (configuration_ &&
-      packet.sequence != configuration_->plan.first_sequence(packet.volume) +
-                             static_cast<std::uint64_t>(configuration_->plan.sticks_per_volume())) {
-    after_damage_ = true;
-    return true;
-  }
-  advance_to(packet.sequence);
-  // Late or repeated: the volume it ends is over.
-  if (!inside_volume_ || ledger_.next() != packet.sequence) return true;
-  inside_volume_ = false;
-  if (!queue_is_full()) push(VolumeEnd{packet.volume, packet.time});
+  const auto lock = lock_with_room(stop);
+  if (!lock) return false;
+  const Audited audited = audit_.take(packet);
+  report(audited);
+  if (audited.accepted && !queue_is_full()) push(VolumeEnd{packet.volume, packet.time});
   return true;
 }
 
-/// True if this is the stick that comes next and can be delivered; else it is accounted for.
-bool Board::awaits(const Stick& stick) {
-  if (configuration_ && !index_fits(configuration_->plan, stick)) {
-    // Its sequence number may be what is wrong. What follows shows which stick is missing.
-    after_damage_ = true;
-    return false;
-  }
-  const bool damaged = after_damage_;
-  advance_to(stick.sequence);
-  if (!ledger_.expects(stick.sequence)) return false;
-  inside_volume_ = true;
-  if (!configuration_) {
-    report(ledger_.lose(damaged ? LossCause::corrupt : LossCause::link));
-    return false;
-  }
-  const auto samples =
-      static_cast<std::size_t>(configuration_->plan.acquisition().samples_per_stick);
-  if (stick.samples.size() == samples) return true;
-  report(ledger_.lose(LossCause::corrupt));
-  return false;
-}
-
-void Board::advance_to(std::uint64_t sequence) {
-  if (const std::optional<Gap> gap = ledger_.advance_to(sequence, after_damage_)) {
-    inside_volume_ = true;
-    report(*gap);
-  }
-  if (ledger_.next() == sequence) after_damage_ = false;
+void Board::report(const Audited& audited) {
+  if (audited.missing) report(*audited.missing);
+  if (audited.refused) report(*audited.refused);
 }
 
 /// Joins runs of loss of one cause. While the queue is full the program takes nothing, and causes
@@ -178,36 +150,59 @@ void Board::report(const Gap& gap) {
     if (open_gap_) queue_.emplace_back(*open_gap_);
     open_gap_ = gap;
   }
-  changed_.notify_all();
+  unannounced_ = true;
 }
 
 void Board::push(Notice notice) {
   if (open_gap_) queue_.emplace_back(*std::exchange(open_gap_, std::nullopt));
   queue_.push_back(std::move(notice));
-  changed_.notify_all();
+  unannounced_ = true;
 }
 
 bool Board::queue_is_full() const {
   return queue_.size() >= static_cast<std::size_t>(ring_->slots()) + kWaitingNotices;
 }
 
-bool Board::wait_for_queue(const std::stop_token& stop) {
-  if (!waits_for_reader_) return true;
+/// Where the link waits for its reader, waits for room in the queue; none where a stop breaks off.
+std::optional<std::unique_lock<std::mutex>> Board::lock_with_room(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  return changed_.wait(lock, stop, [this] { return !queue_is_full(); });
+  if (waits_for_reader_ && queue_is_full()) {
+    changed_.notify_all();
+    unannounced_ = false;
+    if (!changed_.wait(lock, stop, [this] { return !queue_is_full(); })) return {};
+  }
+  return lock;
+}
+
+Stick* Board::wait_for_slot(const std::stop_token& stop) {
+  Stick* slot = ring_->acquire();
+  if (slot != nullptr) return slot;
+  announce();
+  return ring_->wait(stop);
+}
+
+/// Wakes the program once for all that was placed since the last time: a wake-up for each stick
+/// would cost more than the stick.
+void Board::announce() {
+  if (std::exchange(unannounced_, false)) changed_.notify_all();
+}
+
+Board::Ending Board::ending() const {
+  std::lock_guard lock(mutex_);
+  return ending_;
 }
 
 void Board::end_stream() {
   std::lock_guard lock(mutex_);
   ending_ = Ending::end_of_stream;
-  end_of_stream_.truncated = cut_packet_ || inside_volume_;
+  end_of_stream_.truncated = cut_packet_ || audit_.inside_volume();
   changed_.notify_all();
 }
 
-void Board::lose_device(const std::string& reason) {
+void Board::lose_device(LossOfDevice cause, const std::string& reason) {
   std::lock_guard lock(mutex_);
   ending_ = Ending::lost;
-  lost_reason_ = reason;
+  loss_ = {cause, reason};
   state_ = BoardState::lost;
   changed_.notify_all();
 }

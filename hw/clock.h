@@ -24,6 +24,13 @@ using DeviceDuration = DeviceClock::duration;
 using HostClock = std::chrono::steady_clock;
 using HostTime = HostClock::time_point;
 
+/// What time a link takes it to be: the host's, or that of a schedule that can be repeated.
+class HostTimeSource {
+ public:
+  virtual ~HostTimeSource() = default;
+  virtual HostTime now() const { return HostClock::now(); }
+};
+
 inline double to_milliseconds(DeviceDuration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <span>
+#include <stdexcept>
+#include <string>
 
 #include "hw/clock.h"
 #include "hw/provenance.h"
@@ -35,13 +37,36 @@ struct LinkCapabilities {
   int buffers_per_interrupt = 0;  ///< how many fill before the reader is woken
 };
 
-/// A link is opened by the constructor or factory of its class, which throws std::runtime_error
-/// with one clear line if the device or file cannot be opened, and InvalidOption for bad arguments;
-/// a Link object is an open link.
+/// Why a link cannot be opened.
+enum class OpenFault {
+  missing,        ///< there is no such file or device
+  not_permitted,  ///< it may not be read by this user
+  wrong_kind,     ///< a folder, say
+  busy,           ///< another program has it open
+  gone,           ///< it is there and does not answer
+  empty,          ///< a recording without a byte
+  foreign,        ///< holds no packet of the wire format
+  later_version,  ///< of a wire format that this program cannot read
+};
+
+/// what() is one line: "PATH: what is wrong; what is allowed".
+class LinkOpenError : public std::runtime_error {
+ public:
+  LinkOpenError(OpenFault fault, const std::string& what)
+      : std::runtime_error(what), fault_(fault) {}
+  OpenFault fault() const { return fault_; }
+
+ private:
+  OpenFault fault_;
+};
+
+/// A link is opened by the constructor or factory of its class, which throws LinkOpenError if the
+/// device or file cannot be opened, and InvalidOption for bad arguments; a Link object is an open
+/// link.
 ///
-/// Threads: one thread at a time calls read(), resume() and close(). cancel() and capabilities()
-/// may be called from any thread at any time, also while another is inside read(). What goes wrong
-/// with an open link is a ReadStatus; its functions do not throw.
+/// Threads: one thread at a time calls read(), resume(), loss() and close(). cancel() and
+/// capabilities() may be called from any thread at any time, also while another is inside read().
+/// What goes wrong with an open link is a ReadStatus; its functions do not throw.
 class Link {
  public:
   virtual ~Link() = default;
@@ -61,6 +86,9 @@ class Link {
   virtual void close() = 0;
 
   virtual LinkCapabilities capabilities() const = 0;
+
+  /// Why a read gave `lost`, in one line.
+  virtual std::string loss() const { return "the device is gone"; }
 };
 
 }  // namespace wobblebench::hw

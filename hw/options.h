@@ -75,6 +75,9 @@ class OptionCheck {
     const double slack = 1e-12 * (std::abs(min) + std::abs(max));
     if (value >= min - slack && value <= max + slack) return;
     std::ostringstream shown, allowed;
+    // Large whole numbers in full, without the last digits of a unit's conversion.
+    shown.precision(12);
+    allowed.precision(12);
     shown << value;
     allowed << "must be within " << min << " and " << max;
     throw InvalidOption(key, shown.str(), allowed.str());

@@ -37,13 +37,16 @@ Stick* StickRing::acquire() {
 
 Stick* StickRing::wait(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  return freed_.wait(lock, stop, [this] { return !free_.empty(); }) ? pop_free() : nullptr;
+  ++waiting_;
+  const bool freed = freed_.wait(lock, stop, [this] { return !free_.empty(); });
+  --waiting_;
+  return freed ? pop_free() : nullptr;
 }
 
 void StickRing::release(Stick* slot) {
   std::lock_guard lock(mutex_);
   free_.push_back(slot);
-  freed_.notify_one();
+  if (waiting_ > 0) freed_.notify_one();
 }
 
 int StickRing::free_slots() const {

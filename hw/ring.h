@@ -34,6 +34,7 @@ class StickRing {
 
   mutable std::mutex mutex_;
   std::condition_variable_any freed_;
+  int waiting_ = 0;  ///< threads inside wait()
   std::vector<Stick> sticks_;
   std::vector<Stick*> free_;
 };

@@ -22,6 +22,7 @@ struct Stick {
   double motor_angle_rad = 0;
   int sweep_direction = 1;  ///< +1: phi grows over the volume, -1: it falls
   SampleScale scale = SampleScale::log_compressed;
+  bool checked = true;         ///< false: the source sent no CRC, so that damage would not show
   std::vector<float> samples;  ///< samples_per_stick of them, nearest range first
 };
 

@@ -4,6 +4,21 @@
 
 namespace wobblebench::hw {
 
+bool VolumeAssembly::wait_for_configuration(HostTime deadline) {
+  while (!configuration_) {
+    Event event = board_.next(deadline);
+    if (auto* configuration = std::get_if<Configuration>(&event)) {
+      configuration_ = *configuration;
+    } else if (!std::holds_alternative<Gap>(event)) {
+      // No stick comes before the first configuration.
+      ended_ =
+          !std::holds_alternative<TimedOut>(event) && !std::holds_alternative<Cancelled>(event);
+      return false;
+    }
+  }
+  return true;
+}
+
 std::optional<PolarVolume> VolumeAssembly::next(HostTime deadline) {
   ended_ = false;
   for (;;) {

@@ -14,6 +14,10 @@ class VolumeAssembly {
   /// `board` must outlive this.
   explicit VolumeAssembly(Board& board) : board_(board) {}
 
+  /// Waits for the plan, without taking a stick: true once configuration() is set. False if
+  /// `deadline` passed first or the board was cancelled, or if ended().
+  bool wait_for_configuration(HostTime deadline);
+
   /// The next volume of which at least one stick arrived; lost sticks are marked in it. A volume
   /// that the end of the stream cuts short is given too. None if `deadline` passed first or the
   /// board was cancelled (what has arrived is kept for the next call), or if ended().

@@ -87,35 +87,4 @@ struct WireDamage {
   std::uint64_t bytes_skipped = 0;  ///< bytes that belong to no accepted packet
 };
 
-/// Incremental parser: bytes in, in pieces of any size; packets out. After damage it searches for
-/// the next packet: magic, a sound header and a right CRC. Not thread-safe.
-class Decoder {
- public:
-  void feed(std::span<const std::byte> bytes);
-
-  /// No more bytes will come for now: what looks like the beginning of a long packet is damage.
-  void finish() { finished_ = true; }
-
-  /// The next packet, or none until more bytes are fed. Throws UnsupportedWireVersion, at every
-  /// call from then on, where a packet with a right CRC has a later version.
-  std::optional<Packet> next();
-
-  const WireDamage& damage() const { return damage_; }
-  /// Bytes fed that are neither decoded nor skipped yet.
-  std::size_t pending_bytes() const { return buffer_.size() - read_; }
-
- private:
-  std::span<const std::byte> pending() const { return std::span(buffer_).subspan(read_); }
-  /// Bytes of the packet at the front: 0 if there is none, unset if it is not all here yet.
-  std::optional<std::size_t> sound_packet() const;
-  void skip(std::size_t bytes);
-  void skip_to_magic();
-
-  std::vector<std::byte> buffer_;
-  std::size_t read_ = 0;
-  bool in_step_ = true;  ///< the last byte consumed ended an accepted packet
-  bool finished_ = false;
-  WireDamage damage_;
-};
-
 }  // namespace wobblebench::hw

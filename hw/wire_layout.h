@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "hw/crc32c.h"
@@ -59,6 +60,15 @@ T get(Bytes from, std::size_t offset) {
     bits = static_cast<Bits>(bits | static_cast<Bits>(from[offset + i]) << (8 * i));
   }
   return std::bit_cast<T>(bits);
+}
+
+/// As many as `values` has. Bit for bit, NaN included.
+inline void get_floats(Bytes from, std::span<float> values) {
+  if constexpr (std::endian::native == std::endian::little) {
+    std::memcpy(values.data(), from.data(), values.size_bytes());
+  } else {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = get<float>(from, 4 * i);
+  }
 }
 
 inline std::size_t stick_payload_bytes(std::size_t samples) {

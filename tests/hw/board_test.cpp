@@ -206,6 +206,7 @@ TEST(Board, AnUnpluggedDeviceIsLostForGoodAfterAllThatCame) {
   Collected seen;
   const Event last = collect(board, seen);
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
+  EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unplugged);
   EXPECT_EQ(std::get<DeviceLost>(last).reason, "the device is gone");
   EXPECT_EQ(seen.sticks.size(), 12U);
   EXPECT_EQ(board.state(), BoardState::lost);
@@ -228,6 +229,7 @@ TEST(Board, ALaterWireVersionSaysSo) {
   Collected seen;
   const Event last = collect(board, seen);
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
+  EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unreadable);
   EXPECT_EQ(std::get<DeviceLost>(last).reason,
             "wire format version 2: this program reads version 1");
 }
@@ -263,6 +265,30 @@ TEST(Board, ANewConfigurationBeginsANewStream) {
   EXPECT_EQ(seen.sticks.size(), 24U);
   EXPECT_EQ(board.account().emitted, 24U);
   EXPECT_EQ(board.account().duplicates, 0U);
+}
+
+TEST(Board, SteppedItReadsOnlyWhenAsked) {
+  const AcquisitionPlan plan = small_plan(4);
+  Board board(link_of(stream_of(plan), {.chunk_seed = 2}),
+              {.ring_slots = 3, .reader = ReaderMode::stepped});
+  EXPECT_THROW(board.step(), IllegalBoardCall);
+  board.start();
+  EXPECT_TRUE(std::holds_alternative<TimedOut>(board.next(kNow)));
+  Collected seen;
+  bool over = false;
+  for (int step = 0; !over && step < 10000; ++step) {
+    board.step();
+    for (Event event = board.next(kNow); !over && !std::holds_alternative<TimedOut>(event);
+         event = board.next(kNow)) {
+      over = !note(event, seen);
+    }
+  }
+  EXPECT_TRUE(over);
+  EXPECT_EQ(seen.sticks.size(), 48U);
+  EXPECT_FALSE(board.step()) << "the stream is over";
+  Board threaded(link_of(stream_of(plan)));
+  threaded.start();
+  EXPECT_THROW(threaded.step(), IllegalBoardCall);
 }
 
 TEST(Board, ManyThreadsShareTheEvents) {

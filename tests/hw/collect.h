@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <vector>
 
 #include "hw/board.h"
@@ -45,6 +46,16 @@ inline Event collect(Board& board, Collected& seen) {
   for (;;) {
     Event event = board.next(patience());
     if (!note(event, seen)) return event;
+  }
+}
+
+/// What a link gives until it gives no more, read in pieces of at most `piece` bytes.
+inline std::vector<std::byte> all_bytes(Link& link, std::size_t piece) {
+  std::vector<std::byte> bytes, buffer(piece);
+  for (;;) {
+    const ReadResult result = link.read(buffer, patience());
+    if (result.status != ReadStatus::ok) return bytes;
+    bytes.insert(bytes.end(), buffer.begin(), buffer.begin() + std::ptrdiff_t(result.bytes));
   }
 }
 

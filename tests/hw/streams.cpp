@@ -90,4 +90,15 @@ std::size_t packet_index(const AcquisitionPlan& plan, std::uint64_t sequence) {
   return static_cast<std::size_t>(sequence + 1 + 2 * (sequence / sticks));
 }
 
+std::vector<std::int64_t> owners(const AcquisitionPlan& plan) {
+  std::vector<std::int64_t> owner;
+  std::int64_t sequence = 0;
+  for (const Bytes& packet : packets_of(plan)) {
+    const bool is_stick = packet[6] == std::byte{2};
+    owner.insert(owner.end(), packet.size(), is_stick ? sequence : -1);
+    if (is_stick) ++sequence;
+  }
+  return owner;
+}
+
 }  // namespace wobblebench::hw

@@ -40,4 +40,8 @@ bool is_genuine(const AcquisitionPlan& plan, const Stick& stick);
 /// The place of a stick in packets_of(): each volume has a configuration before and an end after.
 std::size_t packet_index(const AcquisitionPlan& plan, std::uint64_t sequence);
 
+/// For each byte of the plan's stream the sequence number of the stick that it belongs to; -1 in
+/// other packets.
+std::vector<std::int64_t> owners(const AcquisitionPlan& plan);
+
 }  // namespace wobblebench::hw

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "hw/decoder.h"
 #include "hw/wire.h"
 #include "streams.h"
 
@@ -24,18 +25,6 @@ std::set<std::uint64_t> genuine_sticks(const AcquisitionPlan& plan, const Bytes&
   }
   EXPECT_EQ(decoder.pending_bytes(), 0U);
   return sequences;
-}
-
-/// Sequence number of the stick that byte `offset` belongs to; none in other packets.
-std::vector<std::int64_t> owners(const AcquisitionPlan& plan) {
-  std::vector<std::int64_t> owner;
-  std::int64_t sequence = 0;
-  for (const Bytes& packet : packets_of(plan)) {
-    const bool is_stick = packet[6] == std::byte{2};
-    owner.insert(owner.end(), packet.size(), is_stick ? sequence : -1);
-    if (is_stick) ++sequence;
-  }
-  return owner;
 }
 
 TEST(WireDamage, EveryTruncationKeepsAllThatCameWhole) {

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "hw/decoder.h"
 #include "hw/wire.h"
 #include "streams.h"
 

@@ -1,4 +1,5 @@
 #include "hw/wire.h"
+#include "hw/decoder.h"
 
 #include <gtest/gtest.h>
 

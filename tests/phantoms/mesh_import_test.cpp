@@ -14,7 +14,7 @@
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/phantoms/meshes.h"
-#include "tests/phantoms/scratch_folder.h"
+#include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -35,7 +35,7 @@ double edge_loss(double side_mm) {
   return 12 * side_mm * 0.25 * std::pow(kMm, 3) * 0.7;
 }
 
-class MeshImport : public ScratchFolder {
+class MeshImport : public testing_support::FolderTest {
  protected:
   PhantomOptions options(const std::string& name) const {
     PhantomOptions o;

@@ -14,7 +14,7 @@
 
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
-#include "tests/phantoms/scratch_folder.h"
+#include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -36,7 +36,7 @@ Grid::Ptr ball(const std::string& name,
   return grid;
 }
 
-class VdbImport : public ScratchFolder {
+class VdbImport : public testing_support::FolderTest {
  protected:
   void SetUp() override { openvdb::initialize(); }
 

@@ -1,0 +1,28 @@
+// Any text as a scene file: read or refused in one line, and what was read resolves to what reads
+// the same again.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/scene.h"
+#include "bench/user_error.h"
+
+namespace bench = wobblebench::bench;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const int file = ::memfd_create("scene", 0);
+  if (file < 0 || ::write(file, data, size) != static_cast<ssize_t>(size)) std::abort();
+  const std::string path = "/proc/self/fd/" + std::to_string(file);
+  try {
+    const bench::Scene scene = bench::load_scene(path, {});
+    if (bench::resolved(scene).dump().empty()) std::abort();
+  } catch (const bench::UserError& error) {
+    if (std::string(error.what()).find('\n') != std::string::npos) std::abort();
+  }
+  ::close(file);
+  return 0;
+}
