@@ -2,6 +2,7 @@
 
 #include <glad/gl.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace wobblebench::render {
@@ -22,6 +23,10 @@ FormatInfo info(TexelFormat format) {
       return {GL_R16, GL_RED, 1, 2};
     case TexelFormat::r32f:
       return {GL_R32F, GL_RED, 1, 4};
+    case TexelFormat::rg8:
+      return {GL_RG8, GL_RG, 2, 2};
+    case TexelFormat::rg16:
+      return {GL_RG16, GL_RG, 2, 4};
     case TexelFormat::rg32f:
       return {GL_RG32F, GL_RG, 2, 8};
     case TexelFormat::rgb32f:
@@ -47,8 +52,13 @@ std::string driver() {
 constexpr std::int64_t kTextureMemoryLimit = std::int64_t{2} << 30;
 
 void check_limits(const std::string& what, TexelFormat format, const Extent& e) {
-  const int limit = integer_limit(e.depth ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
-  for (int side : {e.width, e.height, e.depth}) {
+  const bool is_3d = e.depth && !e.array;
+  const int side_limit = integer_limit(is_3d ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
+  const int layer_limit =
+      integer_limit(is_3d ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_ARRAY_TEXTURE_LAYERS);
+  for (const auto& [side, limit] : {std::pair(e.width, side_limit),
+                                    std::pair(e.height, side_limit),
+                                    std::pair(e.depth, layer_limit)}) {
     if (side <= limit) continue;
     throw std::runtime_error(what + ": " + std::to_string(side) +
                              " texels a side are beyond the driver's limit of " +
@@ -121,7 +131,8 @@ Texture::Texture(const std::string& what, TexelFormat format, Extent extent, Tex
     : format_(format), extent_(extent) {
   check_limits(what, format, extent);
   GLuint id = 0;
-  glCreateTextures(extent.depth ? GL_TEXTURE_3D : GL_TEXTURE_2D, 1, &id);
+  const GLenum layered = extent.array ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_3D;
+  glCreateTextures(extent.depth ? layered : GL_TEXTURE_2D, 1, &id);
   name_ = GlName<delete_texture>(id);
   const GLenum internal = info(format).internal;
   if (extent.depth) {
@@ -129,15 +140,19 @@ Texture::Texture(const std::string& what, TexelFormat format, Extent extent, Tex
   } else {
     glTextureStorage2D(id, 1, internal, extent.width, extent.height);
   }
-  const GLint mode = filter == TextureFilter::linear ? GL_LINEAR : GL_NEAREST;
-  for (GLenum parameter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
-    glTextureParameteri(id, parameter, mode);
-  }
+  set_filter(filter);
   for (GLenum parameter : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
     glTextureParameteri(id, parameter, GL_CLAMP_TO_EDGE);
   }
   glClearTexImage(id, 0, info(format).transfer, GL_FLOAT, nullptr);
   check_gl(what);
+}
+
+void Texture::set_filter(TextureFilter filter) const {
+  const GLint mode = filter == TextureFilter::linear ? GL_LINEAR : GL_NEAREST;
+  for (GLenum parameter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    glTextureParameteri(id(), parameter, mode);
+  }
 }
 
 std::size_t Texture::values() const {
@@ -169,6 +184,29 @@ void Texture::upload(const std::vector<std::uint16_t>& values) {
   upload_as(GL_UNSIGNED_SHORT, values.data(), values.size());
 }
 
+void Texture::upload(const std::vector<std::uint8_t>& values) {
+  upload_as(GL_UNSIGNED_BYTE, values.data(), values.size());
+}
+
+void Texture::upload_layer_as(int layer, unsigned type, const void* data, std::size_t count) {
+  const std::size_t expected = values() / static_cast<std::size_t>(extent_.depth);
+  if (count != expected) {
+    throw std::logic_error("Texture::upload_layer: " + std::to_string(count) + " values for " +
+                           std::to_string(expected));
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const GLenum transfer = info(format_).transfer;
+  glTextureSubImage3D(id(), 0, 0, 0, layer, extent_.width, extent_.height, 1, transfer, type, data);
+}
+
+void Texture::upload_layer(int layer, const std::vector<float>& values) {
+  upload_layer_as(layer, GL_FLOAT, values.data(), values.size());
+}
+
+void Texture::upload_layer(int layer, const std::vector<std::uint16_t>& values) {
+  upload_layer_as(layer, GL_UNSIGNED_SHORT, values.data(), values.size());
+}
+
 std::vector<float> Texture::download() const {
   std::vector<float> texels(values());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -178,6 +216,24 @@ std::vector<float> Texture::download() const {
                     GL_FLOAT,
                     static_cast<GLsizei>(texels.size() * sizeof(float)),
                     texels.data());
+  return texels;
+}
+
+std::vector<float> Texture::download_layer(int layer) const {
+  std::vector<float> texels(values() / static_cast<std::size_t>(extent_.depth));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glGetTextureSubImage(id(),
+                       0,
+                       0,
+                       0,
+                       layer,
+                       extent_.width,
+                       extent_.height,
+                       1,
+                       info(format_).transfer,
+                       GL_FLOAT,
+                       static_cast<GLsizei>(texels.size() * sizeof(float)),
+                       texels.data());
   return texels;
 }
 
@@ -200,6 +256,10 @@ Framebuffer Framebuffer::of_layer(const Texture& texture, int layer) {
   glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, texture.id(), 0, layer);
   framebuffer.finish(texture, 1);
   return framebuffer;
+}
+
+Framebuffer Framebuffer::of_all_layers(std::initializer_list<const Texture*> textures) {
+  return Framebuffer(textures);  // attaching a texture without naming a layer attaches all
 }
 
 void Framebuffer::finish(const Texture& first, int attachments) {

@@ -49,14 +49,15 @@ using Query = GlName<delete_query>;
 VertexArray make_vertex_array();
 Query make_timer_query();
 
-enum class TexelFormat { r8, r16, r32f, rg32f, rgb32f, rgba32f };
+enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgb32f, rgba32f };
 enum class TextureFilter { nearest, linear };
 int channels(TexelFormat format);
 
 struct Extent {
   int width = 1;
   int height = 1;
-  int depth = 0;  ///< 0: a 2D texture
+  int depth = 0;       ///< 0: a 2D texture
+  bool array = false;  ///< of 2D layers, which are not filtered into each other; else 3D
 };
 
 /// A texture without mip levels, clamped to its edge. Row 0 is the first row of the data, and the
@@ -71,8 +72,16 @@ class Texture {
   /// All texels, tightly packed. Throws std::logic_error for a wrong number of values.
   void upload(const std::vector<float>& values);
   void upload(const std::vector<std::uint16_t>& values);
+  void upload(const std::vector<std::uint8_t>& values);
+  /// One layer of a 3D texture or an array.
+  void upload_layer(int layer, const std::vector<float>& values);
+  void upload_layer(int layer, const std::vector<std::uint16_t>& values);
   /// All texels as `channels` floats each.
   std::vector<float> download() const;
+  /// The same of one layer.
+  std::vector<float> download_layer(int layer) const;
+
+  void set_filter(TextureFilter filter) const;
 
   unsigned id() const { return name_.id(); }
   explicit operator bool() const { return bool(name_); }
@@ -81,6 +90,7 @@ class Texture {
  private:
   std::size_t values() const;
   void upload_as(unsigned type, const void* data, std::size_t count);
+  void upload_layer_as(int layer, unsigned type, const void* data, std::size_t count);
 
   GlName<delete_texture> name_;
   TexelFormat format_ = TexelFormat::r32f;
@@ -94,6 +104,8 @@ class Framebuffer {
   Framebuffer(std::initializer_list<const Texture*> attachments);
   /// One layer of a 3D texture.
   static Framebuffer of_layer(const Texture& texture, int layer);
+  /// All layers of 3D textures or arrays, for FragmentProgram::draw_layers.
+  static Framebuffer of_all_layers(std::initializer_list<const Texture*> textures);
 
   unsigned id() const { return name_.id(); }
   explicit operator bool() const { return bool(name_); }

@@ -31,7 +31,7 @@ struct DestroyContext {
   void operator()(osmesa_context* context) const { destroy(context); }
 };
 
-class OsmesaContext : public GlContext {
+class OsmesaContext final : public GlContext {
  public:
   OsmesaContext() {
     const auto create = entry<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
@@ -51,17 +51,21 @@ class OsmesaContext : public GlContext {
     if (!context_) throw std::runtime_error("osmesa: gives no OpenGL 4.5 core context");
   }
 
-  void make_current() override {
-    if (!make_current_(context_.get(), pixels_.data(), GL_UNSIGNED_BYTE, kSide, kSide)) {
-      throw std::runtime_error("osmesa: the context cannot be made current");
-    }
-  }
+  ~OsmesaContext() override { release(); }
+
   void* proc_address(const char* name) const override {
     return reinterpret_cast<void*>(proc_address_(name));
   }
   std::string backend() const override { return "osmesa"; }
 
  private:
+  void bind() override {
+    if (!make_current_(context_.get(), pixels_.data(), GL_UNSIGNED_BYTE, kSide, kSide)) {
+      throw std::runtime_error("osmesa: the context cannot be made current");
+    }
+  }
+  void unbind() override { make_current_(nullptr, nullptr, 0, 0, 0); }
+
   // The window that OSMesa insists on; all drawing goes to framebuffer objects.
   static constexpr int kSide = 8;
   std::array<unsigned char, std::size_t{4} * kSide * kSide> pixels_{};

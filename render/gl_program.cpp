@@ -2,12 +2,17 @@
 
 #include <glad/gl.h>
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 namespace wobblebench::render {
 namespace {
 
 using Shader = GlName<delete_shader>;
+
+/// Layers of one draw.
+constexpr int kMostLayers = 64;
 
 std::string read_log(GLuint id, decltype(glGetShaderiv) get, decltype(glGetShaderInfoLog) log) {
   GLint length = 0;
@@ -57,16 +62,26 @@ Defines& Defines::add(const std::string& name, int value) {
 }
 
 FragmentProgram::FragmentProgram(std::initializer_list<std::string_view> files,
-                                 const Defines& defines)
+                                 const Defines& defines,
+                                 Layers layers)
     : program_(glCreateProgram()),
       no_vertices_(make_vertex_array()),
       source_(assemble(files, defines.text())) {
-  const Shader vertex =
-      compile(GL_VERTEX_SHADER, assemble({"fullscreen.vert.glsl"}, ""), "fullscreen.vert.glsl");
-  const Shader fragment = compile(GL_FRAGMENT_SHADER, source_, joined(files));
-  for (GLuint shader : {vertex.id(), fragment.id()}) glAttachShader(program_.id(), shader);
+  std::vector<Shader> shaders;
+  const auto add = [&](GLenum stage, std::string_view file) {
+    const std::string text = assemble({file}, Defines().add("MOST_LAYERS", kMostLayers).text());
+    shaders.push_back(compile(stage, text, std::string(file)));
+  };
+  if (layers == Layers::several) {
+    add(GL_VERTEX_SHADER, "layers.vert.glsl");
+    add(GL_GEOMETRY_SHADER, "layers.geom.glsl");
+  } else {
+    add(GL_VERTEX_SHADER, "fullscreen.vert.glsl");
+  }
+  shaders.push_back(compile(GL_FRAGMENT_SHADER, source_, joined(files)));
+  for (const Shader& shader : shaders) glAttachShader(program_.id(), shader.id());
   glLinkProgram(program_.id());
-  for (GLuint shader : {vertex.id(), fragment.id()}) glDetachShader(program_.id(), shader);
+  for (const Shader& shader : shaders) glDetachShader(program_.id(), shader.id());
   GLint linked = GL_FALSE;
   glGetProgramiv(program_.id(), GL_LINK_STATUS, &linked);
   if (linked != GL_TRUE) {
@@ -114,14 +129,41 @@ FragmentProgram& FragmentProgram::set(const std::string& name, const std::vector
 
 void FragmentProgram::draw(const Framebuffer& target,
                            std::initializer_list<Binding> bindings) const {
+  bind(target, bindings, {0, 0, target.width(), target.height()});
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void FragmentProgram::draw_layers(const Framebuffer& target,
+                                  std::initializer_list<Binding> bindings,
+                                  const Region& region,
+                                  const std::vector<LayerPair>& layers) const {
+  bind(target, bindings, region);
+  for (std::size_t first = 0; first < layers.size(); first += kMostLayers) {
+    std::array<GLint, kMostLayers> sources{}, targets{};
+    const std::size_t count = std::min<std::size_t>(layers.size() - first, kMostLayers);
+    for (std::size_t i = 0; i < count; ++i) {
+      sources[i] = layers[first + i].source;
+      targets[i] = layers[first + i].target;
+    }
+    const GLuint id = program_.id();
+    glProgramUniform1iv(id, glGetUniformLocation(id, "source_layers"), kMostLayers, sources.data());
+    glProgramUniform1iv(id, glGetUniformLocation(id, "target_layers"), kMostLayers, targets.data());
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 3, static_cast<GLsizei>(count));
+  }
+}
+
+void FragmentProgram::bind(const Framebuffer& target,
+                           std::initializer_list<Binding> bindings,
+                           const Region& region) const {
   glBindFramebuffer(GL_FRAMEBUFFER, target.id());
   glViewport(0, 0, target.width(), target.height());
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(region.column, region.row, region.columns, region.rows);
   for (const auto& [unit, texture] : bindings) {
     glBindTextureUnit(static_cast<GLuint>(unit), texture->id());
   }
   glUseProgram(program_.id());
   glBindVertexArray(no_vertices_.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 }  // namespace wobblebench::render

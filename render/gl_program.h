@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/gl_objects.h"
+#include "render/region.h"
 
 namespace wobblebench::render {
 
@@ -31,12 +32,23 @@ struct Binding {
   const Texture* texture = nullptr;
 };
 
+/// A layer to read and a layer to draw to.
+struct LayerPair {
+  int source = 0;
+  int target = 0;
+};
+
 class FragmentProgram {
  public:
   FragmentProgram() = default;
+  /// Whether a program draws to one layer, or to several at once by draw_layers(). Its fragment
+  /// shader then has `flat in int source_layer`.
+  enum class Layers { one, several };
   /// Compiles the files one after the other as one fragment shader. Throws std::runtime_error with
   /// the file names and the driver's log.
-  FragmentProgram(std::initializer_list<std::string_view> files, const Defines& defines);
+  FragmentProgram(std::initializer_list<std::string_view> files,
+                  const Defines& defines,
+                  Layers layers = Layers::one);
 
   /// Uniforms by name. One that the driver has optimised away is ignored; a name that the shader's
   /// text does not hold throws std::logic_error.
@@ -48,9 +60,18 @@ class FragmentProgram {
 
   /// Draws over the whole framebuffer.
   void draw(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
+  /// Draws over a part of several layers of Framebuffer::of_all_layers(), one from each source,
+  /// with as few draws as can be: on a CPU each waits for the one before.
+  void draw_layers(const Framebuffer& target,
+                   std::initializer_list<Binding> bindings,
+                   const Region& region,
+                   const std::vector<LayerPair>& layers) const;
 
  private:
   int location(const std::string& name) const;
+  void bind(const Framebuffer& target,
+            std::initializer_list<Binding> bindings,
+            const Region& region) const;
 
   GlName<delete_program> program_;
   VertexArray no_vertices_;

@@ -68,6 +68,7 @@ void check_transfer_function(const RayCastingOptions& o) {
 }  // namespace
 
 void validate(const RenderOptions& options) {
+  check_ranges("pipeline", options.pipeline);
   check_ranges("scan_conversion", options.scan_conversion);
   check_ranges("volume_of_interest", options.volume_of_interest);
   check_ranges("view", options.view);

@@ -10,6 +10,23 @@
 
 namespace wobblebench::render {
 
+/// How a picture is computed: `plain` does each step as the paper writes it and is the yardstick;
+/// `fast` makes the same picture (docs/decisions/0014-fast-rendering.md).
+enum class PipelineMode { fast, plain };
+
+struct PipelineOptions {
+  PipelineMode mode = PipelineMode::fast;
+  /// Whether a picture shows frames as they arrive, beside those of the volume before; otherwise
+  /// it shows the last complete volume.
+  bool mid_volume = false;
+};
+
+template <class Visitor>
+void describe(PipelineOptions& o, Visitor& v) {
+  v.choice("mode", o.mode, {{"fast", PipelineMode::fast}, {"plain", PipelineMode::plain}});
+  v.flag("mid_volume", o.mid_volume);
+}
+
 /// How slices are stored on the GPU. r8 is kept to show what it costs in accuracy: llvmpipe filters
 /// it with 8-bit weights.
 enum class TextureFormat { r8, r16, r32f };
@@ -35,6 +52,10 @@ enum class RenderMode { surface, volume, both };
 enum class Projection { parallel, perspective };
 /// Which step of brightness along the ray is a surface: fluid to tissue, or tissue to fluid.
 enum class EdgeSign { rising, falling };
+/// Where the taps of the 3D kernel lie. `slice`: one pixel apart within a slice and one frame apart
+/// across slices, so that a slice is filtered once, when its frames have arrived. `ray`: one step
+/// apart along the ray and across it, as the paper's pipelining implies.
+enum class KernelSpace { slice, ray };
 
 /// The box of interest in the probe frame.
 struct VolumeOfInterest {
@@ -72,14 +93,15 @@ void describe(ViewOptions& o, Visitor& v) {
 /// Pass 2: rays through the slices.
 struct RayCastingOptions {
   RenderMode mode = RenderMode::both;
-  int image_size = 512;   ///< pixels a side
-  int steps = 512;        ///< samples along the depth of the volume of interest
-  int kernel_3d = 3;      ///< 3D Gaussian kernel in ray space: 1 (none), 3 or 5 samples a side
+  int image_size = 512;  ///< pixels a side
+  int steps = 512;       ///< samples along the depth of the volume of interest
+  int kernel_3d = 3;     ///< 3D Gaussian kernel: 1 (none), 3 or 5 taps a side
+  KernelSpace kernel_space = KernelSpace::slice;
   int buffer_length = 8;  ///< n of Eq. (1), even
   /// On Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user; this one
-  /// suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm
+  /// suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel in slices
   /// (docs/results/calibration.md).
-  double threshold = 0.2;
+  double threshold = 0.15;
   EdgeSign edge = EdgeSign::rising;
   int window_2d =
       1;  ///< the buffer takes the mean of this window across the ray; 1: the sample itself
@@ -106,6 +128,8 @@ void describe(RayCastingOptions& o, Visitor& v) {
   v.integer("image_size", o.image_size, 1, 4096);
   v.integer("steps", o.steps, 1, 4096);
   v.integer("kernel_3d", o.kernel_3d, 1, 5);
+  v.choice(
+      "kernel_space", o.kernel_space, {{"slice", KernelSpace::slice}, {"ray", KernelSpace::ray}});
   v.integer("buffer_length", o.buffer_length, 2, 64);
   v.real("threshold", o.threshold, 1, -64, 64);
   v.choice("edge", o.edge, {{"rising", EdgeSign::rising}, {"falling", EdgeSign::falling}});
@@ -157,25 +181,32 @@ void describe(ShadingOptions& o, Visitor& v) {
   v.real("shadow_bias_mm", o.shadow_bias_m, kMillimetre, 0, 100);
 }
 
-enum class SmoothingFilter { box, bilateral };
+/// box: the paper's homogeneous filter. bilateral and guided keep edges; what they cost and do is
+/// in docs/decisions/0016-edge-preserving-filter.md.
+enum class SmoothingFilter { box, bilateral, guided };
 
 /// Pass 4: the final image.
 struct SmoothingOptions {
   SmoothingFilter filter = SmoothingFilter::box;
-  int filter_size = 9;       ///< odd, 1: none; the paper's low filtration is 5, its high 9
-  double range_sigma = 0.1;  ///< bilateral: grey-level spread that counts as the same surface
+  int filter_size = 9;  ///< odd, 1: none; the paper's low filtration is 5, its high 9
+  /// Grey-level spread that counts as the same surface: bilateral, the weights' standard deviation
+  /// of contrast; guided, the standard deviation in a window at which half of it is kept.
+  double range_sigma = 0.1;
 };
 
 template <class Visitor>
 void describe(SmoothingOptions& o, Visitor& v) {
   v.choice("filter",
            o.filter,
-           {{"box", SmoothingFilter::box}, {"bilateral", SmoothingFilter::bilateral}});
+           {{"box", SmoothingFilter::box},
+            {"bilateral", SmoothingFilter::bilateral},
+            {"guided", SmoothingFilter::guided}});
   v.integer("filter_size", o.filter_size, 1, 15);
   v.real("range_sigma", o.range_sigma, 1, 0.001, 10);
 }
 
 struct RenderOptions {
+  PipelineOptions pipeline;
   ScanConversionOptions scan_conversion;
   VolumeOfInterest volume_of_interest;
   ViewOptions view;

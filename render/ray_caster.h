@@ -5,13 +5,14 @@
 #include "render/gl_program.h"
 #include "render/options.h"
 #include "render/slice_geometry.h"
+#include "render/slice_volume.h"
 
 namespace wobblebench::render {
 
-/// Paper section 3.2.
+/// Paper section 3.2. Mode `plain` takes every step of every ray. Mode `fast` leaps over what holds
+/// neither surface nor opacity (render/quiet_cells.h), and is the same otherwise.
 ///
-/// Filter semantics `ray_space`: the 3D kernel's taps are samples of the ray and of its neighbours
-/// one step apart, along it and across it. Taps outside the cone of valid data carry no weight.
+/// Taps outside the cone of valid data carry no weight.
 ///
 /// Where z is: the ray length of the newest sample in the buffer when Difference reaches the
 /// threshold (the paper's definition), a smoothed sample belonging to its kernel's middle. For a
@@ -20,9 +21,12 @@ namespace wobblebench::render {
 /// without. The buffer counts once it is full of samples in a row inside the cone.
 class RayCaster {
  public:
-  RayCaster(const SliceGeometry& geometry, const RenderOptions& options);
+  /// For `volume`, and all others of its maker.
+  RayCaster(const SliceGeometry& geometry, const RenderOptions& options, const SliceVolume& volume);
 
-  void cast(const Texture& slices);
+  /// From elsewhere, in the same projection.
+  void look(const RenderOptions& options);
+  void cast(SliceVolume& volume);
 
   /// Volume picture: RGB, opacity.
   const Texture& color() const { return color_; }
@@ -30,10 +34,14 @@ class RayCaster {
   const Texture& depth() const { return depth_; }
 
  private:
-  void set_camera(const RenderOptions& options);
-  void set_geometry(const SliceGeometry& geometry, const RenderOptions& options);
+  void set_box(const RenderOptions& options);
+  void set_cone(const Region& pixels);
+  void set_motion_table();
+  void set_fan();
+  void set_leaps(const QuietCells& cells);
   void set_sampling(const RenderOptions& options);
 
+  SliceGeometry geometry_;
   Texture motion_table_, transfer_, color_, depth_;
   Framebuffer target_;
   FragmentProgram ray_cast_;

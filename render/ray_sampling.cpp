@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "render/camera.h"
+#include "render/slice_kernel.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -28,25 +31,31 @@ std::vector<double> gaussian_weights(int size) {
   return weights;
 }
 
-std::vector<double> buffer_weights(const RayCastingOptions& options) {
-  const std::vector<double> gaussian = gaussian_weights(options.kernel_3d);
-  const auto window = static_cast<std::size_t>(options.window_2d);
-  std::vector<double> weights(gaussian.size() + window - 1, 0.0);
-  for (std::size_t shift = 0; shift < window; ++shift) {
-    for (std::size_t tap = 0; tap < gaussian.size(); ++tap) {
-      weights[shift + tap] += gaussian[tap] / options.window_2d;
-    }
+std::vector<double> boxed(const std::vector<double>& weights, int box) {
+  std::vector<double> mean(weights.size() + static_cast<std::size_t>(box) - 1, 0.0);
+  for (std::size_t shift = 0; shift < static_cast<std::size_t>(box); ++shift) {
+    for (std::size_t tap = 0; tap < weights.size(); ++tap) mean[shift + tap] += weights[tap] / box;
   }
-  return weights;
+  return mean;
+}
+
+std::vector<double> buffer_weights(const RayCastingOptions& options) {
+  return boxed(gaussian_weights(ray_kernel_size(options)), options.window_2d);
 }
 
 std::vector<double> blend_weights(const RayCastingOptions& options) {
   const auto margin = static_cast<std::size_t>((options.window_2d - 1) / 2);
   std::vector<double> weights(margin, 0.0);
-  const std::vector<double> gaussian = gaussian_weights(options.kernel_3d);
+  const std::vector<double> gaussian = gaussian_weights(ray_kernel_size(options));
   weights.insert(weights.end(), gaussian.begin(), gaussian.end());
   weights.insert(weights.end(), margin, 0.0);
   return weights;
+}
+
+double kernel_reach_m(const RenderOptions& options) {
+  const int along = ray_kernel_size(options.ray_casting) / 2;
+  const std::size_t across = buffer_weights(options.ray_casting).size() / 2;
+  return step_m(options) * std::hypot(double(along), double(across), double(across));
 }
 
 TransferFunction::TransferFunction(const RayCastingOptions& options, double step_m)

@@ -12,13 +12,19 @@ namespace wobblebench::render {
 /// 3, 1.25 for 5). The 3D kernel is its threefold product.
 std::vector<double> gaussian_weights(int size);
 
-/// Taps across the ray for the sample that enters the buffer: the Gaussian of `kernel_3d`, averaged
-/// over a window of `window_2d`. Length kernel_3d + window_2d - 1, sum 1.
+/// Weights convolved with a box of so many taps, sum kept.
+std::vector<double> boxed(const std::vector<double>& weights, int box);
+
+/// Taps across the ray for the sample that enters the buffer: the Gaussian of ray_kernel_size()
+/// taps, averaged over a window of `window_2d`. Length kernel + window - 1, sum 1.
 std::vector<double> buffer_weights(const RayCastingOptions& options);
 
 /// Taps across the ray for the sample that is blended: the Gaussian, with zeros at both ends up to
 /// the length of buffer_weights().
 std::vector<double> blend_weights(const RayCastingOptions& options);
+
+/// How far from a place of the ray its taps lie at most.
+double kernel_reach_m(const RenderOptions& options);
 
 /// Grey and opacity of a sample, piecewise linear over the options' lists, constant beyond them.
 class TransferFunction {

@@ -32,7 +32,7 @@ void shade_and_smooth(const Image<double>& depth_m,
 
 Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& options) {
   validate(options);
-  const reference::SliceStack slices(volume, options.scan_conversion);
+  const reference::SliceStack slices(volume, options);
   const reference::Cast cast = reference::cast_rays(slices, options);
   Picture picture;
   picture.volume = converted<glm::vec3>(cast.volume);

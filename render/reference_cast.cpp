@@ -7,6 +7,7 @@
 #include "render/ray_sampling.h"
 #include "render/reference_passes.h"
 #include "render/rows.h"
+#include "render/slice_kernel.h"
 
 namespace wobblebench::render::reference {
 namespace {
@@ -32,7 +33,7 @@ class RayTracer {
         end_box_(o_.stop_at_box ? options.volume_of_interest : field_box(slices.geometry())),
         step_m_(step_m(options)),
         transfer_(o_, step_m_),
-        along_weights_(gaussian_weights(o_.kernel_3d)),
+        along_weights_(gaussian_weights(ray_kernel_size(o_))),
         buffer_weights_(buffer_weights(o_)),
         blend_weights_(blend_weights(o_)) {}
 
@@ -69,7 +70,7 @@ RayAxes RayTracer::axes(const hw::Ray& ray) const {
 double RayTracer::smooth_across(const glm::dvec3& place,
                                 const RayAxes& axes,
                                 const std::vector<double>& across_weights) const {
-  const int along_half = o_.kernel_3d / 2;
+  const int along_half = static_cast<int>(along_weights_.size()) / 2;
   const int across_half = static_cast<int>(across_weights.size()) / 2;
   double sum = 0, total = 0;
   for (int k = -along_half; k <= along_half; ++k) {

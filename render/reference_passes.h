@@ -15,7 +15,7 @@ namespace wobblebench::render::reference {
 /// What pass 1 makes: scan-converted, filtered slices.
 class SliceStack {
  public:
-  SliceStack(const hw::PolarVolume& volume, const ScanConversionOptions& options);
+  SliceStack(const hw::PolarVolume& volume, const RenderOptions& options);
 
   struct Sample {
     double value = 0;
@@ -32,6 +32,7 @@ class SliceStack {
 
  private:
   SliceGeometry geometry_;
+  int sweep_;
   std::vector<Image<double>> slices_;
 };
 

@@ -138,6 +138,58 @@ glm::dvec3 HeightMap::shaded(int column, int row) const {
   return glm::min(color, 1.0);
 }
 
+/// What a window of the guided filter (docs/references.md [19]) makes of its pixels: share * colour
+/// + rest.
+struct GuidedWindow {
+  double share = 0;
+  glm::dvec3 rest{0};
+};
+
+GuidedWindow guided_window(const Image<glm::dvec3>& picture,
+                           int column,
+                           int row,
+                           const SmoothingOptions& options) {
+  glm::dvec3 mean(0);
+  double count = 0, variance = 0;
+  const auto for_window = [&](auto visit) {
+    for_each_neighbour(picture, column, row, options.filter_size, visit);
+  };
+  for_window([&](int i, int j) {
+    mean += picture.at(i, j);
+    ++count;
+  });
+  mean /= count;
+  for_window([&](int i, int j) {
+    const glm::dvec3 change = picture.at(i, j) - mean;
+    variance += glm::dot(change, change) / count;
+  });
+  const double share = variance / (variance + options.range_sigma * options.range_sigma);
+  return {share, (1 - share) * mean};
+}
+
+Image<glm::dvec3> smooth_guided(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
+  Image<GuidedWindow> windows(picture.width, picture.height);
+  Image<glm::dvec3> smoothed(picture.width, picture.height);
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      windows.at(column, row) = guided_window(picture, column, row, options);
+    }
+  });
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      glm::dvec3 sum(0);
+      double count = 0;
+      for_each_neighbour(picture, column, row, options.filter_size, [&](int i, int j) {
+        const GuidedWindow& window = windows.at(i, j);
+        sum += window.share * picture.at(column, row) + window.rest;
+        ++count;
+      });
+      smoothed.at(column, row) = sum / count;
+    }
+  });
+  return smoothed;
+}
+
 double weight(const glm::dvec3& change, int right, int down, const SmoothingOptions& options) {
   if (options.filter == SmoothingFilter::box) return 1;
   const double sigma = bilateral_spatial_sigma(options.filter_size);
@@ -177,6 +229,7 @@ Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& optio
 }
 
 Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
+  if (options.filter == SmoothingFilter::guided) return smooth_guided(picture, options);
   Image<glm::dvec3> smoothed(picture.width, picture.height);
   for_each_row(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/frame_store.h"
 #include "render/reference_passes.h"
 #include "render/rows.h"
-#include "render/scan_converter.h"
+#include "render/slice_kernel.h"
 
 namespace wobblebench::render::reference {
 namespace {
@@ -50,33 +51,59 @@ Image<double> scan_convert(const hw::PolarFrame& frame,
   return slice;
 }
 
-/// Mean of the pixels with data in a window; 0 if there are none.
-double mean_around(const Image<double>& slice, int column, int row, int half_size) {
-  double sum = 0, count = 0;
-  for (int j = std::max(row - half_size, 0); j <= std::min(row + half_size, slice.height - 1);
-       ++j) {
-    for (int i = std::max(column - half_size, 0);
-         i <= std::min(column + half_size, slice.width - 1);
-         ++i) {
-      if (std::isnan(slice.at(i, j))) continue;
-      sum += slice.at(i, j);
-      ++count;
+/// Mean of the pixels with data around one, weighted by the product of two taps; 0 without any.
+double mean_around(const Image<double>& slice,
+                   int column,
+                   int row,
+                   const std::vector<double>& weights) {
+  const int half = static_cast<int>(weights.size()) / 2;
+  double sum = 0, total = 0;
+  for (int j = -half; j <= half; ++j) {
+    for (int i = -half; i <= half; ++i) {
+      const int x = column + i, y = row + j;
+      if (x < 0 || y < 0 || x >= slice.width || y >= slice.height) continue;
+      if (std::isnan(slice.at(x, y))) continue;
+      const double weight =
+          weights[static_cast<std::size_t>(i + half)] * weights[static_cast<std::size_t>(j + half)];
+      sum += weight * slice.at(x, y);
+      total += weight;
     }
   }
-  return count > 0 ? sum / count : 0;
+  return total > 0 ? sum / total : 0;
 }
 
-Image<double> filter(const Image<double>& slice, int filter_size) {
+Image<double> filter(const Image<double>& slice, const std::vector<double>& weights) {
+  // Pixels next to the sector take their neighbours' mean, even where others are left alone.
+  const std::vector<double> next_to_sector =
+      weights.size() > 1 ? weights : std::vector<double>(3, 1.0 / 3);
   Image<double> filtered(slice.width, slice.height);
   for (int row = 0; row < slice.height; ++row) {
     for (int column = 0; column < slice.width; ++column) {
-      // Pixels next to the sector take their neighbours' mean.
       const bool is_empty = std::isnan(slice.at(column, row));
-      const int half_size = is_empty ? std::max(filter_size / 2, 1) : filter_size / 2;
-      filtered.at(column, row) = mean_around(slice, column, row, half_size);
+      filtered.at(column, row) =
+          mean_around(slice, column, row, is_empty ? next_to_sector : weights);
     }
   }
   return filtered;
+}
+
+/// A slice and its neighbours, weighted, as far as there are any.
+Image<double> across_frames(const std::vector<Image<double>>& slices,
+                            int frame,
+                            const std::vector<double>& weights) {
+  const int half = static_cast<int>(weights.size()) / 2;
+  Image<double> mixed(slices.front().width, slices.front().height);
+  double total = 0;
+  for (int offset = -half; offset <= half; ++offset) {
+    const int neighbour = frame + offset;
+    if (neighbour < 0 || neighbour >= static_cast<int>(slices.size())) continue;
+    const double weight = weights[static_cast<std::size_t>(offset + half)];
+    const auto& pixels = slices[static_cast<std::size_t>(neighbour)].pixels;
+    for (std::size_t i = 0; i < pixels.size(); ++i) mixed.pixels[i] += weight * pixels[i];
+    total += weight;
+  }
+  for (double& pixel : mixed.pixels) pixel /= total;
+  return mixed;
 }
 
 /// A fractional pixel or frame as two neighbours and the share of the second, clamped to the edge.
@@ -92,17 +119,24 @@ Between between(double at, int count) {
 
 }  // namespace
 
-SliceStack::SliceStack(const hw::PolarVolume& volume, const ScanConversionOptions& options)
-    : geometry_(volume.plan(), options.slice_size), slices_(volume.frames().size()) {
+SliceStack::SliceStack(const hw::PolarVolume& volume, const RenderOptions& options)
+    : geometry_(volume.plan(), options.scan_conversion.slice_size),
+      sweep_(volume.plan().sweep_direction(volume.volume_index())),
+      slices_(volume.frames().size()) {
+  std::vector<Image<double>> filtered(slices_.size());
+  for_each_row(geometry_.frames(), [&](int frame) {
+    filtered[static_cast<std::size_t>(frame)] =
+        filter(scan_convert(volume.frame(frame), volume.plan().acquisition(), geometry_),
+               slice_weights(options));
+  });
   for_each_row(geometry_.frames(), [&](int frame) {
     slices_[static_cast<std::size_t>(frame)] =
-        filter(scan_convert(volume.frame(frame), volume.plan().acquisition(), geometry_),
-               options.filter_size);
+        across_frames(filtered, frame, frame_weights(options.ray_casting));
   });
 }
 
 SliceStack::Sample SliceStack::at(const glm::dvec3& position_m) const {
-  const SlicePoint point = geometry_.locate(position_m);
+  const SlicePoint point = geometry_.locate(position_m, sweep_);
   if (!point.inside) return {};
   const int size = geometry_.slice_size();
   const Between x = between(geometry_.column(point.across_m), size);

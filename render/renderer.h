@@ -12,6 +12,10 @@ namespace wobblebench::render {
 
 /// One renderer for one acquisition plan. The context must outlive it. All calls from the thread
 /// that owns the context.
+///
+/// A volume is complete when each of its frames has been added since the last that was. Pictures
+/// show the last complete volume (black before the first), or, with `pipeline.mid_volume`, each
+/// frame as soon as update() has seen it, beside those of the volume before.
 class Renderer {
  public:
   /// Throws hw::InvalidOption; std::runtime_error when the driver cannot (names limit and need).
@@ -20,12 +24,20 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Pass 1 for one frame: scan-converts, filters and stores it as its slice.
+  /// Takes a frame; no GL yet. Throws std::out_of_range for an index outside the plan,
+  /// std::invalid_argument for a frame of another size.
   void add_frame(int frame_index, const hw::PolarFrame& frame);
 
-  /// Passes 2 to 4 over the slices as they are. Pass times of all frames added since the last
-  /// picture are summed as `scan_conversion`.
+  /// Pass 1 for the frames added since the last call: makes the slices that they settle, with
+  /// mid_volume all that they change. To be called as frames arrive, so that it overlaps with their
+  /// acquisition; render() calls it too. Returns its cost.
+  PassTime update();
+
+  /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture.
   Picture render();
+
+  /// The volume, seen from elsewhere. Throws hw::InvalidOption.
+  void look(const ViewOptions& view);
 
  private:
   struct Passes;

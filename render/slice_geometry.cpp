@@ -45,6 +45,9 @@ SliceGeometry::SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size)
   const double first_rad = plan.frame_phi_rad(0), last_rad = plan.frame_phi_rad(frames_ - 1);
   phi_min_rad_ = frames_ == 1 ? -half_fan_rad : std::min(first_rad, last_rad);
   phi_max_rad_ = frames_ == 1 ? half_fan_rad : std::max(first_rad, last_rad);
+  const double skewed_rad = std::abs(frame_skew(1)) * half_sector_rad_ * plan.phi_step_rad();
+  phi_min_rad_ -= skewed_rad;
+  phi_max_rad_ += skewed_rad;
 }
 
 double SliceGeometry::pixel_x_m(double column) const {
@@ -69,6 +72,12 @@ double SliceGeometry::frame_at(double phi_rad) const {
   return (phi_rad - first_rad) / (last_rad - first_rad) * (frames_ - 1);
 }
 
+double SliceGeometry::frame_skew(int sweep) const {
+  const double frame_span_rad = plan_.theta_step_rad() * plan_.acquisition().sticks_per_frame;
+  const bool turns = plan_.acquisition().motor != hw::MotorMode::stepped;
+  return turns && frames_ > 1 && frame_span_rad > 0 ? sweep / frame_span_rad : 0;
+}
+
 SliceGeometry::PolarIndex SliceGeometry::polar_index(double x_m, double depth_m) const {
   const double r_m = std::hypot(x_m, depth_m), theta_rad = std::atan2(x_m, depth_m);
   const hw::AcquisitionOptions& acquisition = plan_.acquisition();
@@ -80,16 +89,17 @@ SliceGeometry::PolarIndex SliceGeometry::polar_index(double x_m, double depth_m)
           r_m >= r_min_m_ && r_m <= r_max_m_ && std::abs(theta_rad) <= half_sector_rad_};
 }
 
-SlicePoint SliceGeometry::locate(const glm::dvec3& position_m) const {
+SlicePoint SliceGeometry::locate(const glm::dvec3& position_m, int sweep) const {
   const hw::PolarPoint polar = plan_.geometry().to_polar(position_m);
   const double r_m = r_min_m_ + polar.range_m;
   SlicePoint point;
   point.across_m = position_m.x;
   point.depth_m = r_m * std::cos(polar.theta_rad);
-  point.frame = frame_at(polar.phi_rad);
+  point.frame = frame_at(polar.phi_rad) - frame_skew(sweep) * polar.theta_rad;
+  const bool in_fan = frames_ == 1 ? polar.phi_rad >= phi_min_rad_ && polar.phi_rad <= phi_max_rad_
+                                   : point.frame >= 0 && point.frame <= frames_ - 1;
   point.inside = polar.range_m >= 0 && r_m <= r_max_m_ &&
-                 std::abs(polar.theta_rad) <= half_sector_rad_ && polar.phi_rad >= phi_min_rad_ &&
-                 polar.phi_rad <= phi_max_rad_;
+                 std::abs(polar.theta_rad) <= half_sector_rad_ && in_fan;
   return point;
 }
 
@@ -99,15 +109,52 @@ VolumeOfInterest field_box(const SliceGeometry& g) {
   return {{0, 0, g.axis_z_m()}, {2 * g.x_max_m(), 2 * reach_m, 2 * reach_m}};
 }
 
-std::vector<float> make_polar_table(const SliceGeometry& geometry) {
+namespace {
+
+/// Pixels first to last of an axis, within those that there are.
+struct PixelRange {
+  int first, count;
+};
+PixelRange pixel_range(double low, double high, int size) {
+  const int first = static_cast<int>(std::clamp(std::floor(low) - 1, 0.0, size - 1.0));
+  const int last = static_cast<int>(std::clamp(std::ceil(high) + 1, 0.0, size - 1.0));
+  return {first, last - first + 1};
+}
+
+}  // namespace
+
+Region pixels_within(const SliceGeometry& g, const VolumeOfInterest& box, double margin_m) {
+  const auto low = [&](std::size_t i) { return box.center_m[i] - box.size_m[i] / 2 - margin_m; };
+  const auto high = [&](std::size_t i) { return box.center_m[i] + box.size_m[i] / 2 + margin_m; };
+  const PixelRange columns = pixel_range(g.column(low(0)), g.column(high(0)), g.slice_size());
+  // Depths are distances from the wobble axis: of the box's nearest and farthest place.
+  const auto nearest = [&](std::size_t i, double axis) {
+    return std::max({low(i) - axis, axis - high(i), 0.0});
+  };
+  const auto farthest = [&](std::size_t i, double axis) {
+    return std::max(std::abs(low(i) - axis), std::abs(high(i) - axis));
+  };
+  const double near_m = std::hypot(nearest(1, 0), nearest(2, g.axis_z_m()));
+  const double far_m = std::hypot(farthest(1, 0), farthest(2, g.axis_z_m()));
+  // Behind the axis depths count down from it.
+  const bool behind = low(2) < g.axis_z_m();
+  const PixelRange rows = pixel_range(g.row(g.axis_z_m() + (behind ? -far_m : near_m)),
+                                      g.row(g.axis_z_m() + far_m),
+                                      g.slice_size());
+  return {columns.first, rows.first, columns.count, rows.count};
+}
+
+std::vector<float> make_polar_table(const SliceGeometry& geometry, const Region& pixels) {
   const int size = geometry.slice_size();
   std::vector<float> table;
-  table.reserve(3 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  for (int row = 0; row < size; ++row) {
-    for (int column = 0; column < size; ++column) {
+  table.reserve(3 * static_cast<std::size_t>(pixels.columns) *
+                static_cast<std::size_t>(pixels.rows));
+  for (int row = pixels.row; row < pixels.row + pixels.rows; ++row) {
+    for (int column = pixels.column; column < pixels.column + pixels.columns; ++column) {
       const auto index =
           geometry.polar_index(geometry.pixel_x_m(column), geometry.pixel_depth_m(row));
-      const double flag = index.inside ? 1 : 0;
+      const bool exists = row >= 0 && row < size && column >= 0 && column < size;
+      const double flag = index.inside && exists ? 1 : 0;
       for (double value : {flag * index.line, flag * index.sample, flag}) {
         table.push_back(static_cast<float>(value));
       }

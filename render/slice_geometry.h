@@ -6,6 +6,7 @@
 
 #include "hw/acquisition_plan.h"
 #include "render/options.h"
+#include "render/region.h"
 
 namespace wobblebench::render {
 
@@ -22,6 +23,9 @@ struct SlicePoint {
 /// x in [-R sin(s/2), R sin(s/2)], depth in [a cos(s/2), R] for sector s, a <= r <= R.
 /// The cone of valid data is 0 <= range <= depth, |theta| <= s/2 and the fan between the first and
 /// the last frame. A lone stick fills its sector, a lone frame its fan.
+///
+/// Where the motor turns while a frame is taken, its sticks lie on a surface askew to the plane: a
+/// place's frame index then depends on its theta too (frame_skew).
 class SliceGeometry {
  public:
   SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size);
@@ -42,8 +46,14 @@ class SliceGeometry {
   double column(double x_m) const;
   double row(double depth_m) const;
 
-  /// Frame index at a motor angle; the middle frame's where there is only one.
+  /// Frame index at a motor angle and theta = 0; the middle frame's where there is only one.
   double frame_at(double phi_rad) const;
+  /// By how many frames a stick lies further than its frame's middle, for each radian of theta, in
+  /// a volume that is swept in this direction (hw::AcquisitionPlan::sweep_direction): the index of
+  /// a place is frame_at(phi) - frame_skew(sweep) theta. 0 for the stepped motor.
+  double frame_skew(int sweep) const;
+  bool is_skewed() const { return frame_skew(1) != 0; }
+  /// Motor angles between which the cone lies.
   double phi_min_rad() const { return phi_min_rad_; }
   double phi_max_rad() const { return phi_max_rad_; }
 
@@ -57,7 +67,7 @@ class SliceGeometry {
   PolarIndex polar_index(double x_m, double depth_m) const;
 
   /// Closed form of what the LUTs of passes 1 and 2 hold.
-  SlicePoint locate(const glm::dvec3& position_m) const;
+  SlicePoint locate(const glm::dvec3& position_m, int sweep = 1) const;
 
  private:
   hw::AcquisitionPlan plan_;
@@ -72,8 +82,12 @@ class SliceGeometry {
 /// interest.
 VolumeOfInterest field_box(const SliceGeometry& geometry);
 
-/// Pass 1's LUT: for each pixel of a slice, line, sample and 1 inside the sector, else three zeros.
-std::vector<float> make_polar_table(const SliceGeometry& geometry);
+/// Pixels of a slice that a trilinear fetch within this margin of the box reads, in any frame.
+Region pixels_within(const SliceGeometry& geometry, const VolumeOfInterest& box, double margin_m);
+
+/// Pass 1's LUT: for each pixel, line, sample and 1 inside the sector, else three zeros. `pixels`
+/// may reach beyond the slice, where there is nothing.
+std::vector<float> make_polar_table(const SliceGeometry& geometry, const Region& pixels);
 
 /// Pass 2's LUT for the motion direction: over (y, z) of the probe frame, the in-plane depth, the
 /// frame index, and a flag that is 1 wherever a bilinear fetch in the cone reads from. Near the

@@ -7,21 +7,28 @@
 namespace wobblebench::render {
 namespace {
 
-namespace depth_filter {
-enum Bindings { kDepth };
-}
-namespace surface_shade {
-enum Bindings { kDepth };
-}
+enum Bindings { kDepth, kQuadrants, kNearest, kClear };
 
 Defines shade_defines(const RenderOptions& options) {
   return Defines()
-      .add("BIND_DEPTH", surface_shade::kDepth)
+      .add("BIND_DEPTH", kDepth)
+      .add("BIND_QUADRANTS", kQuadrants)
+      .add("BIND_NEAREST", kNearest)
+      .add("BIND_CLEAR", kClear)
+      .add("FAST", options.pipeline.mode == PipelineMode::fast)
+      .add("TILE", kShadowTile)
       .add("NO_SURFACE", kNoDepth)
       .add("PERSPECTIVE", options.view.projection == Projection::perspective)
       .add("POINT_LIGHT", options.shading.light == Light::point)
       .add("SHADOWS", options.shading.shadows)
       .add("MAX_SHADOW_STEPS", max_shadow_steps(options.ray_casting.image_size));
+}
+
+FragmentProgram shade_program(const RenderOptions& options) {
+  const bool fast = options.pipeline.mode == PipelineMode::fast;
+  const std::string_view shadow = fast ? "shadow_leaps.glsl" : "shadow_trace.glsl";
+  return {{"view.glsl", "height_map.glsl", "quadrant.glsl", shadow, "surface_shade.frag.glsl"},
+          shade_defines(options)};
 }
 
 void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
@@ -43,25 +50,33 @@ void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
 
 }  // namespace
 
-SurfaceShader::SurfaceShader(const RenderOptions& options) {
+SurfaceShader::SurfaceShader(const RenderOptions& options)
+    : leaps_(options.shading.shadows && options.pipeline.mode == PipelineMode::fast),
+      filter_(options),
+      shade_(shade_program(options)) {
   const int size = options.ray_casting.image_size;
-  const std::string what = "ray_casting.image_size = " + std::to_string(size);
-  filtered_ = Texture(what, TexelFormat::r32f, {size, size}, TextureFilter::nearest);
-  surface_ = Texture(what, TexelFormat::rgba32f, {size, size}, TextureFilter::nearest);
-  filtered_target_ = Framebuffer({&filtered_});
-  surface_target_ = Framebuffer({&surface_});
-  filter_ = FragmentProgram({"depth_filter.frag.glsl"},
-                            Defines()
-                                .add("BIND_DEPTH", depth_filter::kDepth)
-                                .add("HALF_FILTER", options.shading.depth_filter_size / 2));
-  shade_ = FragmentProgram({"view.glsl", "surface_shade.frag.glsl"}, shade_defines(options));
+  surface_ = Texture("ray_casting.image_size = " + std::to_string(size),
+                     TexelFormat::rgba32f,
+                     {size, size},
+                     TextureFilter::nearest);
+  target_ = Framebuffer({&surface_});
+  if (leaps_) tiles_ = ShadowTiles(options);
   set_uniforms(shade_, options);
   check_gl("surface shading: setting up");
 }
 
 void SurfaceShader::shade(const Texture& depth) {
-  filter_.draw(filtered_target_, {{depth_filter::kDepth, &depth}});
-  shade_.draw(surface_target_, {{surface_shade::kDepth, &filtered_}});
+  filter_.filter(depth);
+  if (leaps_) {
+    tiles_.update(filtered_depth());
+    shade_.draw(target_,
+                {{kDepth, &filtered_depth()},
+                 {kQuadrants, &tiles_.quadrants()},
+                 {kNearest, &tiles_.nearest()},
+                 {kClear, &tiles_.clear()}});
+  } else {
+    shade_.draw(target_, {{kDepth, &filtered_depth()}});
+  }
   check_gl("surface shading");
 }
 

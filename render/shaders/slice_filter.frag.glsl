@@ -1,24 +1,37 @@
-// Pass 1, second half: homogeneous filter over the pixels of the slice that hold data. Pixels next
-// to the sector take their neighbours' mean, so that fetches at its border never mix in emptiness.
+// Pass 1, second half: weighted mean over the pixels of the slice that hold data. Pixels next to
+// the sector take their neighbours' mean, so that fetches at its border never mix in emptiness.
 layout(binding = BIND_SLICE) uniform sampler2D slice;
 
+uniform float weights[TAPS];
+
 layout(location = 0) out float value;
+
+const int HALF_FILTER = TAPS / 2;
+
+float weight_at(ivec2 offset) {
+#if BOX
+  return 1.0;
+#else
+  return weights[offset.x + HALF_FILTER] * weights[offset.y + HALF_FILTER];
+#endif
+}
 
 float mean_around(ivec2 place, int half_size) {
   ivec2 last = textureSize(slice, 0) - 1;
   ivec2 low = max(place - half_size, ivec2(0)), high = min(place + half_size, last);
   float sum = 0.0;
-  float count = 0.0;
+  float total = 0.0;
   for (int row = low.y; row <= high.y; ++row) {
     for (int column = low.x; column <= high.x; ++column) {
       float neighbour = texelFetch(slice, ivec2(column, row), 0).r;
       if (neighbour >= 0.0) {
-        sum += neighbour;
-        count += 1.0;
+        float weight = weight_at(ivec2(column, row) - place);
+        sum += weight * neighbour;
+        total += weight;
       }
     }
   }
-  return count > 0.0 ? sum / count : 0.0;
+  return total > 0.0 ? sum / total : 0.0;
 }
 
 void main() {

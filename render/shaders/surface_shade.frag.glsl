@@ -1,22 +1,11 @@
-// Pass 3, second half: Blinn-Phong of the filtered z-buffer, Eq. (2), and shadows by tracing the
-// height map from each pixel towards the light.
-layout(binding = BIND_DEPTH) uniform sampler2D depth;
-
+// Pass 3, second half: Blinn-Phong of the filtered z-buffer, Eq. (2), and shadows.
 uniform vec3 light_position_m;   // point light
 uniform vec3 light_direction;    // directional light: unit vector towards it
 uniform vec3 base_rgb;
 uniform float ambient, diffuse, specular, shininess;
 uniform float shadow_coefficient;
-uniform float shadow_bias_m;
 
 layout(location = 0) out vec4 surface;
-
-// z at a pixel; negative where there is no surface or no picture.
-float depth_at(ivec2 pixel) {
-  ivec2 size = textureSize(depth, 0);
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return NO_SURFACE;
-  return texelFetch(depth, pixel, 0).r;
-}
 
 vec3 position_at(ivec2 pixel, float z) { return view_position(vec2(pixel) + 0.5, z); }
 
@@ -37,25 +26,6 @@ vec3 normal_at(ivec2 pixel, float z, vec3 to_viewer) {
   vec3 away = cross(tangent(pixel, z, ivec2(1, 0)), tangent(pixel, z, ivec2(0, 1)));
   float size = length(away);
   return size > 0.0 ? -away / size : to_viewer;
-}
-
-// Does the height map stand in the way of the light? One pixel of the picture at a time.
-bool in_shadow(vec3 place, vec3 to_light, float light_distance) {
-  float travelled = 0.0;
-  for (int i = 0; i < MAX_SHADOW_STEPS; ++i) {
-    vec3 here = place + travelled * to_light;
-    travelled += 1.0 / max(pixels_per_m(here, to_light), 1e-3);
-    if (travelled >= light_distance) return false;
-    here = place + travelled * to_light;
-    if (here.z <= 0.0) return false;  // before the view plane, or behind the eye
-    vec3 seen = to_picture(here);
-    if (any(lessThan(seen.xy, vec2(0.0))) || any(greaterThanEqual(seen.xy, vec2(image_size)))) {
-      return false;
-    }
-    float height = depth_at(ivec2(seen.xy));
-    if (height >= 0.0 && height + shadow_bias_m < seen.z) return true;
-  }
-  return false;
 }
 
 void main() {

@@ -24,16 +24,6 @@ std::string error_of(Function function) {
   return {};
 }
 
-TEST(GlContext, NamesItsBackendAndRenderer) {
-  EXPECT_EQ(gl_context().backend(), "osmesa");
-  EXPECT_NE(gl_context().renderer_string().find("OpenGL 4.5"), std::string::npos)
-      << gl_context().renderer_string();
-}
-
-TEST(GlContext, AnUnknownBackendSaysWhichThereAre) {
-  EXPECT_EQ(error_of([] { make_context("glide"); }), "GL backend glide: this build has osmesa");
-}
-
 TEST(Texture, IsEmptyUntilMadeAndAfterMoving) {
   gl_context();
   Texture empty;

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <string>
+#include <tuple>
 
 #include "gl_fixture.h"
 #include "render/ray_caster.h"
 #include "render/reference_passes.h"
-#include "render/scan_converter.h"
+#include "render/slice_volume.h"
 #include "render/smoother.h"
 #include "render/surface_shader.h"
 #include "synthetic.h"
@@ -22,72 +25,124 @@ struct FormatCase {
   double tolerance;  ///< half a grey level of frame and of slice, or float arithmetic
 };
 
-class PassOne : public ::testing::TestWithParam<FormatCase> {};
+class PassOne : public ::testing::TestWithParam<std::tuple<FormatCase, PipelineMode>> {};
+
+/// The whole of each slice, and no 3D kernel.
+RenderOptions slice_options(int slice_size, int filter_size, TextureFormat format) {
+  RenderOptions options;
+  options.scan_conversion = {slice_size, filter_size, format};
+  options.ray_casting.stop_at_box = false;
+  options.ray_casting.kernel_3d = 1;
+  return options;
+}
+
+/// The volume texture's layers that hold these frames' slices, made as the renderer makes them; the
+/// others are left alone.
+class Layers {
+ public:
+  Layers(const hw::PolarVolume& volume,
+         const RenderOptions& options,
+         const std::vector<int>& frames)
+      : maker_(volume.plan(), options), made_(maker_.make()) {
+    FrameStore store = maker_.make_store();
+    const int count = maker_.geometry().frames();
+    for (int f = 0; f < count; ++f) store.put(f, volume.frame(f));
+    is_pairs_ = options.pipeline.mode == PipelineMode::fast;
+    std::vector<int> layers;
+    for (int f : frames) layers.push_back(layer_of(f));
+    made_->make_layers(layers, store);
+    texels_ = made_->slices().download();
+  }
+
+  Region pixels() const { return made_->pixels(); }
+  float at(int frame, int column, int row) const {
+    const Region p = pixels();
+    const int place = (layer_of(frame) * p.rows + row - p.row) * p.columns + column - p.column;
+    const int channel = is_pairs_ && layer_of(frame) != frame ? 1 : 0;
+    return texels_[static_cast<std::size_t>(is_pairs_ ? 2 * place + channel : place)];
+  }
+
+ private:
+  int layer_of(int frame) const {
+    return is_pairs_ ? std::min(frame, maker_.geometry().frames() - 2) : frame;
+  }
+
+  SliceVolumeMaker maker_;
+  std::unique_ptr<SliceVolume> made_;
+  bool is_pairs_ = false;
+  std::vector<float> texels_;
+};
+
+double worst_difference(const Layers& layers, const reference::SliceStack& expected, int frame) {
+  const Region region = layers.pixels();
+  double worst = 0;
+  for (int row = region.row; row < region.row + region.rows; ++row) {
+    for (int column = region.column; column < region.column + region.columns; ++column) {
+      worst = std::max(
+          worst, std::abs(layers.at(frame, column, row) - expected.pixel(frame, column, row)));
+    }
+  }
+  return worst;
+}
 
 TEST_P(PassOne, MakesTheReferencesSlices) {
   gl_context();
-  for (int filter_size : {1, 3, 7}) {
-    const hw::PolarVolume& volume = testing::noisy_scene();
-    ScanConversionOptions options{96, filter_size, GetParam().format};
-    ScanConverter converter(volume.plan(), options);
-    for (int frame : {0, 11, 20}) converter.convert(frame, volume.frame(frame));
-    const reference::SliceStack expected(volume, options);
-    const std::vector<float> slices = converter.slices().download();
-    for (int frame : {0, 11, 20}) {
-      double worst = 0;
-      for (int row = 0; row < 96; ++row) {
-        for (int column = 0; column < 96; ++column) {
-          const float got = slices[static_cast<std::size_t>((frame * 96 + row) * 96 + column)];
-          worst = std::max(worst, std::abs(got - expected.pixel(frame, column, row)));
-        }
+  const auto [format, mode] = GetParam();
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  for (int kernel : {1, 3, 5}) {
+    for (int filter_size : {1, 3, 7}) {
+      RenderOptions options = slice_options(96, filter_size, format.format);
+      options.pipeline.mode = mode;
+      options.ray_casting.kernel_3d = kernel;
+      const reference::SliceStack expected(volume, options);
+      const Layers layers(volume, options, {0, 11, 20});
+      for (int frame : {0, 11, 20}) {
+        EXPECT_LT(worst_difference(layers, expected, frame), format.tolerance)
+            << "frame " << frame << ", filter " << filter_size << ", kernel " << kernel;
       }
-      EXPECT_LT(worst, GetParam().tolerance) << "frame " << frame << ", filter " << filter_size;
-    }
-    for (int i = 0; i < 96 * 96; ++i) {  // frame 1 has not been written
-      EXPECT_EQ(slices[static_cast<std::size_t>(96 * 96 + i)], 0);
+      for (int i = 0; i < 96; ++i) EXPECT_EQ(layers.at(5, i, i), 0);  // has not been made
     }
   }
 }
 
+const FormatCase kFormats[] = {{"r8", TextureFormat::r8, 0.51 / 255},
+                               {"r16", TextureFormat::r16, 1.2 / 65535},
+                               {"r32f", TextureFormat::r32f, 2e-5}};
+
 INSTANTIATE_TEST_SUITE_P(Formats,
                          PassOne,
-                         ::testing::Values(FormatCase{"r8", TextureFormat::r8, 0.51 / 255},
-                                           FormatCase{"r16", TextureFormat::r16, 1.2 / 65535},
-                                           FormatCase{"r32f", TextureFormat::r32f, 2e-5}),
-                         [](const auto& param_info) { return param_info.param.name; });
+                         ::testing::Combine(::testing::ValuesIn(kFormats),
+                                            ::testing::Values(PipelineMode::fast,
+                                                              PipelineMode::plain)),
+                         testing::NamedByCaseAndMode{});
+
+TEST(PassOneInput, InModeFastMakesOnlyWhatRaysRead) {
+  gl_context();
+  const hw::PolarVolume& volume = testing::noisy_scene();
+  RenderOptions options = testing::small_options();
+  options.pipeline.mode = PipelineMode::fast;
+  const int size = options.scan_conversion.slice_size;
+  const Layers layers(volume, options, {11});
+  EXPECT_LT(layers.pixels().columns * layers.pixels().rows, size * size / 2);
+  const reference::SliceStack expected(volume, options);
+  EXPECT_LT(worst_difference(layers, expected, 11), 2.0 / 65535);
+}
 
 TEST(PassOneInput, KeepsAConstantFrameConstantUpToTheSectorsEdge) {
   gl_context();
   const hw::AcquisitionPlan plan = testing::small_plan();
   const auto volume = testing::sample_field(plan, [](const glm::dvec3&) { return 0.5; });
-  ScanConverter converter(plan, {64, 5, TextureFormat::r32f});
-  converter.convert(3, volume.frame(3));
-  const std::vector<float> slices = converter.slices().download();
-  const std::vector<float> table = make_polar_table(converter.geometry());
-  for (std::size_t i = 0; i < 64 * 64; ++i) {
-    if (table[3 * i + 2] == 1) {
-      EXPECT_FLOAT_EQ(slices[3 * 64 * 64 + i], 0.5f);
+  const std::vector<float> table = make_polar_table(SliceGeometry(plan, 64), {0, 0, 64, 64});
+  for (PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
+    RenderOptions options = slice_options(64, 5, TextureFormat::r32f);
+    options.pipeline.mode = mode;
+    const Layers layers(volume, options, {3});
+    for (int i = 0; i < 64 * 64; ++i) {
+      if (table[static_cast<std::size_t>(3 * i + 2)] == 1) {
+        EXPECT_NEAR(layers.at(3, i % 64, i / 64), 0.5f, 2e-7);
+      }
     }
   }
-}
-
-TEST(PassOneInput, RefusesAFrameOutsideThePlanOrOfAnotherSize) {
-  gl_context();
-  const hw::PolarVolume& volume = testing::noisy_scene();
-  ScanConverter converter(volume.plan(), {64, 1, TextureFormat::r16});
-  EXPECT_THROW(converter.convert(21, volume.frame(0)), std::out_of_range);
-  EXPECT_THROW(converter.convert(-1, volume.frame(0)), std::out_of_range);
-  hw::PolarFrame short_frame = volume.frame(0);
-  short_frame.samples.pop_back();
-  EXPECT_THROW(converter.convert(0, short_frame), std::invalid_argument);
-}
-
-TEST(PassOneInput, CleansSamples) {
-  EXPECT_EQ(clean_sample(0.25f), 0.25f);
-  EXPECT_EQ(clean_sample(1e30f), 1);
-  EXPECT_EQ(clean_sample(-2), 0);
-  EXPECT_EQ(clean_sample(std::numeric_limits<float>::infinity()), 0);
-  EXPECT_EQ(clean_sample(std::numeric_limits<float>::quiet_NaN()), 0);
 }
 
 /// A bumpy height map with holes and cliffs.
@@ -118,13 +173,15 @@ struct ShadingCase {
   void (*change)(RenderOptions&);
 };
 
-class PassThree : public ::testing::TestWithParam<ShadingCase> {};
+class PassThree : public ::testing::TestWithParam<std::tuple<PipelineMode, ShadingCase>> {};
 
 TEST_P(PassThree, ShadesLikeTheReference) {
   gl_context();
   RenderOptions options;
   options.ray_casting.image_size = 96;
-  GetParam().change(options);
+  const auto& [mode, shading_case] = GetParam();
+  options.pipeline.mode = mode;
+  shading_case.change(options);
   Image<double> depth = bumpy_depth(96);
   if (options.view.projection == Projection::perspective) {
     for (double& z : depth.pixels) z += options.view.eye_distance_m - 0.07;
@@ -189,12 +246,27 @@ const ShadingCase kShadingCases[] = {
      }},
 };
 
+std::string shading_name(const ::testing::TestParamInfo<PassThree::ParamType>& info) {
+  const auto& [mode, shading_case] = info.param;
+  return std::string(mode == PipelineMode::fast ? "fast_" : "plain_") + shading_case.name;
+}
+
 INSTANTIATE_TEST_SUITE_P(Each,
                          PassThree,
-                         ::testing::ValuesIn(kShadingCases),
-                         [](const auto& param_info) { return param_info.param.name; });
+                         ::testing::Combine(::testing::Values(PipelineMode::plain,
+                                                              PipelineMode::fast),
+                                            ::testing::ValuesIn(kShadingCases)),
+                         shading_name);
 
-TEST(PassFour, SmoothsLikeTheReference) {
+struct SmoothingCase {
+  const char* name;
+  PipelineMode mode;
+  SmoothingFilter filter;
+};
+
+class PassFour : public ::testing::TestWithParam<SmoothingCase> {};
+
+TEST_P(PassFour, SmoothsLikeTheReference) {
   gl_context();
   RenderOptions options;
   options.ray_casting.image_size = 64;
@@ -206,20 +278,34 @@ TEST(PassFour, SmoothsLikeTheReference) {
   }
   Texture texture("test picture", TexelFormat::rgba32f, {64, 64}, TextureFilter::nearest);
   texture.upload(rgba);
-  for (SmoothingFilter filter : {SmoothingFilter::box, SmoothingFilter::bilateral}) {
-    for (int size : {1, 3, 5, 9, 15}) {
-      const SmoothingOptions smoothing{filter, size, 0.1};
-      Smoother smoother(smoothing, 64);
-      smoother.smooth(texture);
-      const auto expected = reference::smooth(picture, smoothing);
-      const std::vector<float> got = smoother.smoothed().download();
-      for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-        ASSERT_NEAR(got[4 * i], expected.pixels[i].x, 3e-6) << "size " << size;
-        ASSERT_NEAR(got[4 * i + 2], expected.pixels[i].z, 3e-6) << "size " << size;
+  for (int size : {1, 3, 5, 9, 15}) {
+    const SmoothingOptions smoothing{GetParam().filter, size, 0.1};
+    Smoother smoother(smoothing, 64, GetParam().mode);
+    smoother.smooth(texture);
+    const auto expected = reference::smooth(picture, smoothing);
+    const std::vector<float> got = smoother.smoothed().download();
+    for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_NEAR(got[4 * i + c], expected.pixels[i][static_cast<int>(c)], 3e-6)
+            << "size " << size << ", pixel " << i;
       }
     }
   }
 }
+
+const SmoothingCase kSmoothingCases[] = {
+    {"plain_box", PipelineMode::plain, SmoothingFilter::box},
+    {"plain_bilateral", PipelineMode::plain, SmoothingFilter::bilateral},
+    {"plain_guided", PipelineMode::plain, SmoothingFilter::guided},
+    {"fast_box", PipelineMode::fast, SmoothingFilter::box},
+    {"fast_bilateral", PipelineMode::fast, SmoothingFilter::bilateral},
+    {"fast_guided", PipelineMode::fast, SmoothingFilter::guided},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each,
+                         PassFour,
+                         ::testing::ValuesIn(kSmoothingCases),
+                         [](const auto& param_info) { return param_info.param.name; });
 
 }  // namespace
 }  // namespace wobblebench::render

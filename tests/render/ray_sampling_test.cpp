@@ -27,6 +27,8 @@ TEST(GaussianWeights, AreNormalisedSymmetricAndGaussian) {
 
 TEST(BufferWeights, WithoutAWindowAreTheKernel) {
   RayCastingOptions options;
+  EXPECT_EQ(buffer_weights(options), std::vector<double>{1});  // the kernel lies in the slices
+  options.kernel_space = KernelSpace::ray;
   EXPECT_EQ(buffer_weights(options), gaussian_weights(3));
   EXPECT_EQ(blend_weights(options), gaussian_weights(3));
 }
@@ -41,6 +43,7 @@ TEST(BufferWeights, OfAWindowAloneAreItsMean) {
 
 TEST(BufferWeights, OfKernelAndWindowAreTheirConvolution) {
   RayCastingOptions options;
+  options.kernel_space = KernelSpace::ray;
   options.kernel_3d = 5;
   options.window_2d = 3;
   const auto weights = buffer_weights(options), gaussian = gaussian_weights(5);

@@ -112,7 +112,8 @@ TEST(ShadeDepth, FiltersKeepWhatIsConstant) {
   options.shading.depth_filter_size = 9;
   options.shading.light_up_rad = 0.3;
   const Picture plain = shade_depth(Image<float>(64, 64, 0.05f), bare_options());
-  for (SmoothingFilter filter : {SmoothingFilter::box, SmoothingFilter::bilateral}) {
+  for (SmoothingFilter filter :
+       {SmoothingFilter::box, SmoothingFilter::bilateral, SmoothingFilter::guided}) {
     options.smoothing.filter = filter;
     options.smoothing.filter_size = 9;
     const Picture picture = shade_depth(Image<float>(64, 64, 0.05f), options);

@@ -92,7 +92,8 @@ TEST(SliceGeometry, KnowsWhatIsOutsideTheCone) {
 
 TEST(PolarTable, FlagsTheAreaOfTheSector) {
   const SliceGeometry geometry(plan(77, 61, 27e-3), 512);
-  const std::vector<float> table = make_polar_table(geometry);
+  const std::vector<float> table =
+      make_polar_table(geometry, {0, 0, geometry.slice_size(), geometry.slice_size()});
   double flagged = 0;
   for (std::size_t i = 2; i < table.size(); i += 3) flagged += table[i];
   const double box_m2 = 2 * geometry.x_max_m() * (geometry.depth_max_m() - geometry.depth_min_m());

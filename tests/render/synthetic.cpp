@@ -24,12 +24,14 @@ double hash(const glm::dvec3& place, std::uint64_t seed) {
 
 }  // namespace
 
-hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan, const Field& field) {
-  hw::PolarVolume volume(plan);
+hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
+                             const Field& field,
+                             std::uint32_t volume_index) {
+  hw::PolarVolume volume(plan, volume_index);
   const hw::ProbeGeometry geometry = plan.geometry();
   for (int i = 0; i < plan.sticks_per_volume(); ++i) {
     hw::Stick stick;
-    stick.sequence = static_cast<std::uint64_t>(i);
+    stick.sequence = plan.first_sequence(volume_index) + static_cast<std::uint64_t>(i);
     stick.index = plan.index(stick.sequence);
     stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
     const double theta_rad = plan.theta_rad(static_cast<int>(stick.index.line));

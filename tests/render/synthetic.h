@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <string>
+#include <tuple>
 
 #include "hw/polar_volume.h"
 #include "render/image.h"
@@ -14,7 +16,10 @@ namespace wobblebench::render::testing {
 /// Brightness at a place of the probe frame.
 using Field = std::function<double(const glm::dvec3&)>;
 
-hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan, const Field& field);
+/// `volume`: its index in the stream.
+hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
+                             const Field& field,
+                             std::uint32_t volume = 0);
 
 /// Brightness of a body with a signed distance, negative inside: `inside` and `outside`, with a
 /// linear ramp of this width across the surface (0: a hard step).
@@ -32,6 +37,15 @@ RenderOptions small_options();
 
 /// A volume that has everything: a noisy soft sphere in front of a tilted plane.
 const hw::PolarVolume& noisy_scene();
+
+/// Names of tests over (case with a name, mode).
+struct NamedByCaseAndMode {
+  template <class Info>
+  std::string operator()(const Info& info) const {
+    const bool fast = std::get<1>(info.param) == PipelineMode::fast;
+    return std::string(std::get<0>(info.param).name) + (fast ? "_fast" : "_plain");
+  }
+};
 
 inline constexpr double kInside = 0.9, kOutside = 0.1;
 

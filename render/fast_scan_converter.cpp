@@ -1,0 +1,171 @@
+#include "render/fast_scan_converter.h"
+
+#include <algorithm>
+#include <string>
+
+#include "render/ray_sampling.h"
+#include "render/slice_kernel.h"
+
+namespace wobblebench::render {
+namespace {
+
+enum Bindings { kPolarTable, kFrames, kPixels, kNormaliser };
+
+/// Pairs of frames on their way at once: enough to hide what a draw costs besides its pixels.
+constexpr int kBatch = 16;
+
+Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
+  const int size = geometry.slice_size();
+  if (!options.ray_casting.stop_at_box) return {0, 0, size, size};
+  return pixels_within(geometry, options.volume_of_interest, kernel_reach_m(options));
+}
+
+Region with_border(const Region& region, int border) {
+  return {region.column - border,
+          region.row - border,
+          region.columns + 2 * border,
+          region.rows + 2 * border};
+}
+
+/// One axis of a filter over pixels, zeros beyond their border.
+std::vector<double> filter_axis(const std::vector<double>& pixels,
+                                const Region& region,
+                                const std::vector<double>& weights,
+                                bool along_rows) {
+  const int half = static_cast<int>(weights.size()) / 2;
+  const std::ptrdiff_t stride = along_rows ? 1 : region.columns;
+  std::vector<double> sums(pixels.size(), 0.0);
+  for (int row = 0; row < region.rows; ++row) {
+    for (int column = 0; column < region.columns; ++column) {
+      const int place = along_rows ? column : row;
+      const int count = along_rows ? region.columns : region.rows;
+      const std::ptrdiff_t at = std::ptrdiff_t{row} * region.columns + column;
+      for (int tap = -std::min(half, place); tap <= std::min(half, count - 1 - place); ++tap) {
+        sums[static_cast<std::size_t>(at)] += weights[static_cast<std::size_t>(tap + half)] *
+                                              pixels[static_cast<std::size_t>(at + tap * stride)];
+      }
+    }
+  }
+  return sums;
+}
+
+/// One over the weight of the pixels that hold data around each; 0 where there are none. With a
+/// lone tap those that hold data are left alone, and marked so.
+std::vector<float> normalisers(const std::vector<float>& polar_table,
+                               const Region& region,
+                               const std::vector<double>& weights,
+                               bool lone_tap) {
+  std::vector<double> flags;
+  for (std::size_t i = 2; i < polar_table.size(); i += 3) flags.push_back(polar_table[i]);
+  const auto total = filter_axis(filter_axis(flags, region, weights, true), region, weights, false);
+  std::vector<float> inverse;
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    const bool alone = lone_tap && flags[i] > 0;
+    inverse.push_back(alone ? -1.0f : total[i] > 0 ? static_cast<float>(1 / total[i]) : 0.0f);
+  }
+  return inverse;
+}
+
+}  // namespace
+
+SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& options)
+    : region_(pixels_that_rays_read(geometry, options)) {
+  const int pairs = std::max(geometry.frames() - 1, 1);
+  texture_ = Texture("scan_conversion.slice_size = " + std::to_string(geometry.slice_size()) +
+                         ", " + std::to_string(geometry.frames()) + " frames",
+                     slice_pair_format(options.scan_conversion.format),
+                     {region_.columns, region_.rows, pairs, true},
+                     TextureFilter::linear);
+  target_ = Framebuffer::of_all_layers({&texture_});
+}
+
+FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
+                                     const hw::AcquisitionPlan& plan,
+                                     const RenderOptions& options)
+    : frames_(geometry.frames()),
+      frame_texture_(plan, options.scan_conversion.format, std::min(geometry.frames(), kBatch)) {
+  std::vector<double> weights = slice_weights(options);
+  // Even where pixels are left alone, those next to the sector take their neighbours' mean.
+  const bool lone_tap = weights.size() == 1;
+  if (lone_tap) weights.assign(3, 1.0 / 3);
+  border_ = static_cast<int>(weights.size()) / 2;
+  const Region region = with_border(pixels_that_rays_read(geometry, options), border_);
+  const std::vector<float> table = make_polar_table(geometry, region);
+  const Extent pixels = {region.columns, region.rows};
+  polar_table_ =
+      Texture("scan-conversion LUT", TexelFormat::rgb32f, pixels, TextureFilter::nearest);
+  polar_table_.upload(table);
+  normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
+  normaliser_.upload(normalisers(table, region, weights, lone_tap));
+  const Extent batch = {region.columns, region.rows, std::min(frames_, kBatch), true};
+  unfiltered_ = Texture("unfiltered slices", TexelFormat::rg32f, batch, TextureFilter::nearest);
+  rows_ = Texture("slices filtered along rows",
+                  lone_tap ? TexelFormat::rgba32f : TexelFormat::rg32f,
+                  batch,
+                  TextureFilter::nearest);
+  unfiltered_target_ = Framebuffer::of_all_layers({&unfiltered_});
+  rows_target_ = Framebuffer::of_all_layers({&rows_});
+  make_programs(weights, lone_tap);
+  check_gl("scan conversion: setting up");
+}
+
+void FastScanConverter::make_programs(const std::vector<double>& weights, bool lone_tap) {
+  scan_convert_ =
+      FragmentProgram({"scan_convert_layers.frag.glsl"},
+                      Defines().add("BIND_POLAR_TABLE", kPolarTable).add("BIND_FRAMES", kFrames),
+                      FragmentProgram::Layers::several);
+  const auto filter = [&](bool last_axis, int border) {
+    FragmentProgram program({"slice_filter_axis.frag.glsl"},
+                            Defines()
+                                .add("BIND_PIXELS", kPixels)
+                                .add("BIND_NORMALISER", kNormaliser)
+                                .add("TAPS", static_cast<int>(weights.size()))
+                                .add("LONE_TAP", lone_tap)
+                                .add("LAST_AXIS", last_axis),
+                            FragmentProgram::Layers::several);
+    program.set("weights", weights).set("border", glm::dvec2(border));
+    return program;
+  };
+  along_rows_ = filter(false, 0);
+  along_columns_ = filter(true, border_);
+}
+
+void FastScanConverter::convert(const std::vector<int>& layers,
+                                FrameStore& store,
+                                const SlicePairs& slices) {
+  const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
+  const Region region = {0, 0, slices.region().columns, slices.region().rows};
+  for (std::size_t first = 0; first < layers.size(); first += kBatch) {
+    const auto begin = layers.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::vector<int> batch(begin, std::min(begin + kBatch, layers.end()));
+    upload(batch, store);
+    std::vector<LayerPair> same, to_slices;
+    for (int item = 0; item < static_cast<int>(batch.size()); ++item) {
+      same.push_back({item, item});
+      to_slices.push_back({item, batch[static_cast<std::size_t>(item)]});
+    }
+    scan_convert_.draw_layers(unfiltered_target_,
+                              {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
+                              bordered,
+                              same);
+    along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
+    along_columns_.draw_layers(
+        slices.target(), {{kPixels, &rows_}, {kNormaliser, &normaliser_}}, region, to_slices);
+  }
+  check_gl("scan conversion");
+}
+
+void FastScanConverter::upload(const std::vector<int>& layers, FrameStore& store) {
+  for (std::size_t item = 0; item < layers.size(); ++item) {
+    for (int side : {0, 1}) {
+      const std::vector<float>& samples = store.mixed(std::min(layers[item] + side, frames_ - 1));
+      pair_.resize(2 * samples.size());
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        pair_[2 * i + static_cast<std::size_t>(side)] = samples[i];
+      }
+    }
+    frame_texture_.upload_pair(static_cast<int>(item), pair_);
+  }
+}
+
+}  // namespace wobblebench::render

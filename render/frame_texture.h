@@ -1,0 +1,41 @@
+// Polar frames on the GPU.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hw/acquisition_plan.h"
+#include "render/gl_objects.h"
+#include "render/options.h"
+
+namespace wobblebench::render {
+
+/// Formats of slices: one a texel, or two, a slice's and the next one's.
+TexelFormat slice_format(TextureFormat format);
+TexelFormat slice_pair_format(TextureFormat format);
+
+/// A frame (samples x lines) or a batch of pairs of frames, in 16 bits, or as floats where slices
+/// are: sticks lose nothing on their way up that slices would keep.
+class FrameTexture {
+ public:
+  /// One frame.
+  FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format);
+  /// An array of pairs, for linear fetches.
+  FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int pairs);
+
+  /// Samples in [0, 1], stick after stick.
+  void upload(const std::vector<float>& samples);
+  /// Those of two frames in turn.
+  void upload_pair(int pair, const std::vector<float>& samples);
+
+  const Texture& texture() const { return texture_; }
+
+ private:
+  const std::vector<std::uint16_t>& fixed_point(const std::vector<float>& samples);
+
+  Texture texture_;
+  bool in_floats_;
+  std::vector<std::uint16_t> fixed_point_;
+};
+
+}  // namespace wobblebench::render

@@ -1,0 +1,75 @@
+// Pass 2, shared: from sample to sample along a ray; alpha blending and edge detection.
+layout(binding = BIND_TRANSFER) uniform sampler2D transfer;
+
+uniform float opacity_limit;
+
+layout(location = 0) out float z;     // ray length at the surface; negative: none
+#if BLEND
+layout(location = 1) out vec4 color;  // volume picture: RGB and opacity
+#else
+vec4 color;
+#endif
+
+struct March {
+  Ray ray;
+  float start_m;               // ray length where steps begin; samples lie in their middles
+  vec3 across_1, across_2;     // a step across the ray
+  bool was_inside;             // the cone
+  bool detecting, blending;    // what is still looked for
+};
+
+March begin_march(Ray ray, float start_m) {
+  vec3 across_1 = step_m * normalize(cross(down, ray.direction));
+  vec3 across_2 = step_m * normalize(cross(ray.direction, across_1));
+  return March(ray, start_m, across_1, across_2, false, DETECT != 0, BLEND != 0);
+}
+
+// The march of a pixel's ray, and its number of steps; 0 where the ray misses the box.
+int begin_pixel(out March march) {
+  color = vec4(0.0);
+  z = NO_SURFACE;
+  Ray ray = pixel_ray();
+  vec2 start = clip_to_box(ray.origin, ray.direction, start_center_m, start_half_m);
+  march = begin_march(ray, start.x);
+  if (start.y < start.x) return 0;
+  vec2 end = clip_to_box(ray.origin, ray.direction, end_center_m, end_half_m);
+  return int(floor((end.y - start.x) / step_m + 0.5));
+}
+
+vec3 place_of(March march, int current) {
+  return march.ray.origin + (march.start_m + (float(current) + 0.5) * step_m) * march.ray.direction;
+}
+
+// Front to back, through the transfer function.
+void blend(float value) {
+  // First and last entries of the table hold the values 0 and 1.
+  float at = (value * float(TRANSFER_SIZE - 1) + 0.5) / float(TRANSFER_SIZE);
+  vec2 grey_and_opacity = textureLod(transfer, vec2(at, 0.5), 0.0).rg;
+  float weight = (1.0 - color.a) * grey_and_opacity.g;
+  color += vec4(vec3(weight * grey_and_opacity.r), weight);
+}
+
+// Looks at the sample in the kernel's middle, of this step; true when the ray ends there.
+bool look(inout March march, int current) {
+  Smoothed newest = smoothed();
+  if (!newest.inside) {
+    empty_buffer();
+    return STOP_ON_LEAVING_CONE != 0 && march.was_inside;
+  }
+  march.was_inside = true;
+#if DETECT
+  if (march.detecting && reaches_surface(newest.buffered)) {
+    z = march.start_m + (float(current) + 0.5 - steps_past_crossing()) * step_m;
+    march.detecting = false;
+  }
+#endif
+#if BLEND
+  if (march.blending) {
+    blend(newest.blended);
+    march.blending = color.a < opacity_limit;
+  }
+#endif
+  // When both pictures are made, an opaque ray goes on until the surface is found, so that z does
+  // not depend on the transfer function.
+  return !march.detecting && !march.blending;
+}
