@@ -1,12 +1,11 @@
 #include "bench/acquire.h"
 
-#include <atomic>
-#include <memory>
 #include <stdexcept>
+#include <utility>
 
+#include "bench/adopt_plan.h"
 #include "bench/user_error.h"
-#include "hw/volume_assembly.h"
-#include "sim/sim_link.h"
+#include "bench/whole_volume.h"
 
 namespace wobblebench::bench {
 
@@ -16,17 +15,36 @@ double milliseconds(hw::HostClock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-/// Longer than any volume takes to arrive; a link that sends nothing for so long has failed.
-constexpr std::chrono::minutes kPatience{10};
+void check_balance(const hw::BoardAccount& account) {
+  if (account.balanced()) return;
+  throw std::logic_error("board account: emitted " + std::to_string(account.emitted) +
+                         ", delivered " + std::to_string(account.delivered) + " + lost " +
+                         std::to_string(account.lost.total()));
+}
 
 }  // namespace
 
-BoardArguments parse_board(const std::string& text) {
-  if (text != "sim") throw UserError("--board = " + text + ": must be sim");
-  return {text};
+BoardConnection::BoardConnection(const BoardArguments& arguments) : arguments_(arguments) {
+  if (!is_simulated(arguments)) open();
 }
 
-Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::Phantom& phantom) {
+void BoardConnection::open() {
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}));
+  assembly_.emplace(*board_);
+}
+
+void BoardConnection::adopt_plan(Scene& scene) {
+  if (is_simulated(arguments_)) return;
+  board_->start();
+  if (!assembly_->wait_for_configuration(hw::HostClock::now() + kPatience)) {
+    throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
+  }
+  // What a source that keeps its own pace sends meanwhile is missed, and counted.
+  board_->stop();
+  bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
+}
+
+void BoardConnection::simulate(const Scene& scene, const phantoms::Phantom& phantom) {
   if (scene.acquisition.volumes != 1) {
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
@@ -36,34 +54,49 @@ Acquisition acquire(const BoardArguments&, const Scene& scene, const phantoms::P
                                 scene.plan(),
                                 scene.simulation,
                                 scene.phantom_motion(phantom));
-  const sim::Fidelity fidelity = simulator.fidelity();
-  const auto effects = simulator.effects();
-  const double map_ms = simulator.map_ms(), once_ms = simulator.once_ms();
+  simulated_ = SimulatedVolume{.effects = simulator.effects(),
+                               .fidelity = simulator.fidelity(),
+                               .map_ms = simulator.map_ms(),
+                               .once_ms = simulator.once_ms()};
+  const auto sticks = [&] { return sim::stick_source(std::move(simulator)); };
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
+  assembly_.emplace(*board_);
+}
 
-  const auto start = hw::HostClock::now();
-  const auto volume_ms = std::make_shared<std::atomic<double>>(0.0);
-  hw::Board board(std::make_unique<sim::SimLink>(std::move(simulator), volume_ms));
-  board.start();
-  hw::VolumeAssembly assembly(board);
-  auto volume = assembly.next(hw::HostClock::now() + kPatience);
+Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::Phantom& phantom) {
+  const auto before = hw::HostClock::now();
+  if (is_simulated(arguments_)) simulate(scene, phantom);
+  const auto start = simulated_ ? hw::HostClock::now() : before;
+  // A device that went while its plan was read is asked once more: it may be back, and a recording
+  // always is.
+  if (board_->state() == hw::BoardState::lost) open();
+  board_->start();
+  hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
   const auto delivered = hw::HostClock::now();
-  board.stop();
-  if (!volume) throw std::runtime_error("--board sim: the board delivered no volume");
-  const hw::BoardAccount account = board.account();
-  if (!account.balanced()) {
-    throw std::logic_error("board account: emitted " + std::to_string(account.emitted) +
-                           ", delivered " + std::to_string(account.delivered) + " + lost " +
-                           std::to_string(account.lost.total()));
+  Acquisition acquisition{.volume = std::move(volume),
+                          .account = {},
+                          .damage = {},
+                          .link = board_->capabilities(),
+                          .source = assembly_->configuration()->source,
+                          .simulated = {},
+                          .ending = assembly_->ended() ? ending() : ""};
+  board_->stop();
+  acquisition.account = board_->account();
+  acquisition.damage = board_->damage();
+  check_balance(acquisition.account);
+  if (simulated_) {
+    simulated_->volume_ms = figures_->volume_ms;
+    simulated_->late_ms = figures_->late_ms;
+    simulated_->packets_dropped = figures_->packets_dropped;
+    acquisition.simulated = simulated_;
   }
-  return {std::move(*volume),
-          account,
-          std::string(hw::to_string(assembly.configuration()->source)),
-          effects,
-          fidelity,
-          map_ms,
-          once_ms,
-          *volume_ms,
-          milliseconds(delivered - start) - *volume_ms};
+  acquisition.transport_ms = milliseconds(delivered - start) - figures_->volume_ms;
+  return acquisition;
+}
+
+/// What the board says at the end of its stream.
+std::string BoardConnection::ending() {
+  return ending_of(*board_, *assembly_);
 }
 
 }  // namespace wobblebench::bench

@@ -34,7 +34,8 @@ double nice_step(double least) {
 
 }  // namespace
 
-Ruler::Ruler(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale) {
+Ruler::Ruler(const Axis& axis, const std::vector<double>& values)
+    : scale_(axis.scale), ticks_(axis.ticks) {
   const bool log = scale_ == Scale::logarithmic;
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const double value : values) {
@@ -65,6 +66,7 @@ double Ruler::share(double value) const {
 }
 
 std::vector<Tick> Ruler::ticks(int most) const {
+  if (!ticks_.empty()) return ticks_;
   return scale_ == Scale::linear ? linear_ticks(most) : logarithmic_ticks(most);
 }
 

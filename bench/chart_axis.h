@@ -9,17 +9,18 @@ namespace wobblebench::bench {
 
 enum class Scale { linear, logarithmic };
 
+struct Tick {
+  double value = 0;
+  std::string text;
+};
+
 struct Axis {
   std::string label;  ///< with its unit: "range (mm)"
   Scale scale = Scale::linear;
   /// Ends; found from the data unless given.
   std::optional<double> low;
   std::optional<double> high;
-};
-
-struct Tick {
-  double value = 0;
-  std::string text;
+  std::vector<Tick> ticks;  ///< where they are not round numbers; found unless given
 };
 
 /// An axis whose ends are known.
@@ -35,7 +36,7 @@ class Ruler {
   bool shows(double value) const { return value >= low_ && value <= high_; }
   /// 0 at the low end, 1 at the high one.
   double share(double value) const;
-  /// At 1, 2 or 5 times a power of ten, at most about `most` of them.
+  /// The axis's own, or else at 1, 2 or 5 times a power of ten, at most about `most` of them.
   std::vector<Tick> ticks(int most) const;
 
  private:
@@ -43,6 +44,7 @@ class Ruler {
   std::vector<Tick> logarithmic_ticks(int most) const;
 
   Scale scale_;
+  std::vector<Tick> ticks_;  ///< given
   double low_;
   double high_;
 };

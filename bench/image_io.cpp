@@ -43,6 +43,8 @@ void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>
   spec.channelnames.clear();
   for (const auto& [name, map] : maps_m) spec.channelnames.push_back(name);
   spec.attribute("ImageDescription", "lengths in millimetres; NaN: no value");
+  // The library writes the hour otherwise, and equal results would differ.
+  spec.attribute("DateTime", "0000:00:00 00:00:00");
   std::vector<float> values;
   values.reserve(first.pixels.size() * maps_m.size());
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {

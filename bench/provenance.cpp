@@ -42,6 +42,7 @@ nlohmann::ordered_json to_json(const Provenance& p) {
           {"host", p.host},
           {"cpu", p.cpu},
           {"threads", p.threads},
+          {"gl_backend", p.gl_backend},
           {"gl_renderer", p.gl_renderer},
           {"board", p.board},
           {"seed", p.seed}};

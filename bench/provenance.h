@@ -11,7 +11,8 @@ struct Provenance {
   std::string host;
   std::string cpu;
   int threads = 0;
-  std::string gl_renderer;  ///< empty where nothing was rendered
+  std::string gl_backend;   ///< as --gl takes it; empty where nothing was rendered
+  std::string gl_renderer;  ///< likewise
   std::string board;        ///< "simulated", "recording", "stand-in", "hardware"; empty: none used
   std::uint64_t seed = 0;
 };

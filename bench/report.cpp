@@ -6,8 +6,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kSchema = 1;
-
 /// JSON has no NaN: a figure that could not be formed is null.
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -33,19 +31,11 @@ Json normal_json(const NormalStatistics& normal) {
 
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
   provenance.seed = scene.simulation.seed;
-  return {{"schema", kSchema},
+  return {{"schema", kReportSchema},
           {"command", command},
           {"provenance", to_json(provenance)},
           {"scene", resolved(scene)},
           {"effects", Json::array()}};
-}
-
-Json acquisition_json(const hw::AcquisitionPlan& plan) {
-  const auto& acquisition = plan.acquisition();
-  return {{"volume_time_ms", hw::to_milliseconds(plan.volume_duration())},
-          {"sticks", plan.sticks_per_volume()},
-          {"frames", acquisition.frames_per_volume},
-          {"samples", acquisition.samples_per_stick}};
 }
 
 Json render_json(const std::vector<render::PassTime>& passes) {

@@ -10,6 +10,7 @@
 #include "bench/image_similarity.h"
 #include "bench/provenance.h"
 #include "bench/registration.h"
+#include "bench/report_parts.h"
 #include "bench/scene.h"
 #include "render/image.h"
 
@@ -20,7 +21,6 @@ using Json = nlohmann::ordered_json;
 /// The head: schema, command, provenance with the scene's seed, scene as resolved, no effects yet.
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene);
 
-Json acquisition_json(const hw::AcquisitionPlan& plan);
 Json render_json(const std::vector<render::PassTime>& passes);
 /// Where no surface was sought (mode "volume") none is missed: those figures are null.
 Json error_json(const DepthError& raw,

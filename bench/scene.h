@@ -57,6 +57,7 @@ void for_each_section(Scene& scene, const Body& body) {
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
+  body("render.pipeline", scene.render.pipeline);
   body("render.scan_conversion", scene.render.scan_conversion);
   body("render.volume_of_interest", scene.render.volume_of_interest);
   body("render.view", scene.render.view);

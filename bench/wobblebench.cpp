@@ -43,6 +43,14 @@ void add_common(CLI::App& command, CommandArguments& arguments) {
   add_output(command, arguments);
 }
 
+void add_board(CLI::App& command, CommandArguments& arguments) {
+  command
+      .add_option("--board",
+                  arguments.board,
+                  "Where sticks come from: sim, file=RECORDING or xdma=DEVICE, then ,key=value …")
+      ->capture_default_str();
+}
+
 int dispatch(int argc, char** argv) {
   CLI::App app{"wobblebench: a test bench for 4D ultrasound surface rendering"};
   app.require_subcommand(1);
@@ -51,15 +59,68 @@ int dispatch(int argc, char** argv) {
   auto* run =
       app.add_subcommand("run", "Acquire, render, compare with the truth: images, depth, report");
   add_common(*run, arguments);
-  run->add_option("--board", arguments.board, "Where sticks come from: sim")->capture_default_str();
+  add_board(*run, arguments);
+  add_gl_option(*run, arguments.gl);
+
+  auto* record = app.add_subcommand("record", "Write what a board sends to recording.wbst");
+  add_common(*record, arguments);
+  add_board(*record, arguments);
+  record
+      ->add_option("--volumes",
+                   arguments.volumes,
+                   "Stop after so many; 0: at the end of the stream, or at Ctrl-C")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+
+  auto* inspect =
+      app.add_subcommand("inspect", "What a recording holds, and what is wrong with it");
+  inspect->add_option("RECORDING", arguments.recording, "File that `record` wrote")->required();
+  inspect->add_option("--salvage", arguments.salvage, "Copy what is undamaged to this new file");
+  inspect->add_flag("--json", arguments.json, "Print the report on stdout");
+
+  auto* conformance = app.add_subcommand("conformance", "Check the board's contract on any board");
+  add_common(*conformance, arguments);
+  conformance
+      ->add_option("--board",
+                   arguments.boards,
+                   "As for run, or xdma=stand-in, xdma=fifo-stand-in (repeatable)")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  conformance->add_flag(
+      "--each-fault", arguments.each_fault, "On the board with each kind of fault, too");
+  conformance->add_flag(
+      "--broken", arguments.broken, "Show with broken boards that each check can fail");
+
+  auto* rehearse = app.add_subcommand(
+      "rehearse", "Play probe, link, board and volumes under seeded faults on virtual time");
+  add_output(*rehearse, arguments);
+  rehearse->add_option("--seeds", arguments.seeds, "How many")
+      ->check(CLI::Range(1, 100000000))
+      ->capture_default_str();
+  rehearse->add_option("--first-seed", arguments.first_seed, "The first; the others follow")
+      ->capture_default_str();
+  rehearse->add_flag("--trace", arguments.trace, "Every event on stderr");
+
+  auto* board = app.add_subcommand("board", "What the board costs: throughput, and cancelling");
+  add_output(*board, arguments);
+  add_repeats(*board, arguments);
+
+  auto* stand_in = app.add_subcommand(
+      "stand-in", "A node that behaves like the card's driver, until Ctrl-C (needs FUSE)");
+  stand_in->add_option("FOLDER", arguments.folder, "Where xdma0_c2h_0 appears")->required();
+  stand_in->add_option("SCENE", arguments.scene, "TOML file, for --board sim");
+  stand_in->add_option("--set", arguments.settings, "Override one option: section.key=value")
+      ->allow_extra_args(false);
+  add_board(*stand_in, arguments);
 
   auto* phantom = app.add_subcommand("phantom", "Build a phantom and write it as phantom.vdb");
   add_common(*phantom, arguments);
 
   auto* tables = app.add_subcommand("tables", "Tables I to IV beside the paper's");
   add_common(*tables, arguments);
-  tables->add_flag("--full", arguments.full, "The paper's sizes; otherwise half of them a side");
-  add_repeats(*tables, arguments);
+  add_board(*tables, arguments);
+  add_gl_option(*tables, arguments.gl);
+  add_table_options(*tables, arguments.tables);
 
   auto* validate = app.add_subcommand(
       "validate", "The simulated probe's physics against closed forms and publications");
@@ -84,6 +145,12 @@ int dispatch(int argc, char** argv) {
     throw UserError(std::string(error.what()) + " (wobblebench --help lists commands and options)");
   }
   if (*run) return run_command(arguments);
+  if (*record) return record_command(arguments);
+  if (*inspect) return inspect_command(arguments);
+  if (*conformance) return conformance_command(arguments);
+  if (*rehearse) return rehearse_command(arguments);
+  if (*board) return board_command(arguments);
+  if (*stand_in) return stand_in_command(arguments);
   if (*phantom) return phantom_command(arguments);
   if (*validate) return validate_command(arguments);
   if (*trade) return trade_command(arguments);

@@ -12,13 +12,15 @@ function(wobblebench_flags target)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
   if(WOBBLEBENCH_SANITIZE)
-    target_compile_options(${target} PUBLIC -fsanitize=${WOBBLEBENCH_SANITIZE} -fno-omit-frame-pointer)
+    target_compile_options(${target} PUBLIC -fsanitize=${WOBBLEBENCH_SANITIZE}
+      -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${WOBBLEBENCH_SANITIZE})
   endif()
 endfunction()
 
 # wobblebench_module(NAME SOURCES a.cpp … PUBLIC lib … PRIVATE lib …)
-# A static library `wobblebench_NAME`, alias `wobblebench::NAME`, whose headers are included as "NAME/header.h".
+# A static library `wobblebench_NAME`, alias `wobblebench::NAME`, whose headers are included as
+# "FOLDER/header.h", FOLDER being where it is called.
 function(wobblebench_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
   set(target wobblebench_${name})
@@ -31,8 +33,9 @@ function(wobblebench_module name)
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   wobblebench_flags(${target})
   install(TARGETS ${target} EXPORT wobblebench-targets)
+  file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/wobblebench/${name}" FILES_MATCHING PATTERN "*.h")
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/wobblebench/${folder}" FILES_MATCHING PATTERN "*.h")
 endfunction()
 
 # wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib …): one GoogleTest program; each case is a CTest test.

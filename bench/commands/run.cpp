@@ -2,9 +2,11 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 #include "bench/acquire.h"
+#include "bench/board_report.h"
 #include "bench/commands/commands.h"
 #include "bench/depth_error.h"
 #include "bench/image_io.h"
@@ -22,16 +24,22 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// All that one run finds out.
-struct RunResult {
-  Acquisition acquisition;
-  std::string gl_renderer;
-  render::Picture picture;
+/// The picture against the scene's phantom.
+struct Comparison {
   Truth truth;
   DepthError raw;
   DepthError filtered;
   ImageSimilarity shaded;
   Registration registration;
+};
+
+/// All that one run finds out.
+struct RunResult {
+  Acquisition acquisition;
+  std::string gl_backend;
+  std::string gl_renderer;
+  render::Picture picture;
+  std::optional<Comparison> comparison;  ///< none: nobody knows what the board looked at
 };
 
 ImageSimilarity against_shaded_truth(const render::Picture& picture,
@@ -47,48 +55,46 @@ render::Picture render_frames(render::Renderer& renderer, const hw::PolarVolume&
   return renderer.render();
 }
 
-Json board_json(const hw::BoardAccount& account) {
-  return {{"emitted", account.emitted},
-          {"delivered", account.delivered},
-          {"lost",
-           {{"ring_full", account.lost.ring_full},
-            {"link", account.lost.link},
-            {"corrupt", account.lost.corrupt},
-            {"out_of_order", account.lost.out_of_order}}}};
-}
-
-Json simulation_json(const Acquisition& acquisition, const Scene& scene) {
+Json simulation_json(const SimulatedVolume& simulated, const Scene& scene) {
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
   Json left_out = Json::array();
-  for (const auto& effect : acquisition.fidelity.effects) {
+  for (const auto& effect : simulated.fidelity.effects) {
     if (effect.left_out.empty()) continue;
     left_out.push_back({{"effect", effect.name}, {"why", effect.left_out}});
   }
-  return {{"rung", sim::to_string(acquisition.fidelity.rung)},
-          {"reason", acquisition.fidelity.reason},
+  return {{"rung", sim::to_string(simulated.fidelity.rung)},
+          {"reason", simulated.fidelity.reason},
           {"left_out", left_out},
-          {"map_ms", acquisition.map_ms},
-          {"once_ms", acquisition.once_ms},
-          {"ms_per_volume", acquisition.volume_ms},
-          {"times_real_time", sound_ms / acquisition.volume_ms},
-          {"transport_ms", acquisition.transport_ms}};
+          {"map_ms", simulated.map_ms},
+          {"once_ms", simulated.once_ms},
+          {"ms_per_volume", simulated.volume_ms},
+          {"times_real_time", sound_ms / simulated.volume_ms},
+          {"late_ms", simulated.late_ms},
+          {"packets_dropped", simulated.packets_dropped}};
 }
 
 Json to_report(const RunResult& result, const Scene& scene, const Progress& progress) {
   Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = result.gl_backend;
   provenance.gl_renderer = result.gl_renderer;
-  provenance.board = result.acquisition.provenance;
+  provenance.board = hw::to_string(result.acquisition.link.provenance);
   Json report = report_head("run", provenance, scene);
-  report["effects"] = result.acquisition.effects;
+  const auto& simulated = result.acquisition.simulated;
+  if (simulated) report["effects"] = simulated->effects;
   report["acquisition"] = acquisition_json(scene.plan());
-  report["simulation"] = simulation_json(result.acquisition, scene);
-  report["board"] = board_json(result.acquisition.account);
+  report["simulation"] = simulated ? simulation_json(*simulated, scene) : Json(nullptr);
+  report["board"] = board_json(result.acquisition);
   report["render"] = render_json(result.picture.passes);
-  report["error"] = error_json(result.raw,
-                               result.filtered,
-                               result.shaded,
-                               scene.render.ray_casting.mode != render::RenderMode::volume);
-  report["fit"]["registration"] = registration_json(result.registration);
+  const auto& comparison = result.comparison;
+  report["error"] = nullptr;
+  report["fit"]["registration"] = nullptr;
+  if (comparison) {
+    report["error"] = error_json(comparison->raw,
+                                 comparison->filtered,
+                                 comparison->shaded,
+                                 scene.render.ray_casting.mode != render::RenderMode::volume);
+    report["fit"]["registration"] = registration_json(comparison->registration);
+  }
   for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
   report["wall_ms"]["total"] = progress.total_ms();
   return report;
@@ -99,77 +105,116 @@ void write_results(OutputFolder& out, const RunResult& result) {
   write_png(out.stage("volume.png"), result.picture.volume);
   write_exr_mm(out.stage("depth.exr"),
                {{"Z", &result.picture.depth_m}, {"Z_filtered", &result.picture.filtered_depth_m}});
-  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.truth.depth_m}});
-  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.raw.map_m}});
+  if (!result.comparison) return;
+  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->raw.map_m}});
 }
 
-void print_summary(const Json& report, const std::filesystem::path& directory) {
-  const Json& error = report["error"];
-  const auto figure = [](const Json& value) {
-    if (value.is_null()) return std::string("none");
-    std::ostringstream text;
-    const double number = value.get<double>();
-    text << std::setprecision(3);
-    if (std::abs(number) >= 100) text << std::fixed << std::setprecision(0);
-    text << number;
-    return text.str();
-  };
+std::string figure(const Json& value) {
+  if (value.is_null()) return "none";
+  std::ostringstream text;
+  const double number = value.get<double>();
+  text << std::setprecision(3);
+  if (std::abs(number) >= 100) text << std::fixed << std::setprecision(0);
+  text << number;
+  return text.str();
+}
+
+void print_volume(const Json& report) {
+  const Json& simulation = report["simulation"];
   std::cout << "volume      " << figure(report["acquisition"]["volume_time_ms"])
-            << " ms of sound, simulated in " << figure(report["simulation"]["ms_per_volume"])
-            << " ms (before the first: " << figure(report["simulation"]["map_ms"])
-            << " ms for the phantom, " << figure(report["simulation"]["once_ms"])
-            << " ms for the scene)\n"
-            << "simulator   " << report["simulation"]["rung"].get<std::string>() << ": "
-            << report["simulation"]["reason"].get<std::string>() << "\n"
-            << "board       " << report["board"].dump() << "\n"
-            << "render      " << figure(report["render"]["frame_ms"]) << " ms on "
-            << report["provenance"]["gl_renderer"].get<std::string>() << "\n"
-            << "depth error bias " << figure(error["depth_mm"]["bias"]) << " mm, RMS "
+            << " ms of sound, ";
+  if (simulation.is_null()) {
+    std::cout << report["provenance"]["board"].get<std::string>() << ", samples "
+              << report["board"]["samples_from"].get<std::string>() << "\n";
+    return;
+  }
+  std::cout << "simulated in " << figure(simulation["ms_per_volume"])
+            << " ms (before the first: " << figure(simulation["map_ms"]) << " ms for the phantom, "
+            << figure(simulation["once_ms"]) << " ms for the scene)\n"
+            << "simulator   " << simulation["rung"].get<std::string>() << ": "
+            << simulation["reason"].get<std::string>() << "\n";
+}
+
+void print_board(const Json& board) {
+  std::cout << "board       " << board["emitted"] << " sticks emitted, " << board["delivered"]
+            << " delivered";
+  for (const auto& [cause, count] : board["lost"].items()) {
+    if (count != 0) std::cout << ", " << count << " lost: " << cause;
+  }
+  std::cout << "\n";
+}
+
+void print_error(const Json& error) {
+  if (error.is_null()) {
+    std::cout << "depth error unknown: nobody knows what the board looked at\n";
+    return;
+  }
+  std::cout << "depth error bias " << figure(error["depth_mm"]["bias"]) << " mm, RMS "
             << figure(error["depth_mm"]["rms"]) << " mm, P95 " << figure(error["depth_mm"]["p95"])
             << " mm over " << error["depth_mm"]["n"] << " pixels; missed "
             << figure(error["missed_percent"]) << " %, false " << figure(error["false_percent"])
-            << " %\n"
-            << "results     " << directory.string() << "\n";
+            << " %\n";
+}
+
+void print_summary(const Json& report, const std::filesystem::path& directory) {
+  print_volume(report);
+  print_board(report["board"]);
+  std::cout << "render      " << figure(report["render"]["frame_ms"]) << " ms on "
+            << report["provenance"]["gl_renderer"].get<std::string>() << "\n";
+  print_error(report["error"]);
+  std::cout << "results     " << directory.string() << "\n";
+}
+
+Comparison compare(const render::Picture& picture,
+                   const phantoms::Phantom& phantom,
+                   const Scene& scene,
+                   Progress& progress) {
+  const auto placement = scene.phantom_placement();
+  const auto motion = scene.phantom_motion(phantom);
+  auto truth = progress.step(
+      "truth", [&] { return trace_truth(phantom, placement, motion, scene.plan(), scene.render); });
+  auto [raw, filtered, shaded] = progress.step("compare", [&] {
+    return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
+                      measure_depth_error(picture.filtered_depth_m, truth, scene.render),
+                      against_shaded_truth(picture, truth, scene.render));
+  });
+  auto registration = progress.step("register", [&] {
+    return register_surface(
+        picture.depth_m, phantom, placement, motion, scene.plan(), scene.render);
+  });
+  return {std::move(truth), std::move(raw), std::move(filtered), shaded, registration};
 }
 
 }  // namespace
 
 int run_command(const CommandArguments& arguments) {
   Scene scene = load_scene(arguments.scene, arguments.settings);
-  const BoardArguments board = parse_board(arguments.board);
+  BoardConnection board(parse_board(arguments.board));
+  // Before any echo is made: a machine without this GL says so now.
+  const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.out);
   Progress progress;
+  board.adopt_plan(scene);
   RunResult result = [&] {
     const auto phantom =
         progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
     complete_from_phantom(scene, phantom);
-    const auto placement = scene.phantom_placement();
-    const auto motion = scene.phantom_motion(phantom);
-    const auto plan = scene.plan();
-    // Before any echo is made: what the driver refuses is refused now.
-    const auto context = render::make_context();
-    render::Renderer renderer(*context, plan, scene.render);
-    auto acquisition = progress.step("acquire", [&] { return acquire(board, scene, phantom); });
+    scene.phantom_motion(phantom);
+    // Likewise what the driver refuses.
+    render::Renderer renderer(*context, scene.plan(), scene.render);
+    auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, phantom); });
     auto picture =
         progress.step("render", [&] { return render_frames(renderer, acquisition.volume); });
-    auto truth = progress.step(
-        "truth", [&] { return trace_truth(phantom, placement, motion, plan, scene.render); });
-    auto [raw, filtered, shaded] = progress.step("compare", [&] {
-      return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
-                        measure_depth_error(picture.filtered_depth_m, truth, scene.render),
-                        against_shaded_truth(picture, truth, scene.render));
-    });
-    auto registration = progress.step("register", [&] {
-      return register_surface(picture.depth_m, phantom, placement, motion, plan, scene.render);
-    });
+    std::optional<Comparison> comparison;
+    if (acquisition.source == hw::Provenance::simulated) {
+      comparison = compare(picture, phantom, scene, progress);
+    }
     return RunResult{std::move(acquisition),
+                     context->backend(),
                      context->renderer_string(),
                      std::move(picture),
-                     std::move(truth),
-                     std::move(raw),
-                     std::move(filtered),
-                     shaded,
-                     registration};
+                     std::move(comparison)};
   }();
   progress.step("write", [&] { write_results(out, result); });
   const Json report = to_report(result, scene, progress);
@@ -180,7 +225,11 @@ int run_command(const CommandArguments& arguments) {
   } else {
     print_summary(report, out.directory());
   }
-  return 0;
+  if (result.acquisition.ending.empty()) return 0;
+  std::cerr << "wobblebench: --board = " << arguments.board << ": " << result.acquisition.ending
+            << ": " << result.acquisition.volume.missing_sticks()
+            << " sticks of the volume are missing\n";
+  return 1;
 }
 
 }  // namespace wobblebench::bench

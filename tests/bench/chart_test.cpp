@@ -36,6 +36,11 @@ TEST(Ruler, LogarithmicTicksStandAtOneTwoFive) {
   EXPECT_NEAR(few.share(std::sqrt(30.0)), 0.5, 1e-12);
 }
 
+TEST(Ruler, TicksThatAreGivenStand) {
+  const Ruler given({.label = "", .ticks = {{1, "none"}, {5, "5x5"}}}, {1, 5});
+  EXPECT_EQ(texts(given.ticks(7)), (Words{"none", "5x5"}));
+}
+
 TEST(Ruler, HoldsItsDataWithRoomBeyond) {
   const Ruler ruler({}, {3, kGap, 5, 4});
   EXPECT_LT(ruler.low(), 3);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -110,11 +111,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"out_is_a_file", {"run", "--out", "typo.toml"}, "--out = typo.toml: "},
         BadInput{"out_under_a_file", {"run", "--out", "typo.toml/out"}, "--out = typo.toml/out: "},
         BadInput{"out_cannot_be_written", {"run", "--out", "/proc/out"}, "--out = /proc/out: "},
-        BadInput{
-            "board_nonsense", {"run", "--board", "nonsense"}, "--board = nonsense: must be sim"},
-        BadInput{"board_of_later",
-                 {"run", "--board", "sim,pace=realtime"},
-                 "--board = sim,pace=realtime: must be sim"},
+        BadInput{"board_nonsense",
+                 {"run", "--board", "nonsense"},
+                 "--board = nonsense: must be sim, file="},
         BadInput{"unknown_phantom",
                  {"phantom", "--set", "phantom.name=cat"},
                  "--set: phantom.name = \"cat\": must be one of"},
@@ -170,7 +169,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"unknown_option", {"run", "--colour"}, ""},
         BadInput{"unknown_command", {"paint"}, ""},
         BadInput{"no_command", {}, ""},
-        BadInput{"repeats_of_none", {"tables", "--repeats", "0"}, "--repeats: "}),
+        BadInput{"repeats_of_none", {"tables", "--repeats", "0"}, "--repeats: "},
+        BadInput{
+            "unknown_gl", {"run", "--gl", "glide"}, "--gl: glide not in {osmesa,egl,egl-device}"},
+        BadInput{"unknown_gl_of_tables",
+                 {"tables", "--gl", "glide"},
+                 "--gl: glide not in {osmesa,egl,egl-device}"},
+        BadInput{"pipeline_of_tables",
+                 {"tables", "--set", "render.pipeline.mode=plain"},
+                 "render.pipeline.mode: is set by the tables themselves"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CommandLine, HelpIsNoError) {
@@ -261,6 +268,29 @@ TEST(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
                               {.interrupt_when = being_written, .signal = signal});
     EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
     EXPECT_EQ(folder.files("out"), Words{});
+  }
+}
+
+TEST(CommandLine, AGlThatCannotBeMadeFailsBeforeAnyWork) {
+  setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
+  for (const char* command : {"run", "tables"}) {
+    const ScratchFolder folder;
+    const auto result = bench({command, "--gl", "egl"}, folder);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(result.err.find("wobblebench: egl: "), 0u) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(folder.path() / "out"));
+  }
+  unsetenv("__EGL_VENDOR_LIBRARY_DIRS");
+}
+
+TEST(CommandLine, RunSaysOnWhichGlItRendered) {
+  for (const std::string gl : {"osmesa", "egl"}) {
+    const ScratchFolder folder;
+    const auto result = bench(with({"run", "--json", "--gl", gl}, kQuick), folder);
+    if (result.exit_code == 1 && gl != "osmesa") GTEST_SKIP() << result.err;
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), gl);
   }
 }
 

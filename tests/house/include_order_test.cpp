@@ -73,6 +73,13 @@ TEST(IncludeOrder, RenderKnowsTheBoardsVocabularyAndNotItsLinks) {
   }
 }
 
+TEST(IncludeOrder, TheTablesAreMeasuredWithoutASimulator) {
+  for (const auto& [file, path] : includes_of("bench/tables")) {
+    EXPECT_FALSE(path.starts_with("sim/") || path.starts_with("phantoms/"))
+        << file << " includes " << path;
+  }
+}
+
 /// Our headers that are heavy themselves, and stay in .cpp files too.
 const std::set<std::string> kHeavyOfOurs = {"phantoms/grids.h",
                                             "phantoms/level_set.h",

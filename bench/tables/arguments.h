@@ -1,0 +1,28 @@
+// The options of `tables`, as wobblebench and wobblebench-tables both take them.
+#pragma once
+
+#include <string>
+
+#include "bench/tables/way.h"
+
+namespace CLI {
+class App;
+}
+
+namespace wobblebench::bench {
+
+struct TableArguments {
+  bool full = false;
+  int divisor = 2;
+  int repeats = 3;
+  int plain_repeats = 0;  ///< 0: 1 with the paper's sizes, otherwise as many as repeats
+
+  TableRun run() const;
+};
+
+void add_table_options(CLI::App& command, TableArguments& arguments);
+
+/// --gl BACKEND.
+void add_gl_option(CLI::App& command, std::string& backend);
+
+}  // namespace wobblebench::bench

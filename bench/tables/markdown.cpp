@@ -1,0 +1,196 @@
+#include <iomanip>
+#include <sstream>
+
+#include "bench/tables/page.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string fixed(double value, int digits) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(digits) << value;
+  return text.str();
+}
+
+/// Three digits or so: times here lie between a hundredth of a millisecond and half a minute.
+std::string ms_text(double ms) {
+  return fixed(ms, ms >= 100 ? 0 : ms >= 10 ? 1 : ms >= 1 ? 2 : 3);
+}
+
+std::string spread_text(const Spread& spread) {
+  return ms_text(spread.min) + " – " + ms_text(spread.max);
+}
+
+std::string times_text(double times) {
+  return fixed(times, times >= 100 ? 0 : times >= 10 ? 1 : 2) + "×";
+}
+
+/// A line of a table out of its cells.
+std::string line(const std::vector<std::string>& cells) {
+  std::string text = "|";
+  for (const auto& cell : cells) text += " " + cell + " |";
+  return text + "\n";
+}
+
+/// The first column to the left, figures to the right.
+std::string head(const std::vector<std::string>& cells) {
+  std::vector<std::string> rule(cells.size(), "---:");
+  rule.front() = "---";
+  return line(cells) + line(rule);
+}
+
+std::string times_of(const MeasuredTable& table) {
+  std::string text = head({"setting",
+                           "paper ms",
+                           "plain ms",
+                           "min – max",
+                           "fast ms",
+                           "min – max",
+                           "plain / fast",
+                           "paper ratio",
+                           "plain ratio",
+                           "fast ratio"});
+  for (const MeasuredRow& row : table.rows) {
+    const Timing& plain = row.timings.at(Way::plain);
+    const Timing& fast = row.timings.at(Way::fast);
+    text += line({row.row.setting,
+                  ms_text(row.row.paper_ms),
+                  ms_text(plain.frame_ms.median),
+                  spread_text(plain.frame_ms),
+                  ms_text(fast.frame_ms.median),
+                  spread_text(fast.frame_ms),
+                  times_text(row.speed_up()),
+                  fixed(row.paper_ratio, 2),
+                  fixed(plain.ratio, 2),
+                  fixed(fast.ratio, 2)});
+  }
+  return text;
+}
+
+/// Columns: the passes of the fast way. A pass of plain alone shows in the frame's time.
+std::string passes_of(const MeasuredTable& table) {
+  std::vector<std::string> names = {"plain / fast, ms"};
+  for (const auto& pass : table.rows.front().timings.at(Way::fast).passes) {
+    names.push_back(pass.name);
+  }
+  std::string text = head(names);
+  for (const MeasuredRow& row : table.rows) {
+    std::vector<std::string> cells = {row.row.setting};
+    for (const auto& fast : row.timings.at(Way::fast).passes) {
+      std::string plain_ms = "none";
+      for (const auto& plain : row.timings.at(Way::plain).passes) {
+        if (plain.name == fast.name) plain_ms = ms_text(plain.ms);
+      }
+      const auto times = row.pass_speed_up(fast.name);
+      cells.push_back(plain_ms + " / " + ms_text(fast.ms) +
+                      (times ? " = " + times_text(*times) : ""));
+    }
+    text += line(cells);
+  }
+  return text;
+}
+
+/// Every way with its spread, where there are more than two.
+std::string ways_in_full(const MeasuredTable& table) {
+  const auto ways = ways_of(table.table);
+  if (ways.size() < 3) return "";
+  std::vector<std::string> names = {"taps of the kernel in the slices, or along the ray"};
+  for (const Way way : ways) {
+    names.push_back(to_string(way) + " ms");
+    names.emplace_back("ratio");
+  }
+  std::string text = "\n" + head(names);
+  for (const MeasuredRow& row : table.rows) {
+    std::vector<std::string> cells = {row.row.setting};
+    for (const Way way : ways) {
+      const Timing& timing = row.timings.at(way);
+      cells.push_back(ms_text(timing.frame_ms.median) + " (" + spread_text(timing.frame_ms) + ")");
+      cells.push_back(fixed(timing.ratio, 2));
+    }
+    text += line(cells);
+  }
+  return text;
+}
+
+std::string growth_of(const MeasuredTable& table) {
+  if (!table.exponents) return "";
+  return "\nTime grows as the side to the power " + fixed(table.exponents->paper, 2) +
+         " (paper), " + fixed(table.exponents->plain, 2) + " (plain), " +
+         fixed(table.exponents->fast, 2) + " (fast): least squares of log time on log side.\n";
+}
+
+std::string arrival_of(const TableResults& results) {
+  std::string text =
+      "\n### What arrives\n\nAt the reference settings. One frame: pass 1 for "
+      "what it settles, from its arrival until GL is done, over all frames of the volume; a frame "
+      "is "
+      "acquired in " +
+      ms_text(results.frame_acquisition_ms) +
+      " ms. New volume: upload and four passes. New view: passes 2 to 4 of the "
+      "same volume from 10 degrees aside.\n\n" +
+      head({"pipeline",
+            "one frame ms",
+            "min – max",
+            "faster than acquired",
+            "new volume ms",
+            "min – max",
+            "new view ms",
+            "min – max"});
+  for (const auto& [way, arrival] : results.arrivals) {
+    text += line({to_string(way),
+                  ms_text(arrival.add_frame_ms.median),
+                  spread_text(arrival.add_frame_ms),
+                  times_text(results.times_acquisition(way)),
+                  ms_text(arrival.new_volume_ms.median),
+                  spread_text(arrival.new_volume_ms),
+                  ms_text(arrival.new_view_ms.median),
+                  spread_text(arrival.new_view_ms)});
+  }
+  return text;
+}
+
+std::string origin_of(const Provenance& provenance) {
+  std::string text = "CPU: " + provenance.cpu + ", " + std::to_string(provenance.threads) +
+                     " threads. GL: " + provenance.gl_backend + ", " + provenance.gl_renderer +
+                     ". Commit: " + provenance.commit + ".";
+  if (provenance.board == "simulated") text += " Seed: " + std::to_string(provenance.seed) + ".";
+  return text + " Sticks: " + provenance.board + ".";
+}
+
+}  // namespace
+
+std::string describe_run(const TableRun& run) {
+  std::ostringstream text;
+  if (run.divisor == 1) {
+    text << "The paper's sizes.";
+  } else {
+    text << "REDUCED: slice, image and ray steps are 1/" << run.divisor
+         << " of the paper's in each direction (512^3 is run as " << 512 / run.divisor
+         << "^3); frames, sticks, samples and kernels are the paper's. --full runs the paper's "
+            "sizes.";
+  }
+  text
+      << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: the "
+         "default, taps in the slices. Each setting: median of "
+      << run.plain_repeats << " (plain) and " << run.repeats
+      << " (fast) after one uncounted, all settings in turn in each repeat; a setting that several "
+         "tables share is measured once. Time: four passes, all frames, upload included, the "
+         "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9.";
+  return text.str();
+}
+
+std::string to_markdown(const TableResults& results,
+                        const TableRun& run,
+                        const std::string& note,
+                        const Provenance& provenance) {
+  std::string text = origin_of(provenance) + "\n\n" + describe_run(run) + "\n";
+  if (!note.empty()) text += "\n" + note + "\n";
+  for (const MeasuredTable& table : results.tables) {
+    text += "\n### Table " + table.table.id + ": " + table.table.title + "\n\n" + times_of(table) +
+            "\n" + passes_of(table) + ways_in_full(table) + growth_of(table);
+  }
+  return text + arrival_of(results);
+}
+
+}  // namespace wobblebench::bench

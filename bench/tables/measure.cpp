@@ -1,0 +1,161 @@
+#include "bench/tables/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+
+#include "hw/clock.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// What tells two measurements apart; equal ones are made once.
+auto key_of(const TableRow& row, Way way) {
+  return std::tuple(row.frames, row.side, row.kernel_3d, row.kernel_2d, way);
+}
+using Key = decltype(key_of(TableRow{}, Way::plain));
+
+/// One setting under measurement: its renderer lives through all repeats.
+struct Subject {
+  const hw::PolarVolume* volume = nullptr;
+  std::unique_ptr<render::Renderer> renderer;
+  int repeats = 0;
+  std::vector<double> frame_ms;
+  std::vector<std::string> pass_names;
+  std::vector<std::vector<double>> pass_ms;  ///< [pass][repeat]
+
+  /// Repeat -1 is not counted.
+  void measure(int repeat) {
+    if (repeat >= repeats) return;
+    for (int f = 0; f < static_cast<int>(volume->frames().size()); ++f) {
+      renderer->add_frame(f, volume->frame(f));
+    }
+    const auto passes = renderer->render().passes;
+    if (repeat >= 0) count(passes);
+  }
+
+  void count(const std::vector<render::PassTime>& passes) {
+    pass_ms.resize(passes.size());
+    pass_names.clear();
+    frame_ms.push_back(0);
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      pass_names.push_back(passes[i].name);
+      pass_ms[i].push_back(passes[i].ms);
+      frame_ms.back() += passes[i].ms;
+    }
+  }
+
+  Timing timing() const {
+    Timing timing{spread_of(frame_ms), {}};
+    for (std::size_t i = 0; i < pass_ms.size(); ++i) {
+      timing.passes.push_back({pass_names[i], spread_of(pass_ms[i]).median});
+    }
+    return timing;
+  }
+};
+
+using Subjects = std::map<Key, Subject>;
+
+Subjects make_subjects(const TableVolumes& volumes,
+                       const render::RenderOptions& base,
+                       render::GlContext& context,
+                       const TableRun& run) {
+  Subjects subjects;
+  for (const Table& table : paper_tables()) {
+    for (const TableRow& row : table.rows) {
+      for (const Way way : ways_of(table)) {
+        Subject& subject = subjects[key_of(row, way)];
+        if (subject.renderer) continue;
+        subject.volume = &volumes.by_frames.at(row.frames);
+        subject.repeats = run.repeats_of(way);
+        subject.renderer = std::make_unique<render::Renderer>(
+            context, subject.volume->plan(), rendered(way, settings_of(row, base, run.divisor)));
+      }
+    }
+  }
+  return subjects;
+}
+
+MeasuredRow measured_row(const TableRow& row, const Table& table, const Subjects& subjects) {
+  MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
+  for (const Way way : ways_of(table)) {
+    Timing timing = subjects.at(key_of(row, way)).timing();
+    const auto& reference = subjects.at(key_of(reference_row(), way)).frame_ms;
+    timing.ratio = timing.frame_ms.median / spread_of(reference).median;
+    measured.timings.emplace(way, std::move(timing));
+  }
+  return measured;
+}
+
+std::optional<Exponents> exponents_of(const std::vector<MeasuredRow>& rows) {
+  std::vector<double> side, paper, plain, fast;
+  for (const MeasuredRow& row : rows) {
+    side.push_back(row.row.side);
+    paper.push_back(row.row.paper_ms);
+    plain.push_back(row.ms(Way::plain));
+    fast.push_back(row.ms(Way::fast));
+  }
+  if (std::all_of(side.begin(), side.end(), [&](double s) { return s == side.front(); })) return {};
+  return Exponents{power_of(side, paper), power_of(side, plain), power_of(side, fast)};
+}
+
+double pass_ms(const Timing& timing, const std::string& pass) {
+  for (const PassTiming& candidate : timing.passes) {
+    if (candidate.name == pass) return candidate.ms;
+  }
+  return 0;
+}
+
+}  // namespace
+
+double power_of(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto n = static_cast<double>(x.size());
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double u = std::log(x[i]), v = std::log(y.at(i));
+    sx += u, sy += v, sxx += u * u, sxy += u * v;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+std::optional<double> MeasuredRow::pass_speed_up(const std::string& pass) const {
+  const double plain = pass_ms(timings.at(Way::plain), pass);
+  const double fast = pass_ms(timings.at(Way::fast), pass);
+  if (plain <= 0 || fast <= 0) return {};
+  return plain / fast;
+}
+
+TableResults measure_tables(const TableVolumes& volumes,
+                            const render::RenderOptions& base,
+                            render::GlContext& context,
+                            const TableRun& run) {
+  TableResults results;
+  const hw::PolarVolume& volume = volumes.by_frames.at(reference_row().frames);
+  results.frame_acquisition_ms =
+      hw::to_milliseconds(volume.plan().volume_duration()) / reference_row().frames;
+  Subjects subjects = make_subjects(volumes, base, context, run);
+  for (int repeat = -1; repeat < std::max(run.repeats, run.plain_repeats); ++repeat) {
+    for (auto& [key, subject] : subjects) subject.measure(repeat);
+  }
+  for (const Table& table : paper_tables()) {
+    MeasuredTable measured{table, {}, {}};
+    for (const TableRow& row : table.rows) {
+      measured.rows.push_back(measured_row(row, table, subjects));
+    }
+    measured.exponents = exponents_of(measured.rows);
+    results.tables.push_back(std::move(measured));
+  }
+  results.reference = measured_row(reference_row(), paper_tables().front(), subjects);
+  subjects.clear();
+  const auto options = settings_of(reference_row(), base, run.divisor);
+  for (const Way way : {Way::plain, Way::fast}) {
+    results.arrivals[way] =
+        measure_arrival(volume, rendered(way, options), context, run.repeats_of(way));
+  }
+  return results;
+}
+
+}  // namespace wobblebench::bench

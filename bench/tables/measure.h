@@ -1,0 +1,89 @@
+// Tables I to IV, measured.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/spread.h"
+#include "bench/tables/paper.h"
+#include "bench/tables/volumes.h"
+#include "bench/tables/way.h"
+#include "render/gl_context.h"
+
+namespace wobblebench::bench {
+
+struct PassTiming {
+  std::string name;
+  double ms = 0;  ///< median
+};
+
+/// A row rendered in one way.
+struct Timing {
+  Spread frame_ms;                 ///< all four passes, all frames, upload included
+  std::vector<PassTiming> passes;  ///< in the renderer's order
+  double ratio = 0;                ///< of the median to the reference row's, rendered the same way
+};
+
+struct MeasuredRow {
+  TableRow row;
+  double paper_ratio = 0;         ///< to the paper's reference row
+  std::map<Way, Timing> timings;  ///< in ways_of() the table
+
+  double ms(Way way) const { return timings.at(way).frame_ms.median; }
+  /// How many times faster than plain, by medians: the frame, and a pass (none: only one has it).
+  double speed_up() const { return ms(Way::plain) / ms(Way::fast); }
+  std::optional<double> pass_speed_up(const std::string& pass) const;
+};
+
+/// Time grows as the side to this power: least squares of its logarithm on the side's.
+struct Exponents {
+  double paper = 0;
+  double plain = 0;
+  double fast = 0;
+};
+
+struct MeasuredTable {
+  Table table;
+  std::vector<MeasuredRow> rows;
+  std::optional<Exponents> exponents;  ///< where the side varies (Table II)
+};
+
+/// What an arriving frame and a new picture cost at the reference settings.
+struct Arrival {
+  Spread add_frame_ms;   ///< Renderer::add_frame and update, until GL is done
+  Spread new_volume_ms;  ///< upload and four passes of all frames
+  Spread new_view_ms;    ///< passes 2 to 4 of a volume that is there already
+};
+
+struct TableResults {
+  std::vector<MeasuredTable> tables;
+  MeasuredRow reference;
+  std::map<Way, Arrival> arrivals;  ///< plain and fast
+  double frame_acquisition_ms = 0;  ///< of the reference row: volume time / frames
+
+  const Arrival& arrival(Way way) const { return arrivals.at(way); }
+  /// How many times faster a frame is taken in than acquired, by the median.
+  double times_acquisition(Way way) const {
+    return frame_acquisition_ms / arrival(way).add_frame_ms.median;
+  }
+};
+
+/// Renders every row in turn, all rows and ways in each repeat, so that a drift of the machine's
+/// speed touches all alike. `base`: what the rows leave open. Throws as render::Renderer does.
+TableResults measure_tables(const TableVolumes& volumes,
+                            const render::RenderOptions& base,
+                            render::GlContext& context,
+                            const TableRun& run);
+
+/// One way of the reference row, frame by frame.
+Arrival measure_arrival(const hw::PolarVolume& volume,
+                        const render::RenderOptions& options,
+                        render::GlContext& context,
+                        int repeats);
+
+/// Of least squares of log y on log x; at least two different x, all positive.
+double power_of(const std::vector<double>& x, const std::vector<double>& y);
+
+}  // namespace wobblebench::bench

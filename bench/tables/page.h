@@ -1,0 +1,30 @@
+// What the tables found, as tables.md, tables.csv and report.json say it.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "bench/provenance.h"
+#include "bench/tables/measure.h"
+
+namespace wobblebench::bench {
+
+/// Says in a few sentences how the run differs from the paper's, and what was counted.
+std::string describe_run(const TableRun& run);
+
+/// tables.md. `note`: what is special about the volumes; may be empty.
+std::string to_markdown(const TableResults& results,
+                        const TableRun& run,
+                        const std::string& note,
+                        const Provenance& provenance);
+
+/// tables.csv: one line a row of a table, then the lines of table "arrival".
+std::string to_csv(const TableResults& results, const TableRun& run);
+
+/// Adds run, reference, tables and arrival to the head of report.json.
+void add_tables(nlohmann::ordered_json& report,
+                const TableResults& results,
+                const TableRun& run,
+                const std::string& note);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,30 @@
+// The volumes that the tables render: one for each number of frames.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw/link.h"
+#include "hw/polar_volume.h"
+
+namespace wobblebench::bench {
+
+struct TableVolumes {
+  std::map<int, hw::PolarVolume> by_frames;
+  std::string board;                 ///< provenance of the sticks
+  std::vector<std::string> effects;  ///< that made them, where a simulator did
+  std::string note;                  ///< how they differ from what the rows ask for; a sentence
+};
+
+/// The `count` middle frames of a volume as a volume of their own, whose fan is narrower in
+/// proportion. Where an odd number of frames is left out, the fan's middle moves by half a frame.
+/// `count` is 2 at least, and the volume's frames at most.
+hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count);
+
+/// From the first whole volume of the link. `board`: what the user wrote, for messages. Throws
+/// UserError where the volume has fewer frames than the tables need, is cut short, or none comes.
+TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string& board);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,39 @@
+// The ways in which the bench of record renders a row of the paper's tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/tables/paper.h"
+#include "render/options.h"
+
+namespace wobblebench::bench {
+
+/// A pipeline, and the space in which the taps of its 3D kernel lie.
+enum class Way {
+  plain,        ///< as the paper writes it: taps along the ray
+  plain_slice,  ///< plain, taps in the slices
+  fast,         ///< the default: taps in the slices
+  fast_ray,     ///< fast, taps along the ray
+};
+
+/// "plain", "plain_slice", "fast", "fast_ray": what the keys of report.json begin with.
+std::string to_string(Way way);
+
+/// Plain and fast for every table; all four where the 3D kernel is what varies (Table III).
+std::vector<Way> ways_of(const Table& table);
+
+render::RenderOptions rendered(Way way, render::RenderOptions options);
+
+/// How a run of the tables differs from the paper's, and how often each setting is measured.
+struct TableRun {
+  int divisor = 1;        ///< sides are the paper's over this
+  int repeats = 3;        ///< of the fast ways; counted, after one that is not
+  int plain_repeats = 3;  ///< of the plain ways, likewise
+
+  int repeats_of(Way way) const {
+    return way == Way::plain || way == Way::plain_slice ? plain_repeats : repeats;
+  }
+};
+
+}  // namespace wobblebench::bench

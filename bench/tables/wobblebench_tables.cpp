@@ -1,0 +1,122 @@
+// wobblebench-tables: Tables I to IV from a recording, on a machine that has a GPU and little else.
+// Exit codes: 0 done, 1 the machine could not do it, 2 bad input.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/output_folder.h"
+#include "bench/outside_link.h"
+#include "bench/progress.h"
+#include "bench/report_parts.h"
+#include "bench/tables/arguments.h"
+#include "bench/tables/measure.h"
+#include "bench/tables/page.h"
+#include "bench/tables/volumes.h"
+#include "bench/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  std::string board;
+  std::string gl = "osmesa";
+  std::filesystem::path out = "out";
+  bool json = false;
+  TableArguments tables;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--board",
+                 arguments.board,
+                 "Where sticks come from: file=RECORDING or xdma=DEVICE, then ,key=value …")
+      ->required();
+  add_gl_option(app, arguments.gl);
+  add_table_options(app, arguments.tables);
+  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
+  app.add_flag("--json", arguments.json, "Print report.json on stdout");
+}
+
+Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = context.backend();
+  provenance.gl_renderer = context.renderer_string();
+  provenance.board = volumes.board;
+  return provenance;
+}
+
+nlohmann::ordered_json report_of(const Provenance& provenance,
+                                 const TableVolumes& volumes,
+                                 const TableResults& results,
+                                 const TableRun& run) {
+  nlohmann::ordered_json report = {{"schema", kReportSchema},
+                                   {"command", "tables"},
+                                   {"provenance", to_json(provenance)},
+                                   {"effects", volumes.effects}};
+  report["acquisition"] = acquisition_json(volumes.by_frames.at(reference_row().frames).plan());
+  add_tables(report, results, run, volumes.note);
+  return report;
+}
+
+int measure_recording(const Arguments& arguments) {
+  const BoardArguments board = parse_outside_board(arguments.board);
+  auto link = open_outside_link(board);
+  const auto context = render::make_context(arguments.gl);
+  OutputFolder out(arguments.out);
+  Progress progress;
+  const TableRun run = arguments.tables.run();
+  const TableVolumes volumes =
+      progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
+  const TableResults results =
+      progress.step("tables", [&] { return measure_tables(volumes, {}, *context, run); });
+  const Provenance provenance = provenance_of(*context, volumes);
+  const auto report = report_of(provenance, volumes, results, run);
+  const std::string page = to_markdown(results, run, volumes.note, provenance);
+  out.write_text("tables.md", page);
+  out.write_text("tables.csv", to_csv(results, run));
+  out.write_text("report.json", report.dump(2) + "\n");
+  out.commit();
+  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  return 0;
+}
+
+int dispatch(int argc, char** argv) {
+  CLI::App app{"wobblebench-tables: Tables I to IV of the paper, measured on a recording"};
+  Arguments arguments;
+  add_options(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw UserError(std::string(error.what()) + " (wobblebench-tables --help lists the options)");
+  }
+  return measure_recording(arguments);
+}
+
+int report_error(const std::string& what, int code) {
+  std::fprintf(stderr, "wobblebench-tables: %s\n", one_line(what).c_str());
+  return code;
+}
+
+}  // namespace
+
+}  // namespace wobblebench::bench
+
+int main(int argc, char** argv) {
+  using namespace wobblebench::bench;
+  try {
+    return dispatch(argc, argv);
+  } catch (const UserError& error) {
+    return report_error(error.what(), 2);
+  } catch (const std::bad_alloc&) {
+    return report_error("out of memory", 1);
+  } catch (const std::exception& error) {
+    return report_error(error.what(), 1);
+  }
+}

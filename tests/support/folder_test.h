@@ -1,0 +1,29 @@
+// A fixture with a folder of its own, gone with the test.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+namespace wobblebench::testing_support {
+
+class FolderTest : public testing::Test {
+ protected:
+  FolderTest() {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(test->test_suite_name()) + "_" + test->name();
+    for (char& c : name) c = c == '/' ? '_' : c;
+    folder_ = std::filesystem::temp_directory_path() /
+              ("wobblebench_" + std::to_string(getpid()) + "_" + name);
+    std::filesystem::create_directories(folder_);
+  }
+  ~FolderTest() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace wobblebench::testing_support
