@@ -122,6 +122,11 @@ int dispatch(int argc, char** argv) {
   add_gl_option(*tables, arguments.gl);
   add_table_options(*tables, arguments.tables);
 
+  auto* modes = app.add_subcommand(
+      "modes", "Whether mode fast makes mode plain's picture, phantom by phantom");
+  add_common(*modes, arguments);
+  add_gl_option(*modes, arguments.gl);
+
   auto* validate = app.add_subcommand(
       "validate", "The simulated probe's physics against closed forms and publications");
   add_output(*validate, arguments);
@@ -152,6 +157,7 @@ int dispatch(int argc, char** argv) {
   if (*board) return board_command(arguments);
   if (*stand_in) return stand_in_command(arguments);
   if (*phantom) return phantom_command(arguments);
+  if (*modes) return modes_command(arguments);
   if (*validate) return validate_command(arguments);
   if (*trade) return trade_command(arguments);
   return tables_command(arguments);

@@ -155,6 +155,12 @@ void Texture::set_filter(TextureFilter filter) const {
   }
 }
 
+TextureFilter Texture::filter() const {
+  GLint mode = GL_NEAREST;
+  glGetTextureParameteriv(id(), GL_TEXTURE_MIN_FILTER, &mode);
+  return mode == GL_LINEAR ? TextureFilter::linear : TextureFilter::nearest;
+}
+
 std::size_t Texture::values() const {
   return static_cast<std::size_t>(extent_.width) * static_cast<std::size_t>(extent_.height) *
          static_cast<std::size_t>(extent_.depth ? extent_.depth : 1) *
@@ -245,7 +251,7 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
   for (const Texture* texture : attachments) {
     glNamedFramebufferTexture(id, slot++, texture->id(), 0);
   }
-  finish(**attachments.begin(), static_cast<int>(attachments.size()));
+  finish((*attachments.begin())->extent(), static_cast<int>(attachments.size()));
 }
 
 Framebuffer Framebuffer::of_layer(const Texture& texture, int layer) {
@@ -254,7 +260,7 @@ Framebuffer Framebuffer::of_layer(const Texture& texture, int layer) {
   Framebuffer framebuffer;
   framebuffer.name_ = GlName<delete_framebuffer>(id);
   glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, texture.id(), 0, layer);
-  framebuffer.finish(texture, 1);
+  framebuffer.finish({texture.extent().width, texture.extent().height}, 1);
   return framebuffer;
 }
 
@@ -262,9 +268,20 @@ Framebuffer Framebuffer::of_all_layers(std::initializer_list<const Texture*> tex
   return Framebuffer(textures);  // attaching a texture without naming a layer attaches all
 }
 
-void Framebuffer::finish(const Texture& first, int attachments) {
-  width_ = first.extent().width;
-  height_ = first.extent().height;
+void Framebuffer::attach(int slot, const Texture* texture) const {
+  const GLenum attachment = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(slot);
+  glNamedFramebufferTexture(id(), attachment, texture ? texture->id() : 0, 0);
+  std::vector<GLenum> slots(static_cast<std::size_t>(slot) + 1, GL_NONE);
+  for (int i = 0; i < attachments_; ++i) {
+    slots.at(static_cast<std::size_t>(i)) = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
+  }
+  if (texture) slots.back() = attachment;
+  glNamedFramebufferDrawBuffers(id(), static_cast<GLsizei>(slots.size()), slots.data());
+}
+
+void Framebuffer::finish(const Extent& extent, int attachments) {
+  extent_ = extent;
+  attachments_ = attachments;
   std::vector<GLenum> slots;
   for (int i = 0; i < attachments; ++i)
     slots.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i));

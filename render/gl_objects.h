@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "render/texel_format.h"
+
 namespace wobblebench::render {
 
 /// Owner of one GL name; 0 is empty.
@@ -49,8 +51,6 @@ using Query = GlName<delete_query>;
 VertexArray make_vertex_array();
 Query make_timer_query();
 
-enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgb32f, rgba32f };
-enum class TextureFilter { nearest, linear };
 int channels(TexelFormat format);
 
 struct Extent {
@@ -82,6 +82,8 @@ class Texture {
   std::vector<float> download_layer(int layer) const;
 
   void set_filter(TextureFilter filter) const;
+  TextureFilter filter() const;
+  TexelFormat format() const { return format_; }
 
   unsigned id() const { return name_.id(); }
   explicit operator bool() const { return bool(name_); }
@@ -109,15 +111,20 @@ class Framebuffer {
 
   unsigned id() const { return name_.id(); }
   explicit operator bool() const { return bool(name_); }
-  int width() const { return width_; }
-  int height() const { return height_; }
+  int width() const { return extent_.width; }
+  int height() const { return extent_.height; }
+  const Extent& extent() const { return extent_; }
+
+  /// Another texture of the same extent at this colour attachment, behind those that there are;
+  /// null: none any more.
+  void attach(int slot, const Texture* texture) const;
 
  private:
-  void finish(const Texture& first, int attachments);
+  void finish(const Extent& extent, int attachments);
 
   GlName<delete_framebuffer> name_;
-  int width_ = 0;
-  int height_ = 0;
+  Extent extent_{0, 0};
+  int attachments_ = 0;
 };
 
 /// Throws std::runtime_error that names the GL errors since the last check, and `where`.

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
+
+#include "render/gl_fetch_count.h"
 
 namespace wobblebench::render {
 namespace {
@@ -48,6 +51,13 @@ std::string assemble(std::initializer_list<std::string_view> files, const std::s
   return source;
 }
 
+/// The source with its fetches counted.
+std::string counting(std::initializer_list<std::string_view> files, const std::string& defines) {
+  std::string before = defines;
+  before += shader_text("fetch_count.glsl");
+  return assemble(files, before) + std::string(shader_text("fetch_total.glsl"));
+}
+
 std::string joined(std::initializer_list<std::string_view> files) {
   std::string names;
   for (std::string_view file : files) names += (names.empty() ? "" : " + ") + std::string(file);
@@ -66,7 +76,9 @@ FragmentProgram::FragmentProgram(std::initializer_list<std::string_view> files,
                                  Layers layers)
     : program_(glCreateProgram()),
       no_vertices_(make_vertex_array()),
-      source_(assemble(files, defines.text())) {
+      source_(FetchCounter::current() ? counting(files, defines.text())
+                                      : assemble(files, defines.text())),
+      counter_(FetchCounter::current()) {
   std::vector<Shader> shaders;
   const auto add = [&](GLenum stage, std::string_view file) {
     const std::string text = assemble({file}, Defines().add("MOST_LAYERS", kMostLayers).text());
@@ -131,6 +143,7 @@ void FragmentProgram::draw(const Framebuffer& target,
                            std::initializer_list<Binding> bindings) const {
   bind(target, bindings, {0, 0, target.width(), target.height()});
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (counter_) count(target, bindings);
 }
 
 void FragmentProgram::draw_layers(const Framebuffer& target,
@@ -150,6 +163,7 @@ void FragmentProgram::draw_layers(const Framebuffer& target,
     glProgramUniform1iv(id, glGetUniformLocation(id, "target_layers"), kMostLayers, targets.data());
     glDrawArraysInstanced(GL_TRIANGLES, 0, 3, static_cast<GLsizei>(count));
   }
+  if (counter_) count(target, bindings);
 }
 
 void FragmentProgram::bind(const Framebuffer& target,
@@ -164,6 +178,19 @@ void FragmentProgram::bind(const Framebuffer& target,
   }
   glUseProgram(program_.id());
   glBindVertexArray(no_vertices_.id());
+  if (counter_) counter_->begin_draw(target);
+}
+
+void FragmentProgram::count(const Framebuffer& target,
+                            std::initializer_list<Binding> bindings) const {
+  std::array<FetchKind, kSamplers> kinds{};
+  std::array<bool, kSamplers> known{};
+  for (const auto& [unit, texture] : bindings) {
+    const FetchKind kind = kind_of(*texture);
+    const auto sampler = static_cast<std::size_t>(kind.sampler);
+    if (!std::exchange(known[sampler], true)) kinds[sampler] = kind;
+  }
+  counter_->end_draw(target, kinds);
 }
 
 }  // namespace wobblebench::render

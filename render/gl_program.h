@@ -38,6 +38,8 @@ struct LayerPair {
   int target = 0;
 };
 
+class FetchCounter;
+
 class FragmentProgram {
  public:
   FragmentProgram() = default;
@@ -73,9 +75,12 @@ class FragmentProgram {
             std::initializer_list<Binding> bindings,
             const Region& region) const;
 
+  void count(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
+
   GlName<delete_program> program_;
   VertexArray no_vertices_;
   std::string source_;
+  FetchCounter* counter_ = nullptr;  ///< told what each draw fetches
 };
 
 }  // namespace wobblebench::render

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "render/fetch_kind.h"
+
 namespace wobblebench::render {
 
 /// Row-major picture; row 0 is the top.
@@ -37,6 +39,7 @@ struct PassTime {
   std::string name;
   double ms = 0;
   double gpu_ms = -1;
+  FetchCounts fetches;  ///< none, unless a FetchCounter lives
 };
 
 struct Picture {

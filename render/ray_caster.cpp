@@ -200,7 +200,7 @@ void RayCaster::cast(SliceVolume& volume) {
   const Texture* distances = volume.distances();
   const Binding place =
       distances ? Binding{kDistances, distances} : Binding{kMotionTable, &motion_table_};
-  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, {kTransfer, &transfer_}, place});
+  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, place, {kTransfer, &transfer_}});
   check_gl("ray casting");
 }
 

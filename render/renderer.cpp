@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/gl_fetch_count.h"
 #include "render/gl_timer.h"
 #include "render/ray_caster.h"
 #include "render/slice_volume.h"
@@ -73,6 +74,7 @@ struct Renderer::Passes {
     timer.begin();
     pass();
     timer.end(time);
+    if (FetchCounter* counter = FetchCounter::current()) time.fetches = counter->take();
     return time;
   }
 
@@ -116,6 +118,7 @@ PassTime Renderer::update() {
   PassTime time = p.timed(kScanConversion, [&] { p.make_layers(); });
   p.scan_conversion.ms += time.ms;
   p.scan_conversion.gpu_ms = std::max(p.scan_conversion.gpu_ms, 0.0) + time.gpu_ms;
+  for (const auto& [kind, count] : time.fetches) p.scan_conversion.fetches[kind] += count;
   return time;
 }
 

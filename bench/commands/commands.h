@@ -27,7 +27,7 @@ struct CommandArguments {
   int seeds = 1000;                 ///< rehearse
   std::uint64_t first_seed = 1;     ///< rehearse
   bool trace = false;               ///< rehearse: every event on stderr
-  std::string gl = "osmesa";        ///< run, tables: where OpenGL comes from
+  std::string gl = "osmesa";        ///< run, tables, modes: where OpenGL comes from
   TableArguments tables;
   int repeats = 3;                   ///< trade, board
   std::vector<std::string> studies;  ///< validate: which; none: all
@@ -43,6 +43,7 @@ int rehearse_command(const CommandArguments& arguments);
 int stand_in_command(const CommandArguments& arguments);
 int board_command(const CommandArguments& arguments);
 int tables_command(const CommandArguments& arguments);
+int modes_command(const CommandArguments& arguments);
 int validate_command(const CommandArguments& arguments);
 int trade_command(const CommandArguments& arguments);
 

@@ -59,6 +59,25 @@ Json arrival_json(const TableResults& results) {
   return json;
 }
 
+Json floors_json(const TableResults& results) {
+  Json json = {{"fetches_per_us", Json::object()}};
+  for (const auto& [kind, rate] : results.floors.rates_per_us) {
+    json["fetches_per_us"][to_string(kind)] = rate;
+  }
+  for (const auto& [way, passes] : results.floors.passes) {
+    for (const PassFloor& floor : passes) {
+      Json fetches = Json::object();
+      for (const auto& [kind, count] : floor.fetches) fetches[to_string(kind)] = count;
+      json[to_string(way)].push_back(
+          {{"name", floor.pass},
+           {"fetches", fetches},
+           {"floor_ms", floor.floor_ms},
+           {"ms", pass_ms(results.reference.timings.at(way), floor.pass)}});
+    }
+  }
+  return json;
+}
+
 }  // namespace
 
 void add_tables(Json& report,
@@ -74,6 +93,7 @@ void add_tables(Json& report,
   report["tables"] = Json::array();
   for (const MeasuredTable& table : results.tables) report["tables"].push_back(table_json(table));
   report["arrival"] = arrival_json(results);
+  report["floor"] = floors_json(results);
 }
 
 }  // namespace wobblebench::bench

@@ -150,6 +150,43 @@ std::string arrival_of(const TableResults& results) {
   return text;
 }
 
+std::string floor_of(const TableResults& results) {
+  std::string text =
+      "\n### Where the time goes\n\nAt the reference settings. Fetches: counted by the shaders of "
+      "one "
+      "whole frame. Floor: as long as these fetches take in loops that do nothing else, at the "
+      "rates "
+      "below (millions a second; the fastest of 7 draws). A pass's time holds what is no fetch, "
+      "too: "
+      "arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
+      head({"pipeline", "pass", "fetches, millions", "floor ms", "measured ms", "of the floor"});
+  for (const auto& [way, passes] : results.floors.passes) {
+    for (const PassFloor& floor : passes) {
+      const double ms = pass_ms(results.reference.timings.at(way), floor.pass);
+      text += line({to_string(way),
+                    floor.pass,
+                    fixed(1e-6 * static_cast<double>(floor.total()), 2),
+                    ms_text(floor.floor_ms),
+                    ms_text(ms),
+                    floor.floor_ms > 0 ? times_text(ms / floor.floor_ms) : "none"});
+    }
+  }
+  text += "\n" + head({"fetch", "millions a second", "plain, millions", "fast, millions"});
+  for (const auto& [kind, rate] : results.floors.rates_per_us) {
+    std::vector<std::string> cells = {to_string(kind), fixed(rate, 0)};
+    for (const auto& [way, passes] : results.floors.passes) {
+      std::int64_t count = 0;
+      for (const PassFloor& floor : passes) {
+        const auto found = floor.fetches.find(kind);
+        if (found != floor.fetches.end()) count += found->second;
+      }
+      cells.push_back(fixed(1e-6 * static_cast<double>(count), 2));
+    }
+    text += line(cells);
+  }
+  return text;
+}
+
 std::string origin_of(const Provenance& provenance) {
   std::string text = "CPU: " + provenance.cpu + ", " + std::to_string(provenance.threads) +
                      " threads. GL: " + provenance.gl_backend + ", " + provenance.gl_renderer +
@@ -190,7 +227,7 @@ std::string to_markdown(const TableResults& results,
     text += "\n### Table " + table.table.id + ": " + table.table.title + "\n\n" + times_of(table) +
             "\n" + passes_of(table) + ways_in_full(table) + growth_of(table);
   }
-  return text + arrival_of(results);
+  return text + arrival_of(results) + floor_of(results);
 }
 
 }  // namespace wobblebench::bench

@@ -102,13 +102,6 @@ std::optional<Exponents> exponents_of(const std::vector<MeasuredRow>& rows) {
   return Exponents{power_of(side, paper), power_of(side, plain), power_of(side, fast)};
 }
 
-double pass_ms(const Timing& timing, const std::string& pass) {
-  for (const PassTiming& candidate : timing.passes) {
-    if (candidate.name == pass) return candidate.ms;
-  }
-  return 0;
-}
-
 }  // namespace
 
 double power_of(const std::vector<double>& x, const std::vector<double>& y) {
@@ -119,6 +112,13 @@ double power_of(const std::vector<double>& x, const std::vector<double>& y) {
     sx += u, sy += v, sxx += u * u, sxy += u * v;
   }
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+double pass_ms(const Timing& timing, const std::string& pass) {
+  for (const PassTiming& candidate : timing.passes) {
+    if (candidate.name == pass) return candidate.ms;
+  }
+  return 0;
 }
 
 std::optional<double> MeasuredRow::pass_speed_up(const std::string& pass) const {
@@ -151,6 +151,10 @@ TableResults measure_tables(const TableVolumes& volumes,
   results.reference = measured_row(reference_row(), paper_tables().front(), subjects);
   subjects.clear();
   const auto options = settings_of(reference_row(), base, run.divisor);
+  results.floors = measure_floors(
+      volume,
+      {{Way::plain, rendered(Way::plain, options)}, {Way::fast, rendered(Way::fast, options)}},
+      context);
   for (const Way way : {Way::plain, Way::fast}) {
     results.arrivals[way] =
         measure_arrival(volume, rendered(way, options), context, run.repeats_of(way));

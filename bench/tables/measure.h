@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/spread.h"
+#include "bench/tables/floor.h"
 #include "bench/tables/paper.h"
 #include "bench/tables/volumes.h"
 #include "bench/tables/way.h"
@@ -61,6 +62,7 @@ struct TableResults {
   std::vector<MeasuredTable> tables;
   MeasuredRow reference;
   std::map<Way, Arrival> arrivals;  ///< plain and fast
+  Floors floors;                    ///< of the reference row, plain and fast
   double frame_acquisition_ms = 0;  ///< of the reference row: volume time / frames
 
   const Arrival& arrival(Way way) const { return arrivals.at(way); }
@@ -82,6 +84,9 @@ Arrival measure_arrival(const hw::PolarVolume& volume,
                         const render::RenderOptions& options,
                         render::GlContext& context,
                         int repeats);
+
+/// Median of the pass; 0 where this way has none of that name.
+double pass_ms(const Timing& timing, const std::string& pass);
 
 /// Of least squares of log y on log x; at least two different x, all positive.
 double power_of(const std::vector<double>& x, const std::vector<double>& y);

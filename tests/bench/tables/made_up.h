@@ -52,6 +52,11 @@ inline TableResults made_up_results() {
   results.arrivals[Way::plain] = {{6.1, 5.9, 7}, {5755, 5691, 6168}, {5520, 5500, 5540}};
   results.arrivals[Way::fast] = {{1.25, 1.1, 1.9}, {149, 146, 152}, {103, 101, 104}};
   results.frame_acquisition_ms = 13.3;
+  const render::FetchKind slices = {
+      render::FetchKind::Sampler::layers, render::TexelFormat::rg16, render::TextureFilter::linear};
+  results.floors.rates_per_us = {{slices, 300}};
+  results.floors.passes[Way::plain] = {{"ray_casting", {{slices, 900'000'000}}, 3000}};
+  results.floors.passes[Way::fast] = {{"ray_casting", {{slices, 9'000'000}}, 30}};
   return results;
 }
 

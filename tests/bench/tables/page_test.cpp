@@ -65,6 +65,9 @@ TEST(Tables, TheReportHasTheNamesThatOthersRead) {
   EXPECT_TRUE(report.at("tables").at(1).at("exponent_of_side").at("fast").is_number());
   EXPECT_TRUE(report.at("tables").at(2).at("rows").at(0).at("fast_ray_ms").is_number());
   EXPECT_GT(report.at("arrival").at("fast").at("times_acquisition").get<double>(), 0);
+  const auto& floor = report.at("floor").at("fast").at(0);
+  EXPECT_EQ(floor.at("name"), "ray_casting");
+  EXPECT_EQ(floor.at("fetches").at("sampler2DArray rg16 linear"), 9'000'000);
   EXPECT_EQ(report.at("run").at("note"), "a note");
 }
 
@@ -77,6 +80,8 @@ TEST(Tables, ThePageSaysWhatWasRun) {
                            "### Table IV",
                            "to the power",
                            "### What arrives",
+                           "| fast | ray_casting | 9.00 | 30.0 |",
+                           "| sampler2DArray rg16 linear | 300 | 900.00 | 9.00 |",
                            "A note.",
                            "GL: egl"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;

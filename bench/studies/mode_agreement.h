@@ -1,0 +1,67 @@
+// Mode fast's picture against mode plain's.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hw/polar_volume.h"
+#include "render/gl_context.h"
+#include "render/image.h"
+#include "render/options.h"
+
+namespace wobblebench::bench {
+
+/// How two depth pictures of one volume differ; lengths in steps of the ray.
+///
+/// A pixel has changed where only one picture found a surface, or each found another one: where
+/// Difference meets the threshold within rounding, it may fire here and wait for the next edge
+/// there, which no arithmetic of finite precision avoids.
+struct DepthAgreement {
+  std::int64_t pixels = 0;
+  std::int64_t both_hit = 0;
+  std::int64_t one_hit = 0;    ///< a surface in one of the pictures alone
+  std::int64_t elsewhere = 0;  ///< in both, more than kSameSurfaceSteps apart
+  double rms_steps = 0;        ///< over the pixels that both hit, `elsewhere` left out
+  double rms_all_steps = 0;    ///< over all that both hit
+  double worst_steps = 0;
+
+  double changed_percent() const {
+    return 100.0 * static_cast<double>(one_hit + elsewhere) / static_cast<double>(pixels);
+  }
+  /// The same picture: RMS of kMostRmsSteps at most, and kMostChangedPercent at most changed.
+  bool same() const;
+};
+
+inline constexpr double kSameSurfaceSteps = 1;
+inline constexpr double kMostRmsSteps = 0.1;
+inline constexpr double kMostChangedPercent = 0.1;
+
+/// `step_m`: render::step_m() of both. Throws std::invalid_argument for pictures of two sizes.
+DepthAgreement compare_depths(const render::Image<float>& one,
+                              const render::Image<float>& other,
+                              double step_m);
+
+struct Direction {
+  std::string name;
+  double yaw_rad = 0, pitch_rad = 0;
+};
+
+/// From the front, from both sides, from above, along the faces.
+const std::vector<Direction>& five_directions();
+
+/// One phantom seen from one direction.
+struct ModeAgreement {
+  std::string phantom;
+  Direction direction;
+  DepthAgreement depth;
+};
+
+/// Renders the volume in both modes from each of five_directions(), both with the given semantics
+/// of the 3D kernel. Throws as render::Renderer does.
+std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
+                                                  const hw::PolarVolume& volume,
+                                                  const render::RenderOptions& options,
+                                                  render::GlContext& context);
+
+}  // namespace wobblebench::bench

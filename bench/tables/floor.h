@@ -1,0 +1,38 @@
+// The floor under each pass: its fetches, at the rate at which this machine can make them.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "bench/tables/way.h"
+#include "hw/polar_volume.h"
+#include "render/fetch_kind.h"
+#include "render/gl_context.h"
+
+namespace wobblebench::bench {
+
+struct PassFloor {
+  std::string pass;
+  render::FetchCounts fetches;  ///< of one whole frame, upload included
+  double floor_ms = 0;          ///< that long would they take in a loop that does nothing else
+
+  std::int64_t total() const;
+};
+
+struct Floors {
+  std::map<render::FetchKind, double> rates_per_us;  ///< millions a second
+  std::map<Way, std::vector<PassFloor>> passes;      ///< in the renderer's order
+};
+
+/// "sampler2DArray rg16 linear".
+std::string to_string(const render::FetchKind& kind);
+
+/// Counts what one frame of each way fetches, and measures the rates of what was fetched. Throws as
+/// render::Renderer does.
+Floors measure_floors(const hw::PolarVolume& volume,
+                      const std::map<Way, render::RenderOptions>& ways,
+                      render::GlContext& context);
+
+}  // namespace wobblebench::bench

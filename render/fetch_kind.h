@@ -1,0 +1,25 @@
+// Fetches of textures, told apart by what sets their cost.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <map>
+
+#include "render/texel_format.h"
+
+namespace wobblebench::render {
+
+/// A texelFetch counts as a nearest one.
+struct FetchKind {
+  enum class Sampler { plane, volume, layers };  ///< sampler2D, sampler3D, sampler2DArray
+  Sampler sampler = Sampler::plane;
+  TexelFormat format = TexelFormat::r32f;
+  TextureFilter filter = TextureFilter::nearest;
+
+  auto operator<=>(const FetchKind&) const = default;
+};
+
+/// How many of each kind.
+using FetchCounts = std::map<FetchKind, std::int64_t>;
+
+}  // namespace wobblebench::render

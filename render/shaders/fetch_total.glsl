@@ -1,0 +1,6 @@
+// Put behind a shader whose fetches are counted.
+#undef main
+void main() {
+  counted_main();
+  fetch_counts = vec4(fetches, 0.0);
+}

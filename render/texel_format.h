@@ -1,0 +1,9 @@
+// What a texture holds, and how it is read.
+#pragma once
+
+namespace wobblebench::render {
+
+enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgb32f, rgba32f };
+enum class TextureFilter { nearest, linear };
+
+}  // namespace wobblebench::render
