@@ -9,10 +9,14 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kPolarTable, kFrames, kPixels, kNormaliser };
+enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
 
-/// Pairs of frames on their way at once: enough to hide what a draw costs besides its pixels.
-constexpr int kBatch = 16;
+/// Slices of a group, one in each channel of a texel, and the pairs of neighbours among them.
+constexpr int kSlices = 4;
+constexpr int kPairs = kSlices - 1;
+
+/// Groups on their way at once: enough to hide what a draw costs besides its pixels.
+constexpr int kBatch = 6;
 
 Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
   const int size = geometry.slice_size();
@@ -76,18 +80,16 @@ SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& optio
                      slice_pair_format(options.scan_conversion.format),
                      {region_.columns, region_.rows, pairs, true},
                      TextureFilter::linear);
-  target_ = Framebuffer::of_all_layers({&texture_});
 }
 
 FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
                                      const hw::AcquisitionPlan& plan,
                                      const RenderOptions& options)
-    : frames_(geometry.frames()),
-      frame_texture_(plan, options.scan_conversion.format, std::min(geometry.frames(), kBatch)) {
+    : frames_(geometry.frames()), frame_texture_(plan, options.scan_conversion.format, kBatch) {
   std::vector<double> weights = slice_weights(options);
   // Even where pixels are left alone, those next to the sector take their neighbours' mean.
-  const bool lone_tap = weights.size() == 1;
-  if (lone_tap) weights.assign(3, 1.0 / 3);
+  lone_tap_ = weights.size() == 1;
+  if (lone_tap_) weights.assign(3, 1.0 / 3);
   border_ = static_cast<int>(weights.size()) / 2;
   const Region region = with_border(pixels_that_rays_read(geometry, options), border_);
   const std::vector<float> table = make_polar_table(geometry, region);
@@ -96,75 +98,92 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
       Texture("scan-conversion LUT", TexelFormat::rgb32f, pixels, TextureFilter::nearest);
   polar_table_.upload(table);
   normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
-  normaliser_.upload(normalisers(table, region, weights, lone_tap));
-  const Extent batch = {region.columns, region.rows, std::min(frames_, kBatch), true};
-  unfiltered_ = Texture("unfiltered slices", TexelFormat::rg32f, batch, TextureFilter::nearest);
-  rows_ = Texture("slices filtered along rows",
-                  lone_tap ? TexelFormat::rgba32f : TexelFormat::rg32f,
-                  batch,
-                  TextureFilter::nearest);
+  normaliser_.upload(normalisers(table, region, weights, lone_tap_));
+  const Extent batch = {region.columns, region.rows, kBatch, true};
+  unfiltered_ = Texture("unfiltered slices", TexelFormat::rgba32f, batch, TextureFilter::nearest);
+  rows_ =
+      Texture("slices filtered along rows", TexelFormat::rgba32f, batch, TextureFilter::nearest);
   unfiltered_target_ = Framebuffer::of_all_layers({&unfiltered_});
   rows_target_ = Framebuffer::of_all_layers({&rows_});
-  make_programs(weights, lone_tap);
+  make_programs(weights);
   check_gl("scan conversion: setting up");
 }
 
-void FastScanConverter::make_programs(const std::vector<double>& weights, bool lone_tap) {
-  scan_convert_ =
-      FragmentProgram({"scan_convert_layers.frag.glsl"},
-                      Defines().add("BIND_POLAR_TABLE", kPolarTable).add("BIND_FRAMES", kFrames),
-                      FragmentProgram::Layers::several);
-  const auto filter = [&](bool last_axis, int border) {
-    FragmentProgram program({"slice_filter_axis.frag.glsl"},
-                            Defines()
-                                .add("BIND_PIXELS", kPixels)
-                                .add("BIND_NORMALISER", kNormaliser)
-                                .add("TAPS", static_cast<int>(weights.size()))
-                                .add("LONE_TAP", lone_tap)
-                                .add("LAST_AXIS", last_axis),
-                            FragmentProgram::Layers::several);
-    program.set("weights", weights).set("border", glm::dvec2(border));
-    return program;
-  };
-  along_rows_ = filter(false, 0);
-  along_columns_ = filter(true, border_);
+void FastScanConverter::make_programs(const std::vector<double>& weights) {
+  const Defines defines = Defines()
+                              .add("BIND_POLAR_TABLE", kPolarTable)
+                              .add("BIND_FRAMES", kFrames)
+                              .add("BIND_PIXELS", kPixels)
+                              .add("BIND_ROWS", kRows)
+                              .add("BIND_NORMALISER", kNormaliser)
+                              .add("TAPS", static_cast<int>(weights.size()))
+                              .add("LONE_TAP", lone_tap_);
+  const auto several = FragmentProgram::Layers::several;
+  scan_convert_ = FragmentProgram({"scan_convert_layers.frag.glsl"}, defines, several);
+  along_rows_ = FragmentProgram({"slice_rows.frag.glsl"}, defines, several);
+  along_rows_.set("weights", weights);
+  along_columns_ = FragmentProgram({"slice_columns.frag.glsl"}, defines);
+  along_columns_.set("weights", weights).set("border", static_cast<double>(border_));
+}
+
+std::vector<FastScanConverter::Group> FastScanConverter::groups_of(const std::vector<int>& layers) {
+  std::vector<Group> groups;
+  for (const int layer : layers) {
+    const bool next = !groups.empty() && groups.back().count < kPairs &&
+                      groups.back().first + groups.back().count == layer;
+    if (next) {
+      ++groups.back().count;
+    } else {
+      groups.push_back({layer, 1});
+    }
+  }
+  return groups;
 }
 
 void FastScanConverter::convert(const std::vector<int>& layers,
                                 FrameStore& store,
                                 const SlicePairs& slices) {
-  const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
-  const Region region = {0, 0, slices.region().columns, slices.region().rows};
-  for (std::size_t first = 0; first < layers.size(); first += kBatch) {
-    const auto begin = layers.begin() + static_cast<std::ptrdiff_t>(first);
-    const std::vector<int> batch(begin, std::min(begin + kBatch, layers.end()));
-    upload(batch, store);
-    std::vector<LayerPair> same, to_slices;
-    for (int item = 0; item < static_cast<int>(batch.size()); ++item) {
-      same.push_back({item, item});
-      to_slices.push_back({item, batch[static_cast<std::size_t>(item)]});
-    }
-    scan_convert_.draw_layers(unfiltered_target_,
-                              {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
-                              bordered,
-                              same);
-    along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
-    along_columns_.draw_layers(
-        slices.target(), {{kPixels, &rows_}, {kNormaliser, &normaliser_}}, region, to_slices);
+  const std::vector<Group> groups = groups_of(layers);
+  for (std::size_t first = 0; first < groups.size(); first += kBatch) {
+    const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto count = std::min<std::size_t>(kBatch, groups.size() - first);
+    convert_batch({begin, begin + static_cast<std::ptrdiff_t>(count)}, store, slices);
   }
   check_gl("scan conversion");
 }
 
-void FastScanConverter::upload(const std::vector<int>& layers, FrameStore& store) {
-  for (std::size_t item = 0; item < layers.size(); ++item) {
-    for (int side : {0, 1}) {
-      const std::vector<float>& samples = store.mixed(std::min(layers[item] + side, frames_ - 1));
-      pair_.resize(2 * samples.size());
+void FastScanConverter::convert_batch(const std::vector<Group>& batch,
+                                      FrameStore& store,
+                                      const SlicePairs& slices) {
+  upload(batch, store);
+  const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
+  std::vector<LayerPair> same;
+  for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
+    same.push_back({group, group});
+  }
+  scan_convert_.draw_layers(unfiltered_target_,
+                            {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
+                            bordered,
+                            same);
+  along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
+  for (std::size_t group = 0; group < batch.size(); ++group) {
+    along_columns_.set("group", static_cast<double>(group))
+        .draw(Framebuffer::of_layers(slices.texture(), batch[group].first, batch[group].count),
+              {{kRows, &rows_}, {kPixels, &unfiltered_}, {kNormaliser, &normaliser_}});
+  }
+}
+
+void FastScanConverter::upload(const std::vector<Group>& batch, FrameStore& store) {
+  for (std::size_t group = 0; group < batch.size(); ++group) {
+    for (int slice = 0; slice <= batch[group].count; ++slice) {
+      const std::vector<float>& samples =
+          store.mixed(std::min(batch[group].first + slice, frames_ - 1));
+      group_.resize(kSlices * samples.size());
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        pair_[2 * i + static_cast<std::size_t>(side)] = samples[i];
+        group_[kSlices * i + static_cast<std::size_t>(slice)] = samples[i];
       }
     }
-    frame_texture_.upload_pair(static_cast<int>(item), pair_);
+    frame_texture_.upload_group(static_cast<int>(group), group_);
   }
 }
 

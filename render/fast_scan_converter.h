@@ -1,4 +1,4 @@
-// Pass 1, mode fast: several pairs of frames at once, and only what rays read.
+// Pass 1, mode fast: four frames in each texel, and only what rays read.
 #pragma once
 
 #include <vector>
@@ -20,14 +20,12 @@ class SlicePairs {
   SlicePairs(const SliceGeometry& geometry, const RenderOptions& options);
 
   const Texture& texture() const { return texture_; }
-  const Framebuffer& target() const { return target_; }
   /// The pixels of a slice that there are.
   const Region& region() const { return region_; }
 
  private:
   Region region_;
   Texture texture_;
-  Framebuffer target_;
 };
 
 /// Scan conversion, then the filter within a slice (slice_weights()), one axis after the other.
@@ -37,16 +35,24 @@ class FastScanConverter {
                     const hw::AcquisitionPlan& plan,
                     const RenderOptions& options);
 
-  /// Makes these layers: slices k and k + 1 of each. A pair of frames costs a CPU hardly more than
-  /// one of them.
+  /// Makes these layers, ascending: slices k and k + 1 of each. Four slices, so three layers, cost
+  /// a CPU hardly more than one.
   void convert(const std::vector<int>& layers, FrameStore& store, const SlicePairs& slices);
 
  private:
-  void upload(const std::vector<int>& layers, FrameStore& store);
-  void make_programs(const std::vector<double>& weights, bool lone_tap);
+  /// Neighbouring layers that are made together.
+  struct Group {
+    int first = 0;
+    int count = 0;
+  };
+  static std::vector<Group> groups_of(const std::vector<int>& layers);
+  void convert_batch(const std::vector<Group>& batch, FrameStore& store, const SlicePairs& slices);
+  void upload(const std::vector<Group>& batch, FrameStore& store);
+  void make_programs(const std::vector<double>& weights);
 
   int frames_;
-  std::vector<float> pair_;
+  bool lone_tap_ = false;  ///< pixels that hold data are not filtered
+  std::vector<float> group_;
   int border_;  ///< pixels around the region that the filter reads
   FrameTexture frame_texture_;
   Texture polar_table_, normaliser_, unfiltered_, rows_;

@@ -38,12 +38,12 @@ FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format
                      TextureFilter::nearest);
 }
 
-FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int pairs)
+FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int groups)
     : in_floats_(format == TextureFormat::r32f) {
   const hw::AcquisitionOptions& acquisition = plan.acquisition();
-  texture_ = Texture("pairs of polar frames",
-                     in_floats_ ? TexelFormat::rg32f : TexelFormat::rg16,
-                     {acquisition.samples_per_stick, acquisition.sticks_per_frame, pairs, true},
+  texture_ = Texture("groups of polar frames",
+                     in_floats_ ? TexelFormat::rgba32f : TexelFormat::rgba16,
+                     {acquisition.samples_per_stick, acquisition.sticks_per_frame, groups, true},
                      TextureFilter::linear);
 }
 
@@ -61,9 +61,9 @@ void FrameTexture::upload(const std::vector<float>& samples) {
   in_floats_ ? texture_.upload(samples) : texture_.upload(fixed_point(samples));
 }
 
-void FrameTexture::upload_pair(int pair, const std::vector<float>& samples) {
-  in_floats_ ? texture_.upload_layer(pair, samples)
-             : texture_.upload_layer(pair, fixed_point(samples));
+void FrameTexture::upload_group(int group, const std::vector<float>& samples) {
+  in_floats_ ? texture_.upload_layer(group, samples)
+             : texture_.upload_layer(group, fixed_point(samples));
 }
 
 }  // namespace wobblebench::render

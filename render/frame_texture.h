@@ -14,19 +14,19 @@ namespace wobblebench::render {
 TexelFormat slice_format(TextureFormat format);
 TexelFormat slice_pair_format(TextureFormat format);
 
-/// A frame (samples x lines) or a batch of pairs of frames, in 16 bits, or as floats where slices
-/// are: sticks lose nothing on their way up that slices would keep.
+/// A frame (samples x lines) or a batch of groups of four frames, in 16 bits, or as floats where
+/// slices are: sticks lose nothing on their way up that slices would keep.
 class FrameTexture {
  public:
   /// One frame.
   FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format);
-  /// An array of pairs, for linear fetches.
-  FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int pairs);
+  /// An array of groups, for linear fetches.
+  FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int groups);
 
   /// Samples in [0, 1], stick after stick.
   void upload(const std::vector<float>& samples);
-  /// Those of two frames in turn.
-  void upload_pair(int pair, const std::vector<float>& samples);
+  /// Those of four frames in turn.
+  void upload_group(int group, const std::vector<float>& samples);
 
   const Texture& texture() const { return texture_; }
 

@@ -29,6 +29,8 @@ FormatInfo info(TexelFormat format) {
       return {GL_RG16, GL_RG, 2, 4};
     case TexelFormat::rg32f:
       return {GL_RG32F, GL_RG, 2, 8};
+    case TexelFormat::rgba16:
+      return {GL_RGBA16, GL_RGBA, 4, 8};
     case TexelFormat::rgb32f:
       return {GL_RGB32F, GL_RGB, 3, 12};
     case TexelFormat::rgba32f:
@@ -254,13 +256,16 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
   finish((*attachments.begin())->extent(), static_cast<int>(attachments.size()));
 }
 
-Framebuffer Framebuffer::of_layer(const Texture& texture, int layer) {
+Framebuffer Framebuffer::of_layers(const Texture& texture, int first, int count) {
   GLuint id = 0;
   glCreateFramebuffers(1, &id);
   Framebuffer framebuffer;
   framebuffer.name_ = GlName<delete_framebuffer>(id);
-  glNamedFramebufferTextureLayer(id, GL_COLOR_ATTACHMENT0, texture.id(), 0, layer);
-  framebuffer.finish({texture.extent().width, texture.extent().height}, 1);
+  for (int i = 0; i < count; ++i) {
+    const GLenum slot = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
+    glNamedFramebufferTextureLayer(id, slot, texture.id(), 0, first + i);
+  }
+  framebuffer.finish({texture.extent().width, texture.extent().height}, count);
   return framebuffer;
 }
 

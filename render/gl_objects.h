@@ -104,8 +104,8 @@ class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(std::initializer_list<const Texture*> attachments);
-  /// One layer of a 3D texture.
-  static Framebuffer of_layer(const Texture& texture, int layer);
+  /// These layers of one texture, each an attachment.
+  static Framebuffer of_layers(const Texture& texture, int first, int count);
   /// All layers of 3D textures or arrays, for FragmentProgram::draw_layers.
   static Framebuffer of_all_layers(std::initializer_list<const Texture*> textures);
 

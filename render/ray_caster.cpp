@@ -16,15 +16,18 @@ constexpr int kLongestBlock = 16;
 /// Steps by which a place among the slices may lie off a straight line through half a block.
 constexpr double kStraightSteps = 0.02;
 
-/// Whether samples are taken in blocks (ray_blocks.glsl): where there is no kernel along the ray,
-/// and half a block is so short that depth and frame run nearly straight through it: a chord of
+/// Whether samples are taken in blocks (ray_blocks.glsl): where there is no kernel along the ray.
+bool in_blocks(const RayCastingOptions& o) {
+  return buffer_weights(o).size() == 1 && o.buffer_length <= kLongestBlock;
+}
+
+/// Whether half a block is so short that depth and frame run nearly straight through it: a chord of
 /// length l at a distance d from the wobble axis lies within l^2 / (8 d) of its arc. What is left
 /// beside a parabola is smaller by l / d.
-bool in_blocks(const SliceGeometry& g, const RenderOptions& options) {
-  const RayCastingOptions& o = options.ray_casting;
-  const double half_block_steps = 0.5 * o.buffer_length;
+bool is_straight(const SliceGeometry& g, const RenderOptions& options) {
+  const double half_block_steps = 0.5 * options.ray_casting.buffer_length;
   const double nearest_m = g.depth_min_m() - g.axis_z_m();
-  return buffer_weights(o).size() == 1 && o.buffer_length <= kLongestBlock && g.frames() > 1 &&
+  return g.frames() > 1 &&
          half_block_steps * half_block_steps * step_m(options) < 8 * nearest_m * kStraightSteps;
 }
 
@@ -47,7 +50,8 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("TAPS", static_cast<int>(buffer_weights(o).size()))
       .add("BUFFER", o.buffer_length)
       .add("PAIRS", is_fast(options))
-      .add("BLOCKS", in_blocks(geometry, options))
+      .add("BLOCKS", in_blocks(o))
+      .add("STRAIGHT", is_straight(geometry, options))
       .add("LEAPS", leaps)
       .add("DETECT", o.mode != RenderMode::volume)
       .add("BLEND", o.mode != RenderMode::surface)

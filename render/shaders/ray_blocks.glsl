@@ -14,17 +14,24 @@ bool look_at_block(inout March march, int begin, int count) {
   const int half_buffer = BUFFER / 2;
   float newer[BUFFER];
   bool inside[BUFFER];
-  // Places among the slices run along a parabola through the block's ends and middle: RayCaster
-  // checks that they are straight enough for that.
+#if STRAIGHT
+  // Places among the slices run along a parabola through the block's ends and middle.
   float phi;
   vec3 first = slice_coordinates(place_of(march, begin), phi);
   vec3 middle = slice_coordinates(place_of(march, begin + half_buffer), phi);
   vec3 last = slice_coordinates(place_of(march, begin + BUFFER), phi);
+#endif
   for (int j = 0; j < BUFFER; ++j) {
+#if STRAIGHT
     float share = float(j) / float(BUFFER);
     vec3 at = (1.0 - share) * (1.0 - 2.0 * share) * first +
               4.0 * share * (1.0 - share) * middle + share * (2.0 * share - 1.0) * last;
     inside[j] = in_sector(at) && in_fan(at.z, 0.0);
+#else
+    bool in_cone;
+    vec3 at = slice_place(place_of(march, begin + j), in_cone);
+    inside[j] = in_cone;
+#endif
     newer[j] = fetch_slices(at);
   }
   bool ended = false;
