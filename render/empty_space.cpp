@@ -29,25 +29,21 @@ EmptySpace::EmptySpace(QuietCells cells) : cells_(std::move(cells)) {
   const std::string what = "bounds of cells";
   values_and_x_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
   depth_and_frame_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
-  target_ = Framebuffer::of_all_layers({&values_and_x_, &depth_and_frame_});
   unread_.assign(static_cast<std::size_t>(l.intervals), false);
   bound_ = FragmentProgram({"cell_bounds.frag.glsl"},
-                           Defines().add("BIND_SLICES", kSlices).add("CELL", l.cell_pixels),
-                           FragmentProgram::Layers::several);
+                           Defines().add("BIND_SLICES", kSlices).add("CELL", l.cell_pixels));
 }
 
-void EmptySpace::bound(const SlicePairs& slices, const std::vector<int>& layers) {
+void EmptySpace::bound(const Texture& slices, int index, const LayerGroup& layers) {
   if (!cells_.can_leap()) return;
-  std::vector<LayerPair> touched;
-  for (int layer : layers) {
-    touched.push_back({layer, layer});
+  std::vector<Framebuffer::Layer> targets;
+  for (int layer = layers.first; layer < layers.first + layers.count; ++layer) {
     unread_.at(static_cast<std::size_t>(layer)) = true;
+    targets.push_back({&values_and_x_, layer});
+    targets.push_back({&depth_and_frame_, layer});
   }
-  const CellLattice& l = cells_.lattice();
-  // Nearest fetches by texture coordinates cost a CPU less than texelFetch does.
-  slices.texture().set_filter(TextureFilter::nearest);
-  bound_.draw_layers(target_, {{kSlices, &slices.texture()}}, {0, 0, l.columns, l.rows}, touched);
-  slices.texture().set_filter(TextureFilter::linear);
+  bound_.set("group", static_cast<double>(index))
+      .draw(Framebuffer::of_layers(targets), {{kSlices, &slices}});
   changed_ = true;
 }
 

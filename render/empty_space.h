@@ -15,8 +15,8 @@ class EmptySpace {
  public:
   explicit EmptySpace(QuietCells cells);
 
-  /// These pairs of slices have changed.
-  void bound(const SlicePairs& slices, const std::vector<int>& layers);
+  /// These pairs of slices have changed: see GroupDone.
+  void bound(const Texture& slices, int index, const LayerGroup& layers);
   void look(const RenderOptions& options);
 
   /// Distances in cells over 255; columns, rows and intervals of the lattice.
@@ -27,7 +27,6 @@ class EmptySpace {
  private:
   QuietCells cells_;
   Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, a layer for each interval
-  Framebuffer target_;
   Texture distances_;
   FragmentProgram bound_;
   std::vector<bool> unread_;  ///< bounds that `cells_` has not, for each interval

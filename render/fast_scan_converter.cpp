@@ -70,6 +70,29 @@ std::vector<float> normalisers(const std::vector<float>& polar_table,
   return inverse;
 }
 
+std::vector<LayerGroup> groups_of(const std::vector<int>& layers) {
+  std::vector<LayerGroup> groups;
+  for (const int layer : layers) {
+    const bool next = !groups.empty() && groups.back().count < kPairs &&
+                      groups.back().first + groups.back().count == layer;
+    if (next) {
+      ++groups.back().count;
+    } else {
+      groups.push_back({layer, 1});
+    }
+  }
+  return groups;
+}
+
+/// All four slices, then their pairs.
+Framebuffer target_of(const LayerGroup& group,
+                      const SlicePairs& slices,
+                      const Framebuffer::Layer& filtered) {
+  std::vector<Framebuffer::Layer> layers = {filtered};
+  for (int i = 0; i < group.count; ++i) layers.push_back({&slices.texture(), group.first + i});
+  return Framebuffer::of_layers(layers);
+}
+
 }  // namespace
 
 SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& options)
@@ -105,6 +128,11 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
       Texture("slices filtered along rows", TexelFormat::rgba32f, batch, TextureFilter::nearest);
   unfiltered_target_ = Framebuffer::of_all_layers({&unfiltered_});
   rows_target_ = Framebuffer::of_all_layers({&rows_});
+  const Region inner = pixels_that_rays_read(geometry, options);
+  filtered_ = Texture("groups of slices",
+                      slice_group_format(options.scan_conversion.format),
+                      {inner.columns, inner.rows, kBatch, true},
+                      TextureFilter::nearest);
   make_programs(weights);
   check_gl("scan conversion: setting up");
 }
@@ -126,33 +154,24 @@ void FastScanConverter::make_programs(const std::vector<double>& weights) {
   along_columns_.set("weights", weights).set("border", static_cast<double>(border_));
 }
 
-std::vector<FastScanConverter::Group> FastScanConverter::groups_of(const std::vector<int>& layers) {
-  std::vector<Group> groups;
-  for (const int layer : layers) {
-    const bool next = !groups.empty() && groups.back().count < kPairs &&
-                      groups.back().first + groups.back().count == layer;
-    if (next) {
-      ++groups.back().count;
-    } else {
-      groups.push_back({layer, 1});
-    }
-  }
-  return groups;
-}
-
 void FastScanConverter::convert(const std::vector<int>& layers,
                                 FrameStore& store,
-                                const SlicePairs& slices) {
-  const std::vector<Group> groups = groups_of(layers);
+                                const SlicePairs& slices,
+                                const GroupDone& done) {
+  const std::vector<LayerGroup> groups = groups_of(layers);
   for (std::size_t first = 0; first < groups.size(); first += kBatch) {
     const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto count = std::min<std::size_t>(kBatch, groups.size() - first);
-    convert_batch({begin, begin + static_cast<std::ptrdiff_t>(count)}, store, slices);
+    const std::vector<LayerGroup> batch(
+        begin, groups.end() - begin > kBatch ? begin + kBatch : groups.end());
+    convert_batch(batch, store, slices);
+    for (int i = 0; i < static_cast<int>(batch.size()); ++i) {
+      done(filtered_, i, batch[static_cast<std::size_t>(i)]);
+    }
   }
   check_gl("scan conversion");
 }
 
-void FastScanConverter::convert_batch(const std::vector<Group>& batch,
+void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
                                       FrameStore& store,
                                       const SlicePairs& slices) {
   upload(batch, store);
@@ -166,14 +185,14 @@ void FastScanConverter::convert_batch(const std::vector<Group>& batch,
                             bordered,
                             same);
   along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
-  for (std::size_t group = 0; group < batch.size(); ++group) {
+  for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     along_columns_.set("group", static_cast<double>(group))
-        .draw(Framebuffer::of_layers(slices.texture(), batch[group].first, batch[group].count),
+        .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&filtered_, group}),
               {{kRows, &rows_}, {kPixels, &unfiltered_}, {kNormaliser, &normaliser_}});
   }
 }
 
-void FastScanConverter::upload(const std::vector<Group>& batch, FrameStore& store) {
+void FastScanConverter::upload(const std::vector<LayerGroup>& batch, FrameStore& store) {
   for (std::size_t group = 0; group < batch.size(); ++group) {
     for (int slice = 0; slice <= batch[group].count; ++slice) {
       const std::vector<float>& samples =

@@ -1,6 +1,7 @@
 // Pass 1, mode fast: four frames in each texel, and only what rays read.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "render/frame_store.h"
@@ -28,6 +29,16 @@ class SlicePairs {
   Texture texture_;
 };
 
+/// Neighbouring layers that are made together, out of one slice more.
+struct LayerGroup {
+  int first = 0;
+  int count = 0;
+};
+
+/// Told of groups that are done: `slices` has those of one in the four channels of its layer
+/// `index`, in the pixels and the format of SlicePairs.
+using GroupDone = std::function<void(const Texture& slices, int index, const LayerGroup& layers)>;
+
 /// Scan conversion, then the filter within a slice (slice_weights()), one axis after the other.
 class FastScanConverter {
  public:
@@ -37,17 +48,16 @@ class FastScanConverter {
 
   /// Makes these layers, ascending: slices k and k + 1 of each. Four slices, so three layers, cost
   /// a CPU hardly more than one.
-  void convert(const std::vector<int>& layers, FrameStore& store, const SlicePairs& slices);
+  void convert(const std::vector<int>& layers,
+               FrameStore& store,
+               const SlicePairs& slices,
+               const GroupDone& done);
 
  private:
-  /// Neighbouring layers that are made together.
-  struct Group {
-    int first = 0;
-    int count = 0;
-  };
-  static std::vector<Group> groups_of(const std::vector<int>& layers);
-  void convert_batch(const std::vector<Group>& batch, FrameStore& store, const SlicePairs& slices);
-  void upload(const std::vector<Group>& batch, FrameStore& store);
+  void convert_batch(const std::vector<LayerGroup>& batch,
+                     FrameStore& store,
+                     const SlicePairs& slices);
+  void upload(const std::vector<LayerGroup>& batch, FrameStore& store);
   void make_programs(const std::vector<double>& weights);
 
   int frames_;
@@ -55,7 +65,7 @@ class FastScanConverter {
   std::vector<float> group_;
   int border_;  ///< pixels around the region that the filter reads
   FrameTexture frame_texture_;
-  Texture polar_table_, normaliser_, unfiltered_, rows_;
+  Texture polar_table_, normaliser_, unfiltered_, rows_, filtered_;
   Framebuffer unfiltered_target_, rows_target_;
   FragmentProgram scan_convert_, along_rows_, along_columns_;
 };

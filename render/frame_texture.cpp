@@ -29,6 +29,18 @@ TexelFormat slice_pair_format(TextureFormat format) {
   throw std::logic_error("TextureFormat: no such format");
 }
 
+TexelFormat slice_group_format(TextureFormat format) {
+  switch (format) {
+    case TextureFormat::r8:
+      return TexelFormat::rgba8;
+    case TextureFormat::r16:
+      return TexelFormat::rgba16;
+    case TextureFormat::r32f:
+      return TexelFormat::rgba32f;
+  }
+  throw std::logic_error("TextureFormat: no such format");
+}
+
 FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format)
     : in_floats_(format == TextureFormat::r32f) {
   const hw::AcquisitionOptions& acquisition = plan.acquisition();

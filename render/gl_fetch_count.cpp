@@ -17,7 +17,7 @@ namespace {
 FetchCounter* living = nullptr;
 
 /// Colour attachment for the counts: behind those of any pass.
-constexpr int kSlot = 3;
+constexpr int kSlot = 7;
 
 }  // namespace
 

@@ -29,6 +29,8 @@ FormatInfo info(TexelFormat format) {
       return {GL_RG16, GL_RG, 2, 4};
     case TexelFormat::rg32f:
       return {GL_RG32F, GL_RG, 2, 8};
+    case TexelFormat::rgba8:
+      return {GL_RGBA8, GL_RGBA, 4, 4};
     case TexelFormat::rgba16:
       return {GL_RGBA16, GL_RGBA, 4, 8};
     case TexelFormat::rgb32f:
@@ -256,16 +258,17 @@ Framebuffer::Framebuffer(std::initializer_list<const Texture*> attachments) {
   finish((*attachments.begin())->extent(), static_cast<int>(attachments.size()));
 }
 
-Framebuffer Framebuffer::of_layers(const Texture& texture, int first, int count) {
+Framebuffer Framebuffer::of_layers(const std::vector<Layer>& layers) {
   GLuint id = 0;
   glCreateFramebuffers(1, &id);
   Framebuffer framebuffer;
   framebuffer.name_ = GlName<delete_framebuffer>(id);
-  for (int i = 0; i < count; ++i) {
-    const GLenum slot = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
-    glNamedFramebufferTextureLayer(id, slot, texture.id(), 0, first + i);
+  GLenum slot = GL_COLOR_ATTACHMENT0;
+  for (const Layer& layer : layers) {
+    glNamedFramebufferTextureLayer(id, slot++, layer.texture->id(), 0, layer.index);
   }
-  framebuffer.finish({texture.extent().width, texture.extent().height}, count);
+  const Extent& extent = layers.front().texture->extent();
+  framebuffer.finish({extent.width, extent.height}, static_cast<int>(layers.size()));
   return framebuffer;
 }
 

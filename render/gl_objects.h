@@ -104,8 +104,12 @@ class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(std::initializer_list<const Texture*> attachments);
-  /// These layers of one texture, each an attachment.
-  static Framebuffer of_layers(const Texture& texture, int first, int count);
+  /// Single layers of 3D textures or arrays, one an attachment.
+  struct Layer {
+    const Texture* texture = nullptr;
+    int index = 0;
+  };
+  static Framebuffer of_layers(const std::vector<Layer>& layers);
   /// All layers of 3D textures or arrays, for FragmentProgram::draw_layers.
   static Framebuffer of_all_layers(std::initializer_list<const Texture*> textures);
 

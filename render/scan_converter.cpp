@@ -27,7 +27,7 @@ Slices::Slices(const SliceGeometry& geometry, const ScanConversionOptions& optio
                      {size, size, frames},
                      TextureFilter::linear);
   for (int frame = 0; frame < frames; ++frame) {
-    layers_.push_back(Framebuffer::of_layers(texture_, frame, 1));
+    layers_.push_back(Framebuffer::of_layers({{&texture_, frame}}));
   }
 }
 

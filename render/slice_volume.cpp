@@ -39,8 +39,10 @@ class FastVolume : public SliceVolume {
         empty_space_(QuietCells(plan, geometry, options, slices_.region())) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
-    converter_.convert(layers, store, slices_);
-    empty_space_.bound(slices_, layers);
+    converter_.convert(
+        layers, store, slices_, [this](const Texture& group, int index, const LayerGroup& made) {
+          empty_space_.bound(group, index, made);
+        });
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override { return slices_.region(); }

@@ -3,7 +3,7 @@
 
 namespace wobblebench::render {
 
-enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgba16, rgb32f, rgba32f };
+enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgba8, rgba16, rgb32f, rgba32f };
 enum class TextureFilter { nearest, linear };
 
 }  // namespace wobblebench::render

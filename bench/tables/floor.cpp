@@ -31,7 +31,7 @@ std::int64_t PassFloor::total() const {
 std::string to_string(const render::FetchKind& kind) {
   constexpr std::array kSamplers = {"sampler2D", "sampler3D", "sampler2DArray"};
   constexpr std::array kFormats = {
-      "r8", "r16", "r32f", "rg8", "rg16", "rg32f", "rgba16", "rgb32f", "rgba32f"};
+      "r8", "r16", "r32f", "rg8", "rg16", "rg32f", "rgba8", "rgba16", "rgb32f", "rgba32f"};
   constexpr std::array kFilters = {"nearest", "linear"};
   return std::string(kSamplers.at(static_cast<std::size_t>(kind.sampler))) + " " +
          kFormats.at(static_cast<std::size_t>(kind.format)) + " " +

@@ -1,24 +1,30 @@
-// Bounds of what a cell between two frames holds (render/quiet_cells.h): its pixels, those that a
-// fetch in it reads besides, in both slices.
-layout(binding = BIND_SLICES) uniform sampler2DArray slices;  // red: a slice, green: the next
+// Bounds of what cells between two slices hold (render/quiet_cells.h): their pixels, those that a
+// fetch in them reads besides, in both slices. Of the three intervals between four slices.
+layout(binding = BIND_SLICES) uniform sampler2DArray slices;
 
-flat in int source_layer;
+uniform float group;  // layer of `slices`
 
-layout(location = 0) out vec4 values_and_x;     // least, greatest; greatest rise and fall along x
-layout(location = 1) out vec4 depth_and_frame;  // along depth, and from frame to frame
+// Of an interval: least, greatest value; greatest rise and fall along x. Then the same along depth,
+// and from frame to frame.
+layout(location = 0) out vec4 values_and_x_0;
+layout(location = 1) out vec4 depth_and_frame_0;
+layout(location = 2) out vec4 values_and_x_1;
+layout(location = 3) out vec4 depth_and_frame_1;
+layout(location = 4) out vec4 values_and_x_2;
+layout(location = 5) out vec4 depth_and_frame_2;
 
 void main() {
   vec2 size = vec2(textureSize(slices, 0).xy);
   vec2 first = float(CELL) * floor(gl_FragCoord.xy) - 0.5;  // clamped at the slices' edges
-  vec2 low = vec2(1e30), high = vec2(-1e30);
-  vec2 x_rise = vec2(0.0), x_fall = vec2(0.0), depth_rise = vec2(0.0), depth_fall = vec2(0.0);
-  float frame_rise = 0.0, frame_fall = 0.0;  // falls as negative rises, until the end
-  vec2 above[CELL + 2];
+  vec4 low = vec4(1e30), high = vec4(-1e30);
+  vec4 x_rise = vec4(0.0), x_fall = vec4(0.0), depth_rise = vec4(0.0), depth_fall = vec4(0.0);
+  vec3 frame_rise = vec3(0.0), frame_fall = vec3(0.0);  // falls as negative rises, until the end
+  vec4 above[CELL + 2];
   for (int row = 0; row < CELL + 2; ++row) {
-    vec2 before;
+    vec4 before;
     for (int column = 0; column < CELL + 2; ++column) {
       vec2 at = (first + vec2(column, row)) / size;
-      vec2 here = textureLod(slices, vec3(at, float(source_layer)), 0.0).rg;
+      vec4 here = textureLod(slices, vec3(at, group), 0.0);
       low = min(low, here);
       high = max(high, here);
       if (column > 0) {
@@ -29,14 +35,19 @@ void main() {
         depth_rise = max(depth_rise, here - above[column]);
         depth_fall = min(depth_fall, here - above[column]);
       }
-      frame_rise = max(frame_rise, here.g - here.r);
-      frame_fall = min(frame_fall, here.g - here.r);
+      frame_rise = max(frame_rise, here.yzw - here.xyz);
+      frame_fall = min(frame_fall, here.yzw - here.xyz);
       before = here;
       above[column] = here;
     }
   }
-  values_and_x = vec4(min(low.r, low.g), max(high.r, high.g), max(x_rise.r, x_rise.g),
-                      -min(x_fall.r, x_fall.g));
-  depth_and_frame = vec4(max(depth_rise.r, depth_rise.g), -min(depth_fall.r, depth_fall.g),
-                         frame_rise, -frame_fall);
+  vec3 least = min(low.xyz, low.yzw), greatest = max(high.xyz, high.yzw);
+  vec3 x_up = max(x_rise.xyz, x_rise.yzw), x_down = -min(x_fall.xyz, x_fall.yzw);
+  vec3 up = max(depth_rise.xyz, depth_rise.yzw), down = -min(depth_fall.xyz, depth_fall.yzw);
+  values_and_x_0 = vec4(least.x, greatest.x, x_up.x, x_down.x);
+  values_and_x_1 = vec4(least.y, greatest.y, x_up.y, x_down.y);
+  values_and_x_2 = vec4(least.z, greatest.z, x_up.z, x_down.z);
+  depth_and_frame_0 = vec4(up.x, down.x, frame_rise.x, -frame_fall.x);
+  depth_and_frame_1 = vec4(up.y, down.y, frame_rise.y, -frame_fall.y);
+  depth_and_frame_2 = vec4(up.z, down.z, frame_rise.z, -frame_fall.z);
 }

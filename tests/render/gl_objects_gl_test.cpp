@@ -99,7 +99,7 @@ TEST(CheckGl, NamesTheErrorAndThePlace) {
   // A layer of a 2D texture does not exist.
   const std::string error = error_of([&] {
     try {
-      Framebuffer::of_layers(texture, 7, 1);
+      Framebuffer::of_layers({{&texture, 7}});
     } catch (const std::runtime_error&) {
     }
     check_gl("attaching");
