@@ -177,7 +177,13 @@ INSTANTIATE_TEST_SUITE_P(
                  "--gl: glide not in {osmesa,egl,egl-device}"},
         BadInput{"pipeline_of_tables",
                  {"tables", "--set", "render.pipeline.mode=plain"},
-                 "render.pipeline.mode: is set by the tables themselves"}),
+                 "render.pipeline.mode: is set by the tables themselves"},
+        BadInput{"view_of_modes",
+                 {"modes", "--set", "render.view.yaw_deg=5"},
+                 "render.view.yaw_deg: is set by the comparison itself"},
+        BadInput{"modes_without_surface",
+                 {"modes", "--set", "render.ray_casting.mode=volume"},
+                 "render.ray_casting.mode = \"volume\": must be surface or both"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CommandLine, HelpIsNoError) {
@@ -273,7 +279,7 @@ TEST(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
 
 TEST(CommandLine, AGlThatCannotBeMadeFailsBeforeAnyWork) {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
-  for (const char* command : {"run", "tables"}) {
+  for (const char* command : {"run", "tables", "modes"}) {
     const ScratchFolder folder;
     const auto result = bench({command, "--gl", "egl"}, folder);
     EXPECT_EQ(result.exit_code, 1);
@@ -282,6 +288,20 @@ TEST(CommandLine, AGlThatCannotBeMadeFailsBeforeAnyWork) {
     EXPECT_FALSE(fs::exists(folder.path() / "out"));
   }
   unsetenv("__EGL_VENDOR_LIBRARY_DIRS");
+}
+
+TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
+  const ScratchFolder folder;
+  const auto result = bench(with({"modes", "--json"}, kQuick), folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder.files("out"), (Words{"modes.md", "report.json"}));
+  const auto report = nlohmann::json::parse(result.out);
+  ASSERT_EQ(report.at("modes").size(), 5u);
+  for (const auto& row : report.at("modes")) {
+    EXPECT_EQ(row.at("phantom"), "sphere");
+    EXPECT_GT(row.at("both_hit").get<int>(), 0) << row;
+    EXPECT_TRUE(row.at("same").get<bool>()) << row;
+  }
 }
 
 TEST(CommandLine, RunSaysOnWhichGlItRendered) {
