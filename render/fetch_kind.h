@@ -1,9 +1,9 @@
 // Fetches of textures, told apart by what sets their cost.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <map>
+#include <tuple>
 
 #include "render/texel_format.h"
 
@@ -16,7 +16,10 @@ struct FetchKind {
   TexelFormat format = TexelFormat::r32f;
   TextureFilter filter = TextureFilter::nearest;
 
-  auto operator<=>(const FetchKind&) const = default;
+  bool operator==(const FetchKind&) const = default;
+  bool operator<(const FetchKind& other) const {
+    return std::tie(sampler, format, filter) < std::tie(other.sampler, other.format, other.filter);
+  }
 };
 
 /// How many of each kind.
