@@ -17,16 +17,22 @@ namespace hw = wobblebench::hw;
 
 namespace {
 
-/// A file in memory, with a path.
+/// A file in memory, with a path. Written anew for each input: making and unmaking one takes longer
+/// than reading it.
 class MemoryFile {
  public:
-  MemoryFile(const void* data, std::size_t size) : file_(::memfd_create("fuzz", 0)) {
-    if (file_ < 0 || ::write(file_, data, size) != static_cast<ssize_t>(size)) std::abort();
-  }
+  MemoryFile() : file_(::memfd_create("fuzz", 0)) {}
   ~MemoryFile() { ::close(file_); }
   MemoryFile(const MemoryFile&) = delete;
   MemoryFile& operator=(const MemoryFile&) = delete;
-  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+  /// Its path, with these bytes in it alone.
+  std::string holding(const void* data, std::size_t size) {
+    const bool written =
+        ::ftruncate(file_, 0) == 0 && ::pwrite(file_, data, size, 0) == static_cast<ssize_t>(size);
+    if (!written) std::abort();
+    return "/proc/self/fd/" + std::to_string(file_);
+  }
 
  private:
   int file_;
@@ -41,8 +47,8 @@ void salvage(const std::string& path, const hw::RecordingContents& contents) {
     return;  // no configuration, or one that is not possible
   }
   if (kept.empty()) return;
-  const MemoryFile file(kept.data(), kept.size());
-  const hw::RecordingContents again = hw::inspect_recording(file.path());
+  static MemoryFile file;
+  const hw::RecordingContents again = hw::inspect_recording(file.holding(kept.data(), kept.size()));
   if (again.damaged() || again.unconfigured > 0) std::abort();
   if (again.account.delivered < contents.account.delivered) std::abort();
 }
@@ -62,12 +68,13 @@ void loop(const std::string& path) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const MemoryFile file(data, size);
+  static MemoryFile file;
+  const std::string path = file.holding(data, size);
   try {
-    const hw::RecordingContents contents = hw::inspect_recording(file.path());
+    const hw::RecordingContents contents = hw::inspect_recording(path);
     if (!contents.account.balanced()) std::abort();
-    salvage(file.path(), contents);
-    loop(file.path());
+    salvage(path, contents);
+    loop(path);
   } catch (const hw::LinkOpenError&) {
     // No recording.
   } catch (const std::runtime_error&) {
