@@ -25,8 +25,9 @@ ScattererCells::ScattererCells(double per_m3, double widest, std::uint64_t seed)
   const int more = std::clamp(static_cast<int>(std::log2(widest)), 0, kMostOctaves);
   // From the widest beam's octave to the densest; the first is as dense as the second.
   std::vector<int> divisions;
-  for (int i = 0; i <= more; ++i) divisions.push_back(kDivisions[more - std::max(i, 1)]);
-  if (more == 0) divisions = {kDivisions[0]};
+  for (int i = 0; i <= more; ++i) {
+    divisions.push_back(kDivisions[std::max(more - std::max(i, 1), 0)]);
+  }
   double in_parcel = 0;
   for (int n : divisions) in_parcel += kScatterersInCell * std::pow(n, 3);
   parcel_m = std::cbrt(in_parcel / per_m3);
