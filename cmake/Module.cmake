@@ -39,10 +39,15 @@ function(wobblebench_module name)
 endfunction()
 
 # wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib …): one GoogleTest program; each case is a CTest test.
+# A sanitizer makes some cases ten times as long.
 function(wobblebench_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS")
+  set(seconds 600)
+  if(WOBBLEBENCH_SANITIZE)
+    set(seconds 3000)
+  endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main)
   wobblebench_flags(${name})
-  gtest_discover_tests(${name} PROPERTIES TIMEOUT 600 LABELS ${name} DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(${name} PROPERTIES TIMEOUT ${seconds} LABELS ${name} DISCOVERY_TIMEOUT 60)
 endfunction()
