@@ -100,7 +100,7 @@ SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& optio
   const int pairs = std::max(geometry.frames() - 1, 1);
   texture_ = Texture("scan_conversion.slice_size = " + std::to_string(geometry.slice_size()) +
                          ", " + std::to_string(geometry.frames()) + " frames",
-                     slice_pair_format(options.scan_conversion.format),
+                     slice_formats(options.scan_conversion.format).pair,
                      {region_.columns, region_.rows, pairs, true},
                      TextureFilter::linear);
 }
@@ -130,7 +130,7 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
   rows_target_ = Framebuffer::of_all_layers({&rows_});
   const Region inner = pixels_that_rays_read(geometry, options);
   filtered_ = Texture("groups of slices",
-                      slice_group_format(options.scan_conversion.format),
+                      slice_formats(options.scan_conversion.format).group,
                       {inner.columns, inner.rows, kBatch, true},
                       TextureFilter::nearest);
   make_programs(weights);

@@ -5,38 +5,14 @@
 
 namespace wobblebench::render {
 
-TexelFormat slice_format(TextureFormat format) {
+SliceFormats slice_formats(TextureFormat format) {
   switch (format) {
     case TextureFormat::r8:
-      return TexelFormat::r8;
+      return {TexelFormat::r8, TexelFormat::rg8, TexelFormat::rgba8};
     case TextureFormat::r16:
-      return TexelFormat::r16;
+      return {TexelFormat::r16, TexelFormat::rg16, TexelFormat::rgba16};
     case TextureFormat::r32f:
-      return TexelFormat::r32f;
-  }
-  throw std::logic_error("TextureFormat: no such format");
-}
-
-TexelFormat slice_pair_format(TextureFormat format) {
-  switch (format) {
-    case TextureFormat::r8:
-      return TexelFormat::rg8;
-    case TextureFormat::r16:
-      return TexelFormat::rg16;
-    case TextureFormat::r32f:
-      return TexelFormat::rg32f;
-  }
-  throw std::logic_error("TextureFormat: no such format");
-}
-
-TexelFormat slice_group_format(TextureFormat format) {
-  switch (format) {
-    case TextureFormat::r8:
-      return TexelFormat::rgba8;
-    case TextureFormat::r16:
-      return TexelFormat::rgba16;
-    case TextureFormat::r32f:
-      return TexelFormat::rgba32f;
+      return {TexelFormat::r32f, TexelFormat::rg32f, TexelFormat::rgba32f};
   }
   throw std::logic_error("TextureFormat: no such format");
 }

@@ -10,10 +10,11 @@
 
 namespace wobblebench::render {
 
-/// Formats of slices: one a texel, two, a slice's and the next one's, or a group of four.
-TexelFormat slice_format(TextureFormat format);
-TexelFormat slice_pair_format(TextureFormat format);
-TexelFormat slice_group_format(TextureFormat format);
+/// Slices a texel: one, two neighbours, or a group of four.
+struct SliceFormats {
+  TexelFormat one, pair, group;
+};
+SliceFormats slice_formats(TextureFormat format);
 
 /// A frame (samples x lines) or a batch of groups of four frames, in 16 bits, or as floats where
 /// slices are: sticks lose nothing on their way up that slices would keep.

@@ -111,6 +111,11 @@ void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
   passes_->has_news = true;
 }
 
+void Renderer::add_volume(const hw::PolarVolume& volume) {
+  int index = 0;
+  for (const hw::PolarFrame& frame : volume.frames()) add_frame(index++, frame);
+}
+
 PassTime Renderer::update() {
   Passes& p = *passes_;
   if (!std::exchange(p.has_news, false)) return {kScanConversion, 0, 0};
@@ -164,8 +169,7 @@ Picture render_volume(GlContext& context,
                       const hw::PolarVolume& volume,
                       const RenderOptions& options) {
   Renderer renderer(context, volume.plan(), options);
-  int index = 0;
-  for (const hw::PolarFrame& frame : volume.frames()) renderer.add_frame(index++, frame);
+  renderer.add_volume(volume);
   return renderer.render();
 }
 

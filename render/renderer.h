@@ -28,6 +28,9 @@ class Renderer {
   /// std::invalid_argument for a frame of another size.
   void add_frame(int frame_index, const hw::PolarFrame& frame);
 
+  /// All frames of a volume, in their order.
+  void add_volume(const hw::PolarVolume& volume);
+
   /// Pass 1 for the frames added since the last call: makes the slices that they settle, with
   /// mid_volume all that they change. To be called as frames arrive, so that it overlaps with their
   /// acquisition; render() calls it too. Returns its cost.

@@ -23,7 +23,7 @@ Slices::Slices(const SliceGeometry& geometry, const ScanConversionOptions& optio
   const int size = options.slice_size, frames = geometry.frames();
   texture_ = Texture("scan_conversion.slice_size = " + std::to_string(size) + ", " +
                          std::to_string(frames) + " frames",
-                     slice_format(options.format),
+                     slice_formats(options.format).one,
                      {size, size, frames},
                      TextureFilter::linear);
   for (int frame = 0; frame < frames; ++frame) {

@@ -24,7 +24,8 @@ bool all_same(const Rows& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.depth.same(); });
 }
 
-/// The scene's own phantom where it names one, else those whose pictures differ most.
+/// The scene's own phantom where it names one, else four: bent, round, flat, and nothing but
+/// speckle.
 std::vector<std::string> phantoms_of(const Scene& scene) {
   if (scene.given.contains("phantom.name")) return {scene.phantom.name};
   return {"fetal_face", "sphere", "plane", "speckle_block"};

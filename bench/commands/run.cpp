@@ -49,12 +49,6 @@ ImageSimilarity against_shaded_truth(const render::Picture& picture,
   return compare_images(picture.surface, render::shade_depth(truth.depth_m, options).surface);
 }
 
-render::Picture render_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {
-  const int frames = static_cast<int>(volume.frames().size());
-  for (int frame = 0; frame < frames; ++frame) renderer.add_frame(frame, volume.frame(frame));
-  return renderer.render();
-}
-
 Json simulation_json(const SimulatedVolume& simulated, const Scene& scene) {
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
   Json left_out = Json::array();
@@ -204,8 +198,10 @@ int run_command(const CommandArguments& arguments) {
     // Likewise what the driver refuses.
     render::Renderer renderer(*context, scene.plan(), scene.render);
     auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, phantom); });
-    auto picture =
-        progress.step("render", [&] { return render_frames(renderer, acquisition.volume); });
+    auto picture = progress.step("render", [&] {
+      renderer.add_volume(acquisition.volume);
+      return renderer.render();
+    });
     std::optional<Comparison> comparison;
     if (acquisition.source == hw::Provenance::simulated) {
       comparison = compare(picture, phantom, scene, progress);

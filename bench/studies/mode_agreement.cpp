@@ -61,9 +61,7 @@ std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
     render::RenderOptions in_mode = options;
     in_mode.pipeline.mode = mode;
     auto made = std::make_unique<render::Renderer>(context, volume.plan(), in_mode);
-    for (int f = 0; f < static_cast<int>(volume.frames().size()); ++f) {
-      made->add_frame(f, volume.frame(f));
-    }
+    made->add_volume(volume);
     return made;
   };
   const auto plain = renderer(render::PipelineMode::plain);

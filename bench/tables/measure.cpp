@@ -30,9 +30,7 @@ struct Subject {
   /// Repeat -1 is not counted.
   void measure(int repeat) {
     if (repeat >= repeats) return;
-    for (int f = 0; f < static_cast<int>(volume->frames().size()); ++f) {
-      renderer->add_frame(f, volume->frame(f));
-    }
+    renderer->add_volume(*volume);
     const auto passes = renderer->render().passes;
     if (repeat >= 0) count(passes);
   }
