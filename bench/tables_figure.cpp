@@ -70,8 +70,8 @@ std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& ref
   for (const MeasuredRow& row : in_order(table, value)) {
     for (Series* series : {&paper, &plain, &fast}) series->x.push_back(row.row.*value);
     paper.y.push_back(row.paper_ratio);
-    plain.y.push_back(row.timings.at(Way::plain).ratio);
-    fast.y.push_back(row.timings.at(Way::fast).ratio);
+    plain.y.push_back(row.timings.at(Way::plain).ratio.median);
+    fast.y.push_back(row.timings.at(Way::fast).ratio.median);
   }
   return {paper, plain, fast};
 }

@@ -1,15 +1,20 @@
 #include "render/frame_store.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 namespace wobblebench::render {
 
 float clean_sample(float sample) {
-  // Comparisons are false for NaN. Infinities are no measurement either.
-  return sample > 0 && sample <= std::numeric_limits<float>::max() ? std::min(sample, 1.0f) : 0.0f;
+  // In whole numbers, in whose order positive floats lie, so that the compiler takes many at once:
+  // less than zero, infinity and NaN are beyond the greatest of them.
+  const auto bits = std::bit_cast<std::uint32_t>(sample);
+  const bool measured = bits <= std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
+  return std::bit_cast<float>(measured ? std::min(bits, std::bit_cast<std::uint32_t>(1.0f)) : 0u);
 }
 
 FrameStore::FrameStore(const hw::AcquisitionPlan& plan,

@@ -64,7 +64,7 @@ void FetchCounter::end_draw(const Framebuffer& target,
 }
 
 double fetch_rate_per_us(const FetchKind& kind) {
-  constexpr int kSide = 512, kTaps = 64, kLayers = 16, kDraws = 7;
+  constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
   const bool is_plane = kind.sampler == FetchKind::Sampler::plane;
   const bool is_array = kind.sampler == FetchKind::Sampler::layers;
   const Texture fetched(
@@ -75,7 +75,6 @@ double fetch_rate_per_us(const FetchKind& kind) {
                                 Defines()
                                     .add("SAMPLER", static_cast<int>(kind.sampler))
                                     .add("TAPS", kTaps)
-                                    .add("LAYERS", kLayers)
                                     .add("SIDE", kSide));
   double best_us = std::numeric_limits<double>::max();
   for (int draw = 0; draw < kDraws; ++draw) {

@@ -38,7 +38,7 @@ void put_row(std::ostream& text, const std::string& table, const MeasuredRow& ro
       continue;
     }
     put_spread(text, timing->second.frame_ms);
-    text << "," << timing->second.ratio;
+    text << "," << timing->second.ratio.median;
   }
   text << "," << row.speed_up() << ",";
   for (const Way way : {Way::plain, Way::fast}) {

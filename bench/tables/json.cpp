@@ -13,7 +13,8 @@ void put_timing(Json& row, Way way, const Timing& timing) {
   row[name + "_ms"] = timing.frame_ms.median;
   row[name + "_min_ms"] = timing.frame_ms.min;
   row[name + "_max_ms"] = timing.frame_ms.max;
-  row[name + "_ratio"] = timing.ratio;
+  row[name + "_ratio"] = timing.ratio.median;
+  row[name + "_ratio_quartiles"] = {timing.ratio.lower, timing.ratio.upper};
   for (const PassTiming& pass : timing.passes) {
     row[name + "_passes"].push_back({{"name", pass.name}, {"ms", pass.ms}});
   }

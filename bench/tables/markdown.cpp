@@ -22,6 +22,13 @@ std::string spread_text(const Spread& spread) {
   return ms_text(spread.min) + " – " + ms_text(spread.max);
 }
 
+/// Quartiles in brackets, where they differ.
+std::string ratio_text(const Quartiles& ratio) {
+  if (ratio.lower == ratio.upper) return fixed(ratio.median, 2);
+  return fixed(ratio.median, 2) + " (" + fixed(ratio.lower, 2) + " – " + fixed(ratio.upper, 2) +
+         ")";
+}
+
 std::string times_text(double times) {
   return fixed(times, times >= 100 ? 0 : times >= 10 ? 1 : 2) + "×";
 }
@@ -62,8 +69,8 @@ std::string times_of(const MeasuredTable& table) {
                   spread_text(fast.frame_ms),
                   times_text(row.speed_up()),
                   fixed(row.paper_ratio, 2),
-                  fixed(plain.ratio, 2),
-                  fixed(fast.ratio, 2)});
+                  ratio_text(plain.ratio),
+                  ratio_text(fast.ratio)});
   }
   return text;
 }
@@ -106,7 +113,7 @@ std::string ways_in_full(const MeasuredTable& table) {
     for (const Way way : ways) {
       const Timing& timing = row.timings.at(way);
       cells.push_back(ms_text(timing.frame_ms.median) + " (" + spread_text(timing.frame_ms) + ")");
-      cells.push_back(fixed(timing.ratio, 2));
+      cells.push_back(ratio_text(timing.ratio));
     }
     text += line(cells);
   }
@@ -213,7 +220,9 @@ std::string describe_run(const TableRun& run) {
       << run.plain_repeats << " (plain) and " << run.repeats
       << " (fast) after one uncounted, all settings in turn in each repeat; a setting that several "
          "tables share is measured once. Time: four passes, all frames, upload included, the "
-         "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9.";
+         "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same repeat: "
+         "median "
+         "and, where there are several, quartiles.";
   return text.str();
 }
 

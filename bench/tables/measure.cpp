@@ -81,8 +81,8 @@ MeasuredRow measured_row(const TableRow& row, const Table& table, const Subjects
   MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
   for (const Way way : ways_of(table)) {
     Timing timing = subjects.at(key_of(row, way)).timing();
-    const auto& reference = subjects.at(key_of(reference_row(), way)).frame_ms;
-    timing.ratio = timing.frame_ms.median / spread_of(reference).median;
+    timing.ratio = paired_ratio(subjects.at(key_of(row, way)).frame_ms,
+                                subjects.at(key_of(reference_row(), way)).frame_ms);
     measured.timings.emplace(way, std::move(timing));
   }
   return measured;

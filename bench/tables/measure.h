@@ -24,7 +24,7 @@ struct PassTiming {
 struct Timing {
   Spread frame_ms;                 ///< all four passes, all frames, upload included
   std::vector<PassTiming> passes;  ///< in the renderer's order
-  double ratio = 0;                ///< of the median to the reference row's, rendered the same way
+  Quartiles ratio;                 ///< to the reference row's in the same repeat, in the same way
 };
 
 struct MeasuredRow {

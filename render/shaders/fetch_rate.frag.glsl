@@ -1,4 +1,5 @@
-// Fetches and nothing else, as far as a shader can: for render/gl_fetch_count.h.
+// Fetches and nothing else, as far as a shader can: for render/gl_fetch_count.h. From one layer, or
+// from between two of a 3D texture: what fetches cost that find their texels at hand.
 #if SAMPLER == 0
 layout(binding = 0) uniform sampler2D fetched;
 #elif SAMPLER == 1
@@ -13,13 +14,12 @@ void main() {
   vec4 all = vec4(0.0);
   for (int tap = 0; tap < TAPS; ++tap) {
     vec2 at = (gl_FragCoord.xy + 0.37 * float(tap)) / float(SIDE);
-    float along = float(tap) / float(TAPS);
 #if SAMPLER == 0
     all += textureLod(fetched, at, 0.0);
 #elif SAMPLER == 1
-    all += textureLod(fetched, vec3(at, along), 0.0);
+    all += textureLod(fetched, vec3(at, 0.5), 0.0);
 #else
-    all += textureLod(fetched, vec3(at, floor(along * float(LAYERS))), 0.0);
+    all += textureLod(fetched, vec3(at, 0.0), 0.0);
 #endif
   }
   sum = dot(all, vec4(1.0));
