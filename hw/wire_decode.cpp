@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -42,6 +43,8 @@ std::optional<Packet> parse_stick(Bytes packet) {
   stick.time = stamp.time;
   stick.motor_angle_rad = get<double>(packet, kMotorAngleAt);
   stick.sweep_direction = get<std::int32_t>(packet, kSweepDirectionAt);
+  // The stick after it has a number, too.
+  if (stick.sequence == std::numeric_limits<std::uint64_t>::max()) return {};
   if (!std::isfinite(stick.motor_angle_rad)) return {};
   if (stick.sweep_direction != 1 && stick.sweep_direction != -1) return {};
   const bool linear = (get<std::uint32_t>(packet, kFlagsAt) & kFlagLinearEnvelope) != 0;

@@ -91,7 +91,7 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
 TEST(Wire, StickKeepsEveryBitOfItsSamples) {
   for (std::size_t samples = 1; samples <= 9; ++samples) {
     Stick stick;
-    stick.sequence = std::numeric_limits<std::uint64_t>::max();
+    stick.sequence = std::numeric_limits<std::uint64_t>::max() - 1;
     stick.index = {7, 8, 9};
     stick.time = DeviceTime(DeviceDuration::max());
     stick.motor_angle_rad = -0.25;
@@ -286,7 +286,12 @@ TEST(Wire, FieldsThatTheFormatDoesNotKnowAreDamage) {
   const struct {
     std::size_t offset, size;
     std::uint64_t value;
-  } cases[] = {{12, 4, 4}, {36, 4, 0}, {36, 4, 2}, {48, 8, 0x7FF0000000000000}, {56, 4, 3}};
+  } cases[] = {{12, 4, 4},
+               {16, 8, 0xFFFFFFFFFFFFFFFF},
+               {36, 4, 0},
+               {36, 4, 2},
+               {48, 8, 0x7FF0000000000000},
+               {56, 4, 3}};
   for (const auto& bad : cases) {
     Bytes stream = encoded(StickPacket{test_stick(plan, 0)});
     set_unsigned(stream, bad.offset, bad.size, bad.value);
