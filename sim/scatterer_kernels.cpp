@@ -1,12 +1,10 @@
 #include "sim/scatterer_kernels.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "sim/fast_math.h"
-
-#if WOBBLEBENCH_HAND_SIMD
-#include <immintrin.h>
-#endif
 
 namespace wobblebench::sim {
 
@@ -40,58 +38,6 @@ WOBBLEBENCH_INLINE BeamVector place(const TouchedHashCell& cell,
           at.z * axes.z.elevation};
 }
 
-constexpr int kLanes = kScatterersInCell;
-
-/// A cell's scatterers, seen or not.
-struct Lanes {
-  float path_m[kLanes];
-  std::int32_t entry[kLanes];
-  float amplitude[kLanes];
-  std::int32_t within[kLanes];
-};
-
-/// Writes the lanes that are within to the front of `to`, in order, and anything behind them, as
-/// far as there are lanes. Returns which, one bit each.
-using Pack = std::uint32_t (*)(const Lanes& lanes, const SeenScatterers& to);
-
-std::uint32_t pack_one_by_one(const Lanes& lanes, const SeenScatterers& to) {
-  std::uint32_t mask = 0;
-  int kept = 0;
-  for (int i = 0; i < kLanes; ++i) {
-    to.path_m[kept] = lanes.path_m[i];
-    to.entry[kept] = lanes.entry[i];
-    to.amplitude[kept] = lanes.amplitude[i];
-    kept += lanes.within[i];
-    mask |= static_cast<std::uint32_t>(lanes.within[i]) << i;
-  }
-  return mask;
-}
-
-#if WOBBLEBENCH_HAND_SIMD
-__attribute__((target("avx512f,avx512vl"))) std::uint32_t pack_at_once(const Lanes& lanes,
-                                                                       const SeenScatterers& to) {
-  static_assert(kLanes == 8);
-  const auto load = [](const auto* from) __attribute__((target("avx512f,avx512vl"))) {
-    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-  };
-  const auto store = [](auto* at, __m256i value) __attribute__((target("avx512f,avx512vl"))) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(at), value);
-  };
-  const __m256i within = load(lanes.within);
-  const __mmask8 mask = _mm256_test_epi32_mask(within, within);
-  store(to.path_m, _mm256_maskz_compress_epi32(mask, load(lanes.path_m)));
-  store(to.entry, _mm256_maskz_compress_epi32(mask, load(lanes.entry)));
-  store(to.amplitude, _mm256_maskz_compress_epi32(mask, load(lanes.amplitude)));
-  return mask;
-}
-
-const Pack pack = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0
-                      ? pack_at_once
-                      : pack_one_by_one;
-#else
-constexpr Pack pack = pack_one_by_one;
-#endif
-
 /// How far beyond the rim a place is, in squared columns or columns; negative: within.
 template <BeamRim rim>
 WOBBLEBENCH_INLINE float beyond_rim(float u, float v, float columns) {
@@ -120,65 +66,62 @@ look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, std::int32_t
           (beyond_rim<rim>(u, v, static_cast<float>(columns)) < 0.0f) & (at.axial > 0.0f)};
 }
 
-/// A cell's scatterers, all in one tissue.
+/// Cell number `c` of those in the lanes: its scatterers, all in one tissue.
 template <BeamRim rim>
 WOBBLEBENCH_INLINE void fill_even(const TouchedHashCell& cell,
                                   const BeamAtRow& beam,
                                   const HashAxes& axes,
                                   std::int32_t columns,
-                                  Lanes& lanes) {
-  for (int i = 0; i < kLanes; ++i) {
+                                  int c,
+                                  CellLanes& __restrict lanes) {
+  float* path_m = lanes.path_m + c * kScatterersInCell;
+  std::int32_t* entry = lanes.entry + c * kScatterersInCell;
+  float* amplitude = lanes.amplitude + c * kScatterersInCell;
+  std::int32_t* within = lanes.within + c * kScatterersInCell;
+  for (int i = 0; i < kScatterersInCell; ++i) {
     const CellOffset offset = scatterer_offset(cell.key, static_cast<std::uint32_t>(i));
     const Seen seen = look<rim>(place(cell, axes, offset), beam, cell.row, columns);
-    lanes.path_m[i] = seen.path_m;
-    lanes.entry[i] = seen.entry;
-    lanes.amplitude[i] = cell.amplitude;
-    lanes.within[i] = seen.within;
+    path_m[i] = seen.path_m;
+    entry[i] = seen.entry;
+    amplitude[i] = cell.amplitude;
+    within[i] = seen.within;
   }
 }
 
 template <BeamRim rim>
-WOBBLEBENCH_INLINE int see_even_within(const TouchedHashCell* cells,
-                                       int count,
-                                       const HashAxes& axes,
-                                       const Sight& sight,
-                                       const SeenScatterers& seen) {
-  int kept = 0;
-  Lanes lanes;
+WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCell* cells,
+                                   int count,
+                                   const HashAxes& axes,
+                                   const Sight& sight,
+                                   CellLanes& __restrict lanes) {
   for (int c = 0; c < count; ++c) {
-    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
-    kept += std::popcount(pack(lanes, seen.from(static_cast<std::size_t>(kept))));
+    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, c, lanes);
   }
-  return kept;
 }
 
-template <BeamRim rim>
-WOBBLEBENCH_INLINE int see_mixed_within(const TouchedHashCell* cells,
-                                        const MixedCell* const* mixed,
-                                        int count,
-                                        const HashAxes& axes,
-                                        const Sight& sight,
-                                        const SeenScatterers& seen,
-                                        SheetHit* hits,
-                                        int* hit_count) {
-  int kept = 0, hit = 0;
-  Lanes lanes;
-  for (int c = 0; c < count; ++c) {
-    const MixedCell& tissue = *mixed[c];
-    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
-    for (int i = 0; i < kLanes; ++i) {
-      lanes.amplitude[i] *= tissue.amplitude[i];
-      lanes.within[i] &= tissue.amplitude[i] > 0.0f;
-    }
-    const std::uint32_t within = pack(lanes, seen.from(static_cast<std::size_t>(kept)));
-    for (std::uint32_t left = within & tissue.in_sheet; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      hits[hit++] = {kept + std::popcount(within & ((1u << i) - 1)), c, i};
-    }
-    kept += std::popcount(within);
+WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCell* cells,
+                                 int count,
+                                 const HashAxes& axes,
+                                 const Sight& sight,
+                                 CellLanes& lanes) {
+  if (sight.rim == BeamRim::ellipse) {
+    fill_cells<BeamRim::ellipse>(cells, count, axes, sight, lanes);
+  } else {
+    fill_cells<BeamRim::diamond>(cells, count, axes, sight, lanes);
   }
-  *hit_count = hit;
-  return kept;
+}
+
+/// Gives each lane its own tissue.
+WOBBLEBENCH_SIMD void weigh_lanes(const MixedCell* const* mixed, int count, CellLanes& lanes) {
+  for (int c = 0; c < count; ++c) {
+    const float* strength = mixed[c]->amplitude;
+    float* amplitude = lanes.amplitude + c * kScatterersInCell;
+    std::int32_t* within = lanes.within + c * kScatterersInCell;
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      amplitude[i] *= strength[i];
+      within[i] &= strength[i] > 0.0f;
+    }
+  }
 }
 
 WOBBLEBENCH_INLINE float reach_at(const ReachAlong& reach, float axial) {
@@ -209,14 +152,20 @@ WOBBLEBENCH_INLINE void find_near(const HashCellCenters& centers,
 
 }  // namespace
 
-WOBBLEBENCH_SIMD int see_scatterers(const TouchedHashCell* cells,
-                                    int count,
-                                    const HashAxes& axes,
-                                    const Sight& sight,
-                                    const SeenScatterers& seen) {
-  return sight.rim == BeamRim::ellipse
-             ? see_even_within<BeamRim::ellipse>(cells, count, axes, sight, seen)
-             : see_even_within<BeamRim::diamond>(cells, count, axes, sight, seen);
+int see_scatterers(const TouchedHashCell* cells,
+                   int count,
+                   const HashAxes& axes,
+                   const Sight& sight,
+                   const SeenScatterers& seen) {
+  int kept = 0;
+  CellLanes lanes;
+  std::uint8_t which[kLaneCells];
+  for (int first = 0; first < count; first += kLaneCells) {
+    const int some = std::min(kLaneCells, count - first);
+    fill_lanes(cells + first, some, axes, sight, lanes);
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
+  }
+  return kept;
 }
 
 int see_places(const BeamPlace* places, int count, const Sight& sight, const SeenScatterers& seen) {
@@ -235,19 +184,34 @@ int see_places(const BeamPlace* places, int count, const Sight& sight, const See
   return kept;
 }
 
-WOBBLEBENCH_SIMD int see_mixed_scatterers(const TouchedHashCell* cells,
-                                          const MixedCell* const* mixed,
-                                          int count,
-                                          const HashAxes& axes,
-                                          const Sight& sight,
-                                          const SeenScatterers& seen,
-                                          SheetHit* hits,
-                                          int* hit_count) {
-  return sight.rim == BeamRim::ellipse
-             ? see_mixed_within<BeamRim::ellipse>(
-                   cells, mixed, count, axes, sight, seen, hits, hit_count)
-             : see_mixed_within<BeamRim::diamond>(
-                   cells, mixed, count, axes, sight, seen, hits, hit_count);
+int see_mixed_scatterers(const TouchedHashCell* cells,
+                         const MixedCell* const* mixed,
+                         int count,
+                         const HashAxes& axes,
+                         const Sight& sight,
+                         const SeenScatterers& seen,
+                         SheetHit* hits,
+                         int* hit_count) {
+  int kept = 0, hit = 0;
+  CellLanes lanes;
+  std::uint8_t which[kLaneCells];
+  for (int first = 0; first < count; first += kLaneCells) {
+    const int some = std::min(kLaneCells, count - first);
+    fill_lanes(cells + first, some, axes, sight, lanes);
+    weigh_lanes(mixed + first, some, lanes);
+    int at = kept;
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
+    for (int c = 0; c < some; ++c) {
+      const std::uint32_t within = which[c];
+      for (std::uint32_t left = within & mixed[first + c]->in_sheet; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        hits[hit++] = {at + std::popcount(within & ((1u << i) - 1)), first + c, i};
+      }
+      at += std::popcount(within);
+    }
+  }
+  *hit_count = hit;
+  return kept;
 }
 
 WOBBLEBENCH_SIMD void find_near_cells(const HashCellCenters& centers,
@@ -280,22 +244,33 @@ WOBBLEBENCH_INLINE Complex unpacked(std::uint32_t word) {
           static_cast<float>(static_cast<std::int32_t>(word) >> 16)};
 }
 
+/// What the beam's sections say of each, moved together: loops that look them up by themselves
+/// stay narrow.
+struct SectionLanes {
+  std::uint32_t words[2 * kEchoBatch];
+};
+
+void look_up(const std::uint32_t* beam, const std::int32_t* entries, int count, SectionLanes& to) {
+  for (int i = 0; i < count; ++i) {
+    std::memcpy(to.words + 2 * i, beam + 2 * static_cast<std::ptrdiff_t>(entries[i]), 8);
+  }
+}
+
 WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
+                                   const SectionLanes& sections,
                                    int count,
                                    const EchoConstants& constants,
                                    EchoLanes& __restrict lanes,
                                    std::int32_t* __restrict bins) {
-  const std::uint32_t* beam = constants.beam;
+  const std::uint32_t* words = sections.words;
   const float* paths = seen.path_m;
-  const std::int32_t* entries = seen.entry;
   const float* amplitudes = seen.amplitude;
   const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
   const float colour_per_bin = constants.colour_per_bin;
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
     const float path = paths[i], amplitude = amplitudes[i];
-    const std::int32_t at = 2 * entries[i];
-    const Complex level = unpacked(beam[at]), colour = unpacked(beam[at + 1]);
+    const Complex level = unpacked(words[2 * i]), colour = unpacked(words[2 * i + 1]);
     const float cycles = path * cycles_per_m;
     const CosSin angle =
         cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(cycles)) - cycles);
@@ -318,18 +293,29 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
   }
 }
 
-}  // namespace
-
-WOBBLEBENCH_SIMD void make_echoes(const SeenScatterers& seen,
-                                  int count,
-                                  const EchoConstants& constants,
-                                  BinShare* __restrict shares,
-                                  std::int32_t* __restrict bins) {
+WOBBLEBENCH_SIMD void shape_echoes(const SeenScatterers& seen,
+                                   const SectionLanes& sections,
+                                   int count,
+                                   const EchoConstants& constants,
+                                   BinShare* __restrict shares,
+                                   std::int32_t* __restrict bins) {
   EchoLanes lanes;
-  echo_lanes(seen, count, constants, lanes, bins);
+  echo_lanes(seen, sections, count, constants, lanes, bins);
   for (int i = 0; i < count; ++i) {
     shares[i] = {lanes.low_re[i], lanes.low_im[i], lanes.high_re[i], lanes.high_im[i]};
   }
+}
+
+}  // namespace
+
+void make_echoes(const SeenScatterers& seen,
+                 int count,
+                 const EchoConstants& constants,
+                 BinShare* shares,
+                 std::int32_t* bins) {
+  SectionLanes sections;
+  look_up(constants.beam, seen.entry, count, sections);
+  shape_echoes(seen, sections, count, constants, shares, bins);
 }
 
 void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare* bins) {

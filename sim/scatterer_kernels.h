@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sim/lane_pack.h"
 #include "sim/scatterer_cells.h"
 #include "sim/simd.h"
 #include "sim/tissue_parcels.h"
@@ -46,18 +47,6 @@ struct HashAxes {
   BeamVector x;
   BeamVector y;
   BeamVector z;
-};
-
-/// Scatterers within the beam's reach, one array for each property: apparent range, place in the
-/// beam's sections, and amplitude.
-struct SeenScatterers {
-  float* path_m;
-  std::int32_t* entry;
-  float* amplitude;
-
-  SeenScatterers from(std::size_t first) const {
-    return {path_m + first, entry + first, amplitude + first};
-  }
 };
 
 /// What a scatterer puts into the bin that its echo falls into; see sim/echo_bins.h.

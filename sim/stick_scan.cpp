@@ -1,9 +1,7 @@
 #include "sim/stick_scan.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -15,7 +13,6 @@ namespace {
 constexpr std::size_t kPending = 1024;
 /// Hash cells are tested this many at a time.
 constexpr int kCells = 256;
-constexpr int kFlagsInWord = 8;
 /// Scatterers may be out of place by this much where tissue turns in itself.
 constexpr double kStraight_m = 2e-6;
 /// Cells of such tissue are taken as larger than they are by this factor.
@@ -95,8 +92,8 @@ StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffe
   const double samples = static_cast<double>(way.left.size()) + scene.taps.beside();
   heard_m_ = samples * way.spacing_m;
   end_m_ = heard_m_ - (way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back()));
-  buffers_.near.resize(kCells + kFlagsInWord);
-  buffers_.list.resize(kCells);
+  buffers_.near.resize(kCells + kFlagsTogether);
+  buffers_.list.resize(kCells + kFlagsTogether);
   find_delays();
 }
 
@@ -208,23 +205,15 @@ TouchedHashCell StickScan::touched_cell(const Parcel& parcel,
   return cell;
 }
 
-std::span<const int> StickScan::list_near(int count) {
-  // Few are near, eight by eight: whole words of flags are passed over.
-  std::fill(buffers_.near.begin() + count, buffers_.near.begin() + count + kFlagsInWord, 0);
-  std::size_t listed = 0;
-  for (int first = 0; first < count; first += kFlagsInWord) {
-    std::uint64_t flags;
-    std::memcpy(&flags, buffers_.near.data() + first, sizeof flags);
-    for (; flags != 0; flags &= flags - 1) {
-      buffers_.list[listed++] = first + std::countr_zero(flags) / 8;
-    }
-  }
-  return {buffers_.list.data(), listed};
+std::span<const std::int32_t> StickScan::list_near(int count) {
+  std::fill_n(buffers_.near.begin() + count, kFlagsTogether, std::uint8_t{0});
+  const int listed = list_flags(buffers_.near.data(), count, buffers_.list.data());
+  return {buffers_.list.data(), static_cast<std::size_t>(listed)};
 }
 
 void StickScan::take_near_cells(
     const Parcel& parcel, const CellGrid& grid, int octave, int first, int count) {
-  const std::span<const int> near = list_near(count);
+  const std::span<const std::int32_t> near = list_near(count);
   if (parcel.tissue.mixed == nullptr && parcel.straight) {
     take_even_cells(parcel, grid, octave, first, near);
     return;
@@ -250,7 +239,7 @@ void StickScan::take_near_cells(
 }
 
 void StickScan::take_even_cells(
-    const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near) {
+    const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const std::int32_t> near) {
   const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
   const float strength = scene_.parcels.amplitude(parcel.tissue.material);
   auto& cells = buffers_.even.cells;

@@ -35,7 +35,7 @@ struct ScanBuffers {
   std::vector<TouchedParcel> touched;
   std::vector<CellGrid> grids;
   std::vector<std::uint8_t> near;
-  std::vector<int> list;
+  std::vector<std::int32_t> list;
   CellBatch even, mixed;
   std::vector<float> path_m;
   std::vector<std::int32_t> entry;
@@ -72,11 +72,11 @@ class StickScan {
   void scan_octave(Parcel& parcel, const CellGrid& grid, int octave);
   TouchedHashCell touched_cell(const Parcel& parcel, const CellGrid& grid, int number) const;
   /// Those of the first `count` hash cells that are near.
-  std::span<const int> list_near(int count);
+  std::span<const std::int32_t> list_near(int count);
   void take_near_cells(
       const Parcel& parcel, const CellGrid& grid, int octave, int first, int count);
   void take_even_cells(
-      const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near);
+      const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const std::int32_t> near);
   void sort_cell(const Parcel& parcel, const TouchedHashCell& cell, int code);
   HashAxes place_bent(const Parcel& parcel, int octave, int number, TouchedHashCell& cell) const;
   void see(const Parcel& parcel, const HashAxes& axes);
