@@ -214,7 +214,9 @@ StickView::StickView(const Subject& subject, const Sightline& line)
       across_(across_stick(line.ray)),
       moment_(subject.motion.at(line.time_s)),
       rigid_(subject.motion.rigid()) {
-  if (rigid_) map_ = map_near(glm::dvec3(0), 1);
+  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
+    whole_[static_cast<std::size_t>(turn)] = seen(moment_.tangent_of(turn), glm::dvec3(0));
+  }
 }
 
 glm::dvec3 StickView::to_beam(const glm::dvec3& rest_m) const {
@@ -230,15 +232,23 @@ glm::dvec3 StickView::to_rest(const glm::dvec3& beam_m) const {
   return moment_.to_rest(subject_.placement.to_phantom(probe_m));
 }
 
-RestToBeam StickView::map_near(const glm::dvec3& rest_m, double size_m) const {
+RestToBeam StickView::seen(const phantoms::Moment::Tangent& tangent,
+                           const glm::dvec3& rest_m) const {
+  const auto beam = [&](const glm::dvec3& v) {
+    return glm::dvec3(
+        glm::dot(ray_.direction, v), glm::dot(across_.lateral, v), glm::dot(across_.elevation, v));
+  };
+  const glm::dvec3 origin = subject_.placement.to_probe(glm::dvec3(0));
   RestToBeam map;
   for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 step(0);
-    step[axis] = 0.5 * size_m;
-    map.turn[axis] = (to_beam(rest_m + step) - to_beam(rest_m - step)) / size_m;
+    map.turn[axis] = beam(subject_.placement.to_probe(tangent.turn[axis]) - origin);
   }
-  map.shift = to_beam(rest_m) - map.turn * rest_m;
+  map.shift = beam(subject_.placement.to_probe(tangent.place_m) - ray_.origin) - map.turn * rest_m;
   return map;
+}
+
+RestToBeam StickView::map_near(const glm::dvec3& rest_m) const {
+  return seen(moment_.tangent(rest_m), rest_m);
 }
 
 BeamTube::BeamTube(const BeamTable& table, double depth_m, double margin_m) : per_m_(1 / kStep_m) {

@@ -14,6 +14,7 @@ namespace wobblebench::sim {
 namespace {
 
 using PackLanes = int (*)(const CellLanes&, int, const SeenScatterers&, std::uint8_t*);
+using PackCells = int (*)(const TestedCells&, const std::uint8_t*, int, const TouchedHashCells&);
 using ListFlags = int (*)(const std::uint8_t*, int, std::int32_t*);
 
 int pack_one_by_one(const CellLanes& lanes,
@@ -32,6 +33,22 @@ int pack_one_by_one(const CellLanes& lanes,
       mask |= static_cast<std::uint32_t>(lanes.within[lane]) << i;
     }
     which[cell] = static_cast<std::uint8_t>(mask);
+  }
+  return kept;
+}
+
+int pack_cells_one_by_one(const TestedCells& cells,
+                          const std::uint8_t* flags,
+                          int count,
+                          const TouchedHashCells& to) {
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    to.axial[kept] = cells.axial[i];
+    to.lateral[kept] = cells.lateral[i];
+    to.elevation[kept] = cells.elevation[i];
+    to.key[kept] = cells.key[i];
+    to.row[kept] = cells.row[i];
+    kept += flags[i];
   }
   return kept;
 }
@@ -73,6 +90,30 @@ WOBBLEBENCH_AVX512 int pack_at_once(const CellLanes& lanes,
   return kept;
 }
 
+WOBBLEBENCH_AVX512 int pack_cells_at_once(const TestedCells& cells,
+                                          const std::uint8_t* flags,
+                                          int count,
+                                          const TouchedHashCells& to) {
+  static_assert(kFlagsTogether == 16);
+  int kept = 0;
+  for (int i = 0; i < count; i += kFlagsTogether) {
+    const __m128i here = _mm_loadu_si128(reinterpret_cast<const __m128i*>(flags + i));
+    const __mmask16 mask = _mm_test_epi8_mask(here, here);
+    if (mask == 0) continue;
+    const auto move = [&](const auto* from, auto* at) WOBBLEBENCH_AVX512 {
+      _mm512_storeu_si512(at + kept,
+                          _mm512_maskz_compress_epi32(mask, _mm512_loadu_si512(from + i)));
+    };
+    move(cells.axial, to.axial);
+    move(cells.lateral, to.lateral);
+    move(cells.elevation, to.elevation);
+    move(cells.key, to.key);
+    move(cells.row, to.row);
+    kept += std::popcount(static_cast<std::uint32_t>(mask));
+  }
+  return kept;
+}
+
 WOBBLEBENCH_AVX512 int list_at_once(const std::uint8_t* flags, int count, std::int32_t* list) {
   static_assert(kFlagsTogether == 16);
   __m512i numbers = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -93,9 +134,11 @@ bool has_avx512() {
 }
 
 const PackLanes pack = has_avx512() ? pack_at_once : pack_one_by_one;
+const PackCells pack_touched = has_avx512() ? pack_cells_at_once : pack_cells_one_by_one;
 const ListFlags list_set = has_avx512() ? list_at_once : list_one_by_one;
 #else
 constexpr PackLanes pack = pack_one_by_one;
+constexpr PackCells pack_touched = pack_cells_one_by_one;
 constexpr ListFlags list_set = list_one_by_one;
 #endif
 
@@ -103,6 +146,13 @@ constexpr ListFlags list_set = list_one_by_one;
 
 int pack_lanes(const CellLanes& lanes, int cells, const SeenScatterers& to, std::uint8_t* which) {
   return pack(lanes, cells, to, which);
+}
+
+int pack_cells(const TestedCells& cells,
+               const std::uint8_t* flags,
+               int count,
+               const TouchedHashCells& to) {
+  return pack_touched(cells, flags, count, to);
 }
 
 int list_flags(const std::uint8_t* flags, int count, std::int32_t* list) {

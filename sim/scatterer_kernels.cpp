@@ -28,14 +28,13 @@ WOBBLEBENCH_INLINE Complex operator+(const Complex& a, const Complex& b) {
   return {a.re + b.re, a.im + b.im};
 }
 
-WOBBLEBENCH_INLINE BeamVector place(const TouchedHashCell& cell,
+WOBBLEBENCH_INLINE BeamVector place(const BeamVector& corner,
                                     const HashAxes& axes,
                                     const CellOffset& at) {
-  return {
-      cell.corner.axial + at.x * axes.x.axial + at.y * axes.y.axial + at.z * axes.z.axial,
-      cell.corner.lateral + at.x * axes.x.lateral + at.y * axes.y.lateral + at.z * axes.z.lateral,
-      cell.corner.elevation + at.x * axes.x.elevation + at.y * axes.y.elevation +
-          at.z * axes.z.elevation};
+  return {corner.axial + at.x * axes.x.axial + at.y * axes.y.axial + at.z * axes.z.axial,
+          corner.lateral + at.x * axes.x.lateral + at.y * axes.y.lateral + at.z * axes.z.lateral,
+          corner.elevation + at.x * axes.x.elevation + at.y * axes.y.elevation +
+              at.z * axes.z.elevation};
 }
 
 /// How far beyond the rim a place is, in squared columns or columns; negative: within.
@@ -66,40 +65,33 @@ look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, std::int32_t
           (beyond_rim<rim>(u, v, static_cast<float>(columns)) < 0.0f) & (at.axial > 0.0f)};
 }
 
-/// Cell number `c` of those in the lanes: its scatterers, all in one tissue.
 template <BeamRim rim>
-WOBBLEBENCH_INLINE void fill_even(const TouchedHashCell& cell,
-                                  const BeamAtRow& beam,
-                                  const HashAxes& axes,
-                                  std::int32_t columns,
-                                  int c,
-                                  CellLanes& __restrict lanes) {
-  float* path_m = lanes.path_m + c * kScatterersInCell;
-  std::int32_t* entry = lanes.entry + c * kScatterersInCell;
-  float* amplitude = lanes.amplitude + c * kScatterersInCell;
-  std::int32_t* within = lanes.within + c * kScatterersInCell;
-  for (int i = 0; i < kScatterersInCell; ++i) {
-    const CellOffset offset = scatterer_offset(cell.key, static_cast<std::uint32_t>(i));
-    const Seen seen = look<rim>(place(cell, axes, offset), beam, cell.row, columns);
-    path_m[i] = seen.path_m;
-    entry[i] = seen.entry;
-    amplitude[i] = cell.amplitude;
-    within[i] = seen.within;
-  }
-}
-
-template <BeamRim rim>
-WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCell* cells,
+WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
                                    int count,
                                    const HashAxes& axes,
                                    const Sight& sight,
                                    CellLanes& __restrict lanes) {
   for (int c = 0; c < count; ++c) {
-    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, c, lanes);
+    const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
+    const std::int32_t row = cells.row[c];
+    const std::uint32_t key = cells.key[c];
+    const float strength = cells.amplitude[c];
+    float* path_m = lanes.path_m + c * kScatterersInCell;
+    std::int32_t* entry = lanes.entry + c * kScatterersInCell;
+    float* amplitude = lanes.amplitude + c * kScatterersInCell;
+    std::int32_t* within = lanes.within + c * kScatterersInCell;
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(i));
+      const Seen seen = look<rim>(place(corner, axes, offset), sight.rows[row], row, sight.columns);
+      path_m[i] = seen.path_m;
+      entry[i] = seen.entry;
+      amplitude[i] = strength;
+      within[i] = seen.within;
+    }
   }
 }
 
-WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCell* cells,
+WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCells& cells,
                                  int count,
                                  const HashAxes& axes,
                                  const Sight& sight,
@@ -129,30 +121,42 @@ WOBBLEBENCH_INLINE float reach_at(const ReachAlong& reach, float axial) {
 }
 
 template <BeamRim rim>
-WOBBLEBENCH_INLINE void find_near(const HashCellCenters& centers,
-                                  int count,
-                                  const BeamVector& corner,
-                                  const BeamVector& half_cell,
-                                  const ParcelReach& reach,
-                                  std::uint8_t* __restrict near) {
+WOBBLEBENCH_INLINE void test_within(const CellPlaces& places,
+                                    int count,
+                                    const CellTest& test,
+                                    TestedCells& __restrict tested) {
+  const BeamVector corner = test.corner, half_cell = test.half_cell;
+  const ParcelReach reach = test.reach;
+  const float rows_per_m = test.rows_per_m;
+  const std::int32_t last_row = test.last_row;
+  const std::int32_t first_heard = test.first_heard, last_heard = test.last_heard;
+  const std::uint32_t parcel_key = test.parcel_key;
   for (int i = 0; i < count; ++i) {
-    const float axial = corner.axial + centers.axial[i];
+    const float axial = corner.axial + places.axial[i];
     const float wide = reach_at(reach.lateral_m, axial);
     const float high = reach_at(reach.elevation_m, axial);
     // The cell's nearest place to the axis, at least; over the reach in both directions, but
     // without dividing.
-    const float lateral = magnitude(corner.lateral + centers.lateral[i]) - half_cell.lateral;
-    const float elevation =
-        magnitude(corner.elevation + centers.elevation[i]) - half_cell.elevation;
+    const float lateral = magnitude(corner.lateral + places.lateral[i]) - half_cell.lateral;
+    const float elevation = magnitude(corner.elevation + places.elevation[i]) - half_cell.elevation;
     const float u = (lateral > 0.0f ? lateral : 0.0f) * high;
     const float v = (elevation > 0.0f ? elevation : 0.0f) * wide;
-    near[i] = beyond_rim<rim>(u, v, wide * high) < 0.0f ? 1 : 0;
+    const std::int32_t whole = static_cast<std::int32_t>(axial * rows_per_m);
+    const std::int32_t positive = whole < 0 ? 0 : whole;
+    const std::int32_t row = positive > last_row ? last_row : positive;
+    tested.axial[i] = corner.axial + places.corner_axial[i];
+    tested.lateral[i] = corner.lateral + places.corner_lateral[i];
+    tested.elevation[i] = corner.elevation + places.corner_elevation[i];
+    tested.key[i] = hash_cell_key(parcel_key, static_cast<std::uint32_t>(i));
+    tested.row[i] = row;
+    tested.near[i] =
+        (beyond_rim<rim>(u, v, wide * high) < 0.0f) & (row >= first_heard) & (row <= last_heard);
   }
 }
 
 }  // namespace
 
-int see_scatterers(const TouchedHashCell* cells,
+int see_scatterers(const TouchedHashCells& cells,
                    int count,
                    const HashAxes& axes,
                    const Sight& sight,
@@ -162,7 +166,7 @@ int see_scatterers(const TouchedHashCell* cells,
   std::uint8_t which[kLaneCells];
   for (int first = 0; first < count; first += kLaneCells) {
     const int some = std::min(kLaneCells, count - first);
-    fill_lanes(cells + first, some, axes, sight, lanes);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
     kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
   }
   return kept;
@@ -184,7 +188,7 @@ int see_places(const BeamPlace* places, int count, const Sight& sight, const See
   return kept;
 }
 
-int see_mixed_scatterers(const TouchedHashCell* cells,
+int see_mixed_scatterers(const TouchedHashCells& cells,
                          const MixedCell* const* mixed,
                          int count,
                          const HashAxes& axes,
@@ -197,7 +201,7 @@ int see_mixed_scatterers(const TouchedHashCell* cells,
   std::uint8_t which[kLaneCells];
   for (int first = 0; first < count; first += kLaneCells) {
     const int some = std::min(kLaneCells, count - first);
-    fill_lanes(cells + first, some, axes, sight, lanes);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
     weigh_lanes(mixed + first, some, lanes);
     int at = kept;
     kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
@@ -214,17 +218,24 @@ int see_mixed_scatterers(const TouchedHashCell* cells,
   return kept;
 }
 
-WOBBLEBENCH_SIMD void find_near_cells(const HashCellCenters& centers,
-                                      int count,
-                                      const BeamVector& corner,
-                                      const BeamVector& half_cell,
-                                      const ParcelReach& reach,
-                                      BeamRim rim,
-                                      std::uint8_t* near) {
-  if (rim == BeamRim::ellipse) {
-    find_near<BeamRim::ellipse>(centers, count, corner, half_cell, reach, near);
+WOBBLEBENCH_SIMD void test_cells(const CellPlaces& places,
+                                 int count,
+                                 const CellTest& test,
+                                 TestedCells& tested) {
+  if (test.rim == BeamRim::ellipse) {
+    test_within<BeamRim::ellipse>(places, count, test, tested);
   } else {
-    find_near<BeamRim::diamond>(centers, count, corner, half_cell, reach, near);
+    test_within<BeamRim::diamond>(places, count, test, tested);
+  }
+}
+
+WOBBLEBENCH_SIMD void choose_kind(const std::uint8_t* near,
+                                  const CellKind* kinds,
+                                  CellKind wanted,
+                                  int count,
+                                  std::uint8_t* __restrict chosen) {
+  for (int i = 0; i < count; ++i) {
+    chosen[i] = static_cast<std::uint8_t>(near[i] & static_cast<std::uint8_t>(kinds[i] == wanted));
   }
 }
 
