@@ -76,10 +76,11 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
     const std::int32_t row = cells.row[c];
     const std::uint32_t key = cells.key[c];
     const float strength = cells.amplitude[c];
-    float* path_m = lanes.path_m + c * kScatterersInCell;
-    std::int32_t* entry = lanes.entry + c * kScatterersInCell;
-    float* amplitude = lanes.amplitude + c * kScatterersInCell;
-    std::int32_t* within = lanes.within + c * kScatterersInCell;
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
+    float* path_m = lanes.path_m + first;
+    std::int32_t* entry = lanes.entry + first;
+    float* amplitude = lanes.amplitude + first;
+    std::int32_t* within = lanes.within + first;
     for (int i = 0; i < kScatterersInCell; ++i) {
       const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(i));
       const Seen seen = look<rim>(place(corner, axes, offset), sight.rows[row], row, sight.columns);
@@ -107,8 +108,9 @@ WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCells& cells,
 WOBBLEBENCH_SIMD void weigh_lanes(const MixedCell* const* mixed, int count, CellLanes& lanes) {
   for (int c = 0; c < count; ++c) {
     const float* strength = mixed[c]->amplitude;
-    float* amplitude = lanes.amplitude + c * kScatterersInCell;
-    std::int32_t* within = lanes.within + c * kScatterersInCell;
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
+    float* amplitude = lanes.amplitude + first;
+    std::int32_t* within = lanes.within + first;
     for (int i = 0; i < kScatterersInCell; ++i) {
       amplitude[i] *= strength[i];
       within[i] &= strength[i] > 0.0f;
@@ -258,12 +260,17 @@ WOBBLEBENCH_INLINE Complex unpacked(std::uint32_t word) {
 /// What the beam's sections say of each, moved together: loops that look them up by themselves
 /// stay narrow.
 struct SectionLanes {
-  std::uint32_t words[2 * kEchoBatch];
+  struct Words {
+    std::uint32_t level;
+    std::uint32_t colour;
+  };
+  Words words[kEchoBatch];
 };
 
 void look_up(const std::uint32_t* beam, const std::int32_t* entries, int count, SectionLanes& to) {
   for (int i = 0; i < count; ++i) {
-    std::memcpy(to.words + 2 * i, beam + 2 * static_cast<std::ptrdiff_t>(entries[i]), 8);
+    std::memcpy(
+        to.words + i, beam + 2 * static_cast<std::ptrdiff_t>(entries[i]), sizeof to.words[i]);
   }
 }
 
@@ -273,7 +280,7 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
                                    const EchoConstants& constants,
                                    EchoLanes& __restrict lanes,
                                    std::int32_t* __restrict bins) {
-  const std::uint32_t* words = sections.words;
+  const SectionLanes::Words* words = sections.words;
   const float* paths = seen.path_m;
   const float* amplitudes = seen.amplitude;
   const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
@@ -281,7 +288,7 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
     const float path = paths[i], amplitude = amplitudes[i];
-    const Complex level = unpacked(words[2 * i]), colour = unpacked(words[2 * i + 1]);
+    const Complex level = unpacked(words[i].level), colour = unpacked(words[i].colour);
     const float cycles = path * cycles_per_m;
     const CosSin angle =
         cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(cycles)) - cycles);
