@@ -212,11 +212,12 @@ void follow(const Subject& subject,
   track.nodes.clear();
   Follower follower(subject, surfaces, track);
   const phantoms::Moment moment = subject.motion.at(line.time_s);
-  double to_m = 0;
-  for (double from_m = 0; from_m < depth_m; from_m = to_m) {
+  double from_m = 0;
+  while (from_m < depth_m) {
     const glm::dvec3 rest_m = moment.to_rest(subject.placement.to_phantom(line.ray.at(from_m)));
-    to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.as_one_m(rest_m)));
+    const double to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.as_one_m(rest_m)));
     follower.walk(straight(subject, moment, line, from_m, to_m));
+    from_m = to_m;
   }
   follower.finish(depth_m);
 }
