@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -95,7 +94,7 @@ class TissueMapBuilder {
       for (std::size_t e = cell.first; e < slab.entries.size(); ++e) {
         const TissueMap::Entry& entry = slab.entries[e];
         const auto begin = slab.nodes.begin() + static_cast<std::ptrdiff_t>(entry.block);
-        const int row = entry.divisions + 1;
+        const std::ptrdiff_t row = entry.divisions + 1;
         const auto [least, most] = std::minmax_element(begin, begin + row * row * row);
         cell.crossed |= *least <= 0 && *most >= 0;
         if (*most < 0) cell.material = entry.inside;
@@ -272,17 +271,21 @@ WOBBLEBENCH_INLINE void place_lanes(const TraceBlock& block,
 /// The nodes on both ends of the four edges along x, moved together: a wide loop would read them
 /// one by one.
 struct NodePairs {
-  float ends[4][2 * kTraceLanes];
+  struct Edge {
+    float low;
+    float high;
+  };
+  Edge edges[4][kTraceLanes];
 };
 
 void gather_lanes(const TraceBlock& block, const NodePlaces& places, int count, NodePairs& pairs) {
   const std::ptrdiff_t row = block.divisions + 1, layer = row * row;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     const float* node = block.nodes + places.at[i];
-    std::memcpy(pairs.ends[0] + 2 * i, node, 8);
-    std::memcpy(pairs.ends[1] + 2 * i, node + row, 8);
-    std::memcpy(pairs.ends[2] + 2 * i, node + layer, 8);
-    std::memcpy(pairs.ends[3] + 2 * i, node + layer + row, 8);
+    pairs.edges[0][i] = {node[0], node[1]};
+    pairs.edges[1][i] = {node[row], node[row + 1]};
+    pairs.edges[2][i] = {node[layer], node[layer + 1]};
+    pairs.edges[3][i] = {node[layer + row], node[layer + row + 1]};
   }
 }
 
@@ -294,11 +297,11 @@ WOBBLEBENCH_INLINE void trace_lanes(const NodePairs& pairs,
                                     float (&values)[4][kTraceLanes]) {
   for (int i = 0; i < kTraceLanes; ++i) {
     const float u = places.u[i], v = places.v[i], w = places.w[i];
-    const float a000 = pairs.ends[0][2 * i], a010 = pairs.ends[1][2 * i];
-    const float a001 = pairs.ends[2][2 * i], a011 = pairs.ends[3][2 * i];
+    const float a000 = pairs.edges[0][i].low, a010 = pairs.edges[1][i].low;
+    const float a001 = pairs.edges[2][i].low, a011 = pairs.edges[3][i].low;
     // Along x on the four edges, then along y on both faces, then along z.
-    const float dx00 = pairs.ends[0][2 * i + 1] - a000, dx10 = pairs.ends[1][2 * i + 1] - a010;
-    const float dx01 = pairs.ends[2][2 * i + 1] - a001, dx11 = pairs.ends[3][2 * i + 1] - a011;
+    const float dx00 = pairs.edges[0][i].high - a000, dx10 = pairs.edges[1][i].high - a010;
+    const float dx01 = pairs.edges[2][i].high - a001, dx11 = pairs.edges[3][i].high - a011;
     const float c00 = a000 + u * dx00, c10 = a010 + u * dx10;
     const float c01 = a001 + u * dx01, c11 = a011 + u * dx11;
     const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
