@@ -70,10 +70,31 @@ class Moment {
   glm::dvec3 to_rest(const glm::dvec3& now_m) const;
   glm::dvec3 from_rest(const glm::dvec3& rest_m) const;
 
+  /// How a body moves about a place at rest.
+  enum class Turn {
+    rests,  ///< without the head
+    whole,  ///< with the head, as one
+    bends,  ///< between both
+  };
+  /// Of all within a distance of a place at rest.
+  Turn turn_within(const glm::dvec3& rest_m, double radius_m) const;
+  /// All this close to a place at rest moves as one; 0 where tissue bends.
+  double as_one_m(const glm::dvec3& rest_m) const;
+
+  /// from_rest() and its derivative, column by axis.
+  struct Tangent {
+    glm::dvec3 place_m{0};
+    glm::dmat3 turn{1.0};
+  };
+  Tangent tangent(const glm::dvec3& rest_m) const;
+  /// The tangent of what rests, or of what turns as a whole, at the phantom's origin.
+  Tangent tangent_of(Turn turn) const;
+
  private:
   friend class Motion;
   Moment() = default;
   glm::dvec3 head_turned(const glm::dvec3& place_m, double angle_rad) const;
+  Tangent moved(const Tangent& turned) const;
 
   Joint joint_;
   int head_axis_ = 0;

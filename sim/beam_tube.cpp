@@ -139,7 +139,14 @@ class SlabWalk {
         tube_(tube),
         lattice_(lattice),
         end_m_(end_m),
-        half_m_(0.5 * std::sqrt(3.0) * kMostStretch * lattice.side_m) {}
+        half_m_(0.5 * std::sqrt(3.0) * kMostStretch * lattice.side_m) {
+    for (const Turn turn : {Turn::rests, Turn::whole}) {
+      const glm::dmat3& map = view.whole(turn).turn;
+      half_[static_cast<std::size_t>(turn)] = {half_extent(map, 1, lattice.side_m),
+                                               half_extent(map, 2, lattice.side_m)};
+    }
+    half_[static_cast<std::size_t>(Turn::bends)] = {half_m_, half_m_};
+  }
 
   void collect(std::vector<TouchedParcel>& touched) const {
     const double thick_m = 2 * lattice_.side_m;
@@ -150,16 +157,22 @@ class SlabWalk {
   }
 
  private:
+  using Turn = phantoms::Moment::Turn;
+
   void slab(double from_m, double to_m, std::vector<TouchedParcel>& touched) const {
     const auto [low, high] = bounds(from_m, to_m);
     for (int z = low.z; z <= high.z; ++z) {
       for (int y = low.y; y <= high.y; ++y) {
         for (int x = low.x; x <= high.x; ++x) {
           const glm::ivec3 index(x, y, z);
-          const glm::dvec3 center = view_.to_beam(lattice_.center(index));
+          const glm::dvec3 rest_m = lattice_.center(index);
+          const Turn turn = view_.turn_within(rest_m, 0.5 * std::sqrt(3.0) * lattice_.side_m);
+          const glm::dvec3 center =
+              turn == Turn::bends ? view_.to_beam(rest_m) : view_.whole(turn)(rest_m);
           if (center.x < from_m || center.x >= to_m) continue;
           if (center.x > end_m_ + half_m_) continue;
-          if (touches(tube_.reach(center.x), center, half_m_, half_m_)) {
+          const BeamTube::Reach& half = half_[static_cast<std::size_t>(turn)];
+          if (touches(tube_.reach(center.x), center, half.lateral_m, half.elevation_m)) {
             touched.push_back({index, center});
           }
         }
@@ -204,6 +217,7 @@ class SlabWalk {
   const ParcelLattice& lattice_;
   double end_m_;
   double half_m_;
+  BeamTube::Reach half_[3];  ///< half extents of a parcel across the stick, by how it moves
 };
 
 }  // namespace
@@ -214,7 +228,9 @@ StickView::StickView(const Subject& subject, const Sightline& line)
       across_(across_stick(line.ray)),
       moment_(subject.motion.at(line.time_s)),
       rigid_(subject.motion.rigid()) {
-  if (rigid_) map_ = map_near(glm::dvec3(0), 1);
+  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
+    whole_[static_cast<std::size_t>(turn)] = seen(moment_.tangent_of(turn), glm::dvec3(0));
+  }
 }
 
 glm::dvec3 StickView::to_beam(const glm::dvec3& rest_m) const {
@@ -230,15 +246,23 @@ glm::dvec3 StickView::to_rest(const glm::dvec3& beam_m) const {
   return moment_.to_rest(subject_.placement.to_phantom(probe_m));
 }
 
-RestToBeam StickView::map_near(const glm::dvec3& rest_m, double size_m) const {
+RestToBeam StickView::seen(const phantoms::Moment::Tangent& tangent,
+                           const glm::dvec3& rest_m) const {
+  const auto beam = [&](const glm::dvec3& v) {
+    return glm::dvec3(
+        glm::dot(ray_.direction, v), glm::dot(across_.lateral, v), glm::dot(across_.elevation, v));
+  };
+  const glm::dvec3 origin = subject_.placement.to_probe(glm::dvec3(0));
   RestToBeam map;
   for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 step(0);
-    step[axis] = 0.5 * size_m;
-    map.turn[axis] = (to_beam(rest_m + step) - to_beam(rest_m - step)) / size_m;
+    map.turn[axis] = beam(subject_.placement.to_probe(tangent.turn[axis]) - origin);
   }
-  map.shift = to_beam(rest_m) - map.turn * rest_m;
+  map.shift = beam(subject_.placement.to_probe(tangent.place_m) - ray_.origin) - map.turn * rest_m;
   return map;
+}
+
+RestToBeam StickView::map_near(const glm::dvec3& rest_m) const {
+  return seen(moment_.tangent(rest_m), rest_m);
 }
 
 BeamTube::BeamTube(const BeamTable& table, double depth_m, double margin_m) : per_m_(1 / kStep_m) {

@@ -32,9 +32,16 @@ class StickView {
 
   bool rigid() const { return rigid_; }
   /// The map of all tissue, if it moves as one.
-  const RestToBeam& map() const { return map_; }
-  /// The map near a place: exact there, and along the three axes half of `size_m` away on average.
-  RestToBeam map_near(const glm::dvec3& rest_m, double size_m) const;
+  const RestToBeam& map() const { return whole_[0]; }
+  /// How tissue moves within a distance of a place at rest, and the map of what moves as one.
+  phantoms::Moment::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
+    return moment_.turn_within(rest_m, radius_m);
+  }
+  const RestToBeam& whole(phantoms::Moment::Turn turn) const {
+    return whole_[static_cast<std::size_t>(turn)];
+  }
+  /// The map near a place: exact there, and to first order around it.
+  RestToBeam map_near(const glm::dvec3& rest_m) const;
 
  private:
   const Subject& subject_;
@@ -42,7 +49,9 @@ class StickView {
   AcrossStick across_;
   phantoms::Moment moment_;
   bool rigid_;
-  RestToBeam map_;
+  RestToBeam whole_[2];  ///< of what rests, and of what turns as a whole
+
+  RestToBeam seen(const phantoms::Moment::Tangent& tangent, const glm::dvec3& rest_m) const;
 };
 
 /// Widths of the tube along the stick, each the largest within a distance.

@@ -110,7 +110,8 @@ VolumeSamples ProbeSimulator::geometry_volume(std::uint32_t index) const {
     StickTrack track;
     for (int place = first; place < last; ++place) {
       const auto stick = plan_.index(first_sequence + static_cast<std::uint64_t>(place));
-      follow(subject_, sightline(plan_, stick), plan_.acquisition().depth_m, track);
+      follow(
+          subject_, sightline(plan_, stick), plan_.acquisition().depth_m, track, Surfaces::crossed);
       const auto values = stick_of(result, place, samples);
       int k = 0;
       for (const Stretch& stretch : track.stretches) {

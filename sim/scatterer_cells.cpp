@@ -11,6 +11,7 @@ namespace {
 /// Hash cells along a parcel's side, of the densest octave and of each one before it: half as many
 /// cells in each, as nearly as whole numbers can. Measured: smaller parcels cost more to find.
 constexpr int kDivisions[] = {5, 4, 3, 3, 2};
+static_assert(kDivisions[0] * kDivisions[0] * kDivisions[0] <= kMostCells);
 constexpr int kMostOctaves = static_cast<int>(std::size(kDivisions));
 
 }  // namespace

@@ -42,6 +42,9 @@ WOBBLEBENCH_INLINE std::uint32_t hash_cell_key(std::uint32_t parcel_key, std::ui
   return mix32(parcel_key + number * 0x85ebca6bU);
 }
 
+/// Hash cells of one octave in a parcel, at most.
+inline constexpr int kMostCells = 128;
+
 /// One octave.
 struct Octave {
   double per_m3;

@@ -1,12 +1,10 @@
 #include "sim/scatterer_kernels.h"
 
+#include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "sim/fast_math.h"
-
-#if WOBBLEBENCH_HAND_SIMD
-#include <immintrin.h>
-#endif
 
 namespace wobblebench::sim {
 
@@ -30,67 +28,14 @@ WOBBLEBENCH_INLINE Complex operator+(const Complex& a, const Complex& b) {
   return {a.re + b.re, a.im + b.im};
 }
 
-WOBBLEBENCH_INLINE BeamVector place(const TouchedHashCell& cell,
+WOBBLEBENCH_INLINE BeamVector place(const BeamVector& corner,
                                     const HashAxes& axes,
                                     const CellOffset& at) {
-  return {
-      cell.corner.axial + at.x * axes.x.axial + at.y * axes.y.axial + at.z * axes.z.axial,
-      cell.corner.lateral + at.x * axes.x.lateral + at.y * axes.y.lateral + at.z * axes.z.lateral,
-      cell.corner.elevation + at.x * axes.x.elevation + at.y * axes.y.elevation +
-          at.z * axes.z.elevation};
+  return {corner.axial + at.x * axes.x.axial + at.y * axes.y.axial + at.z * axes.z.axial,
+          corner.lateral + at.x * axes.x.lateral + at.y * axes.y.lateral + at.z * axes.z.lateral,
+          corner.elevation + at.x * axes.x.elevation + at.y * axes.y.elevation +
+              at.z * axes.z.elevation};
 }
-
-constexpr int kLanes = kScatterersInCell;
-
-/// A cell's scatterers, seen or not.
-struct Lanes {
-  float path_m[kLanes];
-  std::int32_t entry[kLanes];
-  float amplitude[kLanes];
-  std::int32_t within[kLanes];
-};
-
-/// Writes the lanes that are within to the front of `to`, in order, and anything behind them, as
-/// far as there are lanes. Returns which, one bit each.
-using Pack = std::uint32_t (*)(const Lanes& lanes, const SeenScatterers& to);
-
-std::uint32_t pack_one_by_one(const Lanes& lanes, const SeenScatterers& to) {
-  std::uint32_t mask = 0;
-  int kept = 0;
-  for (int i = 0; i < kLanes; ++i) {
-    to.path_m[kept] = lanes.path_m[i];
-    to.entry[kept] = lanes.entry[i];
-    to.amplitude[kept] = lanes.amplitude[i];
-    kept += lanes.within[i];
-    mask |= static_cast<std::uint32_t>(lanes.within[i]) << i;
-  }
-  return mask;
-}
-
-#if WOBBLEBENCH_HAND_SIMD
-__attribute__((target("avx512f,avx512vl"))) std::uint32_t pack_at_once(const Lanes& lanes,
-                                                                       const SeenScatterers& to) {
-  static_assert(kLanes == 8);
-  const auto load = [](const auto* from) __attribute__((target("avx512f,avx512vl"))) {
-    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-  };
-  const auto store = [](auto* at, __m256i value) __attribute__((target("avx512f,avx512vl"))) {
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(at), value);
-  };
-  const __m256i within = load(lanes.within);
-  const __mmask8 mask = _mm256_test_epi32_mask(within, within);
-  store(to.path_m, _mm256_maskz_compress_epi32(mask, load(lanes.path_m)));
-  store(to.entry, _mm256_maskz_compress_epi32(mask, load(lanes.entry)));
-  store(to.amplitude, _mm256_maskz_compress_epi32(mask, load(lanes.amplitude)));
-  return mask;
-}
-
-const Pack pack = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0
-                      ? pack_at_once
-                      : pack_one_by_one;
-#else
-constexpr Pack pack = pack_one_by_one;
-#endif
 
 /// How far beyond the rim a place is, in squared columns or columns; negative: within.
 template <BeamRim rim>
@@ -120,65 +65,57 @@ look(const BeamVector& at, const BeamAtRow& beam, std::int32_t row, std::int32_t
           (beyond_rim<rim>(u, v, static_cast<float>(columns)) < 0.0f) & (at.axial > 0.0f)};
 }
 
-/// A cell's scatterers, all in one tissue.
 template <BeamRim rim>
-WOBBLEBENCH_INLINE void fill_even(const TouchedHashCell& cell,
-                                  const BeamAtRow& beam,
-                                  const HashAxes& axes,
-                                  std::int32_t columns,
-                                  Lanes& lanes) {
-  for (int i = 0; i < kLanes; ++i) {
-    const CellOffset offset = scatterer_offset(cell.key, static_cast<std::uint32_t>(i));
-    const Seen seen = look<rim>(place(cell, axes, offset), beam, cell.row, columns);
-    lanes.path_m[i] = seen.path_m;
-    lanes.entry[i] = seen.entry;
-    lanes.amplitude[i] = cell.amplitude;
-    lanes.within[i] = seen.within;
+WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
+                                   int count,
+                                   const HashAxes& axes,
+                                   const Sight& sight,
+                                   CellLanes& __restrict lanes) {
+  for (int c = 0; c < count; ++c) {
+    const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
+    const std::int32_t row = cells.row[c];
+    const std::uint32_t key = cells.key[c];
+    const float strength = cells.amplitude[c];
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
+    float* path_m = lanes.path_m + first;
+    std::int32_t* entry = lanes.entry + first;
+    float* amplitude = lanes.amplitude + first;
+    std::int32_t* within = lanes.within + first;
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(i));
+      const Seen seen = look<rim>(place(corner, axes, offset), sight.rows[row], row, sight.columns);
+      path_m[i] = seen.path_m;
+      entry[i] = seen.entry;
+      amplitude[i] = strength;
+      within[i] = seen.within;
+    }
   }
 }
 
-template <BeamRim rim>
-WOBBLEBENCH_INLINE int see_even_within(const TouchedHashCell* cells,
-                                       int count,
-                                       const HashAxes& axes,
-                                       const Sight& sight,
-                                       const SeenScatterers& seen) {
-  int kept = 0;
-  Lanes lanes;
-  for (int c = 0; c < count; ++c) {
-    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
-    kept += std::popcount(pack(lanes, seen.from(static_cast<std::size_t>(kept))));
+WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCells& cells,
+                                 int count,
+                                 const HashAxes& axes,
+                                 const Sight& sight,
+                                 CellLanes& lanes) {
+  if (sight.rim == BeamRim::ellipse) {
+    fill_cells<BeamRim::ellipse>(cells, count, axes, sight, lanes);
+  } else {
+    fill_cells<BeamRim::diamond>(cells, count, axes, sight, lanes);
   }
-  return kept;
 }
 
-template <BeamRim rim>
-WOBBLEBENCH_INLINE int see_mixed_within(const TouchedHashCell* cells,
-                                        const MixedCell* const* mixed,
-                                        int count,
-                                        const HashAxes& axes,
-                                        const Sight& sight,
-                                        const SeenScatterers& seen,
-                                        SheetHit* hits,
-                                        int* hit_count) {
-  int kept = 0, hit = 0;
-  Lanes lanes;
+/// Gives each lane its own tissue.
+WOBBLEBENCH_SIMD void weigh_lanes(const MixedCell* const* mixed, int count, CellLanes& lanes) {
   for (int c = 0; c < count; ++c) {
-    const MixedCell& tissue = *mixed[c];
-    fill_even<rim>(cells[c], sight.rows[cells[c].row], axes, sight.columns, lanes);
-    for (int i = 0; i < kLanes; ++i) {
-      lanes.amplitude[i] *= tissue.amplitude[i];
-      lanes.within[i] &= tissue.amplitude[i] > 0.0f;
+    const float* strength = mixed[c]->amplitude;
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
+    float* amplitude = lanes.amplitude + first;
+    std::int32_t* within = lanes.within + first;
+    for (int i = 0; i < kScatterersInCell; ++i) {
+      amplitude[i] *= strength[i];
+      within[i] &= strength[i] > 0.0f;
     }
-    const std::uint32_t within = pack(lanes, seen.from(static_cast<std::size_t>(kept)));
-    for (std::uint32_t left = within & tissue.in_sheet; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      hits[hit++] = {kept + std::popcount(within & ((1u << i) - 1)), c, i};
-    }
-    kept += std::popcount(within);
   }
-  *hit_count = hit;
-  return kept;
 }
 
 WOBBLEBENCH_INLINE float reach_at(const ReachAlong& reach, float axial) {
@@ -186,37 +123,55 @@ WOBBLEBENCH_INLINE float reach_at(const ReachAlong& reach, float axial) {
 }
 
 template <BeamRim rim>
-WOBBLEBENCH_INLINE void find_near(const HashCellCenters& centers,
-                                  int count,
-                                  const BeamVector& corner,
-                                  const BeamVector& half_cell,
-                                  const ParcelReach& reach,
-                                  std::uint8_t* __restrict near) {
+WOBBLEBENCH_INLINE void test_within(const CellPlaces& places,
+                                    int count,
+                                    const CellTest& test,
+                                    TestedCells& __restrict tested) {
+  const BeamVector corner = test.corner, half_cell = test.half_cell;
+  const ParcelReach reach = test.reach;
+  const float rows_per_m = test.rows_per_m;
+  const std::int32_t last_row = test.last_row;
+  const std::int32_t first_heard = test.first_heard, last_heard = test.last_heard;
+  const std::uint32_t parcel_key = test.parcel_key;
   for (int i = 0; i < count; ++i) {
-    const float axial = corner.axial + centers.axial[i];
+    const float axial = corner.axial + places.axial[i];
     const float wide = reach_at(reach.lateral_m, axial);
     const float high = reach_at(reach.elevation_m, axial);
     // The cell's nearest place to the axis, at least; over the reach in both directions, but
     // without dividing.
-    const float lateral = magnitude(corner.lateral + centers.lateral[i]) - half_cell.lateral;
-    const float elevation =
-        magnitude(corner.elevation + centers.elevation[i]) - half_cell.elevation;
+    const float lateral = magnitude(corner.lateral + places.lateral[i]) - half_cell.lateral;
+    const float elevation = magnitude(corner.elevation + places.elevation[i]) - half_cell.elevation;
     const float u = (lateral > 0.0f ? lateral : 0.0f) * high;
     const float v = (elevation > 0.0f ? elevation : 0.0f) * wide;
-    near[i] = beyond_rim<rim>(u, v, wide * high) < 0.0f ? 1 : 0;
+    const std::int32_t whole = static_cast<std::int32_t>(axial * rows_per_m);
+    const std::int32_t positive = whole < 0 ? 0 : whole;
+    const std::int32_t row = positive > last_row ? last_row : positive;
+    tested.axial[i] = corner.axial + places.corner_axial[i];
+    tested.lateral[i] = corner.lateral + places.corner_lateral[i];
+    tested.elevation[i] = corner.elevation + places.corner_elevation[i];
+    tested.key[i] = hash_cell_key(parcel_key, static_cast<std::uint32_t>(i));
+    tested.row[i] = row;
+    tested.near[i] =
+        (beyond_rim<rim>(u, v, wide * high) < 0.0f) & (row >= first_heard) & (row <= last_heard);
   }
 }
 
 }  // namespace
 
-WOBBLEBENCH_SIMD int see_scatterers(const TouchedHashCell* cells,
-                                    int count,
-                                    const HashAxes& axes,
-                                    const Sight& sight,
-                                    const SeenScatterers& seen) {
-  return sight.rim == BeamRim::ellipse
-             ? see_even_within<BeamRim::ellipse>(cells, count, axes, sight, seen)
-             : see_even_within<BeamRim::diamond>(cells, count, axes, sight, seen);
+int see_scatterers(const TouchedHashCells& cells,
+                   int count,
+                   const HashAxes& axes,
+                   const Sight& sight,
+                   const SeenScatterers& seen) {
+  int kept = 0;
+  CellLanes lanes;
+  std::uint8_t which[kLaneCells];
+  for (int first = 0; first < count; first += kLaneCells) {
+    const int some = std::min(kLaneCells, count - first);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
+  }
+  return kept;
 }
 
 int see_places(const BeamPlace* places, int count, const Sight& sight, const SeenScatterers& seen) {
@@ -235,32 +190,54 @@ int see_places(const BeamPlace* places, int count, const Sight& sight, const See
   return kept;
 }
 
-WOBBLEBENCH_SIMD int see_mixed_scatterers(const TouchedHashCell* cells,
-                                          const MixedCell* const* mixed,
-                                          int count,
-                                          const HashAxes& axes,
-                                          const Sight& sight,
-                                          const SeenScatterers& seen,
-                                          SheetHit* hits,
-                                          int* hit_count) {
-  return sight.rim == BeamRim::ellipse
-             ? see_mixed_within<BeamRim::ellipse>(
-                   cells, mixed, count, axes, sight, seen, hits, hit_count)
-             : see_mixed_within<BeamRim::diamond>(
-                   cells, mixed, count, axes, sight, seen, hits, hit_count);
+int see_mixed_scatterers(const TouchedHashCells& cells,
+                         const MixedCell* const* mixed,
+                         int count,
+                         const HashAxes& axes,
+                         const Sight& sight,
+                         const SeenScatterers& seen,
+                         SheetHit* hits,
+                         int* hit_count) {
+  int kept = 0, hit = 0;
+  CellLanes lanes;
+  std::uint8_t which[kLaneCells];
+  for (int first = 0; first < count; first += kLaneCells) {
+    const int some = std::min(kLaneCells, count - first);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
+    weigh_lanes(mixed + first, some, lanes);
+    int at = kept;
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
+    for (int c = 0; c < some; ++c) {
+      const std::uint32_t within = which[c];
+      for (std::uint32_t left = within & mixed[first + c]->in_sheet; left != 0; left &= left - 1) {
+        const int i = std::countr_zero(left);
+        hits[hit++] = {at + std::popcount(within & ((1u << i) - 1)), first + c, i};
+      }
+      at += std::popcount(within);
+    }
+  }
+  *hit_count = hit;
+  return kept;
 }
 
-WOBBLEBENCH_SIMD void find_near_cells(const HashCellCenters& centers,
-                                      int count,
-                                      const BeamVector& corner,
-                                      const BeamVector& half_cell,
-                                      const ParcelReach& reach,
-                                      BeamRim rim,
-                                      std::uint8_t* near) {
-  if (rim == BeamRim::ellipse) {
-    find_near<BeamRim::ellipse>(centers, count, corner, half_cell, reach, near);
+WOBBLEBENCH_SIMD void test_cells(const CellPlaces& places,
+                                 int count,
+                                 const CellTest& test,
+                                 TestedCells& tested) {
+  if (test.rim == BeamRim::ellipse) {
+    test_within<BeamRim::ellipse>(places, count, test, tested);
   } else {
-    find_near<BeamRim::diamond>(centers, count, corner, half_cell, reach, near);
+    test_within<BeamRim::diamond>(places, count, test, tested);
+  }
+}
+
+WOBBLEBENCH_SIMD void choose_kind(const std::uint8_t* near,
+                                  const CellKind* kinds,
+                                  CellKind wanted,
+                                  int count,
+                                  std::uint8_t* __restrict chosen) {
+  for (int i = 0; i < count; ++i) {
+    chosen[i] = static_cast<std::uint8_t>(near[i] & static_cast<std::uint8_t>(kinds[i] == wanted));
   }
 }
 
@@ -280,22 +257,38 @@ WOBBLEBENCH_INLINE Complex unpacked(std::uint32_t word) {
           static_cast<float>(static_cast<std::int32_t>(word) >> 16)};
 }
 
+/// What the beam's sections say of each, moved together: loops that look them up by themselves
+/// stay narrow.
+struct SectionLanes {
+  struct Words {
+    std::uint32_t level;
+    std::uint32_t colour;
+  };
+  Words words[kEchoBatch];
+};
+
+void look_up(const std::uint32_t* beam, const std::int32_t* entries, int count, SectionLanes& to) {
+  for (int i = 0; i < count; ++i) {
+    std::memcpy(
+        to.words + i, beam + 2 * static_cast<std::ptrdiff_t>(entries[i]), sizeof to.words[i]);
+  }
+}
+
 WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
+                                   const SectionLanes& sections,
                                    int count,
                                    const EchoConstants& constants,
                                    EchoLanes& __restrict lanes,
                                    std::int32_t* __restrict bins) {
-  const std::uint32_t* beam = constants.beam;
+  const SectionLanes::Words* words = sections.words;
   const float* paths = seen.path_m;
-  const std::int32_t* entries = seen.entry;
   const float* amplitudes = seen.amplitude;
   const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
   const float colour_per_bin = constants.colour_per_bin;
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
     const float path = paths[i], amplitude = amplitudes[i];
-    const std::int32_t at = 2 * entries[i];
-    const Complex level = unpacked(beam[at]), colour = unpacked(beam[at + 1]);
+    const Complex level = unpacked(words[i].level), colour = unpacked(words[i].colour);
     const float cycles = path * cycles_per_m;
     const CosSin angle =
         cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(cycles)) - cycles);
@@ -318,18 +311,29 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
   }
 }
 
-}  // namespace
-
-WOBBLEBENCH_SIMD void make_echoes(const SeenScatterers& seen,
-                                  int count,
-                                  const EchoConstants& constants,
-                                  BinShare* __restrict shares,
-                                  std::int32_t* __restrict bins) {
+WOBBLEBENCH_SIMD void shape_echoes(const SeenScatterers& seen,
+                                   const SectionLanes& sections,
+                                   int count,
+                                   const EchoConstants& constants,
+                                   BinShare* __restrict shares,
+                                   std::int32_t* __restrict bins) {
   EchoLanes lanes;
-  echo_lanes(seen, count, constants, lanes, bins);
+  echo_lanes(seen, sections, count, constants, lanes, bins);
   for (int i = 0; i < count; ++i) {
     shares[i] = {lanes.low_re[i], lanes.low_im[i], lanes.high_re[i], lanes.high_im[i]};
   }
+}
+
+}  // namespace
+
+void make_echoes(const SeenScatterers& seen,
+                 int count,
+                 const EchoConstants& constants,
+                 BinShare* shares,
+                 std::int32_t* bins) {
+  SectionLanes sections;
+  look_up(constants.beam, seen.entry, count, sections);
+  shape_echoes(seen, sections, count, constants, shares, bins);
 }
 
 void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare* bins) {

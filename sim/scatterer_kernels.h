@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "sim/lane_pack.h"
 #include "sim/scatterer_cells.h"
 #include "sim/simd.h"
 #include "sim/tissue_parcels.h"
@@ -33,31 +34,11 @@ struct BeamAtRow {
   float scale = 1;  ///< of the beam's sections there (sim/beam_sections.h)
 };
 
-/// A hash cell that the beam touches.
-struct TouchedHashCell {
-  BeamVector corner;    ///< low corner
-  float amplitude = 0;  ///< of its scatterers on the axis, times the sections' scale
-  std::uint32_t key = 0;
-  std::int32_t row = 0;  ///< of the beam's table
-};
-
 /// What one hash unit along each of the tissue's axes is in beam coordinates.
 struct HashAxes {
   BeamVector x;
   BeamVector y;
   BeamVector z;
-};
-
-/// Scatterers within the beam's reach, one array for each property: apparent range, place in the
-/// beam's sections, and amplitude.
-struct SeenScatterers {
-  float* path_m;
-  std::int32_t* entry;
-  float* amplitude;
-
-  SeenScatterers from(std::size_t first) const {
-    return {path_m + first, entry + first, amplitude + first};
-  }
 };
 
 /// What a scatterer puts into the bin that its echo falls into; see sim/echo_bins.h.
@@ -81,7 +62,7 @@ struct Sight {
 
 /// Writes the cells' scatterers within reach to `seen`, which has room for all of them and one cell
 /// more. Returns how many.
-int see_scatterers(const TouchedHashCell* cells,
+int see_scatterers(const TouchedHashCells& cells,
                    int count,
                    const HashAxes& axes,
                    const Sight& sight,
@@ -104,7 +85,7 @@ struct SheetHit {
 
 /// The same for mixed cells, whose silent scatterers are left out. Writes those that lie in sheets
 /// to `hits` too (room for all), and their number to `hit_count`.
-int see_mixed_scatterers(const TouchedHashCell* cells,
+int see_mixed_scatterers(const TouchedHashCells& cells,
                          const MixedCell* const* mixed,
                          int count,
                          const HashAxes& axes,
@@ -113,11 +94,14 @@ int see_mixed_scatterers(const TouchedHashCell* cells,
                          SheetHit* hits,
                          int* hit_count);
 
-/// The centres of a parcel's hash cells, from its low corner.
-struct HashCellCenters {
+/// An octave's hash cells in a parcel, from its low corner: their centres and low corners.
+struct CellPlaces {
   const float* axial;
   const float* lateral;
   const float* elevation;
+  const float* corner_axial;
+  const float* corner_lateral;
+  const float* corner_elevation;
 };
 /// The beam's reach around a parcel: parabolas over the way along the stick.
 struct ReachAlong {
@@ -129,14 +113,27 @@ struct ParcelReach {
   ReachAlong lateral_m;
   ReachAlong elevation_m;
 };
-/// Finds the hash cells that the beam may touch: near[i] is 1 for them.
-void find_near_cells(const HashCellCenters& centers,
-                     int count,
-                     const BeamVector& corner,
-                     const BeamVector& half_cell,
-                     const ParcelReach& reach,
-                     BeamRim rim,
-                     std::uint8_t* near);
+/// What an octave's hash cells in a parcel are tested against.
+struct CellTest {
+  BeamVector corner;     ///< the parcel's
+  BeamVector half_cell;  ///< half extents of a cell
+  ParcelReach reach;
+  float rows_per_m;  ///< of the beam's table
+  std::int32_t last_row;
+  std::int32_t first_heard;  ///< rows between which the octave is not silent
+  std::int32_t last_heard;
+  std::uint32_t parcel_key;
+  BeamRim rim;
+};
+/// Tests the hash cells of a parcel: those that the beam may touch are near.
+void test_cells(const CellPlaces& places, int count, const CellTest& test, TestedCells& tested);
+
+/// Leaves 1 of the flags of hash cells only where they are of one kind.
+void choose_kind(const std::uint8_t* near,
+                 const CellKind* kinds,
+                 CellKind wanted,
+                 int count,
+                 std::uint8_t* chosen);
 
 struct EchoConstants {
   const std::uint32_t* beam;  ///< words of the sections

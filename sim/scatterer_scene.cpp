@@ -96,6 +96,8 @@ void ScattererScene::weigh_octaves(bool all) {
       gain.amplitude.push_back(static_cast<float>(std::sqrt(even * power)));
       gain.scaled.push_back(gain.amplitude.back() * sections.scale(row));
       if (power <= 0) continue;
+      if (gain.last_row < 0) gain.first_row = row;
+      gain.last_row = row;
       const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
       std::fill(gain.heard.begin() + from, gain.heard.begin() + to + 1, char{1});
     }

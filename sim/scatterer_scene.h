@@ -37,6 +37,8 @@ struct ScattererScene {
     std::vector<float> amplitude;
     std::vector<float> scaled;  ///< by the sections' scale
     std::vector<char> heard;
+    int first_row = 0;  ///< rows between which it is not silent
+    int last_row = -1;
   };
 
   Subject subject;

@@ -22,12 +22,15 @@ double fastest_ratio(const Subject& subject, const hw::AcquisitionPlan& plan) {
   return ratio;
 }
 
-WOBBLEBENCH_SIMD void scale_by_root(float* parts, const float* power, int count) {
+WOBBLEBENCH_SIMD void scale_by_root(const float* even,
+                                    const float* power,
+                                    int count,
+                                    float* __restrict parts) {
   for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
     const float amplitude = std::sqrt(power[i]);
-    parts[at] *= amplitude;
-    parts[at + 1] *= amplitude;
+    parts[at] = even[at] * amplitude;
+    parts[at + 1] = even[at + 1] * amplitude;
   }
 }
 
@@ -77,7 +80,7 @@ void StickEchoes::make(const hw::StickIndex& index,
                        Worker& worker,
                        std::span<std::complex<float>> iq) const {
   const Sightline line = sightline(plan_, index);
-  follow(subject_, line, depth_m_, worker.track);
+  follow(subject_, line, depth_m_, worker.track, surfaces(rung_));
   worker.losses.compute(worker.track);
   if (rung_ == Rung::field) {
     modulate_speckle(index, worker, iq);
@@ -94,13 +97,17 @@ void StickEchoes::modulate_speckle(const hw::StickIndex& index,
                                    Worker& worker,
                                    std::span<std::complex<float>> iq) const {
   worker.power.compute(worker.track, worker.losses, worker.mean_power);
-  if (options_.speckle) {
-    const auto even = speckle_.stick(static_cast<int>(index.frame), static_cast<int>(index.line));
-    std::copy(even.begin(), even.end(), iq.begin());
-  } else {
-    std::fill(iq.begin(), iq.end(), std::complex<float>(1));
+  if (!options_.speckle) {
+    std::transform(worker.mean_power.begin(), worker.mean_power.end(), iq.begin(), [](float power) {
+      return std::complex<float>(std::sqrt(power));
+    });
+    return;
   }
-  scale_by_root(reinterpret_cast<float*>(iq.data()), worker.mean_power.data(), samples_);
+  const auto even = speckle_.stick(static_cast<int>(index.frame), static_cast<int>(index.line));
+  scale_by_root(reinterpret_cast<const float*>(even.data()),
+                worker.mean_power.data(),
+                samples_,
+                reinterpret_cast<float*>(iq.data()));
 }
 
 void StickEchoes::add_specular(const Worker& worker, std::span<std::complex<float>> iq) const {

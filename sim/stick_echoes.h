@@ -41,6 +41,11 @@ class StickEchoes {
   /// The stick's IQ samples; `iq` need not be clear.
   void make(const hw::StickIndex& index, Worker& worker, std::span<std::complex<float>> iq) const;
 
+  /// What a rung needs to know of the surfaces around a stick.
+  static Surfaces surfaces(Rung rung) {
+    return rung == Rung::field ? Surfaces::nearby : Surfaces::crossed;
+  }
+
   /// Farthest that a surface may lie from a stick and still be asked for.
   static double reach_m(const hw::AcquisitionPlan& plan, Rung rung);
 

@@ -1,9 +1,7 @@
 #include "sim/stick_scan.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -13,9 +11,8 @@ namespace {
 
 /// Echoes are made when there are this many: they stay in the first-level cache.
 constexpr std::size_t kPending = 1024;
-/// Hash cells are tested this many at a time.
-constexpr int kCells = 256;
-constexpr int kFlagsInWord = 8;
+/// Out of every beam's reach.
+constexpr float kFarAside_m = 1e3f;
 /// Scatterers may be out of place by this much where tissue turns in itself.
 constexpr double kStraight_m = 2e-6;
 /// Cells of such tissue are taken as larger than they are by this factor.
@@ -23,10 +20,6 @@ constexpr float kStretch = 1.5f;
 
 BeamVector narrow(const glm::dvec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-BeamVector operator+(const BeamVector& a, const BeamVector& b) {
-  return {a.axial + b.axial, a.lateral + b.lateral, a.elevation + b.elevation};
 }
 
 HashAxes hash_axes(const RestToBeam& map, double cell_m) {
@@ -44,6 +37,11 @@ bool holds(const RestToBeam& map, const StickView& view, const glm::dvec3& cente
     if (glm::distance(map(at), view.to_beam(at)) > kStraight_m) return false;
   }
   return true;
+}
+
+/// Of the sound, at rest.
+glm::vec3 direction_of(const RestToBeam& map) {
+  return glm::vec3(glm::normalize(glm::transpose(map.turn)[0]));
 }
 
 glm::dvec3 cell_place(int number, int divisions) {
@@ -70,23 +68,45 @@ void CellGrid::fill(const RestToBeam& map, double side_m, int divisions) {
         (std::abs(map.turn[0][row]) + std::abs(map.turn[1][row]) + std::abs(map.turn[2][row])));
   };
   half = {half_along(0), half_along(1), half_along(2)};
-  axial.clear();
-  lateral.clear();
-  elevation.clear();
-  corner.clear();
-  for (int i = 0; i < divisions * divisions * divisions; ++i) {
+  const int cells = divisions * divisions * divisions;
+  const auto room =
+      static_cast<std::size_t>((cells + kFlagsTogether - 1) / kFlagsTogether) * kFlagsTogether;
+  for (auto* values : {&axial, &elevation, &corner_axial, &corner_lateral, &corner_elevation}) {
+    values->assign(room, 0.0f);
+  }
+  lateral.assign(room, kFarAside_m);
+  for (int i = 0; i < cells; ++i) {
+    const auto at = static_cast<std::size_t>(i);
     const glm::dvec3 place = cell_place(i, divisions);
-    const BeamVector at = narrow(map.turn * (cell_m * (place + 0.5)));
-    axial.push_back(at.axial);
-    lateral.push_back(at.lateral);
-    elevation.push_back(at.elevation);
-    corner.push_back(narrow(map.turn * (cell_m * place)));
+    const BeamVector center = narrow(map.turn * (cell_m * (place + 0.5)));
+    const BeamVector corner = narrow(map.turn * (cell_m * place));
+    axial[at] = center.axial;
+    lateral[at] = center.lateral;
+    elevation[at] = center.elevation;
+    corner_axial[at] = corner.axial;
+    corner_lateral[at] = corner.lateral;
+    corner_elevation[at] = corner.elevation;
   }
 }
 
-void CellBatch::clear() {
-  cells.clear();
-  mixed.clear();
+TouchedHashCells CellBatch::next(std::size_t more) {
+  const std::size_t needed = count + more + kFlagsTogether;
+  if (row_.size() < needed) {
+    for (auto* values : {&axial_, &lateral_, &elevation_, &amplitude_}) values->resize(2 * needed);
+    mixed.resize(2 * needed);
+    key_.resize(2 * needed);
+    row_.resize(2 * needed);
+  }
+  return cells().from(count);
+}
+
+TouchedHashCells CellBatch::cells() {
+  return {axial_.data(),
+          lateral_.data(),
+          elevation_.data(),
+          amplitude_.data(),
+          key_.data(),
+          row_.data()};
 }
 
 StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffers& buffers)
@@ -95,20 +115,17 @@ StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffe
   const double samples = static_cast<double>(way.left.size()) + scene.taps.beside();
   heard_m_ = samples * way.spacing_m;
   end_m_ = heard_m_ - (way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back()));
-  buffers_.near.resize(kCells + kFlagsInWord);
-  buffers_.list.resize(kCells);
   find_delays();
 }
 
 std::uint64_t StickScan::run(std::span<std::complex<float>> iq) {
   const ParcelLattice lattice = scene_.lattice();
-  const auto& octaves = scene_.cells.octaves;
   buffers_.bins.begin(scene_.taps, heard_m_);
-  buffers_.grids.resize(octaves.size());
-  if (view_.rigid()) {
-    for (std::size_t i = 0; i < octaves.size(); ++i) {
-      buffers_.grids[i].fill(view_.map(), lattice.side_m, octaves[i].divisions);
-    }
+  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
+    if (view_.rigid() && turn == phantoms::Moment::Turn::whole) break;
+    const auto part = static_cast<std::size_t>(turn);
+    direction_[part] = direction_of(view_.whole(turn));
+    fill_grids(view_.whole(turn), buffers_.grids[part]);
   }
   find_touched(view_, scene_.tube, lattice, end_m_, buffers_.touched);
   for (const TouchedParcel& touched : buffers_.touched) scan(touched);
@@ -140,20 +157,38 @@ void StickScan::scan(const TouchedParcel& touched) {
   const ParcelLattice lattice = scene_.lattice();
   const glm::dvec3 center = lattice.center(touched.index);
   parcel.corner = center - 0.5 * lattice.side_m;
-  parcel.map = view_.rigid() ? view_.map() : view_.map_near(center, lattice.side_m);
-  parcel.straight = view_.rigid() || holds(parcel.map, view_, center, lattice.side_m);
+  std::vector<CellGrid>& grids = place_parcel(center, parcel);
   parcel.beam_corner = narrow(parcel.map(parcel.corner));
-  parcel.direction = glm::vec3(glm::normalize(glm::transpose(parcel.map.turn)[0]));
   parcel.reach = reach_around(touched.center.x);
   const auto row = static_cast<std::size_t>(scene_.table.row(touched.center.x));
   for (std::size_t i = 0; i < scene_.cells.octaves.size(); ++i) {
     if (!scene_.gains[i].heard[row]) continue;
-    CellGrid& grid = buffers_.grids[i];
-    if (!view_.rigid()) {
-      grid.fill(parcel.map, lattice.side_m, scene_.cells.octaves[i].divisions);
-    }
-    scan_octave(parcel, grid, static_cast<int>(i));
+    scan_octave(parcel, grids[i], static_cast<int>(i));
   }
+}
+
+void StickScan::fill_grids(const RestToBeam& map, std::vector<CellGrid>& grids) const {
+  const auto& octaves = scene_.cells.octaves;
+  grids.resize(octaves.size());
+  for (std::size_t i = 0; i < octaves.size(); ++i) {
+    grids[i].fill(map, scene_.parcels.side_m(), octaves[i].divisions);
+  }
+}
+
+std::vector<CellGrid>& StickScan::place_parcel(const glm::dvec3& center, Parcel& parcel) {
+  const double side_m = scene_.parcels.side_m();
+  const auto turn = view_.turn_within(center, 0.5 * std::sqrt(3.0) * side_m);
+  if (turn != phantoms::Moment::Turn::bends) {
+    const auto part = static_cast<std::size_t>(turn);
+    parcel.map = view_.whole(turn);
+    parcel.direction = direction_[part];
+    return buffers_.grids[part];
+  }
+  parcel.map = view_.map_near(center);
+  parcel.straight = holds(parcel.map, view_, center, side_m);
+  parcel.direction = direction_of(parcel.map);
+  fill_grids(parcel.map, buffers_.bent);
+  return buffers_.bent;
 }
 
 ParcelReach StickScan::reach_around(double range_m) const {
@@ -173,120 +208,127 @@ ParcelReach StickScan::reach_around(double range_m) const {
   return {parabola(table.lateral()), parabola(table.elevation())};
 }
 
-void StickScan::scan_octave(Parcel& parcel, const CellGrid& grid, int octave) {
-  const Octave& process = scene_.cells.octaves[static_cast<std::size_t>(octave)];
+CellTest StickScan::cell_test(const Parcel& parcel, const CellGrid& grid, int octave) const {
   const float stretch = parcel.straight ? 1.0f : kStretch;
-  const BeamVector half{0, stretch * grid.half.lateral, stretch * grid.half.elevation};
-  parcel.key = process.parcel_key(parcel.tissue.index);
-  for (int first = 0; first < process.cells(); first += kCells) {
-    const int count = std::min(kCells, process.cells() - first);
-    find_near_cells(
-        {grid.axial.data() + first, grid.lateral.data() + first, grid.elevation.data() + first},
-        count,
-        parcel.beam_corner,
-        half,
-        parcel.reach,
-        scene_.rim,
-        buffers_.near.data());
-    take_near_cells(parcel, grid, octave, first, count);
-  }
+  const auto& gain = scene_.gains[static_cast<std::size_t>(octave)];
+  return {parcel.beam_corner,
+          {0, stretch * grid.half.lateral, stretch * grid.half.elevation},
+          parcel.reach,
+          static_cast<float>(scene_.table.rows_per_m()),
+          scene_.table.rows() - 1,
+          gain.first_row,
+          gain.last_row,
+          parcel.key,
+          scene_.rim};
+}
+
+void StickScan::scan_octave(Parcel& parcel, const CellGrid& grid, int octave) {
+  parcel.key =
+      scene_.cells.octaves[static_cast<std::size_t>(octave)].parcel_key(parcel.tissue.index);
+  test_cells(grid.places(), grid.count(), cell_test(parcel, grid, octave), buffers_.tested);
+  take_near_cells(parcel, octave, grid.count());
   if (parcel.straight) see(parcel, grid.axes);
   if (pending_ >= kPending) flush();
 }
 
-TouchedHashCell StickScan::touched_cell(const Parcel& parcel,
-                                        const CellGrid& grid,
-                                        int number) const {
-  const auto at = static_cast<std::size_t>(number);
-  TouchedHashCell cell;
-  cell.key = hash_cell_key(parcel.key, static_cast<std::uint32_t>(number));
-  cell.row = std::clamp(static_cast<int>((parcel.beam_corner.axial + grid.axial[at]) *
-                                         static_cast<float>(scene_.table.rows_per_m())),
-                        0,
-                        scene_.table.rows() - 1);
-  cell.corner = parcel.beam_corner + grid.corner[at];
-  return cell;
+const std::uint8_t* StickScan::choose(const Parcel& parcel,
+                                      int octave,
+                                      int count,
+                                      CellKind wanted) {
+  // Behind an octave's cells lie the next one's, or nothing: those flags are 0.
+  const CellKind* kinds = scene_.parcels.kinds(parcel.tissue, octave);
+  choose_kind(buffers_.tested.near, kinds, wanted, count, buffers_.chosen);
+  return buffers_.chosen;
 }
 
-std::span<const int> StickScan::list_near(int count) {
-  // Few are near, eight by eight: whole words of flags are passed over.
-  std::fill(buffers_.near.begin() + count, buffers_.near.begin() + count + kFlagsInWord, 0);
-  std::size_t listed = 0;
-  for (int first = 0; first < count; first += kFlagsInWord) {
-    std::uint64_t flags;
-    std::memcpy(&flags, buffers_.near.data() + first, sizeof flags);
-    for (; flags != 0; flags &= flags - 1) {
-      buffers_.list[listed++] = first + std::countr_zero(flags) / 8;
-    }
+void StickScan::take_near_cells(const Parcel& parcel, int octave, int count) {
+  if (!parcel.straight) {
+    take_bent_cells(parcel, octave, count);
+  } else {
+    take_even_cells(parcel, octave, count);
+    if (parcel.tissue.mixed != nullptr) take_mixed_cells(parcel, octave, count);
   }
-  return {buffers_.list.data(), listed};
 }
 
-void StickScan::take_near_cells(
-    const Parcel& parcel, const CellGrid& grid, int octave, int first, int count) {
-  const std::span<const int> near = list_near(count);
-  if (parcel.tissue.mixed == nullptr && parcel.straight) {
-    take_even_cells(parcel, grid, octave, first, near);
+void StickScan::take_even_cells(const Parcel& parcel, int octave, int count) {
+  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
+  const TissueParcels& parcels = scene_.parcels;
+  CellBatch& batch = buffers_.even;
+  const TouchedHashCells to = batch.next(static_cast<std::size_t>(count));
+  if (parcel.tissue.mixed == nullptr) {
+    const float strength = parcels.amplitude(parcel.tissue.material);
+    const int taken = pack_cells(buffers_.tested, buffers_.tested.near, count, to);
+    for (int i = 0; i < taken; ++i) to.amplitude[i] = strength * gain[to.row[i]];
+    batch.count += static_cast<std::size_t>(taken);
     return;
   }
+  const std::int16_t* codes = parcels.codes(parcel.tissue, octave);
+  const std::uint8_t* even = choose(parcel, octave, count, CellKind::even);
+  const int taken = pack_cells(buffers_.tested, even, count, to);
+  list_flags(even, count, buffers_.list);
+  for (int i = 0; i < taken; ++i) {
+    to.amplitude[i] = parcels.amplitude(codes[buffers_.list[i]]) * gain[to.row[i]];
+  }
+  batch.count += static_cast<std::size_t>(taken);
+}
+
+void StickScan::take_mixed_cells(const Parcel& parcel, int octave, int count) {
+  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
+  const std::int16_t* codes = scene_.parcels.codes(parcel.tissue, octave);
+  CellBatch& batch = buffers_.mixed;
+  const TouchedHashCells to = batch.next(static_cast<std::size_t>(count));
+  const std::uint8_t* mixed = choose(parcel, octave, count, CellKind::mixed);
+  const int taken = pack_cells(buffers_.tested, mixed, count, to);
+  list_flags(mixed, count, buffers_.list);
+  for (int i = 0; i < taken; ++i) {
+    to.amplitude[i] = gain[to.row[i]];
+    const MixedCell* cell = &TissueParcels::mixed_cell(parcel.tissue, codes[buffers_.list[i]]);
+    __builtin_prefetch(cell);
+    batch.mixed[batch.count++] = cell;
+  }
+}
+
+void StickScan::take_bent_cells(const Parcel& parcel, int octave, int count) {
   const TissueParcels& parcels = scene_.parcels;
+  const TestedCells& tested = buffers_.tested;
   const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
-  for (const int i : near) {
-    const int number = first + i;
-    const int code = parcel.tissue.mixed == nullptr ? parcel.tissue.material
-                                                    : parcels.code(parcel.tissue, octave, number);
-    const float strength = code >= 0 ? parcels.amplitude(code) : 1.0f;
-    TouchedHashCell cell = touched_cell(parcel, grid, number);
-    cell.amplitude = strength * gain[cell.row];
-    if (cell.amplitude == 0) continue;
-    if (parcel.straight) {
-      sort_cell(parcel, cell, code);
-    } else {
-      const HashAxes axes = place_bent(parcel, octave, number, cell);
-      sort_cell(parcel, cell, code);
-      see(parcel, axes);
-    }
-  }
-}
-
-void StickScan::take_even_cells(
-    const Parcel& parcel, const CellGrid& grid, int octave, int first, std::span<const int> near) {
-  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
-  const float strength = scene_.parcels.amplitude(parcel.tissue.material);
-  auto& cells = buffers_.even.cells;
-  const std::size_t before = cells.size();
-  cells.resize(before + near.size());
-  for (std::size_t n = 0; n < near.size(); ++n) {
-    TouchedHashCell cell = touched_cell(parcel, grid, first + near[n]);
-    cell.amplitude = strength * gain[cell.row];
-    cells[before + n] = cell;
-  }
-}
-
-void StickScan::sort_cell(const Parcel& parcel, const TouchedHashCell& cell, int code) {
-  if (code >= 0) {
-    buffers_.even.cells.push_back(cell);
-  } else {
-    buffers_.mixed.cells.push_back(cell);
-    buffers_.mixed.mixed.push_back(&TissueParcels::mixed_cell(parcel.tissue, code));
+  const int near = list_flags(tested.near, count, buffers_.list);
+  for (int i = 0; i < near; ++i) {
+    const int number = buffers_.list[i];
+    const int code = parcels.code(parcel.tissue, octave, number);
+    const std::int32_t row = tested.row[number];
+    const float amplitude = (code >= 0 ? parcels.amplitude(code) : 1.0f) * gain[row];
+    if (amplitude == 0) continue;
+    CellBatch& batch = code >= 0 ? buffers_.even : buffers_.mixed;
+    const TouchedHashCells cell = batch.next(1);
+    cell.amplitude[0] = amplitude;
+    cell.key[0] = tested.key[number];
+    cell.row[0] = row;
+    const HashAxes axes = place_bent(parcel, octave, number, cell);
+    if (code < 0) batch.mixed[0] = &TissueParcels::mixed_cell(parcel.tissue, code);
+    batch.count = 1;
+    see(parcel, axes);
   }
 }
 
 HashAxes StickScan::place_bent(const Parcel& parcel,
                                int octave,
                                int number,
-                               TouchedHashCell& cell) const {
+                               const TouchedHashCells& cell) const {
   const int n = scene_.cells.octaves[static_cast<std::size_t>(octave)].divisions;
   const double cell_m = scene_.parcels.side_m() / n;
   const glm::dvec3 low = parcel.corner + cell_m * cell_place(number, n);
-  const RestToBeam map = view_.map_near(low + 0.5 * cell_m, cell_m);
-  cell.corner = narrow(map(low));
+  const RestToBeam map = view_.map_near(low + 0.5 * cell_m);
+  const BeamVector corner = narrow(map(low));
+  cell.axial[0] = corner.axial;
+  cell.lateral[0] = corner.lateral;
+  cell.elevation[0] = corner.elevation;
   return hash_axes(map, cell_m);
 }
 
 void StickScan::see(const Parcel& parcel, const HashAxes& axes) {
-  if (!buffers_.even.cells.empty()) see_even(axes);
-  if (!buffers_.mixed.cells.empty()) see_mixed(parcel, axes);
+  if (buffers_.even.count != 0) see_even(axes);
+  if (buffers_.mixed.count != 0) see_mixed(parcel, axes);
 }
 
 SeenScatterers StickScan::room_for(std::size_t cells) {
@@ -305,20 +347,20 @@ SeenScatterers StickScan::room_for(std::size_t cells) {
 
 void StickScan::see_even(const HashAxes& axes) {
   CellBatch& batch = buffers_.even;
-  const SeenScatterers seen = room_for(batch.cells.size());
-  const int count = static_cast<int>(batch.cells.size());
-  pending_ += static_cast<std::size_t>(
-      see_scatterers(batch.cells.data(), count, axes, scene_.sight(), seen));
-  batch.clear();
+  const SeenScatterers seen = room_for(batch.count);
+  const int count = static_cast<int>(batch.count);
+  pending_ +=
+      static_cast<std::size_t>(see_scatterers(batch.cells(), count, axes, scene_.sight(), seen));
+  batch.count = 0;
 }
 
 void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
   CellBatch& batch = buffers_.mixed;
-  const SeenScatterers seen = room_for(batch.cells.size());
+  const SeenScatterers seen = room_for(batch.count);
   int hits = 0;
-  pending_ += static_cast<std::size_t>(see_mixed_scatterers(batch.cells.data(),
+  pending_ += static_cast<std::size_t>(see_mixed_scatterers(batch.cells(),
                                                             batch.mixed.data(),
-                                                            static_cast<int>(batch.cells.size()),
+                                                            static_cast<int>(batch.count),
                                                             axes,
                                                             scene_.sight(),
                                                             seen,
@@ -332,7 +374,7 @@ void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
                                        hit.scatterer,
                                        parcel.direction);
   }
-  batch.clear();
+  batch.count = 0;
 }
 
 void StickScan::flush() {

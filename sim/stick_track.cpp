@@ -27,8 +27,14 @@ struct Straight {
   glm::dvec3 at(double range_m) const { return origin + (range_m - from_m) * direction; }
 };
 
-Straight straight(const Subject& subject, const Sightline& line, double from_m, double to_m) {
-  const auto rest = [&](const glm::dvec3& place) { return subject.to_rest(place, line.time_s); };
+Straight straight(const Subject& subject,
+                  const phantoms::Moment& moment,
+                  const Sightline& line,
+                  double from_m,
+                  double to_m) {
+  const auto rest = [&](const glm::dvec3& place) {
+    return moment.to_rest(subject.placement.to_phantom(place));
+  };
   const glm::dvec3 begin = rest(line.ray.at(from_m)), end = rest(line.ray.at(to_m));
   const AcrossStick across = across_stick(line.ray);
   constexpr double kAside_m = 1e-3;
@@ -42,7 +48,8 @@ Straight straight(const Subject& subject, const Sightline& line, double from_m, 
 
 class Follower {
  public:
-  Follower(const Subject& subject, StickTrack& track) : map_(*subject.map), track_(track) {}
+  Follower(const Subject& subject, Surfaces surfaces, StickTrack& track)
+      : map_(*subject.map), surfaces_(surfaces), track_(track) {}
 
   void walk(const Straight& piece) {
     for (CellWalk walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
@@ -50,8 +57,8 @@ class Follower {
       const double from = walk.from_m(), to = walk.to_m();
       if (to <= from) continue;
       const TissueMap::Cell& cell = map_.cell(walk.cell());
-      if (cell.count == 0) {
-        pass_clear(from, to, cell.base);
+      if (cell.count == 0 || (surfaces_ == Surfaces::crossed && is_uncrossed(cell))) {
+        pass_clear(from, to, cell.material);
       } else {
         pass_surfaces(piece, walk.cell(), cell, from, to);
       }
@@ -63,6 +70,12 @@ class Follower {
   }
 
  private:
+  /// Does no surface pass through the cell? Where the material changes between two cells, its
+  /// surface is looked for.
+  bool is_uncrossed(const TissueMap::Cell& cell) const {
+    return !cell.crossed && cell.material == current();
+  }
+
   void pass_clear(double from, double to, phantoms::MaterialIndex base) {
     auto& pieces = track_.pieces;
     if (!pieces.empty() && pieces.back().layers == 0 && pieces.back().base == base) {
@@ -96,7 +109,7 @@ class Follower {
       track_.nodes.resize(before + static_cast<std::size_t>(nodes));
       map_.trace(entry, line, nodes, track_.nodes.data() + before);
     }
-    mark_interfaces(piece, track_.pieces.back());
+    if (!is_uncrossed(cell)) mark_interfaces(piece, track_.pieces.back());
   }
 
   const TissueMap::LineNode& node(const TrackPiece& piece, int layer, int n) const {
@@ -175,6 +188,7 @@ class Follower {
   }
 
   const TissueMap& map_;
+  Surfaces surfaces_;
   StickTrack& track_;
 };
 
@@ -186,20 +200,24 @@ AcrossStick across_stick(const hw::Ray& ray) {
   return {glm::cross(ray.direction, elevation), elevation};
 }
 
-void follow(const Subject& subject, const Sightline& line, double depth_m, StickTrack& track) {
+void follow(const Subject& subject,
+            const Sightline& line,
+            double depth_m,
+            StickTrack& track,
+            Surfaces surfaces) {
   track.stretches.clear();
   track.interfaces.clear();
   track.pieces.clear();
   track.layers.clear();
   track.nodes.clear();
-  Follower follower(subject, track);
-  if (subject.motion.rigid()) {
-    follower.walk(straight(subject, line, 0, depth_m));
-  } else {
-    const int pieces = static_cast<int>(std::ceil(depth_m / kBentPiece_m));
-    for (int i = 0; i < pieces; ++i) {
-      follower.walk(straight(subject, line, depth_m * i / pieces, depth_m * (i + 1) / pieces));
-    }
+  Follower follower(subject, surfaces, track);
+  const phantoms::Moment moment = subject.motion.at(line.time_s);
+  double from_m = 0;
+  while (from_m < depth_m) {
+    const glm::dvec3 rest_m = moment.to_rest(subject.placement.to_phantom(line.ray.at(from_m)));
+    const double to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.as_one_m(rest_m)));
+    follower.walk(straight(subject, moment, line, from_m, to_m));
+    from_m = to_m;
   }
   follower.finish(depth_m);
 }

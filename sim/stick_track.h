@@ -51,8 +51,18 @@ struct StickTrack {
   std::vector<TissueMap::LineNode> nodes;
 };
 
+/// The surfaces that a track tells of.
+enum class Surfaces {
+  nearby,   ///< all within the map's reach of the stick
+  crossed,  ///< those of the cells through which one passes; interfaces are the same
+};
+
 /// Follows a stick from the face to `depth_m`. Reuses what `track` holds.
-void follow(const Subject& subject, const Sightline& line, double depth_m, StickTrack& track);
+void follow(const Subject& subject,
+            const Sightline& line,
+            double depth_m,
+            StickTrack& track,
+            Surfaces surfaces = Surfaces::nearby);
 
 /// Directions across a stick: in the image plane towards greater theta, and across it towards
 /// greater phi.

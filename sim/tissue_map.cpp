@@ -83,10 +83,24 @@ class TissueMapBuilder {
       cell.first = static_cast<std::uint32_t>(slab.entries.size());
       for (std::size_t s = 0; s < readers_.size(); ++s) add_surface(s, low, cell, slab);
       cell.count = static_cast<std::uint32_t>(slab.entries.size()) - cell.first;
+      find_crossed(slab, cell);
       return cell;
     }
 
    private:
+    /// What lies between nodes is between their values.
+    static void find_crossed(const Slab& slab, TissueMap::Cell& cell) {
+      cell.material = cell.base;
+      for (std::size_t e = cell.first; e < slab.entries.size(); ++e) {
+        const TissueMap::Entry& entry = slab.entries[e];
+        const auto begin = slab.nodes.begin() + static_cast<std::ptrdiff_t>(entry.block);
+        const std::ptrdiff_t row = entry.divisions + 1;
+        const auto [least, most] = std::minmax_element(begin, begin + row * row * row);
+        cell.crossed |= *least <= 0 && *most >= 0;
+        if (*most < 0) cell.material = entry.inside;
+      }
+    }
+
     void add_surface(std::size_t s, const openvdb::Coord& low, TissueMap::Cell& cell, Slab& slab) {
       const auto inside = builder_.phantom_.surfaces()[s].inside;
       const double middle = static_cast<double>(readers_[s].at(low.offsetBy(kFine / 2)));
@@ -128,7 +142,7 @@ class TissueMapBuilder {
 
 TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threads)
     : reach_m_(reach_m) {
-  outside_.base = phantom.background();
+  outside_.base = outside_.material = phantom.background();
   double finest = std::numeric_limits<double>::infinity();
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
   for (const auto& grid : phantom.grids().signed_distance) {
@@ -225,14 +239,18 @@ struct TraceBlock {
 
 constexpr int kTraceLanes = 8;
 
-/// trace() for a block of places, the first of which is number `first`.
-WOBBLEBENCH_INLINE void trace_lanes(const TraceBlock& block,
+/// Where places lie among the nodes: the node below, and the shares of the way to the next.
+struct NodePlaces {
+  std::int32_t at[kTraceLanes];
+  float u[kTraceLanes], v[kTraceLanes], w[kTraceLanes];
+};
+
+WOBBLEBENCH_INLINE void place_lanes(const TraceBlock& block,
                                     const TissueMap::Line& line,
                                     int first,
-                                    float (&values)[4][kTraceLanes]) {
+                                    NodePlaces& __restrict places) {
   const std::int32_t n = block.divisions, row = n + 1, layer = row * row;
-  const float scale = static_cast<float>(n), per_m = block.per_m;
-  const float* nodes = block.nodes;
+  const float scale = static_cast<float>(n);
   const glm::vec3 begin = line.begin * scale, stride = line.stride * scale;
   for (int i = 0; i < kTraceLanes; ++i) {
     const float step = static_cast<float>(first + i);
@@ -243,14 +261,47 @@ WOBBLEBENCH_INLINE void trace_lanes(const TraceBlock& block,
     const std::int32_t x = ix < 0 ? 0 : ix > n - 1 ? n - 1 : ix;
     const std::int32_t y = iy < 0 ? 0 : iy > n - 1 ? n - 1 : iy;
     const std::int32_t z = iz < 0 ? 0 : iz > n - 1 ? n - 1 : iz;
-    const float u = px - static_cast<float>(x), v = py - static_cast<float>(y),
-                w = pz - static_cast<float>(z);
-    const std::int32_t at = z * layer + y * row + x;
-    const float a000 = nodes[at], a010 = nodes[at + row];
-    const float a001 = nodes[at + layer], a011 = nodes[at + layer + row];
+    places.u[i] = px - static_cast<float>(x);
+    places.v[i] = py - static_cast<float>(y);
+    places.w[i] = pz - static_cast<float>(z);
+    places.at[i] = z * layer + y * row + x;
+  }
+}
+
+/// The nodes on both ends of the four edges along x, moved together: a wide loop would read them
+/// one by one.
+struct NodePairs {
+  struct Edge {
+    float low;
+    float high;
+  };
+  Edge edges[4][kTraceLanes];
+};
+
+void gather_lanes(const TraceBlock& block, const NodePlaces& places, int count, NodePairs& pairs) {
+  const std::ptrdiff_t row = block.divisions + 1, layer = row * row;
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    const float* node = block.nodes + places.at[i];
+    pairs.edges[0][i] = {node[0], node[1]};
+    pairs.edges[1][i] = {node[row], node[row + 1]};
+    pairs.edges[2][i] = {node[layer], node[layer + 1]};
+    pairs.edges[3][i] = {node[layer + row], node[layer + row + 1]};
+  }
+}
+
+/// trace() for a block of places.
+WOBBLEBENCH_INLINE void trace_lanes(const NodePairs& pairs,
+                                    const NodePlaces& places,
+                                    const TissueMap::Line& line,
+                                    float per_m,
+                                    float (&values)[4][kTraceLanes]) {
+  for (int i = 0; i < kTraceLanes; ++i) {
+    const float u = places.u[i], v = places.v[i], w = places.w[i];
+    const float a000 = pairs.edges[0][i].low, a010 = pairs.edges[1][i].low;
+    const float a001 = pairs.edges[2][i].low, a011 = pairs.edges[3][i].low;
     // Along x on the four edges, then along y on both faces, then along z.
-    const float dx00 = nodes[at + 1] - a000, dx10 = nodes[at + row + 1] - a010;
-    const float dx01 = nodes[at + layer + 1] - a001, dx11 = nodes[at + layer + row + 1] - a011;
+    const float dx00 = pairs.edges[0][i].high - a000, dx10 = pairs.edges[1][i].high - a010;
+    const float dx01 = pairs.edges[2][i].high - a001, dx11 = pairs.edges[3][i].high - a011;
     const float c00 = a000 + u * dx00, c10 = a010 + u * dx10;
     const float c01 = a001 + u * dx01, c11 = a011 + u * dx11;
     const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
@@ -269,10 +320,14 @@ WOBBLEBENCH_SIMD void trace_block(const TraceBlock& block,
                                   const TissueMap::Line& line,
                                   int count,
                                   TissueMap::LineNode* found) {
+  NodePlaces places;
+  NodePairs pairs{};
   float values[4][kTraceLanes];
   for (int first = 0; first < count; first += kTraceLanes) {
-    trace_lanes(block, line, first, values);
     const int used = std::min(kTraceLanes, count - first);
+    place_lanes(block, line, first, places);
+    gather_lanes(block, places, used, pairs);
+    trace_lanes(pairs, places, line, block.per_m, values);
     for (int i = 0; i < used; ++i) {
       found[first + i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
     }

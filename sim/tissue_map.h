@@ -27,9 +27,11 @@ class TissueMap {
     std::int32_t divisions = 0;  ///< of the cell's side; the block has (divisions + 1)^3 nodes
   };
   struct Cell {
-    phantoms::MaterialIndex base = 0;  ///< what lies there but for the entries
-    std::uint32_t first = 0;           ///< of the entries
-    std::uint32_t count = 0;           ///< none: the cell is all `base`
+    phantoms::MaterialIndex base = 0;      ///< what lies there but for the entries
+    std::uint32_t first = 0;               ///< of the entries
+    std::uint32_t count = 0;               ///< none: the cell is all `base`
+    bool crossed = false;                  ///< a surface passes through it
+    phantoms::MaterialIndex material = 0;  ///< of all of a cell that is not crossed
   };
   struct Distance {
     float value_m = 0;  ///< negative inside; at least `reach` away it is only a bound

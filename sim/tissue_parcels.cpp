@@ -177,20 +177,30 @@ class CellMaker {
 
   std::unique_ptr<const ParcelCells> make(const ScattererCells& processes) {
     found_ = std::make_unique<ParcelCells>();
+    found_->codes.reserve(static_cast<std::size_t>(parcels_.codes_per_parcel_));
+    found_->kinds.reserve(static_cast<std::size_t>(parcels_.codes_per_parcel_));
     for (const Octave& octave : processes.octaves) {
       const double side_m = parcels_.side_m_ / octave.divisions;
       const std::uint32_t parcel_key = octave.parcel_key(index_);
       for (int i = 0; i < octave.cells(); ++i) {
         const glm::dvec3 low = corner_ + side_m * cell_number(i, octave.divisions);
-        found_->codes.push_back(
-            code(low, side_m, hash_cell_key(parcel_key, static_cast<std::uint32_t>(i))));
+        add(code(low, side_m, hash_cell_key(parcel_key, static_cast<std::uint32_t>(i))));
       }
     }
+    // Flags are looked at many at a time, also behind the last octave's.
+    found_->kinds.resize(found_->kinds.size() + kMostCells, CellKind::silent);
     return std::move(found_);
   }
 
  private:
-  std::int32_t code(const glm::dvec3& low, double side_m, std::uint32_t key) {
+  void add(int code) {
+    const bool echoes = code < 0 || parcels_.amplitude(code) != 0;
+    found_->codes.push_back(static_cast<std::int16_t>(code));
+    found_->kinds.push_back(code < 0 ? CellKind::mixed
+                                     : (echoes ? CellKind::even : CellKind::silent));
+  }
+
+  int code(const glm::dvec3& low, double side_m, std::uint32_t key) {
     const Cube cube{low + 0.5 * side_m, side_m};
     const auto margin_m = static_cast<double>(parcels_.half_sheet_m_);
     if (const auto material = one_material(*parcels_.map_, cube, margin_m)) return *material;
@@ -207,7 +217,7 @@ class CellMaker {
     return alike ? found[0].material : mixed(found);
   }
 
-  std::int32_t mixed(const Surroundings (&found)[kScatterersInCell]) {
+  int mixed(const Surroundings (&found)[kScatterersInCell]) {
     MixedCell cell;
     cell.first_sheet = static_cast<std::int32_t>(found_->sheets.size());
     for (int i = 0; i < kScatterersInCell; ++i) {
@@ -218,7 +228,7 @@ class CellMaker {
       found_->sheets.back().power = parcels_.power_[static_cast<std::size_t>(found[i].material)];
     }
     found_->cells.push_back(cell);
-    return -static_cast<std::int32_t>(found_->cells.size());
+    return -static_cast<int>(found_->cells.size());
   }
 
   const TissueParcels& parcels_;

@@ -34,10 +34,14 @@ struct SheetScatterer {
   glm::vec3 outwards;  ///< unit normal
 };
 
+/// How a hash cell echoes.
+enum class CellKind : std::uint8_t { silent, even, mixed };
+
 /// What is known of a parcel that holds several materials.
 struct ParcelCells {
-  std::vector<std::int32_t>
-      codes;  ///< of all hash cells, octave by octave; see TissueParcels::code
+  /// Of all hash cells, octave by octave; see TissueParcels::code.
+  std::vector<std::int16_t> codes;
+  std::vector<CellKind> kinds;
   std::vector<MixedCell> cells;
   std::vector<SheetScatterer> sheets;
 };
@@ -73,8 +77,14 @@ class TissueParcels {
   /// What is known of a hash cell: its material, or below 0 mixed_cell(parcel, code).
   int code(const Parcel& parcel, int octave, int cell) const {
     if (parcel.mixed == nullptr) return parcel.material;
-    return parcel.mixed->codes[static_cast<std::size_t>(
-        divisions_[static_cast<std::size_t>(octave)].first + cell)];
+    return parcel.mixed->codes[first_cell(octave) + static_cast<std::size_t>(cell)];
+  }
+  /// An octave's hash cells in a mixed parcel.
+  const std::int16_t* codes(const Parcel& parcel, int octave) const {
+    return parcel.mixed->codes.data() + first_cell(octave);
+  }
+  const CellKind* kinds(const Parcel& parcel, int octave) const {
+    return parcel.mixed->kinds.data() + first_cell(octave);
   }
   static const MixedCell& mixed_cell(const Parcel& parcel, int code) {
     return parcel.mixed->cells[static_cast<std::size_t>(-1 - code)];
@@ -100,6 +110,9 @@ class TissueParcels {
     int cells = 0;  ///< along the side
     int first = 0;
   };
+  std::size_t first_cell(int octave) const {
+    return static_cast<std::size_t>(divisions_[static_cast<std::size_t>(octave)].first);
+  }
   void tabulate_sheets(const std::vector<phantoms::Material>& materials);
   void find_parcels(int threads);
   const ParcelCells& cells_of(int mixed) const;

@@ -47,6 +47,54 @@ WOBBLEBENCH_SIMD void paint(const float* depth,
   }
 }
 
+/// What a layer's nodes need to know of the beam there, a few nodes at a time.
+constexpr int kNodeLanes = 8;
+struct NodeLanes {
+  float lateral2[kNodeLanes];
+  float elevation2[kNodeLanes];
+  float width[kNodeLanes];
+  float depth[kNodeLanes];
+};
+
+/// The beam's width along the surface's normal at some nodes, and their distance over it.
+WOBBLEBENCH_SIMD void scale_nodes(const TissueMap::LineNode* nodes,
+                                  float pulse2,
+                                  float most2,
+                                  NodeLanes& __restrict lanes) {
+  for (int i = 0; i < kNodeLanes; ++i) {
+    const TissueMap::LineNode& node = nodes[i];
+    const float width2 = pulse2 * node.axial * node.axial +
+                         lanes.lateral2[i] * node.lateral * node.lateral +
+                         lanes.elevation2[i] * node.elevation * node.elevation;
+    const float least = width2 < 1e-12f ? 1e-12f : width2;
+    const float width = std::sqrt(least > most2 ? most2 : least);
+    lanes.width[i] = width;
+    lanes.depth[i] = node.value_m / width;
+  }
+}
+
+/// Places of samples among a piece's nodes; `delay_m` may be null.
+WOBBLEBENCH_SIMD void place_samples(int first,
+                                    int count,
+                                    double spacing_m,
+                                    const float* delay_m,
+                                    double from_m,
+                                    double per_node,
+                                    double last,
+                                    float* place) {
+  for (int i = 0; i < count; ++i) {
+    const double delay = delay_m == nullptr ? 0.0 : static_cast<double>(delay_m[first + i]);
+    const double true_m = (static_cast<double>(first + i) + 0.5) * spacing_m - delay;
+    const double at = (true_m - from_m) * per_node;
+    const double least = at < 0.0 ? 0.0 : at;
+    place[i] = static_cast<float>(least > last ? last : least);
+  }
+}
+
+WOBBLEBENCH_SIMD void weaken(float* power, const float* left, int count) {
+  for (int i = 0; i < count; ++i) power[i] *= left[i] * left[i];
+}
+
 /// What surface `layer` is painted over at node `n`.
 phantoms::MaterialIndex material_beneath(const StickTrack& track,
                                          const TrackPiece& piece,
@@ -107,7 +155,7 @@ void TissuePower::compute(const StickTrack& track,
     const double to_m = losses.apparent_m(track, piece.to_m);
     const int first = next;
     const bool is_last = &piece == &track.pieces.back();
-    while (next < end && (is_last || (next + 0.5) * spacing_m_ < to_m)) ++next;
+    next = is_last ? end : first_beyond(to_m, first, end);
     if (first == next) continue;
     if (piece.layers == 0) {
       fill_clear(piece, first, next, power);
@@ -121,11 +169,15 @@ void TissuePower::compute(const StickTrack& track,
       blend(piece, losses, first, next, power);
     }
   }
-  for (int i = 0; i < end; ++i) {
-    const float left = losses.left()[static_cast<std::size_t>(i)];
-    power[static_cast<std::size_t>(i)] *= left * left;
-  }
+  weaken(power.data(), losses.left().data(), end);
   std::fill(power.begin() + end, power.end(), 0.0f);
+}
+
+int TissuePower::first_beyond(double range_m, int first, int end) const {
+  const auto near = static_cast<int>(range_m / spacing_m_) - 1;
+  int sample = std::clamp(near, first, end);
+  while (sample < end && (sample + 0.5) * spacing_m_ < range_m) ++sample;
+  return sample;
 }
 
 void TissuePower::fill_clear(const TrackPiece& piece,
@@ -145,25 +197,37 @@ void TissuePower::prepare(const StickTrack& track,
   prepared.depth.clear();
   prepared.sheet.clear();
   const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
+  const TissueMap::LineNode* nodes =
+      track.nodes.data() + static_cast<std::ptrdiff_t>(source.first_node);
   bool beside = true, around = true;
-  for (int n = 0; n < piece.nodes; ++n) {
-    const TissueMap::LineNode& node = track.nodes[static_cast<std::size_t>(source.first_node + n)];
-    const auto sample = static_cast<std::size_t>(
-        std::clamp(static_cast<int>((piece.from_m + n * step_m) / spacing_m_),
-                   0,
-                   static_cast<int>(widths_.size()) - 1));
-    const float width2 = pulse2_ * node.axial * node.axial +
-                         widths_[sample].lateral2 * node.lateral * node.lateral +
-                         widths_[sample].elevation2 * node.elevation * node.elevation;
-    const float width = std::sqrt(std::min(std::max(width2, 1e-12f), most2_));
-    const float depth = node.value_m / width;
-    beside = beside && depth > kFarAway;
-    around = around && depth < -kFarAway;
-    prepared.depth.push_back(depth);
-    // One node beyond, for the samples before it.
-    const bool shows = options_.interface_echo &&
-                       std::abs(node.value_m) < kFarAway * width + static_cast<float>(step_m);
-    prepared.sheet.push_back(shows ? sheet_power(track, losses, piece, layer, n, width) : 0);
+  NodeLanes lanes;
+  TissueMap::LineNode padded[kNodeLanes];
+  for (int first = 0; first < piece.nodes; first += kNodeLanes) {
+    const int used = std::min(kNodeLanes, piece.nodes - first);
+    for (int i = 0; i < used; ++i) {
+      const auto sample = static_cast<std::size_t>(
+          std::clamp(static_cast<int>((piece.from_m + (first + i) * step_m) / spacing_m_),
+                     0,
+                     static_cast<int>(widths_.size()) - 1));
+      lanes.lateral2[i] = widths_[sample].lateral2;
+      lanes.elevation2[i] = widths_[sample].elevation2;
+    }
+    std::fill(lanes.lateral2 + used, lanes.lateral2 + kNodeLanes, 0.0f);
+    std::fill(lanes.elevation2 + used, lanes.elevation2 + kNodeLanes, 0.0f);
+    std::copy_n(nodes + first, used, padded);
+    scale_nodes(padded, pulse2_, most2_, lanes);
+    for (int i = 0; i < used; ++i) {
+      const float depth = lanes.depth[i], width = lanes.width[i];
+      beside = beside && depth > kFarAway;
+      around = around && depth < -kFarAway;
+      prepared.depth.push_back(depth);
+      // One node beyond, for the samples before it.
+      const bool shows =
+          options_.interface_echo &&
+          std::abs(padded[i].value_m) < kFarAway * width + static_cast<float>(step_m);
+      prepared.sheet.push_back(shows ? sheet_power(track, losses, piece, layer, first + i, width)
+                                     : 0);
+    }
   }
   prepared.cover = beside ? Layer::beside : around ? Layer::around : Layer::partly;
   // Samples just before the last node interpolate to the one behind it.
@@ -224,14 +288,14 @@ void TissuePower::blend(const TrackPiece& piece,
   const auto count = static_cast<std::size_t>(last - first);
   const double per_node = (piece.nodes - 1) / (piece.to_m - piece.from_m);
   place_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t sample = static_cast<std::size_t>(first) + i;
-    const double delay =
-        losses.delay_m().empty() ? 0 : static_cast<double>(losses.delay_m()[sample]);
-    const double true_m = (static_cast<double>(sample) + 0.5) * spacing_m_ - delay;
-    place_[i] = static_cast<float>(
-        std::clamp((true_m - piece.from_m) * per_node, 0.0, static_cast<double>(piece.nodes - 1)));
-  }
+  place_samples(first,
+                last - first,
+                spacing_m_,
+                losses.delay_m().empty() ? nullptr : losses.delay_m().data(),
+                piece.from_m,
+                per_node,
+                static_cast<double>(piece.nodes - 1),
+                place_.data());
   tissue_.assign(count, material_power(piece.base));
   sheet_.assign(count, 0.0f);
   for (int l = 0; l < piece.layers; ++l) {

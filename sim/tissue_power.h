@@ -45,6 +45,8 @@ class TissuePower {
     enum { beside, around, partly } cover = partly;
   };
 
+  /// The first of samples [first, end) that does not lie before a range.
+  int first_beyond(double range_m, int first, int end) const;
   float material_power(phantoms::MaterialIndex material) const;
   void fill_clear(const TrackPiece& piece, int first, int last, std::span<float> power) const;
   void prepare(const StickTrack& track,

@@ -43,7 +43,9 @@ StageTimes geometry_stages(const TradeScene& scene) {
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto line =
         sim::sightline(scene.plan, scene.plan.index(static_cast<std::uint64_t>(place)));
-    timed(follow_ms, [&] { sim::follow(subject, line, scene.plan.acquisition().depth_m, track); });
+    timed(follow_ms, [&] {
+      sim::follow(subject, line, scene.plan.acquisition().depth_m, track, sim::Surfaces::crossed);
+    });
   }
   auto options = scene.options;
   options.fidelity = sim::Rung::geometry;
@@ -67,7 +69,11 @@ void visit_once(const TradeScene& scene,
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
     const auto line = sim::sightline(scene.plan, index);
-    sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track);
+    sim::follow(subject,
+                line,
+                scene.plan.acquisition().depth_m,
+                worker.track,
+                sim::StickEchoes::surfaces(sim::Rung::scatterers));
     worker.losses.compute(worker.track);
     scatterers.add_echoes({line, source.spacing_m(), worker.losses.left(), worker.losses.delay_m()},
                           iq);
@@ -106,8 +112,13 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
     const auto line = sim::sightline(scene.plan, index);
-    timed(follow_ms,
-          [&] { sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track); });
+    timed(follow_ms, [&] {
+      sim::follow(subject,
+                  line,
+                  scene.plan.acquisition().depth_m,
+                  worker.track,
+                  sim::StickEchoes::surfaces(rung));
+    });
     timed(losses_ms, [&] { worker.losses.compute(worker.track); });
     timed(tissue_ms, [&] {
       if (!scatterers) return worker.power.compute(worker.track, worker.losses, worker.mean_power);

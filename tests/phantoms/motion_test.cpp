@@ -233,6 +233,47 @@ TEST(Motion, TurningHeadKeepsVolume) {
   }
 }
 
+/// The derivative in closed form against central differences, inside, in and beyond the shell.
+TEST(Motion, TangentIsTheDerivative) {
+  Dice dice(8);
+  for (int i = 0; i < 300; ++i) {
+    const Motion motion(dice.options(), kJoint);
+    const Moment moment = motion.at(dice.within(0, 2));
+    const glm::dvec3 rest_m = dice.place(0.1);
+    const Moment::Tangent tangent = moment.tangent(rest_m);
+    EXPECT_LT(glm::distance(tangent.place_m, moment.from_rest(rest_m)), 1e-12);
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 step(0);
+      step[axis] = 1e-6;
+      const glm::dvec3 slope =
+          (moment.from_rest(rest_m + step) - moment.from_rest(rest_m - step)) / 2e-6;
+      EXPECT_LT(glm::distance(tangent.turn[axis], slope), 1e-6);
+    }
+  }
+}
+
+TEST(Motion, KnowsWhatMovesAsOne) {
+  MotionOptions options;
+  options.velocity_m_s = {0.01, 0.02, -0.03};
+  options.head_turn_rad = 0.4;
+  const Moment moment = Motion(options, kJoint).at(0.3);
+  const auto out = [](double from_center_m) {
+    return kJoint.center_m + glm::dvec3(0, from_center_m, 0);
+  };
+  EXPECT_EQ(moment.turn_within(out(30e-3), 9e-3), Moment::Turn::whole);
+  EXPECT_EQ(moment.turn_within(out(30e-3), 11e-3), Moment::Turn::bends);
+  EXPECT_EQ(moment.turn_within(out(45e-3), 1e-6), Moment::Turn::bends);
+  EXPECT_EQ(moment.turn_within(out(60e-3), 9e-3), Moment::Turn::rests);
+  EXPECT_NEAR(moment.as_one_m(out(60e-3)), 10e-3, 1e-12);
+  EXPECT_NEAR(moment.as_one_m(out(30e-3)), 10e-3, 1e-12);
+  EXPECT_EQ(moment.as_one_m(out(45e-3)), 0);
+  for (const auto& [turn, rest_m] :
+       {std::pair{Moment::Turn::whole, out(30e-3)}, {Moment::Turn::rests, out(60e-3)}}) {
+    const Moment::Tangent whole = moment.tangent_of(turn);
+    EXPECT_LT(glm::distance(whole.place_m + whole.turn * rest_m, moment.from_rest(rest_m)), 1e-12);
+  }
+}
+
 TEST(Motion, PartsActInTheirOrder) {
   MotionOptions options;
   options.velocity_m_s = {10e-3, 0, 0};

@@ -85,6 +85,27 @@ TEST(StickTrack, CoversTheStickWithoutGaps) {
   }
 }
 
+/// Leaving out surfaces that no stick crosses leaves out no interface, and moves none.
+TEST(StickTrack, CrossesTheSameSurfacesWithoutThoseNearby) {
+  const Subject subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
+  std::mt19937 generator(9);
+  StickTrack all, crossed;
+  std::size_t interfaces = 0;
+  for (int i = 0; i < 500; ++i) {
+    const hw::Ray stick = random_stick(generator);
+    follow(subject, {stick, 0}, kDepth_m, all);
+    follow(subject, {stick, 0}, kDepth_m, crossed, Surfaces::crossed);
+    ASSERT_EQ(crossed.interfaces.size(), all.interfaces.size());
+    for (std::size_t k = 0; k < all.interfaces.size(); ++k) {
+      EXPECT_EQ(crossed.interfaces[k].range_m, all.interfaces[k].range_m);
+      EXPECT_EQ(crossed.interfaces[k].behind, all.interfaces[k].behind);
+      EXPECT_EQ(crossed.interfaces[k].cos_incidence, all.interfaces[k].cos_incidence);
+    }
+    interfaces += all.interfaces.size();
+  }
+  EXPECT_GT(interfaces, 200u);
+}
+
 TEST(StickTrack, MovingTissueIsWhereItIsAtTheTimeOfTheStick) {
   phantoms::MotionOptions moving;
   moving.velocity_m_s = {20e-3, -10e-3, 15e-3};
