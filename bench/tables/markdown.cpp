@@ -221,8 +221,7 @@ std::string describe_run(const TableRun& run) {
       << " (fast) after one uncounted, all settings in turn in each repeat; a setting that several "
          "tables share is measured once. Time: four passes, all frames, upload included, the "
          "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same repeat: "
-         "median "
-         "and, where there are several, quartiles.";
+         "median and, where there are several, quartiles.";
   return text.str();
 }
 
