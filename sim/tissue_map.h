@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -18,20 +19,24 @@ namespace wobblebench::sim {
 /// the phantom frame at rest, in metres.
 class TissueMap {
  public:
+  /// Surfaces and materials are numbered in a byte: a stick waits for its cells and entries to come
+  /// from memory, and eight of them fit what comes at once.
+  static constexpr int kMostSurfaces = 255;
+
   /// A surface that comes within reach of a cell. Entries of a cell are in painter's order: where
   /// `distance` is negative, `inside` replaces what came before.
   struct Entry {
-    std::int32_t surface = 0;
-    phantoms::MaterialIndex inside = 0;
-    std::uint32_t block = 0;     ///< where its nodes begin
-    std::int32_t divisions = 0;  ///< of the cell's side; the block has (divisions + 1)^3 nodes
+    std::uint32_t block = 0;  ///< where its nodes begin, in lines of nodes
+    std::uint8_t surface = 0;
+    std::uint8_t inside = 0;     ///< a phantoms::MaterialIndex
+    std::uint8_t divisions = 0;  ///< of the cell's side; the block has (divisions + 1)^3 nodes
   };
   struct Cell {
-    phantoms::MaterialIndex base = 0;      ///< what lies there but for the entries
-    std::uint32_t first = 0;               ///< of the entries
-    std::uint32_t count = 0;               ///< none: the cell is all `base`
-    bool crossed = false;                  ///< a surface passes through it
-    phantoms::MaterialIndex material = 0;  ///< of all of a cell that is not crossed
+    std::uint32_t first = 0;    ///< of the entries
+    std::uint8_t count = 0;     ///< none: the cell is all `base`
+    std::uint8_t base = 0;      ///< the material that lies there but for the entries
+    std::uint8_t material = 0;  ///< of all of a cell that is not crossed
+    bool crossed = false;       ///< a surface passes through it
   };
   struct Distance {
     float value_m = 0;  ///< negative inside; at least `reach` away it is only a bound
@@ -81,6 +86,17 @@ class TissueMap {
   std::size_t bytes() const;
 
  private:
+  friend class TissueMapBuilder;
+
+  /// Distances in units of `unit_m_`, as whole numbers, x fastest within a block: half of what they
+  /// would be in memory as floats, and a block begins where what comes from memory at once does.
+  struct alignas(64) NodeLine {
+    std::array<std::int16_t, 32> values{};
+  };
+  const std::int16_t* nodes(const Entry& entry) const {
+    return nodes_[entry.block].values.data();
+  }
+
   double cell_m_ = 1;
   double reach_m_ = 0;
   glm::dvec3 origin_m_{0};
@@ -88,7 +104,8 @@ class TissueMap {
   Cell outside_;
   std::vector<Cell> lattice_;  ///< x fastest
   std::vector<Entry> entries_;
-  std::vector<float> nodes_;  ///< x fastest within a block
+  float unit_m_ = 0;  ///< of the nodes
+  std::vector<NodeLine> nodes_;
 };
 
 inline float TissueMap::value_m(const Entry& entry, const glm::vec3& local) const {
@@ -102,14 +119,16 @@ inline float TissueMap::value_m(const Entry& entry, const glm::vec3& local) cons
   const float v = py - static_cast<float>(y);
   const float w = pz - static_cast<float>(z);
   const std::ptrdiff_t row = n + 1;
-  const float* near = nodes_.data() + entry.block + (z * row + y) * row + x;
-  const float* far = near + row * row;
-  const float c00 = near[0] + u * (near[1] - near[0]);
-  const float c10 = near[row] + u * (near[row + 1] - near[row]);
-  const float c01 = far[0] + u * (far[1] - far[0]);
-  const float c11 = far[row] + u * (far[row + 1] - far[row]);
+  const std::int16_t* near = nodes(entry) + (z * row + y) * row + x;
+  const std::int16_t* far = near + row * row;
+  // Differences of whole numbers are exact.
+  const auto between = [u](const std::int16_t* node) {
+    return static_cast<float>(node[0]) + u * static_cast<float>(node[1] - node[0]);
+  };
+  const float c00 = between(near), c10 = between(near + row);
+  const float c01 = between(far), c11 = between(far + row);
   const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
-  return c0 + w * (c1 - c0);
+  return unit_m_ * (c0 + w * (c1 - c0));
 }
 
 }  // namespace wobblebench::sim
