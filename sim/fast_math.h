@@ -26,8 +26,11 @@ WOBBLEBENCH_INLINE float fast_log2(float x) {
 WOBBLEBENCH_INLINE float fast_exp(float x) {
   const float clamped = x < -87.0f ? -87.0f : x;
   const float t = clamped * 1.44269504f;
-  const std::int32_t n = static_cast<std::int32_t>(t + (t < 0.0f ? -0.5f : 0.5f));
-  const float whole = static_cast<float>(n);
+  // So large a sum has no digits behind the point, and its last ones are those of the whole number.
+  constexpr float kRounds = 12582912.0f;  // 1.5 * 2^23
+  const float sum = t + kRounds;
+  const float whole = sum - kRounds;
+  const std::int32_t n = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
   // ln 2 in two parts, so that the rest keeps its digits.
   const float r = (clamped - whole * 0.693359375f) - whole * -2.12194440e-4f;
   const float poly =

@@ -1,6 +1,9 @@
 #include "sim/losses.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "sim/simd.h"
 
 namespace wobblebench::sim {
 
@@ -15,11 +18,29 @@ double two_way_db_per_cm(double alpha_db_per_cm_mhz, double frequency_mhz) {
   return 2 * alpha_db_per_cm_mhz * frequency_mhz;
 }
 
-double roughness(const phantoms::Material& before, const phantoms::Material& behind) {
-  return std::max(before.roughness, behind.roughness);
+/// Amplitudes each of which is the one before times `factor`, in eight runs side by side.
+WOBBLEBENCH_SIMD void decay(double amplitude, double factor, int count, float* __restrict left) {
+  constexpr int kLanes = 8;
+  double lanes[kLanes], power = 1;
+  for (double& lane : lanes) {
+    lane = amplitude * power;
+    power *= factor;
+  }
+  int first = 0;
+  for (; first + kLanes <= count; first += kLanes) {
+    for (int i = 0; i < kLanes; ++i) {
+      left[first + i] = static_cast<float>(lanes[i]);
+      lanes[i] *= power;
+    }
+  }
+  for (int i = 0; first + i < count; ++i) left[first + i] = static_cast<float>(lanes[i]);
 }
 
 }  // namespace
+
+double roughness(const phantoms::Material& before, const phantoms::Material& behind) {
+  return std::max(before.roughness, behind.roughness);
+}
 
 double reflection(const phantoms::Material& before,
                   const phantoms::Material& behind,
@@ -74,15 +95,21 @@ StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
                          int samples)
     : materials_(&materials),
       options_(options),
-      assumed_speed_m_s_(plan.acquisition().sound_speed_m_s),
-      frequency_mhz_(plan.probe().center_frequency_hz / kMegahertz),
       spacing_m_(spacing_m),
       samples_(samples),
-      lost_(lost_amplitude(plan, options)) {}
-
-double StickLosses::speed_ratio(phantoms::MaterialIndex material) const {
-  if (!options_.tissue_sound_speed) return 1;
-  return assumed_speed_m_s_ / materials_->at(static_cast<std::size_t>(material)).sound_speed_m_s;
+      lost_(lost_amplitude(plan, options)) {
+  const double frequency_mhz = plan.probe().center_frequency_hz / kMegahertz;
+  for (const auto& material : materials) {
+    Medium medium;
+    if (options.tissue_sound_speed) {
+      medium.speed_ratio = plan.acquisition().sound_speed_m_s / material.sound_speed_m_s;
+    }
+    const double alpha = options.attenuation ? material.attenuation_db_per_cm_mhz : 0;
+    medium.nepers_per_m = two_way_db_per_cm(alpha, frequency_mhz) / kCentimetre /
+                          medium.speed_ratio * std::log(10.0) / 20;
+    medium.left_a_sample = std::exp(-medium.nepers_per_m * spacing_m);
+    media_.push_back(medium);
+  }
 }
 
 void StickLosses::compute(const StickTrack& track) {
@@ -93,41 +120,55 @@ void StickLosses::compute(const StickTrack& track) {
   double level = 1, apparent_m = 0;
   for (std::size_t s = 0; s < track.stretches.size(); ++s) {
     const Stretch& stretch = track.stretches[s];
-    const auto& material = materials_->at(static_cast<std::size_t>(stretch.material));
     apparent_from_m_.push_back(apparent_m);
     if (s > 0) {
-      const Interface& crossed = track.interfaces[s - 1];
       at_interface_[s - 1] = level;
-      if (options_.transmission_loss) {
-        const double r = reflection(materials_->at(static_cast<std::size_t>(crossed.before)),
-                                    material,
-                                    crossed.cos_incidence);
-        level *= 1 - r * r;
-      }
+      if (options_.transmission_loss) level *= transmission(track.interfaces[s - 1]);
     }
-    const double ratio = speed_ratio(stretch.material);
-    const double alpha = options_.attenuation ? material.attenuation_db_per_cm_mhz : 0;
-    const double db_per_m = two_way_db_per_cm(alpha, frequency_mhz_) / kCentimetre / ratio;
-    const double end_m = apparent_m + (stretch.to_m - stretch.from_m) * ratio;
+    const Medium& here = medium(stretch.material);
+    const double end_m = apparent_m + (stretch.to_m - stretch.from_m) * here.speed_ratio;
     // The rim of the last stretch belongs to it, whatever rounding says.
     const bool is_last = s + 1 == track.stretches.size();
-    const double limit_m = is_last && ratio == 1 ? samples_ * spacing_m_ : end_m;
-    const double per_sample = amplitude_of_db(-db_per_m * spacing_m_);
-    double here_m = (static_cast<double>(left_.size()) + 0.5) * spacing_m_;
-    double amplitude = level * amplitude_of_db(-db_per_m * (here_m - apparent_m));
-    while (here_m < limit_m && static_cast<int>(left_.size()) < samples_) {
-      if (amplitude <= lost_) return;
-      left_.push_back(static_cast<float>(amplitude));
-      if (options_.tissue_sound_speed) {
-        const double true_m = stretch.from_m + (here_m - apparent_m) / ratio;
-        delay_m_.push_back(static_cast<float>(here_m - true_m));
-      }
-      amplitude *= per_sample;
-      here_m = (static_cast<double>(left_.size()) + 0.5) * spacing_m_;
-    }
-    level *= amplitude_of_db(-db_per_m * (end_m - apparent_m));
+    const int end = is_last && here.speed_ratio == 1 ? samples_ : samples_before(end_m);
+    fade(here, level, apparent_m, end);
+    if (options_.tissue_sound_speed) append_delays(stretch, apparent_m);
+    level *= std::exp(-here.nepers_per_m * (end_m - apparent_m));
     apparent_m = end_m;
-    if (level <= lost_) return;
+    if (level <= lost_ || static_cast<int>(left_.size()) < end) return;
+  }
+}
+
+double StickLosses::transmission(const Interface& crossed) const {
+  const double r = reflection(materials_->at(static_cast<std::size_t>(crossed.before)),
+                              materials_->at(static_cast<std::size_t>(crossed.behind)),
+                              crossed.cos_incidence);
+  return 1 - r * r;
+}
+
+int StickLosses::samples_before(double range_m) const {
+  return std::clamp(static_cast<int>(std::ceil(range_m / spacing_m_ - 0.5)), 0, samples_);
+}
+
+void StickLosses::fade(const Medium& medium, double level, double from_m, int end) {
+  const int first = static_cast<int>(left_.size());
+  if (end <= first) return;
+  left_.resize(static_cast<std::size_t>(end));
+  const double to_first_m = (first + 0.5) * spacing_m_ - from_m;
+  decay(level * std::exp(-medium.nepers_per_m * to_first_m),
+        medium.left_a_sample,
+        end - first,
+        left_.data() + first);
+  const auto is_heard = [this](float left) { return static_cast<double>(left) > lost_; };
+  if (is_heard(left_.back())) return;
+  left_.erase(std::partition_point(left_.begin() + first, left_.end(), is_heard), left_.end());
+}
+
+void StickLosses::append_delays(const Stretch& stretch, double from_m) {
+  const double ratio = medium(stretch.material).speed_ratio;
+  for (std::size_t i = delay_m_.size(); i < left_.size(); ++i) {
+    const double here_m = (static_cast<double>(i) + 0.5) * spacing_m_;
+    const double true_m = stretch.from_m + (here_m - from_m) / ratio;
+    delay_m_.push_back(static_cast<float>(here_m - true_m));
   }
 }
 
@@ -136,7 +177,7 @@ double StickLosses::apparent_m(const StickTrack& track, double true_m) const {
   std::size_t s = 0;
   while (s + 1 < apparent_from_m_.size() && true_m >= track.stretches[s + 1].from_m) ++s;
   const Stretch& stretch = track.stretches[s];
-  return apparent_from_m_[s] + (true_m - stretch.from_m) * speed_ratio(stretch.material);
+  return apparent_from_m_[s] + (true_m - stretch.from_m) * medium(stretch.material).speed_ratio;
 }
 
 }  // namespace wobblebench::sim

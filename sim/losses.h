@@ -22,6 +22,9 @@ double reflection(const phantoms::Material& before,
                   const phantoms::Material& behind,
                   double cos_incidence);
 
+/// Share of an interface's echo that is diffuse, 0 to 1.
+double roughness(const phantoms::Material& before, const phantoms::Material& behind);
+
 /// Echo of an interface as amplitude against a perfect mirror, before losses on the way. The two
 /// parts of |R|: by roughness a diffuse part that falls as the cosine of incidence and arrives as
 /// speckle (its mean), and the rest in a narrow Gaussian lobe about the normal, which arrives as
@@ -63,14 +66,28 @@ class StickLosses {
   const std::vector<float>& delay_m() const { return delay_m_; }
   /// Apparent range of a true one.
   double apparent_m(const StickTrack& track, double true_m) const;
+  /// Samples of a stick that lie before an apparent range.
+  int samples_before(double range_m) const;
 
  private:
-  double speed_ratio(phantoms::MaterialIndex material) const;
+  /// What a material does to sound on its way.
+  struct Medium {
+    double speed_ratio = 1;    ///< assumed speed over its own
+    double nepers_per_m = 0;   ///< of apparent range, there and back
+    double left_a_sample = 1;  ///< of the amplitude
+  };
+
+  const Medium& medium(phantoms::MaterialIndex material) const {
+    return media_.at(static_cast<std::size_t>(material));
+  }
+  double transmission(const Interface& crossed) const;
+  /// Appends the samples of a stretch up to sample `end`, and ends them where all is lost.
+  void fade(const Medium& medium, double level, double from_m, int end);
+  void append_delays(const Stretch& stretch, double from_m);
 
   const std::vector<phantoms::Material>* materials_;
   SimulationOptions options_;
-  double assumed_speed_m_s_;
-  double frequency_mhz_;
+  std::vector<Medium> media_;  ///< of each material
   double spacing_m_;
   int samples_;
   double lost_;

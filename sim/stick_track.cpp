@@ -12,7 +12,6 @@ namespace {
 
 /// Nodes lie closer than the map's own: distances run nearly straight between them.
 constexpr double kNodesPerStep = 1.5;
-constexpr int kStepsPerCell = 4;
 /// Straight pieces of a stick where moving tissue bends it.
 constexpr double kBentPiece_m = 2e-3;
 
@@ -91,7 +90,11 @@ class Follower {
                      const TissueMap::Cell& cell,
                      double from,
                      double to) {
-    const double step_m = map_.cell_m() / (kStepsPerCell * kNodesPerStep);
+    int finest = 1;
+    for (const TissueMap::Entry& entry : map_.entries(cell)) {
+      finest = std::max<int>(finest, entry.divisions);
+    }
+    const double step_m = map_.cell_m() / (finest * kNodesPerStep);
     const int nodes = 1 + std::max(1, static_cast<int>(std::ceil((to - from) / step_m)));
     const int first_layer = static_cast<int>(track_.layers.size());
     track_.pieces.push_back(

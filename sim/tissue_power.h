@@ -2,9 +2,11 @@
 // pulse's length echoes together.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "sim/beam_nodes.h"
 #include "sim/losses.h"
 #include "sim/stick_track.h"
 
@@ -15,8 +17,7 @@ namespace wobblebench::sim {
 /// along the normal, in closed form; also where the axis passes the surface by.
 class TissuePower {
  public:
-  /// `reach_m`: distances to surfaces are known this far; where the beam is wider than that
-  /// (a third of it is one sigma), it is narrowed to it.
+  /// `reach_m`: as for BeamNodes.
   TissuePower(const hw::AcquisitionPlan& plan,
               const SimulationOptions& options,
               const std::vector<phantoms::Material>& materials,
@@ -32,54 +33,36 @@ class TissuePower {
   /// sigma, where the beam is widest, but at most 4 mm.
   static double reach_m(const hw::AcquisitionPlan& plan);
 
+  /// The nodes before and behind a sample.
+  struct Between {
+    BeamNodes::Node near;
+    BeamNodes::Node far;
+  };
+
  private:
-  struct Widths {
-    float lateral2 = 0;  ///< squared sigma of the two-way power
-    float elevation2 = 0;
-  };
-  /// One surface at the nodes of a piece.
-  struct Layer {
-    std::vector<float> depth;  ///< distance over the beam's width along the normal
-    std::vector<float> sheet;  ///< power of the rough interface at its peak
-    float power = 0;           ///< of the tissue inside
-    enum { beside, around, partly } cover = partly;
+  /// A piece of the track, and its samples.
+  struct Section {
+    const TrackPiece* piece;
+    std::size_t first;
+    std::size_t count;
   };
 
-  /// The first of samples [first, end) that does not lie before a range.
-  int first_beyond(double range_m, int first, int end) const;
-  float material_power(phantoms::MaterialIndex material) const;
-  void fill_clear(const TrackPiece& piece, int first, int last, std::span<float> power) const;
-  void prepare(const StickTrack& track,
-               const StickLosses& losses,
-               const TrackPiece& piece,
-               int layer,
-               Layer& prepared) const;
-  float sheet_power(const StickTrack& track,
-                    const StickLosses& losses,
-                    const TrackPiece& piece,
-                    int layer,
-                    int node,
-                    float width) const;
-  /// A sheet is reached with what is left before it; a place behind it has lost its transmission.
-  double front_gain(const StickTrack& track,
-                    const StickLosses& losses,
-                    const TissueMap::LineNode& node,
-                    double range_m) const;
-  void blend(const TrackPiece& piece,
-             const StickLosses& losses,
-             int first,
-             int last,
-             std::span<float> power);
+  void find_pieces(const StickTrack& track, const StickLosses& losses);
+  void begin(const StickTrack& track, const Section& section);
+  void set_layer(const StickTrack& track, const Section& section, int layer);
+  void paint_over(const StickTrack& track, const Section& section, int layer);
 
-  const std::vector<phantoms::Material>* materials_;
-  SimulationOptions options_;
   double spacing_m_;
-  float pulse2_;                     ///< squared sigma of the pulse's power
-  float most2_;                      ///< squared sigma that the reach allows
-  std::vector<Widths> widths_;       ///< at each sample
-  std::vector<float> tissue_power_;  ///< of each material
-  std::vector<Layer> layers_;
-  std::vector<float> place_, tissue_, sheet_;
+  BeamNodes nodes_;
+  std::vector<float> material_power_;
+  std::vector<Section> sections_;
+  // Of each sample.
+  std::vector<std::int32_t> node_;
+  std::vector<float> share_;  ///< of the way to the next node
+  std::vector<Between> between_;
+  std::vector<float> inside_;  ///< power of the tissue behind the surface
+  std::vector<float> tissue_;
+  std::vector<float> sheet_;
 };
 
 }  // namespace wobblebench::sim
