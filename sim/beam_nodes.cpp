@@ -34,6 +34,13 @@ phantoms::MaterialIndex material_beneath(const StickTrack& track,
   return material;
 }
 
+/// Is the node behind the surface, and not so far that another part of it is meant?
+bool is_just_behind(const TissueMap::LineNode& node) {
+  constexpr float kSamePlace_m = 2e-3F;
+  return (node.axial < 0) == (node.value_m < 0) &&
+         std::abs(node.value_m) < kSamePlace_m * std::abs(node.axial);
+}
+
 }  // namespace
 
 double power_sigma(double amplitude_fwhm) {
@@ -127,56 +134,41 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
 
 void BeamNodes::look_up(const StickTrack& track) {
   const int last_sample = static_cast<int>(widths_.size()) - 1;
+  fronts_.clear();
   for (const TrackPiece& piece : track.pieces) {
-    const double per_node = (piece.to_m - piece.from_m) / (piece.nodes - 1) / spacing_m_;
-    const double from = piece.from_m / spacing_m_;
+    const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
+    const double per_node = step_m / spacing_m_, from = piece.from_m / spacing_m_;
     for (int layer = 0; layer < piece.layers; ++layer) {
       const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
+      phantoms::MaterialIndex outside = piece.base;
       for (int n = 0; n < piece.nodes; ++n) {
         const auto i = static_cast<std::size_t>(surface.first_node + n);
+        const TissueMap::LineNode& node = track.nodes[i];
         const int sample = std::min(static_cast<int>(from + n * per_node), last_sample);
         beam_[i] = widths_[static_cast<std::size_t>(sample)];
-        crossed_[i] =
-            crossing(material_beneath(track, piece, layer, n), surface.inside, surfaces_[i]);
+        if (layer > 0) outside = material_beneath(track, piece, layer, n);
+        const bool entering = node.axial < 0;
+        crossed_[i] = crossing(entering ? outside : surface.inside,
+                               entering ? surface.inside : outside);
+        if (is_just_behind(node)) fronts_.push_back({i, piece.from_m + n * step_m});
       }
     }
   }
 }
 
-const BeamNodes::Crossing& BeamNodes::crossing(phantoms::MaterialIndex outside,
-                                               phantoms::MaterialIndex inside,
-                                               const TissueMap::LineNode& node) const {
-  const bool entering = node.axial < 0;
-  const auto before = static_cast<std::size_t>(entering ? outside : inside);
-  const auto behind = static_cast<std::size_t>(entering ? inside : outside);
-  return crossings_[before * materials_ + behind];
-}
-
-/// A sheet is reached with what is left before it; a place behind it has lost its transmission.
 void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
-  constexpr float kSamePlace_m = 2e-3F;  // farther off it is another part of the surface
   const auto& left = losses.left();
   const int end = static_cast<int>(left.size());
-  for (const TrackPiece& piece : track.pieces) {
-    const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
-    for (int layer = 0; layer < piece.layers; ++layer) {
-      const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
-      for (int n = 0; n < piece.nodes; ++n) {
-        const auto i = static_cast<std::size_t>(surface.first_node + n);
-        const TissueMap::LineNode& node = surfaces_[i];
-        const bool behind = (node.axial < 0) == (node.value_m < 0);
-        if (!behind || !(std::abs(node.value_m) < kSamePlace_m * std::abs(node.axial))) continue;
-        const double range_m = piece.from_m + n * step_m;
-        const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
-        const auto here = static_cast<int>(losses.apparent_m(track, range_m) / spacing_m_);
-        const double front = losses.apparent_m(track, range_m + to_surface_m) / spacing_m_;
-        const int before = static_cast<int>(std::ceil(front - 0.5)) - 1;
-        if (before < 0 || before >= end || here >= end) continue;
-        const float gain =
-            left[static_cast<std::size_t>(before)] / left[static_cast<std::size_t>(here)];
-        nodes_[i].sheet *= gain * gain;
-      }
-    }
+  for (const Front& front : fronts_) {
+    const TissueMap::LineNode& node = track.nodes[front.node];
+    const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
+    const auto here = static_cast<int>(losses.apparent_m(track, front.range_m) / spacing_m_);
+    const int before =
+        losses.samples_before(losses.apparent_m(track, front.range_m + to_surface_m)) - 1;
+    if (before < 0 || before >= end || here >= end) continue;
+    const float gain =
+        left[static_cast<std::size_t>(before)] / left[static_cast<std::size_t>(here)];
+    nodes_[front.node].sheet *= gain * gain;
   }
 }
 

@@ -53,12 +53,19 @@ class BeamNodes {
     float speed_ratio2 = 1;  ///< behind over before, squared
     float roughness = 0;     ///< 0: no interface
   };
+  /// A node just behind its surface. The sheet is reached with what is left before it; what is left
+  /// at the node has lost its transmission.
+  struct Front {
+    std::size_t node;
+    double range_m;
+  };
   friend struct NodeKernels;
 
   void look_up(const StickTrack& track);
-  const Crossing& crossing(phantoms::MaterialIndex outside,
-                           phantoms::MaterialIndex inside,
-                           const TissueMap::LineNode& node) const;
+  const Crossing& crossing(phantoms::MaterialIndex before, phantoms::MaterialIndex behind) const {
+    return crossings_[static_cast<std::size_t>(before) * materials_ +
+                      static_cast<std::size_t>(behind)];
+  }
   void restore_fronts(const StickTrack& track, const StickLosses& losses);
 
   std::size_t materials_;
@@ -72,6 +79,7 @@ class BeamNodes {
   std::vector<Widths> beam_;         ///< at each node
   std::vector<Crossing> crossed_;    ///< at each node
   std::vector<TissueMap::LineNode> surfaces_;  ///< the track's nodes, and some more
+  std::vector<Front> fronts_;
   std::vector<Node> nodes_;
 };
 

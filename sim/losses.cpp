@@ -146,7 +146,9 @@ double StickLosses::transmission(const Interface& crossed) const {
 }
 
 int StickLosses::samples_before(double range_m) const {
-  return std::clamp(static_cast<int>(std::ceil(range_m / spacing_m_ - 0.5)), 0, samples_);
+  const double place = range_m / spacing_m_ - 0.5;
+  const int whole = static_cast<int>(place);
+  return std::clamp(whole < place ? whole + 1 : whole, 0, samples_);
 }
 
 void StickLosses::fade(const Medium& medium, double level, double from_m, int end) {

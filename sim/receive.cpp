@@ -12,7 +12,7 @@ namespace wobblebench::sim {
 namespace {
 
 /// Output samples that are looked at together for silence.
-constexpr int kBlock = 16;
+constexpr int kBlock = 64;
 /// Keeps the logarithm's argument a normal number; 380 dB below full scale.
 constexpr float kDarkest = 1e-19f;
 

@@ -58,6 +58,7 @@ StickEchoes::StickEchoes(const Subject& subject,
       rung_(rung),
       samples_(plan.acquisition().samples_per_stick * iq_oversampling(plan)),
       spacing_m_(plan.sample_spacing_m() / iq_oversampling(plan)),
+      faintest_(lost_amplitude(plan, options)),
       fresh_{{},
              StickLosses(plan, options, subject_.materials, spacing_m_, samples_),
              TissuePower(
@@ -111,18 +112,17 @@ void StickEchoes::modulate_speckle(const hw::StickIndex& index,
 }
 
 void StickEchoes::add_specular(const Worker& worker, std::span<std::complex<float>> iq) const {
-  const double faintest = lost_amplitude(plan_, options_);
   const auto material = [&](phantoms::MaterialIndex index) -> const phantoms::Material& {
     return subject_.materials[static_cast<std::size_t>(index)];
   };
   for (std::size_t i = 0; i < worker.track.interfaces.size(); ++i) {
     const Interface& at = worker.track.interfaces[i];
     const double arriving = worker.losses.at_interface()[i];
-    if (arriving <= faintest) return;
+    if (arriving <= faintest_) return;
     const double echo =
         arriving *
         specular_echo(material(at.before), material(at.behind), at.cos_incidence, options_);
-    if (echo <= faintest) continue;
+    if (echo <= faintest_) continue;
     add_reflector(iq, spacing_m_, worker.losses.apparent_m(worker.track, at.range_m), echo, plan_);
   }
 }

@@ -61,6 +61,7 @@ class StickEchoes {
   Rung rung_;
   int samples_;
   double spacing_m_;
+  double faintest_;    ///< amplitude of a specular echo that still shows
   double depth_m_;     ///< true range that the last sample can come from
   Worker fresh_;       ///< what a worker begins with: tables over the range
   EchoField speckle_;  ///< rung `field`: even speckle

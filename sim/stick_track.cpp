@@ -10,8 +10,12 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// Nodes lie closer than the map's own: distances run nearly straight between them.
-constexpr double kNodesPerStep = 1.5;
+/// Intervals between nodes to the length of a cell. Where a surface passes they are shorter than the
+/// map's own, so that distances run nearly straight in each; farther off, what the beam makes of the
+/// surface is smooth.
+constexpr double kCrossed = 6, kUncrossed = 3;
+/// Cells that most sticks pass through.
+constexpr std::size_t kVisits = 256;
 /// Straight pieces of a stick where moving tissue bends it.
 constexpr double kBentPiece_m = 2e-3;
 
@@ -48,18 +52,17 @@ Straight straight(const Subject& subject,
 class Follower {
  public:
   Follower(const Subject& subject, Surfaces surfaces, StickTrack& track)
-      : map_(*subject.map), surfaces_(surfaces), track_(track) {}
+      : map_(*subject.map), surfaces_(surfaces), track_(track) {
+    visits_.reserve(kVisits);
+  }
 
   void walk(const Straight& piece) {
-    for (CellWalk walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
-         walk.advance()) {
-      const double from = walk.from_m(), to = walk.to_m();
-      if (to <= from) continue;
-      const TissueMap::Cell& cell = map_.cell(walk.cell());
-      if (cell.count == 0 || (surfaces_ == Surfaces::crossed && is_uncrossed(cell))) {
-        pass_clear(from, to, cell.material);
+    find_cells(piece);
+    for (const Visit& visit : visits_) {
+      if (visit.cell->count == 0 || (surfaces_ == Surfaces::crossed && is_uncrossed(*visit.cell))) {
+        pass_clear(visit.from_m, visit.to_m, visit.cell->material);
       } else {
-        pass_surfaces(piece, walk.cell(), cell, from, to);
+        pass_surfaces(piece, visit);
       }
     }
   }
@@ -69,6 +72,36 @@ class Follower {
   }
 
  private:
+  /// A cell, and where the stick is in it.
+  struct Visit {
+    const TissueMap::Cell* cell = nullptr;
+    glm::ivec3 index{0};
+    double from_m = 0;
+    double to_m = 0;
+  };
+
+  /// All cells of a piece before any is looked into, so that what they hold is on its way from
+  /// memory together.
+  void find_cells(const Straight& piece) {
+    visits_.clear();
+    for (CellWalk walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
+         walk.advance()) {
+      const double from = walk.from_m(), to = walk.to_m();
+      if (to <= from) continue;
+      // Member by member: moved as a whole, it would be read before all its parts are written.
+      Visit& visit = visits_.emplace_back();
+      visit.cell = &map_.cell(walk.cell());
+      visit.index = walk.cell();
+      visit.from_m = from;
+      visit.to_m = to;
+      __builtin_prefetch(visit.cell);
+    }
+    for (const Visit& visit : visits_) {
+      if (surfaces_ == Surfaces::crossed && !visit.cell->crossed) continue;
+      for (const TissueMap::Entry& entry : map_.entries(*visit.cell)) map_.prefetch(entry);
+    }
+  }
+
   /// Does no surface pass through the cell? Where the material changes between two cells, its
   /// surface is looked for.
   bool is_uncrossed(const TissueMap::Cell& cell) const {
@@ -85,21 +118,15 @@ class Follower {
     enter(from, base, 1.0);
   }
 
-  void pass_surfaces(const Straight& piece,
-                     const glm::ivec3& index,
-                     const TissueMap::Cell& cell,
-                     double from,
-                     double to) {
-    int finest = 1;
-    for (const TissueMap::Entry& entry : map_.entries(cell)) {
-      finest = std::max<int>(finest, entry.divisions);
-    }
-    const double step_m = map_.cell_m() / (finest * kNodesPerStep);
-    const int nodes = 1 + std::max(1, static_cast<int>(std::ceil((to - from) / step_m)));
+  void pass_surfaces(const Straight& piece, const Visit& visit) {
+    const TissueMap::Cell& cell = *visit.cell;
+    const double from = visit.from_m, to = visit.to_m;
+    const double intervals = (to - from) / map_.cell_m() * (cell.crossed ? kCrossed : kUncrossed);
+    const int nodes = 2 + static_cast<int>(intervals);
     const int first_layer = static_cast<int>(track_.layers.size());
     track_.pieces.push_back(
         {from, to, cell.base, first_layer, static_cast<int>(cell.count), nodes});
-    const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(index);
+    const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(visit.index);
     const TissueMap::Line line{
         glm::vec3((piece.at(from) - low) / map_.cell_m()),
         glm::vec3(piece.direction * ((to - from) / (nodes - 1) / map_.cell_m())),
@@ -193,6 +220,7 @@ class Follower {
   const TissueMap& map_;
   Surfaces surfaces_;
   StickTrack& track_;
+  std::vector<Visit> visits_;
 };
 
 }  // namespace

@@ -1,12 +1,18 @@
 #include "sim/tissue_map.h"
 
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace wobblebench::sim {
 
 namespace {
+
+/// The library's floor is a call without SSE4.1.
+glm::ivec3 floored(const glm::dvec3& place) {
+  const glm::ivec3 whole(place);
+  return whole - glm::ivec3(glm::lessThan(place, glm::dvec3(whole)));
+}
 
 /// Of a cell: how far the places of a central difference lie from its middle.
 constexpr double kNormalStep = 0.25;
@@ -14,7 +20,7 @@ constexpr double kNormalStep = 0.25;
 }  // namespace
 
 glm::ivec3 TissueMap::cell_at(const glm::dvec3& rest_m) const {
-  return glm::ivec3(glm::floor((rest_m - origin_m_) / cell_m_));
+  return floored((rest_m - origin_m_) / cell_m_);
 }
 
 const TissueMap::Cell& TissueMap::cell(const glm::ivec3& index) const {
@@ -63,9 +69,10 @@ phantoms::MaterialIndex TissueMap::material(const glm::dvec3& rest_m) const {
 glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) const {
   const glm::dvec3 middle = (rest_m - origin_m_) / cell_m_;  // in cells
   const auto distance_at = [&](const glm::dvec3& place) -> double {
-    const glm::dvec3 low = glm::floor(place);
-    for (const Entry& entry : entries(cell(glm::ivec3(low)))) {
-      if (entry.surface == surface) return static_cast<double>(value_m(entry, place - low));
+    const glm::ivec3 index = floored(place);
+    for (const Entry& entry : entries(cell(index))) {
+      if (entry.surface != surface) continue;
+      return static_cast<double>(value_m(entry, place - glm::dvec3(index)));
     }
     return 0;
   };

@@ -144,7 +144,7 @@ class TissueMapBuilder {
                                    inside,
                                    static_cast<std::uint8_t>(divisions)};
       slab.entries.push_back(entry);
-      constexpr std::size_t kLine = TissueMap::NodeLine{}.values.size();
+      constexpr std::size_t kLine = TissueMap::kLineNodes;
       slab.nodes.resize(slab.nodes.size() + (nodes_of(divisions) + kLine - 1) / kLine);
       std::int16_t* node = slab.nodes[entry.block].values.data();
       for (int z = 0; z <= kFine; z += stride) {
