@@ -25,9 +25,11 @@ bool touches(const BeamTube::Reach& reach,
              const glm::dvec3& center,
              double half_lateral_m,
              double half_elevation_m) {
-  const double u = std::max(0.0, std::abs(center.y) - half_lateral_m) / reach.lateral_m;
-  const double v = std::max(0.0, std::abs(center.z) - half_elevation_m) / reach.elevation_m;
-  return u * u + v * v < 1;
+  // Over the reach in both directions, but without dividing.
+  const double u = std::max(0.0, std::abs(center.y) - half_lateral_m) * reach.elevation_m;
+  const double v = std::max(0.0, std::abs(center.z) - half_elevation_m) * reach.lateral_m;
+  const double rim = reach.lateral_m * reach.elevation_m;
+  return u * u + v * v < rim * rim;
 }
 
 /// Parcels of one map, layer by layer across the axis of the lattice that the stick is nearest to.
@@ -102,17 +104,21 @@ class LayerWalk {
     const Extent size = extent(widest_near(range_m));
     glm::ivec3 index(0);
     index[across_] = number;
-    const int last_second = index_of(axis[second_] + size.second_m, second_);
+    const int from_first = index_of(axis[first_] - size.first_m, first_);
     const int last_first = index_of(axis[first_] + size.first_m, first_);
+    const int last_second = index_of(axis[second_] + size.second_m, second_);
+    const glm::dvec3 step = lattice_.side_m * map_.turn[first_];
     for (int j = index_of(axis[second_] - size.second_m, second_); j <= last_second; ++j) {
       index[second_] = j;
-      for (int i = index_of(axis[first_] - size.first_m, first_); i <= last_first; ++i) {
-        index[first_] = i;
-        const glm::dvec3 center = map_(lattice_.center(index));
+      index[first_] = from_first;
+      glm::dvec3 center = map_(lattice_.center(index));
+      for (; index[first_] <= last_first; ++index[first_], center += step) {
         if (center.x < -half_[0] || center.x > end_m_ + half_[0]) continue;
-        if (touches(tube_.reach(center.x), center, half_[1], half_[2])) {
-          touched.push_back({index, center});
-        }
+        if (!touches(tube_.reach(center.x), center, half_[1], half_[2])) continue;
+        // Member by member: moved as a whole, it would be read before all its parts are written.
+        TouchedParcel& parcel = touched.emplace_back();
+        parcel.index = index;
+        parcel.center = center;
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/point_spread.h"
+#include "sim/simd.h"
 
 namespace wobblebench::sim {
 
@@ -11,6 +12,24 @@ namespace {
 
 constexpr double kBinsPerSigma = 3.4;
 constexpr double kPulseSigmas = 3.2;  // the pulse has 0.6 % of its peak left
+
+/// What bins give to the ends between them, one of each sample's. An end is the first bin's far end
+/// and the second one's near end.
+WOBBLEBENCH_SIMD void spread_place(const BinShare* bins,
+                                   int bins_per_sample,
+                                   const float* __restrict left,
+                                   const float* __restrict neighbour,
+                                   float share,
+                                   int samples,
+                                   float* __restrict re,
+                                   float* __restrict im) {
+  for (int i = 0; i < samples; ++i) {
+    const float amplitude = left[i] + share * (neighbour[i] - left[i]);
+    const BinShare* first = bins + static_cast<std::ptrdiff_t>(i) * bins_per_sample;
+    re[i] = amplitude * (first[0].high_re + first[1].low_re);
+    im[i] = amplitude * (first[0].high_im + first[1].low_im);
+  }
+}
 
 }  // namespace
 
@@ -48,27 +67,25 @@ void EchoBins::spread(const PulseTaps& taps, std::span<const float> left, int sa
   // Ends of bins beyond the last sample are heard in it.
   const int columns = std::min((last_bin_ - 1) / bins, samples + taps.beside());
   phases_.resize(static_cast<std::size_t>(bins));
-  const auto left_at = [&](int sample) {
-    return left[static_cast<std::size_t>(std::clamp(sample, 0, static_cast<int>(left.size()) - 1))];
-  };
+  // One more on either side, like the last there.
+  left_.assign(1, left.front());
+  const auto heard = std::min(left.size(), static_cast<std::size_t>(columns) + 1);
+  left_.insert(left_.end(), left.begin(), left.begin() + static_cast<std::ptrdiff_t>(heard));
+  left_.resize(static_cast<std::size_t>(columns) + 2, left_.back());
   for (int place = 0; place < bins; ++place) {
     Phase& phase = phases_[static_cast<std::size_t>(place)];
     phase.re.assign(static_cast<std::size_t>(room), 0.0f);
     phase.im.assign(static_cast<std::size_t>(room), 0.0f);
     // Between the middles of the sample and of its neighbour.
     const float between = static_cast<float>(place) / static_cast<float>(bins) - 0.5f;
-    const int neighbour = between < 0 ? -1 : 1;
-    const float share = std::abs(between);
-    for (int column = 0; column < columns; ++column) {
-      const float here = left_at(column);
-      const float amplitude = here + share * (left_at(column + neighbour) - here);
-      // The end is the first bin's far end and the second one's near end.
-      const BinShare* first = bins_.data() + static_cast<std::ptrdiff_t>(column) * bins + place;
-      phase.re[static_cast<std::size_t>(column + taps.beside())] =
-          amplitude * (first[0].high_re + first[1].low_re);
-      phase.im[static_cast<std::size_t>(column + taps.beside())] =
-          amplitude * (first[0].high_im + first[1].low_im);
-    }
+    spread_place(bins_.data() + place,
+                 bins,
+                 left_.data() + 1,
+                 left_.data() + (between < 0 ? 0 : 2),
+                 std::abs(between),
+                 columns,
+                 phase.re.data() + taps.beside(),
+                 phase.im.data() + taps.beside());
   }
 }
 

@@ -61,7 +61,7 @@ class EchoBins {
   std::vector<BinShare> bins_;
   std::int32_t last_bin_ = 1;
   std::vector<Phase> phases_;
-  std::vector<float> amplitude_;
+  std::vector<float> left_;  ///< of each sample, and one more on either side
   std::vector<float> sum_re_, sum_im_;
 };
 

@@ -27,7 +27,7 @@ struct TouchedHashCells {
   float* axial;  ///< low corner, in beam coordinates (m)
   float* lateral;
   float* elevation;
-  float* amplitude;  ///< of its scatterers on the axis, times the sections' scale
+  float* amplitude;  ///< of its tissue
   std::uint32_t* key;
   std::int32_t* row;  ///< of the beam's table
 

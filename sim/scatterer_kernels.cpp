@@ -75,7 +75,7 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
     const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
     const std::int32_t row = cells.row[c];
     const std::uint32_t key = cells.key[c];
-    const float strength = cells.amplitude[c];
+    const float strength = cells.amplitude[c] * sight.gain[row];
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
     float* path_m = lanes.path_m + first;
     std::int32_t* entry = lanes.entry + first;
@@ -211,9 +211,9 @@ int see_mixed_scatterers(const TouchedHashCells& cells,
       const std::uint32_t within = which[c];
       for (std::uint32_t left = within & mixed[first + c]->in_sheet; left != 0; left &= left - 1) {
         const int i = std::countr_zero(left);
-        hits[hit++] = {at + std::popcount(within & ((1u << i) - 1)), first + c, i};
+        hits[hit++] = {at + flags_set(within & ((1u << i) - 1)), first + c, i};
       }
-      at += std::popcount(within);
+      at += flags_set(within);
     }
   }
   *hit_count = hit;

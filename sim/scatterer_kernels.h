@@ -53,11 +53,12 @@ struct alignas(16) BinShare {
 /// of both columns reaches the last.
 enum class BeamRim { ellipse, diamond };
 
-/// What all scatterers of a stick share.
+/// What all scatterers of a stick and an octave share.
 struct Sight {
   const BeamAtRow* rows;
   std::int32_t columns;  ///< of the beam's table
   BeamRim rim;
+  const float* gain;  ///< of the octave at each row; not looked at for given places
 };
 
 /// Writes the cells' scatterers within reach to `seen`, which has room for all of them and one cell

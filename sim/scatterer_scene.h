@@ -55,7 +55,8 @@ struct ScattererScene {
   PulseTaps taps;
   double cycles_per_m;  ///< of range, there and back
 
-  Sight sight() const { return {rows.data(), table.columns(), rim}; }
+  /// `gain`: an octave's.
+  Sight sight(const float* gain) const { return {rows.data(), table.columns(), rim, gain}; }
   ParcelLattice lattice() const { return {parcels.origin_m(), parcels.side_m()}; }
 
  private:

@@ -143,7 +143,7 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const BeamPlace place{narrow(at), point.amplitude, scene_.table.row(at.x)};
-    pending_ += static_cast<std::size_t>(see_places(&place, 1, scene_.sight(), room_for(1)));
+    pending_ += static_cast<std::size_t>(see_places(&place, 1, scene_.sight(nullptr), room_for(1)));
   }
   flush();
   buffers_.bins.finish(scene_.taps, way_.left, iq);
@@ -227,7 +227,7 @@ void StickScan::scan_octave(Parcel& parcel, const CellGrid& grid, int octave) {
       scene_.cells.octaves[static_cast<std::size_t>(octave)].parcel_key(parcel.tissue.index);
   test_cells(grid.places(), grid.count(), cell_test(parcel, grid, octave), buffers_.tested);
   take_near_cells(parcel, octave, grid.count());
-  if (parcel.straight) see(parcel, grid.axes);
+  if (parcel.straight) see(parcel, grid.axes, octave);
   if (pending_ >= kPending) flush();
 }
 
@@ -251,14 +251,12 @@ void StickScan::take_near_cells(const Parcel& parcel, int octave, int count) {
 }
 
 void StickScan::take_even_cells(const Parcel& parcel, int octave, int count) {
-  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
   const TissueParcels& parcels = scene_.parcels;
   CellBatch& batch = buffers_.even;
   const TouchedHashCells to = batch.next(static_cast<std::size_t>(count));
   if (parcel.tissue.mixed == nullptr) {
-    const float strength = parcels.amplitude(parcel.tissue.material);
     const int taken = pack_cells(buffers_.tested, buffers_.tested.near, count, to);
-    for (int i = 0; i < taken; ++i) to.amplitude[i] = strength * gain[to.row[i]];
+    std::fill_n(to.amplitude, taken, parcels.amplitude(parcel.tissue.material));
     batch.count += static_cast<std::size_t>(taken);
     return;
   }
@@ -266,22 +264,19 @@ void StickScan::take_even_cells(const Parcel& parcel, int octave, int count) {
   const std::uint8_t* even = choose(parcel, octave, count, CellKind::even);
   const int taken = pack_cells(buffers_.tested, even, count, to);
   list_flags(even, count, buffers_.list);
-  for (int i = 0; i < taken; ++i) {
-    to.amplitude[i] = parcels.amplitude(codes[buffers_.list[i]]) * gain[to.row[i]];
-  }
+  for (int i = 0; i < taken; ++i) to.amplitude[i] = parcels.amplitude(codes[buffers_.list[i]]);
   batch.count += static_cast<std::size_t>(taken);
 }
 
 void StickScan::take_mixed_cells(const Parcel& parcel, int octave, int count) {
-  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
   const std::int16_t* codes = scene_.parcels.codes(parcel.tissue, octave);
   CellBatch& batch = buffers_.mixed;
   const TouchedHashCells to = batch.next(static_cast<std::size_t>(count));
   const std::uint8_t* mixed = choose(parcel, octave, count, CellKind::mixed);
   const int taken = pack_cells(buffers_.tested, mixed, count, to);
   list_flags(mixed, count, buffers_.list);
+  std::fill_n(to.amplitude, taken, 1.0f);
   for (int i = 0; i < taken; ++i) {
-    to.amplitude[i] = gain[to.row[i]];
     const MixedCell* cell = &TissueParcels::mixed_cell(parcel.tissue, codes[buffers_.list[i]]);
     __builtin_prefetch(cell);
     batch.mixed[batch.count++] = cell;
@@ -291,23 +286,21 @@ void StickScan::take_mixed_cells(const Parcel& parcel, int octave, int count) {
 void StickScan::take_bent_cells(const Parcel& parcel, int octave, int count) {
   const TissueParcels& parcels = scene_.parcels;
   const TestedCells& tested = buffers_.tested;
-  const float* gain = scene_.gains[static_cast<std::size_t>(octave)].scaled.data();
   const int near = list_flags(tested.near, count, buffers_.list);
   for (int i = 0; i < near; ++i) {
     const int number = buffers_.list[i];
     const int code = parcels.code(parcel.tissue, octave, number);
-    const std::int32_t row = tested.row[number];
-    const float amplitude = (code >= 0 ? parcels.amplitude(code) : 1.0f) * gain[row];
+    const float amplitude = code >= 0 ? parcels.amplitude(code) : 1.0f;
     if (amplitude == 0) continue;
     CellBatch& batch = code >= 0 ? buffers_.even : buffers_.mixed;
     const TouchedHashCells cell = batch.next(1);
     cell.amplitude[0] = amplitude;
     cell.key[0] = tested.key[number];
-    cell.row[0] = row;
+    cell.row[0] = tested.row[number];
     const HashAxes axes = place_bent(parcel, octave, number, cell);
     if (code < 0) batch.mixed[0] = &TissueParcels::mixed_cell(parcel.tissue, code);
     batch.count = 1;
-    see(parcel, axes);
+    see(parcel, axes, octave);
   }
 }
 
@@ -326,9 +319,10 @@ HashAxes StickScan::place_bent(const Parcel& parcel,
   return hash_axes(map, cell_m);
 }
 
-void StickScan::see(const Parcel& parcel, const HashAxes& axes) {
-  if (buffers_.even.count != 0) see_even(axes);
-  if (buffers_.mixed.count != 0) see_mixed(parcel, axes);
+void StickScan::see(const Parcel& parcel, const HashAxes& axes, int octave) {
+  const Sight sight = scene_.sight(scene_.gains[static_cast<std::size_t>(octave)].scaled.data());
+  if (buffers_.even.count != 0) see_even(axes, sight);
+  if (buffers_.mixed.count != 0) see_mixed(parcel, axes, sight);
 }
 
 SeenScatterers StickScan::room_for(std::size_t cells) {
@@ -345,16 +339,15 @@ SeenScatterers StickScan::room_for(std::size_t cells) {
           buffers_.amplitude.data() + pending_};
 }
 
-void StickScan::see_even(const HashAxes& axes) {
+void StickScan::see_even(const HashAxes& axes, const Sight& sight) {
   CellBatch& batch = buffers_.even;
   const SeenScatterers seen = room_for(batch.count);
   const int count = static_cast<int>(batch.count);
-  pending_ +=
-      static_cast<std::size_t>(see_scatterers(batch.cells(), count, axes, scene_.sight(), seen));
+  pending_ += static_cast<std::size_t>(see_scatterers(batch.cells(), count, axes, sight, seen));
   batch.count = 0;
 }
 
-void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
+void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes, const Sight& sight) {
   CellBatch& batch = buffers_.mixed;
   const SeenScatterers seen = room_for(batch.count);
   int hits = 0;
@@ -362,7 +355,7 @@ void StickScan::see_mixed(const Parcel& parcel, const HashAxes& axes) {
                                                             batch.mixed.data(),
                                                             static_cast<int>(batch.count),
                                                             axes,
-                                                            scene_.sight(),
+                                                            sight,
                                                             seen,
                                                             buffers_.hits.data(),
                                                             &hits));

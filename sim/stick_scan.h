@@ -105,9 +105,9 @@ class StickScan {
                       int octave,
                       int number,
                       const TouchedHashCells& cell) const;
-  void see(const Parcel& parcel, const HashAxes& axes);
-  void see_even(const HashAxes& axes);
-  void see_mixed(const Parcel& parcel, const HashAxes& axes);
+  void see(const Parcel& parcel, const HashAxes& axes, int octave);
+  void see_even(const HashAxes& axes, const Sight& sight);
+  void see_mixed(const Parcel& parcel, const HashAxes& axes, const Sight& sight);
   SeenScatterers room_for(std::size_t cells);
   void flush();
   void delay_paths();

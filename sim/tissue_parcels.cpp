@@ -1,7 +1,6 @@
 #include "sim/tissue_parcels.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -261,7 +260,7 @@ float TissueParcels::sheet_amplitude(const Parcel& parcel,
                                      const MixedCell& cell,
                                      int scatterer,
                                      const glm::vec3& direction) const {
-  const int before = std::popcount(cell.in_sheet & ((1u << scatterer) - 1));
+  const int before = flags_set(cell.in_sheet & ((1u << scatterer) - 1));
   const SheetScatterer& sheet =
       parcel.mixed->sheets[static_cast<std::size_t>(cell.first_sheet + before)];
   return std::sqrt(sheet.power + sheet_power(sheet, direction));
