@@ -148,8 +148,8 @@ void BeamNodes::look_up(const StickTrack& track) {
         beam_[i] = widths_[static_cast<std::size_t>(sample)];
         if (layer > 0) outside = material_beneath(track, piece, layer, n);
         const bool entering = node.axial < 0;
-        crossed_[i] = crossing(entering ? outside : surface.inside,
-                               entering ? surface.inside : outside);
+        crossed_[i] =
+            crossing(entering ? outside : surface.inside, entering ? surface.inside : outside);
         if (is_just_behind(node)) fronts_.push_back({i, piece.from_m + n * step_m});
       }
     }

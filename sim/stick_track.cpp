@@ -10,9 +10,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// Intervals between nodes to the length of a cell. Where a surface passes they are shorter than the
-/// map's own, so that distances run nearly straight in each; farther off, what the beam makes of the
-/// surface is smooth.
+/// Intervals between nodes to the length of a cell. Where a surface passes they are shorter than
+/// the map's own, so that distances run nearly straight in each; farther off, what the beam makes
+/// of the surface is smooth.
 constexpr double kCrossed = 6, kUncrossed = 3;
 /// Cells that most sticks pass through.
 constexpr std::size_t kVisits = 256;

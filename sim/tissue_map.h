@@ -101,9 +101,7 @@ class TissueMap {
   struct alignas(64) NodeLine {
     std::array<std::int16_t, kLineNodes> values{};
   };
-  const std::int16_t* nodes(const Entry& entry) const {
-    return nodes_[entry.block].values.data();
-  }
+  const std::int16_t* nodes(const Entry& entry) const { return nodes_[entry.block].values.data(); }
 
   double cell_m_ = 1;
   double reach_m_ = 0;

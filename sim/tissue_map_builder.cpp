@@ -48,14 +48,12 @@ phantoms::Box bounds_of(const Grid& grid) {
 }
 
 void check_counts(const phantoms::Phantom& phantom) {
-  const std::size_t most =
-      std::max(phantom.surfaces().size(), phantom.materials().size());
+  const std::size_t most = std::max(phantom.surfaces().size(), phantom.materials().size());
   if (most <= TissueMap::kMostSurfaces) return;
-  throw std::runtime_error("phantom " + phantom.name() + ": has " +
-                           std::to_string(phantom.surfaces().size()) + " surfaces of " +
-                           std::to_string(phantom.materials().size()) +
-                           " materials; a scan takes at most " +
-                           std::to_string(TissueMap::kMostSurfaces) + " of each");
+  throw std::runtime_error(
+      "phantom " + phantom.name() + ": has " + std::to_string(phantom.surfaces().size()) +
+      " surfaces of " + std::to_string(phantom.materials().size()) +
+      " materials; a scan takes at most " + std::to_string(TissueMap::kMostSurfaces) + " of each");
 }
 
 }  // namespace

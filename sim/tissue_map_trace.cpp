@@ -62,7 +62,8 @@ WOBBLEBENCH_INLINE std::int32_t pair_at(const std::int16_t* node) {
   return pair;
 }
 WOBBLEBENCH_INLINE float first_of(std::int32_t pair) {
-  return static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(pair) << 16) >> 16);
+  return static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(pair) << 16) >>
+                            16);
 }
 WOBBLEBENCH_INLINE float second_of(std::int32_t pair) {
   return static_cast<float>(pair >> 16);
@@ -97,8 +98,8 @@ WOBBLEBENCH_INLINE void trace_lanes(const NodePairs& pairs,
     const float c00 = a000 + u * dx00, c10 = a010 + u * dx10;
     const float c01 = a001 + u * dx01, c11 = a011 + u * dx11;
     const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
-    const float gx =
-        block.unit_per_m * ((1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11));
+    const float gx = block.unit_per_m *
+                     ((1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11));
     const float gy = block.unit_per_m * ((1 - w) * (c10 - c00) + w * (c11 - c01));
     const float gz = block.unit_per_m * (c1 - c0);
     values[0][i] = block.unit_m * (c0 + w * (c1 - c0));

@@ -49,8 +49,10 @@ WOBBLEBENCH_SIMD void paint(const TissuePower::Between* __restrict between,
                             float* __restrict tissue,
                             float* __restrict sheets) {
   for (std::size_t i = 0; i < count; ++i) {
-    const float u = between[i].near.depth + share[i] * (between[i].far.depth - between[i].near.depth);
-    const float s = between[i].near.sheet + share[i] * (between[i].far.sheet - between[i].near.sheet);
+    const float u =
+        between[i].near.depth + share[i] * (between[i].far.depth - between[i].near.depth);
+    const float s =
+        between[i].near.sheet + share[i] * (between[i].far.sheet - between[i].near.sheet);
     const Gaussian beam = gaussian(u);  // u > 0 is outside
     tissue[i] = tissue[i] * beam.distribution + inside[i] * (1.0f - beam.distribution);
     sheets[i] = sheets[i] * beam.distribution + s * beam.density;
@@ -89,8 +91,8 @@ TissuePower::TissuePower(const hw::AcquisitionPlan& plan,
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
     const bool echoes = material.backscatter_db > kSilent_db;
-    material_power_.push_back(
-        echoes ? static_cast<float>(mean_power_gain(options) * mean * mean) : 0.0f);
+    material_power_.push_back(echoes ? static_cast<float>(mean_power_gain(options) * mean * mean)
+                                     : 0.0f);
   }
   const std::size_t most = padded(static_cast<std::size_t>(samples));
   node_.resize(most);
@@ -154,11 +156,8 @@ void TissuePower::begin(const StickTrack& track, const Section& section) {
   std::fill_n(share_.begin() + first, section.count, 0.0f);
 }
 
-void TissuePower::set_layer(const StickTrack& track,
-                            const Section& section,
-                            int layer) {
-  const auto& surface =
-      track.layers[static_cast<std::size_t>(section.piece->first_layer + layer)];
+void TissuePower::set_layer(const StickTrack& track, const Section& section, int layer) {
+  const auto& surface = track.layers[static_cast<std::size_t>(section.piece->first_layer + layer)];
   const BeamNodes::Node* nodes = nodes_.of(surface);
   for (std::size_t i = 0; i < section.count; ++i) {
     // Two nodes next to each other, moved together: a wide loop would read them one by one.
