@@ -4,8 +4,15 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <optional>
 #include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "phantoms/grids.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -91,6 +98,63 @@ TEST(TissueMap, IsTheSameAtAnyNumberOfThreads) {
     if (a) {
       ASSERT_EQ(a->value_m, b->value_m);
     }
+  }
+}
+
+TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
+  const TissueMap map(sphere(), 4e-3, 0);
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<float> within(0, 1), slope(-1, 1);
+  std::uniform_real_distribution<double> coordinate(-25e-3, 25e-3);
+  constexpr int kPlaces = 11;  // more than a wide loop's lanes, and no multiple of them
+  int lines = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
+    const auto& cell = map.cell(map.cell_at(place));
+    if (cell.count == 0) continue;
+    const TissueMap::Entry& entry = map.entries(cell)[0];
+    const auto any = [&](auto& share) {
+      return glm::vec3(share(generator), share(generator), share(generator));
+    };
+    const glm::vec3 begin = any(within), end = any(within);
+    const TissueMap::Line line{
+        begin, (end - begin) / (kPlaces - 1.0f), any(slope), any(slope), any(slope)};
+    TissueMap::LineNode nodes[kPlaces];
+    map.trace(entry, line, kPlaces, nodes);
+    for (int n = 0; n < kPlaces; ++n) {
+      const auto at = map.distance(entry, begin + static_cast<float>(n) * line.stride);
+      EXPECT_NEAR(nodes[n].value_m, at.value_m, 1e-9);
+      EXPECT_NEAR(
+          map.value_m(entry, begin + static_cast<float>(n) * line.stride), at.value_m, 1e-9);
+      // On the edge between two nodes either side's slope is right.
+      if (nodes[n].axial == 0) continue;
+      const float error = nodes[n].axial - glm::dot(at.gradient, line.axial);
+      EXPECT_LT(std::abs(error), 0.15f);
+    }
+    ++lines;
+  }
+  EXPECT_GT(lines, 500);
+}
+
+TEST(TissueMap, RefusesMoreSurfacesThanItCanNumber) {
+  const phantoms::Phantom& one = sphere();
+  const auto many = [&](std::size_t surfaces) {
+    auto grids = std::make_shared<phantoms::Grids>();
+    grids->signed_distance.assign(surfaces, one.grids().signed_distance[0]);
+    return phantoms::Phantom("many",
+                             one.materials(),
+                             one.background(),
+                             std::vector(surfaces, one.surfaces()[0]),
+                             one.region_of_interest(),
+                             one.suggested_position_m(),
+                             std::move(grids));
+  };
+  EXPECT_NO_THROW(TissueMap(many(3), 1e-3, 0));
+  try {
+    const TissueMap map(many(TissueMap::kMostSurfaces + 1), 1e-3, 0);
+    FAIL() << "took 256 surfaces";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("at most 255"), std::string::npos) << error.what();
   }
 }
 

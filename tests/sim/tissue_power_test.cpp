@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "phantoms/grids.h"
 #include "sim/point_spread.h"
 
 namespace wobblebench::sim {
@@ -131,6 +132,53 @@ TEST(TissuePower, RoughSurfaceEchoesAsItsReflectionAsks) {
   // The surface lies half a sample from the nearest one.
   const double off = kSpacing_m / 2 / sigma_of_fwhm(axial_fwhm_m(plan()));
   EXPECT_NEAR(std::sqrt(peak) / echo, std::exp(-0.5 * off * off), 0.01);
+}
+
+/// A sphere within a sphere, its wall thinner than a cell of the map.
+Scanned shell(double wall_m) {
+  const auto outer = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
+  const auto inner = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m - wall_m});
+  auto surfaces = outer.surfaces();
+  surfaces.push_back({"core", phantoms::material_index("cortical_bone"), false});
+  auto grids = std::make_shared<phantoms::Grids>();
+  grids->signed_distance = {outer.grids().signed_distance[0], inner.grids().signed_distance[0]};
+  phantoms::Phantom phantom("shell",
+                            phantoms::material_table(),
+                            phantoms::material_index("amniotic_fluid"),
+                            {{"wall", phantoms::material_index("soft_tissue"), false}, surfaces[1]},
+                            outer.region_of_interest(),
+                            outer.suggested_position_m(),
+                            std::move(grids));
+  Subject subject{std::make_shared<const TissueMap>(phantom, TissuePower::reach_m(plan()), 0),
+                  phantom.materials(),
+                  {glm::dmat3(1.0), kCenter},
+                  {}};
+  return {std::move(phantom), std::move(subject)};
+}
+
+TEST(TissuePower, PaintsSurfacesInTheirOrder) {
+  constexpr double kWall_m = 0.6e-3;
+  const auto power = power_of(shell(kWall_m), plan().geometry().stick(0, 0), tissue_alone());
+  const auto power_in = [](const char* name) {
+    return std::pow(10, phantoms::material(name).backscatter_db / 10);
+  };
+  const double pulse_m = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+  const auto outside = [&](double range_m, double surface_m) {
+    return 0.5 * (1 + std::erf((surface_m - range_m) / pulse_m / std::sqrt(2.0)));
+  };
+  const double wall_m = kCenter.z - plan().probe().radius_m - kRadius_m;
+  double most = 0;
+  for (int i = 480; i < 560; ++i) {
+    const double range_m = (i + 0.5) * kSpacing_m;
+    // Where a later surface's blur reaches, it hides what was painted before.
+    const double wall = power_in("soft_tissue") * (1 - outside(range_m, wall_m));
+    const double behind = outside(range_m, wall_m + kWall_m);
+    const double expected = wall * behind + power_in("cortical_bone") * (1 - behind);
+    EXPECT_NEAR(power[static_cast<std::size_t>(i)], expected, 0.03 * power_in("cortical_bone"))
+        << range_m;
+    most = std::max(most, expected);
+  }
+  EXPECT_GT(most, 0.9 * power_in("cortical_bone"));
 }
 
 TEST(TissuePower, FluidIsSilent) {
