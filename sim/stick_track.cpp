@@ -96,6 +96,7 @@ class Follower {
       visit.to_m = to;
       __builtin_prefetch(visit.cell);
     }
+    for (const Visit& visit : visits_) map_.prefetch(*visit.cell);
     for (const Visit& visit : visits_) {
       if (surfaces_ == Surfaces::crossed && !visit.cell->crossed) continue;
       for (const TissueMap::Entry& entry : map_.entries(*visit.cell)) map_.prefetch(entry);

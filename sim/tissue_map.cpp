@@ -9,12 +9,14 @@ namespace wobblebench::sim {
 namespace {
 
 /// The library's floor is a call without SSE4.1.
-glm::ivec3 floored(const glm::dvec3& place) {
+inline glm::ivec3 floored(const glm::dvec3& place) {
   const glm::ivec3 whole(place);
   return whole - glm::ivec3(glm::lessThan(place, glm::dvec3(whole)));
 }
 
-/// Of a cell: how far the places of a central difference lie from its middle.
+/// Of a cell: how far the places of a central difference lie from its middle. (A tetrahedron's four
+/// places would do, but mistake curvature for slope: 0.3 degrees off on a sphere of 20 mm, not
+/// 0.005.)
 constexpr double kNormalStep = 0.25;
 
 }  // namespace
@@ -67,20 +69,25 @@ phantoms::MaterialIndex TissueMap::material(const glm::dvec3& rest_m) const {
 }
 
 glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) const {
-  const glm::dvec3 middle = (rest_m - origin_m_) / cell_m_;  // in cells
-  const auto distance_at = [&](const glm::dvec3& place) -> double {
-    const glm::ivec3 index = floored(place);
+  const auto entry_in = [&](const glm::ivec3& index) -> const Entry* {
     for (const Entry& entry : entries(cell(index))) {
-      if (entry.surface != surface) continue;
-      return static_cast<double>(value_m(entry, place - glm::dvec3(index)));
+      if (entry.surface == surface) return &entry;
     }
-    return 0;
+    return nullptr;
   };
+  const glm::dvec3 middle = (rest_m - origin_m_) / cell_m_;  // in cells
+  const glm::ivec3 home = floored(middle);
+  const Entry* entry_at_home = entry_in(home);
   glm::dvec3 rise(0);
   for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 step(0);
-    step[axis] = kNormalStep;
-    rise[axis] = distance_at(middle + step) - distance_at(middle - step);
+    for (const double step : {kNormalStep, -kNormalStep}) {
+      glm::dvec3 place = middle;
+      place[axis] += step;
+      const glm::ivec3 index = floored(place);
+      const Entry* entry = index == home ? entry_at_home : entry_in(index);
+      if (entry == nullptr) return glm::dvec3(0);
+      rise[axis] += step * static_cast<double>(value_m(*entry, place - glm::dvec3(index)));
+    }
   }
   const double length = glm::length(rise);
   return length > 0 ? rise / length : glm::dvec3(0);

@@ -136,6 +136,21 @@ TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
   EXPECT_GT(lines, 500);
 }
 
+TEST(TissueMap, NormalsPointOutwards) {
+  const TissueMap map(sphere(), 1e-3, 0);
+  std::mt19937 generator(13);
+  std::normal_distribution<double> any;
+  std::uniform_real_distribution<double> off(-0.2e-3, 0.2e-3);
+  for (int i = 0; i < 5000; ++i) {
+    const glm::dvec3 radial =
+        glm::normalize(glm::dvec3(any(generator), any(generator), any(generator)));
+    const glm::dvec3 normal = map.normal(0, (kRadius_m + off(generator)) * radial);
+    // The angle between them, to first order.
+    EXPECT_LT(glm::length(normal - radial), 0.0005);
+  }
+  EXPECT_EQ(map.normal(0, glm::dvec3(0)), glm::dvec3(0));
+}
+
 TEST(TissueMap, RefusesMoreSurfacesThanItCanNumber) {
   const phantoms::Phantom& one = sphere();
   const auto many = [&](std::size_t surfaces) {
