@@ -140,16 +140,19 @@ void BeamNodes::look_up(const StickTrack& track) {
     const double per_node = step_m / spacing_m_, from = piece.from_m / spacing_m_;
     for (int layer = 0; layer < piece.layers; ++layer) {
       const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
-      phantoms::MaterialIndex outside = piece.base;
+      const Crossing* entering = &crossing(piece.base, surface.inside);
+      const Crossing* leaving = &crossing(surface.inside, piece.base);
       for (int n = 0; n < piece.nodes; ++n) {
         const auto i = static_cast<std::size_t>(surface.first_node + n);
         const TissueMap::LineNode& node = track.nodes[i];
         const int sample = std::min(static_cast<int>(from + n * per_node), last_sample);
         beam_[i] = widths_[static_cast<std::size_t>(sample)];
-        if (layer > 0) outside = material_beneath(track, piece, layer, n);
-        const bool entering = node.axial < 0;
-        crossed_[i] =
-            crossing(entering ? outside : surface.inside, entering ? surface.inside : outside);
+        if (layer > 0) {
+          const auto outside = material_beneath(track, piece, layer, n);
+          entering = &crossing(outside, surface.inside);
+          leaving = &crossing(surface.inside, outside);
+        }
+        crossed_[i] = node.axial < 0 ? *entering : *leaving;
         if (is_just_behind(node)) fronts_.push_back({i, piece.from_m + n * step_m});
       }
     }

@@ -58,6 +58,9 @@ class Follower {
 
   void walk(const Straight& piece) {
     find_cells(piece);
+    line_.axial = glm::vec3(piece.direction);
+    line_.lateral = glm::vec3(piece.across.lateral);
+    line_.elevation = glm::vec3(piece.across.elevation);
     for (const Visit& visit : visits_) {
       if (visit.cell->count == 0 || (surfaces_ == Surfaces::crossed && is_uncrossed(*visit.cell))) {
         pass_clear(visit.from_m, visit.to_m, visit.cell->material);
@@ -114,31 +117,41 @@ class Follower {
     if (!pieces.empty() && pieces.back().layers == 0 && pieces.back().base == base) {
       pieces.back().to_m = to;
     } else {
-      pieces.push_back({from, to, base, 0, 0, 0});
+      add_piece(from, to, base, 0, 0);
     }
     enter(from, base, 1.0);
+  }
+
+  /// Member by member, as what is added here is: moved as a whole, it would be read before all its
+  /// parts are written.
+  void add_piece(double from, double to, phantoms::MaterialIndex base, int layers, int nodes) {
+    TrackPiece& piece = track_.pieces.emplace_back();
+    piece.from_m = from;
+    piece.to_m = to;
+    piece.base = base;
+    piece.first_layer = static_cast<int>(track_.layers.size());
+    piece.layers = layers;
+    piece.nodes = nodes;
   }
 
   void pass_surfaces(const Straight& piece, const Visit& visit) {
     const TissueMap::Cell& cell = *visit.cell;
     const double from = visit.from_m, to = visit.to_m;
-    const double intervals = (to - from) / map_.cell_m() * (cell.crossed ? kCrossed : kUncrossed);
-    const int nodes = 2 + static_cast<int>(intervals);
-    const int first_layer = static_cast<int>(track_.layers.size());
-    track_.pieces.push_back(
-        {from, to, cell.base, first_layer, static_cast<int>(cell.count), nodes});
+    const double cells = (to - from) / map_.cell_m();
+    const int intervals = 1 + static_cast<int>(cells * (cell.crossed ? kCrossed : kUncrossed));
+    const int nodes = intervals + 1;
+    add_piece(from, to, cell.base, cell.count, nodes);
     const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(visit.index);
-    const TissueMap::Line line{
-        glm::vec3((piece.at(from) - low) / map_.cell_m()),
-        glm::vec3(piece.direction * ((to - from) / (nodes - 1) / map_.cell_m())),
-        glm::vec3(piece.direction),
-        glm::vec3(piece.across.lateral),
-        glm::vec3(piece.across.elevation)};
+    line_.begin = glm::vec3((piece.at(from) - low) / map_.cell_m());
+    line_.stride = static_cast<float>(cells / intervals) * line_.axial;
     for (const TissueMap::Entry& entry : map_.entries(cell)) {
       const std::size_t before = track_.nodes.size();
-      track_.layers.push_back({entry.surface, entry.inside, static_cast<int>(before)});
+      TrackLayer& layer = track_.layers.emplace_back();
+      layer.surface = entry.surface;
+      layer.inside = entry.inside;
+      layer.first_node = static_cast<int>(before);
       track_.nodes.resize(before + static_cast<std::size_t>(nodes));
-      map_.trace(entry, line, nodes, track_.nodes.data() + before);
+      map_.trace(entry, line_, nodes, track_.nodes.data() + before);
     }
     if (!is_uncrossed(cell)) mark_interfaces(piece, track_.pieces.back());
   }
@@ -166,6 +179,7 @@ class Follower {
     if (material(piece, 0) != current()) {
       enter(piece.from_m, material(piece, 0), cosine(nearest_surface(piece, 0), piece.from_m));
     }
+    if (keeps_sides(piece)) return;
     for (int n = 1; n < piece.nodes; ++n) {
       const auto behind = material(piece, n);
       if (behind == current()) continue;
@@ -173,6 +187,17 @@ class Follower {
       const double range_m = piece.from_m + (n - 1 + found.share) * step;
       enter(range_m, behind, cosine(found.layer, range_m));
     }
+  }
+
+  /// Does the stick cross none of the piece's surfaces?
+  bool keeps_sides(const TrackPiece& piece) const {
+    for (int layer = 0; layer < piece.layers; ++layer) {
+      const TissueMap::LineNode* nodes = &node(piece, layer, 0);
+      const auto inside =
+          std::count_if(nodes, nodes + piece.nodes, [](const auto& at) { return at.value_m < 0; });
+      if (inside != 0 && inside != piece.nodes) return false;
+    }
+    return true;
   }
 
   struct Crossing {
@@ -222,6 +247,7 @@ class Follower {
   Surfaces surfaces_;
   StickTrack& track_;
   std::vector<Visit> visits_;
+  TissueMap::Line line_{};  ///< through the cell at hand
 };
 
 }  // namespace
