@@ -77,4 +77,8 @@ struct ScattererCells {
 /// less than in the narrowest beam.
 double octave_power(int octave, int octaves, double width);
 
+/// What is left of the power of a cell's `scatterer`-th scatterer when its octave keeps a share:
+/// they fall silent one after the other, so that no more are looked for than are needed.
+double scatterer_power(double octave_power, int scatterer);
+
 }  // namespace wobblebench::sim

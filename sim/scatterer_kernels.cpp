@@ -75,7 +75,8 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
     const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
     const std::int32_t row = cells.row[c];
     const std::uint32_t key = cells.key[c];
-    const float strength = cells.amplitude[c] * sight.gain[row];
+    const float strength = cells.amplitude[c];
+    const float* gain = sight.gain + static_cast<std::ptrdiff_t>(row) * kScatterersInCell;
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
     float* path_m = lanes.path_m + first;
     std::int32_t* entry = lanes.entry + first;
@@ -86,8 +87,8 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
       const Seen seen = look<rim>(place(corner, axes, offset), sight.rows[row], row, sight.columns);
       path_m[i] = seen.path_m;
       entry[i] = seen.entry;
-      amplitude[i] = strength;
-      within[i] = seen.within;
+      amplitude[i] = strength * gain[i];
+      within[i] = seen.within & (gain[i] > 0.0f);
     }
   }
 }

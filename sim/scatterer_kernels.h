@@ -58,7 +58,7 @@ struct Sight {
   const BeamAtRow* rows;
   std::int32_t columns;  ///< of the beam's table
   BeamRim rim;
-  const float* gain;  ///< of the octave at each row; not looked at for given places
+  const float* gain;  ///< [row][scatterer of a cell]; not looked at for given places
 };
 
 /// Writes the cells' scatterers within reach to `seen`, which has room for all of them and one cell

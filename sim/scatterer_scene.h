@@ -31,11 +31,11 @@ struct ScattererScene {
                  const SimulationOptions& options,
                  const ScattererModel& model);
 
-  /// One octave over the rows: amplitude on the axis of a scatterer in tissue of echo power 1, and
-  /// whether any scatterer of a parcel with its middle there has one.
+  /// One octave over the rows: amplitude on the axis of each scatterer of a cell in tissue of echo
+  /// power 1, and whether any scatterer of a parcel with its middle there has one.
   struct OctaveGain {
-    std::vector<float> amplitude;
-    std::vector<float> scaled;  ///< by the sections' scale
+    std::vector<float> amplitude;  ///< [row][scatterer]
+    std::vector<float> scaled;     ///< by the sections' scale
     std::vector<char> heard;
     int first_row = 0;  ///< rows between which it is not silent
     int last_row = -1;

@@ -55,7 +55,8 @@ class ParcelSearch {
         parcel, octave, cell, scatterer, glm::vec3(glm::normalize(ahead)));
     const auto row = static_cast<std::size_t>(scene_.table.row(beam.x));
     const float amplitude =
-        strength * scene_.gains[static_cast<std::size_t>(octave)].amplitude[row];
+        strength * scene_.gains[static_cast<std::size_t>(octave)]
+                       .amplitude[row * kScatterersInCell + static_cast<std::size_t>(scatterer)];
     if (amplitude == 0) return;
     found.push_back({scene_.subject.from_rest(rest, line_.time_s), amplitude});
   }
