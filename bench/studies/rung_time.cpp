@@ -12,6 +12,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// A millimetre from volume to volume, so that all of a study's see the same of the phantom.
+phantoms::MotionOptions slow() {
+  phantoms::MotionOptions options;
+  options.velocity_m_s = {1e-3, -0.7e-3, 1.6e-3};
+  return options;
+}
+
 double milliseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
@@ -20,6 +27,15 @@ double volume_ms(const sim::ProbeSimulator& simulator, std::uint32_t index) {
   const auto begin = Clock::now();
   const auto volume = simulator.volume(index);
   return milliseconds_since(begin);
+}
+
+/// Each of some volumes in a row, as a scan that goes on asks for them.
+double moving_volume_ms(const sim::ProbeSimulator& simulator, int repeat) {
+  double sum_ms = 0;
+  for (int i = 0; i < kVolumesInARow; ++i) {
+    sum_ms += volume_ms(simulator, static_cast<std::uint32_t>(repeat * kVolumesInARow + i));
+  }
+  return sum_ms / kVolumesInARow;
 }
 
 sim::ProbeSimulator simulator(const TradeScene& scene,
@@ -37,10 +53,11 @@ struct Subject {
   std::unique_ptr<sim::ProbeSimulator> bending;
   std::vector<double> map_ms, once_ms, still_ms, first_ms, moving_ms, bending_ms;
 
-  void measure(const TradeScene& scene, std::uint32_t repeat, bool counted) {
+  void measure(const TradeScene& scene, int repeat, bool counted) {
     const auto still = simulator(scene, rung, {});
     const double first = volume_ms(still, 0), further = volume_ms(still, 1);
-    const double path = volume_ms(*moving, repeat), bend = volume_ms(*bending, repeat);
+    const double path = moving_volume_ms(*moving, repeat);
+    const double bend = moving_volume_ms(*bending, repeat);
     if (!counted) return;
     map_ms.push_back(still.map_ms());
     once_ms.push_back(still.once_ms());
@@ -64,14 +81,11 @@ struct Subject {
 }  // namespace
 
 phantoms::Motion slow_path() {
-  phantoms::MotionOptions options;
-  options.velocity_m_s = {3e-3, -2e-3, 5e-3};
-  return {options, {}};
+  return {slow(), {}};
 }
 
 phantoms::Motion bending(const phantoms::Phantom& phantom) {
-  phantoms::MotionOptions options;
-  options.velocity_m_s = {3e-3, -2e-3, 5e-3};
+  phantoms::MotionOptions options = slow();
   if (phantom.joint()) options.head_turn_rad = 10 * kDegree;
   return {options, phantom.joint()};
 }
@@ -89,7 +103,7 @@ std::vector<RungTime> measure_times(const TradeScene& scene,
   }
   for (int repeat = 0; repeat <= repeats; ++repeat) {
     for (Subject& subject : subjects) {
-      subject.measure(scene, static_cast<std::uint32_t>(repeat), repeat > 0);
+      subject.measure(scene, repeat, repeat > 0);
     }
   }
   std::vector<RungTime> results;
@@ -103,7 +117,7 @@ VolumeTime measure_volume(const TradeScene& scene, sim::Rung rung, int repeats) 
   for (int repeat = 0; repeat <= repeats; ++repeat) {
     const auto still = simulator(scene, rung, {});
     const double first = still.once_ms() + volume_ms(still, 0);
-    const double path = volume_ms(moving, static_cast<std::uint32_t>(repeat));
+    const double path = moving_volume_ms(moving, repeat);
     if (repeat == 0) continue;
     first_ms.push_back(first);
     moving_ms.push_back(path);

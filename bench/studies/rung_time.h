@@ -26,6 +26,9 @@ phantoms::Motion slow_path();
 /// The same with a turning joint, where the phantom has one: tissue that bends.
 phantoms::Motion bending(const phantoms::Phantom& phantom);
 
+/// Moving volumes are timed this many in a row, and averaged: a scan goes on.
+inline constexpr int kVolumesInARow = 3;
+
 /// Wall times, all threads that the options allow.
 struct RungTime {
   sim::Rung rung = sim::Rung::field;

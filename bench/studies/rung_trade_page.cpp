@@ -91,7 +91,9 @@ void write_times(const RungTradeResults& results, std::ostream& page) {
           "seed: "
           "tables, even speckle and, as nothing moves, all echoes. Still: a further volume, its "
           "noise "
-          "and receive chain. Moving: a volume of the phantom on a path; bending: and its head "
+          "and receive chain. Moving: of "
+       << kVolumesInARow
+       << " volumes in a row of the phantom on a path, each; bending: and its head "
           "turning. "
           "Behind a slash: times real time.\n\n"
           "| rung | map, ms | once for a seed, ms | first volume, ms | further still volume, ms | "
