@@ -13,26 +13,14 @@ namespace wobblebench::sim {
 
 namespace {
 
-using PackLanes = int (*)(const CellLanes&, int, const SeenScatterers&);
-using PackCellLanes = int (*)(const CellLanes&, int, const SeenScatterers&, std::uint8_t*);
+using PackLanes = int (*)(const CellLanes&, int, const SeenScatterers&, std::uint8_t*);
 using PackCells = int (*)(const TestedCells&, const std::uint8_t*, int, const TouchedHashCells&);
 using ListFlags = int (*)(const std::uint8_t*, int, std::int32_t*);
 
-int pack_one_by_one(const CellLanes& lanes, int count, const SeenScatterers& to) {
-  int kept = 0;
-  for (int lane = 0; lane < count; ++lane) {
-    to.path_m[kept] = lanes.path_m[lane];
-    to.entry[kept] = lanes.entry[lane];
-    to.amplitude[kept] = lanes.amplitude[lane];
-    kept += lanes.within[lane];
-  }
-  return kept;
-}
-
-int pack_cell_lanes_one_by_one(const CellLanes& lanes,
-                               int cells,
-                               const SeenScatterers& to,
-                               std::uint8_t* which) {
+int pack_one_by_one(const CellLanes& lanes,
+                    int cells,
+                    const SeenScatterers& to,
+                    std::uint8_t* which) {
   int kept = 0;
   for (int cell = 0; cell < cells; ++cell) {
     std::uint32_t mask = 0;
@@ -77,28 +65,10 @@ int list_one_by_one(const std::uint8_t* flags, int count, std::int32_t* list) {
 #if WOBBLEBENCH_HAND_SIMD
 #define WOBBLEBENCH_AVX512 __attribute__((target("avx512f,avx512vl,avx512bw,popcnt")))
 
-WOBBLEBENCH_AVX512 int pack_at_once(const CellLanes& lanes, int count, const SeenScatterers& to) {
-  static_assert(kLanesTogether == 16);
-  int kept = 0;
-  for (int lane = 0; lane < count; lane += kLanesTogether) {
-    const __m512i within = _mm512_loadu_si512(lanes.within + lane);
-    const __mmask16 mask = _mm512_test_epi32_mask(within, within);
-    const auto move = [&](const auto* from, auto* at) WOBBLEBENCH_AVX512 {
-      _mm512_storeu_si512(at + kept,
-                          _mm512_maskz_compress_epi32(mask, _mm512_loadu_si512(from + lane)));
-    };
-    move(lanes.path_m, to.path_m);
-    move(lanes.entry, to.entry);
-    move(lanes.amplitude, to.amplitude);
-    kept += std::popcount(static_cast<std::uint32_t>(mask));
-  }
-  return kept;
-}
-
-WOBBLEBENCH_AVX512 int pack_cell_lanes_at_once(const CellLanes& lanes,
-                                               int cells,
-                                               const SeenScatterers& to,
-                                               std::uint8_t* which) {
+WOBBLEBENCH_AVX512 int pack_at_once(const CellLanes& lanes,
+                                    int cells,
+                                    const SeenScatterers& to,
+                                    std::uint8_t* which) {
   static_assert(kScatterersInCell == 8);
   const auto load = [](const auto* from) WOBBLEBENCH_AVX512 {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
@@ -164,27 +134,18 @@ bool has_avx512() {
 }
 
 const PackLanes pack = has_avx512() ? pack_at_once : pack_one_by_one;
-const PackCellLanes pack_cell = has_avx512() ? pack_cell_lanes_at_once : pack_cell_lanes_one_by_one;
 const PackCells pack_touched = has_avx512() ? pack_cells_at_once : pack_cells_one_by_one;
 const ListFlags list_set = has_avx512() ? list_at_once : list_one_by_one;
 #else
 constexpr PackLanes pack = pack_one_by_one;
-constexpr PackCellLanes pack_cell = pack_cell_lanes_one_by_one;
 constexpr PackCells pack_touched = pack_cells_one_by_one;
 constexpr ListFlags list_set = list_one_by_one;
 #endif
 
 }  // namespace
 
-int pack_lanes(const CellLanes& lanes, int count, const SeenScatterers& to) {
-  return pack(lanes, count, to);
-}
-
-int pack_cell_lanes(const CellLanes& lanes,
-                    int cells,
-                    const SeenScatterers& to,
-                    std::uint8_t* which) {
-  return pack_cell(lanes, cells, to, which);
+int pack_lanes(const CellLanes& lanes, int cells, const SeenScatterers& to, std::uint8_t* which) {
+  return pack(lanes, cells, to, which);
 }
 
 int pack_cells(const TestedCells& cells,

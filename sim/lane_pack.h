@@ -66,7 +66,7 @@ int pack_cells(const TestedCells& cells,
 /// Hash cells whose scatterers are looked at together: their lanes stay in the first-level cache.
 inline constexpr int kLaneCells = 32;
 
-/// The scatterers of some hash cells, seen or not.
+/// The scatterers of some hash cells, seen or not, cell after cell.
 struct CellLanes {
   static constexpr int kCount = kLaneCells * kScatterersInCell;
   float path_m[kCount];
@@ -78,17 +78,7 @@ struct CellLanes {
 /// Writes the lanes of the first `cells` cells that are within to `to`, in order, and anything
 /// behind them, as far as a cell more has room. Returns how many; `which` gets one bit for each
 /// lane of each cell.
-int pack_cell_lanes(const CellLanes& lanes,
-                    int cells,
-                    const SeenScatterers& to,
-                    std::uint8_t* which);
-
-/// Lanes that are moved together.
-inline constexpr int kLanesTogether = 16;
-
-/// Writes the first `count` lanes that are within to `to`, in order, and anything behind them, as
-/// far as kLanesTogether more have room. `count` is a multiple of that. Returns how many.
-int pack_lanes(const CellLanes& lanes, int count, const SeenScatterers& to);
+int pack_lanes(const CellLanes& lanes, int cells, const SeenScatterers& to, std::uint8_t* which);
 
 /// Writes which of the first `count` flags are 1 to `list`, in order. Returns how many.
 int list_flags(const std::uint8_t* flags, int count, std::int32_t* list);

@@ -44,4 +44,8 @@ double octave_power(int octave, int octaves, double width) {
   return std::clamp(octaves - octave - std::log2(width), 0.0, 1.0);
 }
 
+double scatterer_power(double octave_power, int scatterer) {
+  return std::clamp(kScatterersInCell * octave_power - scatterer, 0.0, 1.0);
+}
+
 }  // namespace wobblebench::sim

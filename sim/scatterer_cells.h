@@ -77,13 +77,8 @@ struct ScattererCells {
 /// less than in the narrowest beam.
 double octave_power(int octave, int octaves, double width);
 
-/// What is left of the power of a cell's `scatterer`-th scatterer when `voices` of its octave's in
-/// each cell are heard, kScatterersInCell times the octave's power: they fall silent one after the
-/// other, so that no more are looked for than are needed.
-WOBBLEBENCH_INLINE float scatterer_power(float voices, int scatterer) {
-  const float left = voices - static_cast<float>(scatterer);
-  const float positive = left < 0.0f ? 0.0f : left;
-  return positive > 1.0f ? 1.0f : positive;
-}
+/// What is left of the power of a cell's `scatterer`-th scatterer when its octave keeps a share:
+/// they fall silent one after the other, so that no more are looked for than are needed.
+double scatterer_power(double octave_power, int scatterer);
 
 }  // namespace wobblebench::sim

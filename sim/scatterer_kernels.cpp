@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstring>
 
 #include "sim/fast_math.h"
@@ -76,8 +75,8 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
     const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
     const std::int32_t row = cells.row[c];
     const std::uint32_t key = cells.key[c];
-    const float strength = cells.amplitude[c] * sight.octave[row].amplitude;
-    const float voices = sight.octave[row].voices;
+    const float strength = cells.amplitude[c];
+    const float* gain = sight.gain + static_cast<std::ptrdiff_t>(row) * kScatterersInCell;
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(c) * kScatterersInCell;
     float* path_m = lanes.path_m + first;
     std::int32_t* entry = lanes.entry + first;
@@ -88,117 +87,17 @@ WOBBLEBENCH_INLINE void fill_cells(const TouchedHashCells& cells,
       const Seen seen = look<rim>(place(corner, axes, offset), sight.rows[row], row, sight.columns);
       path_m[i] = seen.path_m;
       entry[i] = seen.entry;
-      const float power = scatterer_power(voices, i);
-      amplitude[i] = strength * std::sqrt(power);
-      within[i] = seen.within & (power > 0.0f);
+      amplitude[i] = strength * gain[i];
+      within[i] = seen.within & (gain[i] > 0.0f);
     }
   }
 }
 
-/// Hash cells side by side, a lane each, and what their rows say of the beam and the octave.
-struct CellColumns {
-  float lateral_columns_per_m[kLanesTogether];
-  float elevation_columns_per_m[kLanesTogether];
-  float late_m[kLanesTogether];
-  float late_slope[kLanesTogether];
-  float lateral_bend_per_m[kLanesTogether];
-  float lateral_slope_per_m2[kLanesTogether];
-  float elevation_bend_per_m[kLanesTogether];
-  float elevation_slope_per_m2[kLanesTogether];
-  float strength[kLanesTogether];
-  float voices[kLanesTogether];
-  std::int32_t row[kLanesTogether];
-
-  void set(int c, const BeamAtRow& beam, std::int32_t at_row) {
-    lateral_columns_per_m[c] = beam.lateral_columns_per_m;
-    elevation_columns_per_m[c] = beam.elevation_columns_per_m;
-    late_m[c] = beam.late_m;
-    late_slope[c] = beam.late_slope;
-    lateral_bend_per_m[c] = beam.lateral_bend_per_m;
-    lateral_slope_per_m2[c] = beam.lateral_slope_per_m2;
-    elevation_bend_per_m[c] = beam.elevation_bend_per_m;
-    elevation_slope_per_m2[c] = beam.elevation_slope_per_m2;
-    row[c] = at_row;
-  }
-  WOBBLEBENCH_INLINE BeamAtRow beam(int c) const {
-    BeamAtRow beam;
-    beam.lateral_columns_per_m = lateral_columns_per_m[c];
-    beam.elevation_columns_per_m = elevation_columns_per_m[c];
-    beam.late_m = late_m[c];
-    beam.late_slope = late_slope[c];
-    beam.lateral_bend_per_m = lateral_bend_per_m[c];
-    beam.lateral_slope_per_m2 = lateral_slope_per_m2[c];
-    beam.elevation_bend_per_m = elevation_bend_per_m[c];
-    beam.elevation_slope_per_m2 = elevation_slope_per_m2[c];
-    return beam;
-  }
-};
-
-/// Looks the rows up, a cell at a time: a wide loop would read them word by word. Returns how many
-/// of a cell's scatterers are heard in any of the cells; those beyond `count` are silent.
-int look_up_rows(const TouchedHashCells& cells, int count, const Sight& sight, CellColumns& to) {
-  float most = 0;
-  for (int c = 0; c < count; ++c) {
-    const std::int32_t row = cells.row[c];
-    to.set(c, sight.rows[row], row);
-    to.strength[c] = cells.amplitude[c] * sight.octave[row].amplitude;
-    to.voices[c] = sight.octave[row].voices;
-    most = std::max(most, to.voices[c]);
-  }
-  for (int c = count; c < kLanesTogether; ++c) {
-    to.set(c, {}, 0);
-    to.strength[c] = to.voices[c] = 0;
-  }
-  const int whole = static_cast<int>(most);
-  return static_cast<float>(whole) < most ? whole + 1 : whole;
-}
-
-/// Scatterer by scatterer of all cells: where an octave fades, its silent ones cost nothing.
-template <BeamRim rim>
-WOBBLEBENCH_INLINE void fill_columns(const TouchedHashCells& cells,
-                                     const CellColumns& columns,
-                                     int scatterers,
-                                     const HashAxes& axes,
-                                     std::int32_t table_columns,
-                                     CellLanes& __restrict lanes) {
-  for (int i = 0; i < scatterers; ++i) {
-    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(i) * kLanesTogether;
-    float* path_m = lanes.path_m + first;
-    std::int32_t* entry = lanes.entry + first;
-    float* amplitude = lanes.amplitude + first;
-    std::int32_t* within = lanes.within + first;
-    for (int c = 0; c < kLanesTogether; ++c) {
-      const BeamVector corner{cells.axial[c], cells.lateral[c], cells.elevation[c]};
-      const CellOffset offset = scatterer_offset(cells.key[c], static_cast<std::uint32_t>(i));
-      const Seen seen =
-          look<rim>(place(corner, axes, offset), columns.beam(c), columns.row[c], table_columns);
-      const float power = scatterer_power(columns.voices[c], i);
-      path_m[c] = seen.path_m;
-      entry[c] = seen.entry;
-      amplitude[c] = columns.strength[c] * std::sqrt(power);
-      within[c] = seen.within & (power > 0.0f);
-    }
-  }
-}
-
-WOBBLEBENCH_SIMD void fill_together(const TouchedHashCells& cells,
-                                    const CellColumns& columns,
-                                    int scatterers,
-                                    const HashAxes& axes,
-                                    const Sight& sight,
-                                    CellLanes& lanes) {
-  if (sight.rim == BeamRim::ellipse) {
-    fill_columns<BeamRim::ellipse>(cells, columns, scatterers, axes, sight.columns, lanes);
-  } else {
-    fill_columns<BeamRim::diamond>(cells, columns, scatterers, axes, sight.columns, lanes);
-  }
-}
-
-WOBBLEBENCH_SIMD void fill_one_by_one(const TouchedHashCells& cells,
-                                      int count,
-                                      const HashAxes& axes,
-                                      const Sight& sight,
-                                      CellLanes& lanes) {
+WOBBLEBENCH_SIMD void fill_lanes(const TouchedHashCells& cells,
+                                 int count,
+                                 const HashAxes& axes,
+                                 const Sight& sight,
+                                 CellLanes& lanes) {
   if (sight.rim == BeamRim::ellipse) {
     fill_cells<BeamRim::ellipse>(cells, count, axes, sight, lanes);
   } else {
@@ -267,14 +166,11 @@ int see_scatterers(const TouchedHashCells& cells,
                    const SeenScatterers& seen) {
   int kept = 0;
   CellLanes lanes;
-  CellColumns columns;
-  for (int first = 0; first < count; first += kLanesTogether) {
-    const TouchedHashCells these = cells.from(static_cast<std::size_t>(first));
-    const int some = std::min(kLanesTogether, count - first);
-    const int scatterers = look_up_rows(these, some, sight, columns);
-    fill_together(these, columns, scatterers, axes, sight, lanes);
-    kept +=
-        pack_lanes(lanes, scatterers * kLanesTogether, seen.from(static_cast<std::size_t>(kept)));
+  std::uint8_t which[kLaneCells];
+  for (int first = 0; first < count; first += kLaneCells) {
+    const int some = std::min(kLaneCells, count - first);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
   }
   return kept;
 }
@@ -308,10 +204,10 @@ int see_mixed_scatterers(const TouchedHashCells& cells,
   std::uint8_t which[kLaneCells];
   for (int first = 0; first < count; first += kLaneCells) {
     const int some = std::min(kLaneCells, count - first);
-    fill_one_by_one(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
+    fill_lanes(cells.from(static_cast<std::size_t>(first)), some, axes, sight, lanes);
     weigh_lanes(mixed + first, some, lanes);
     int at = kept;
-    kept += pack_cell_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
+    kept += pack_lanes(lanes, some, seen.from(static_cast<std::size_t>(kept)), which);
     for (int c = 0; c < some; ++c) {
       const std::uint32_t within = which[c];
       for (std::uint32_t left = within & mixed[first + c]->in_sheet; left != 0; left &= left - 1) {

@@ -53,19 +53,12 @@ struct alignas(16) BinShare {
 /// of both columns reaches the last.
 enum class BeamRim { ellipse, diamond };
 
-/// An octave at a row of the beam's table.
-struct OctaveAtRow {
-  float amplitude =
-      0;             ///< on the axis, of a scatterer that is not silenced, by the sections' scale
-  float voices = 0;  ///< of a cell's scatterers this many are heard, the last of them in part
-};
-
 /// What all scatterers of a stick and an octave share.
 struct Sight {
   const BeamAtRow* rows;
   std::int32_t columns;  ///< of the beam's table
   BeamRim rim;
-  const OctaveAtRow* octave;  ///< of each row; not looked at for given places
+  const float* gain;  ///< [row][scatterer of a cell]; not looked at for given places
 };
 
 /// Writes the cells' scatterers within reach to `seen`, which has room for all of them and one cell

@@ -93,8 +93,11 @@ void ScattererScene::weigh_octaves(bool all) {
     for (int i = 0; i < count; ++i) {
       OctaveGain& gain = gains[static_cast<std::size_t>(i)];
       const double power = octave_power(i, count, width);
-      gain.rows.push_back({static_cast<float>(std::sqrt(even)) * sections.scale(row),
-                           static_cast<float>(kScatterersInCell * power)});
+      for (int scatterer = 0; scatterer < kScatterersInCell; ++scatterer) {
+        const double left = even * scatterer_power(power, scatterer);
+        gain.amplitude.push_back(static_cast<float>(std::sqrt(left)));
+        gain.scaled.push_back(gain.amplitude.back() * sections.scale(row));
+      }
       if (power <= 0) continue;
       if (gain.last_row < 0) gain.first_row = row;
       gain.last_row = row;

@@ -31,10 +31,11 @@ struct ScattererScene {
                  const SimulationOptions& options,
                  const ScattererModel& model);
 
-  /// One octave over the rows, and whether any scatterer of a parcel with its middle there is
-  /// heard.
+  /// One octave over the rows: amplitude on the axis of each scatterer of a cell in tissue of echo
+  /// power 1, and whether any scatterer of a parcel with its middle there has one.
   struct OctaveGain {
-    std::vector<OctaveAtRow> rows;
+    std::vector<float> amplitude;  ///< [row][scatterer]
+    std::vector<float> scaled;     ///< by the sections' scale
     std::vector<char> heard;
     int first_row = 0;  ///< rows between which it is not silent
     int last_row = -1;
@@ -54,9 +55,8 @@ struct ScattererScene {
   PulseTaps taps;
   double cycles_per_m;  ///< of range, there and back
 
-  Sight sight(const OctaveAtRow* octave) const {
-    return {rows.data(), table.columns(), rim, octave};
-  }
+  /// `gain`: an octave's.
+  Sight sight(const float* gain) const { return {rows.data(), table.columns(), rim, gain}; }
   ParcelLattice lattice() const { return {parcels.origin_m(), parcels.side_m()}; }
 
  private:

@@ -53,11 +53,10 @@ class ParcelSearch {
     const glm::dvec3 ahead = view_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
     const float strength = scene_.parcels.amplitude_at(
         parcel, octave, cell, scatterer, glm::vec3(glm::normalize(ahead)));
-    const int row = scene_.table.row(beam.x);
-    const OctaveAtRow& heard =
-        scene_.gains[static_cast<std::size_t>(octave)].rows[static_cast<std::size_t>(row)];
-    const float amplitude = strength * heard.amplitude / scene_.sections.scale(row) *
-                            std::sqrt(scatterer_power(heard.voices, scatterer));
+    const auto row = static_cast<std::size_t>(scene_.table.row(beam.x));
+    const float amplitude =
+        strength * scene_.gains[static_cast<std::size_t>(octave)]
+                       .amplitude[row * kScatterersInCell + static_cast<std::size_t>(scatterer)];
     if (amplitude == 0) return;
     found.push_back({scene_.subject.from_rest(rest, line_.time_s), amplitude});
   }

@@ -320,14 +320,14 @@ HashAxes StickScan::place_bent(const Parcel& parcel,
 }
 
 void StickScan::see(const Parcel& parcel, const HashAxes& axes, int octave) {
-  const Sight sight = scene_.sight(scene_.gains[static_cast<std::size_t>(octave)].rows.data());
+  const Sight sight = scene_.sight(scene_.gains[static_cast<std::size_t>(octave)].scaled.data());
   if (buffers_.even.count != 0) see_even(axes, sight);
   if (buffers_.mixed.count != 0) see_mixed(parcel, axes, sight);
 }
 
 SeenScatterers StickScan::room_for(std::size_t cells) {
-  // Some more, because they are written many at a time.
-  const std::size_t needed = pending_ + cells * kScatterersInCell + kLanesTogether;
+  // One more, because cells are written as a whole.
+  const std::size_t needed = pending_ + (cells + 1) * kScatterersInCell;
   if (buffers_.path_m.size() < needed) {
     buffers_.path_m.resize(2 * needed);
     buffers_.entry.resize(2 * needed);

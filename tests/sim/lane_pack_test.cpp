@@ -10,44 +10,21 @@
 namespace wobblebench::sim {
 namespace {
 
-std::unique_ptr<CellLanes> numbered_lanes() {
+TEST(LanePack, KeepsTheLanesThatAreWithinInOrder) {
   std::mt19937 generator(1);
-  auto lanes = std::make_unique<CellLanes>();
+  const auto lanes = std::make_unique<CellLanes>();
   for (int i = 0; i < CellLanes::kCount; ++i) {
     lanes->path_m[i] = static_cast<float>(i);
     lanes->entry[i] = 2 * i;
     lanes->amplitude[i] = static_cast<float>(3 * i);
     lanes->within[i] = static_cast<std::int32_t>(generator() & 1u);
   }
-  return lanes;
-}
-
-TEST(LanePack, KeepsTheLanesThatAreWithinInOrder) {
-  const auto lanes = numbered_lanes();
-  for (const int count : {0, kLanesTogether, 3 * kLanesTogether, CellLanes::kCount}) {
-    std::vector<float> path_m(CellLanes::kCount + kLanesTogether), amplitude = path_m;
-    std::vector<std::int32_t> entry(path_m.size());
-    const int kept = pack_lanes(*lanes, count, {path_m.data(), entry.data(), amplitude.data()});
-    int expected = 0;
-    for (int i = 0; i < count; ++i) {
-      if (lanes->within[i] == 0) continue;
-      const auto at = static_cast<std::size_t>(expected++);
-      ASSERT_EQ(path_m[at], static_cast<float>(i));
-      ASSERT_EQ(entry[at], 2 * i);
-      ASSERT_EQ(amplitude[at], static_cast<float>(3 * i));
-    }
-    EXPECT_EQ(kept, expected);
-  }
-}
-
-TEST(LanePack, KeepsTheLanesOfCellsAndSaysWhich) {
-  const auto lanes = numbered_lanes();
   for (const int cells : {0, 1, 7, kLaneCells}) {
     std::vector<float> path_m(CellLanes::kCount + kScatterersInCell), amplitude = path_m;
     std::vector<std::int32_t> entry(path_m.size());
     std::vector<std::uint8_t> which(kLaneCells);
-    const int kept = pack_cell_lanes(
-        *lanes, cells, {path_m.data(), entry.data(), amplitude.data()}, which.data());
+    const int kept =
+        pack_lanes(*lanes, cells, {path_m.data(), entry.data(), amplitude.data()}, which.data());
     int expected = 0;
     for (int i = 0; i < cells * kScatterersInCell; ++i) {
       const bool within = lanes->within[i] != 0;

@@ -108,14 +108,13 @@ TEST(ScattererCells, AWideBeamHearsNoFewerThanANarrowOne) {
       const double share = octave_power(i, count, width);
       double sum = 0;
       for (int scatterer = 0; scatterer < kScatterersInCell; ++scatterer) {
-        const auto left = static_cast<double>(
-            scatterer_power(static_cast<float>(kScatterersInCell * share), scatterer));
+        const double left = scatterer_power(share, scatterer);
         sum += left;
         square += each * left * left;
         heard += left > 0 ? each : 0;
       }
       power += each * sum;
-      EXPECT_NEAR(sum, kScatterersInCell * share, 1e-6) << width;
+      EXPECT_NEAR(sum, kScatterersInCell * share, 1e-12) << width;
     }
     EXPECT_GE(width * power * power / square, 0.97 * 9e9) << width;
     most = std::max(most, width * heard / 9e9);
