@@ -74,7 +74,7 @@ struct ScattererCells {
 
 /// Share of an octave's power that is left in a beam `width` times as wide as the narrowest. The
 /// effective number of scatterers in the beam, (sum of powers)^2 / sum of squared powers, is never
-/// less than in the narrowest beam.
+/// less than in the narrowest beam. The first octave fades last, where the others are silent.
 double octave_power(int octave, int octaves, double width);
 
 /// What is left of the power of a cell's `scatterer`-th scatterer when its octave keeps a share:
