@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 #include "sim/beam_pattern.h"
 #include "sim/parallel.h"
@@ -21,11 +22,11 @@ constexpr int kFewestRows = 16;
 constexpr int kColumns = 32;  // a scatterer takes the middle of its column: -36 dB off
 constexpr int kSideLobeColumns = 96;
 constexpr int kSearchSteps = 128;
-/// A beam ends where its power stays below a share of its largest, but not within the main lobe:
-/// this much of the way to the first zero of a beam in its focus.
-constexpr double kFaintest = 1e-2;
+/// A beam ends where this share of its power lies beyond, in each direction, but not within the
+/// main lobe: this much of the way to the first zero of a beam in its focus.
+constexpr double kBeyond = 1e-2;
 constexpr double kMainLobe = 0.8;
-constexpr double kFaintestSideLobe = 3e-5;
+constexpr double kBeyondSideLobes = 5e-5;
 constexpr double kLobes = 4;  // the main one and three beside it
 
 /// The pulse's power over frequency, (f - f0) / f0, at a few frequencies.
@@ -64,7 +65,7 @@ struct Source {
   Complex (*two_way)(const hw::AcquisitionPlan&, double frequency_hz, double range_m, double off_m);
   double (*aperture_m)(const hw::AcquisitionPlan&, double range_m);
   double focus_m;
-  double faintest;  ///< power at the rim, over the largest
+  double beyond;  ///< share of the power that lies beyond the rim
 
   Complex response(double frequency_ratio, double range_m, double offset_m) const {
     return two_way(plan, frequency_ratio * plan.probe().center_frequency_hz, range_m, offset_m);
@@ -135,17 +136,20 @@ class RowMaker {
     return result;
   }
 
-  /// Beyond which the power stays faint.
+  /// Beyond which little of the power lies.
   double edge_m(double range_m) const {
     const double step = source_.widest_m(range_m) / kSearchSteps;
     std::vector<double> power;
     for (int i = 0; i < kSearchSteps; ++i) {
       power.push_back(std::norm(source_.response(1, range_m, (i + 0.5) * step)));
     }
-    const double faintest = source_.faintest * *std::max_element(power.begin(), power.end());
-    const auto edge =
-        std::find_if(power.rbegin(), power.rend(), [&](double value) { return value >= faintest; });
-    return std::max(source_.narrowest_m(range_m), static_cast<double>(power.rend() - edge) * step);
+    double left = source_.beyond * std::accumulate(power.begin(), power.end(), 0.0);
+    int last = kSearchSteps - 1;
+    while (last > 0 && power[static_cast<std::size_t>(last)] <= left) {
+      left -= power[static_cast<std::size_t>(last--)];
+    }
+    const double edge = last + 1 - left / power[static_cast<std::size_t>(last)];
+    return std::max(source_.narrowest_m(range_m), edge * step);
   }
 
   /// Parabola nearest to the delays over the row, each by its power.
@@ -240,9 +244,9 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
       std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kFewestRows, kMostRows);
   rows_per_m_ = count / depth_m;
   const auto& probe = plan.probe();
-  const double faintest = shape == BeamShape::main_lobe ? kFaintest : kFaintestSideLobe;
-  const Source across{plan, lateral_response, receive_aperture_m, probe.transmit_focus_m, faintest};
-  const Source high{plan, elevation_response, element_height_m, probe.elevation_focus_m, faintest};
+  const double beyond = shape == BeamShape::main_lobe ? kBeyond : kBeyondSideLobes;
+  const Source across{plan, lateral_response, receive_aperture_m, probe.transmit_focus_m, beyond};
+  const Source high{plan, elevation_response, element_height_m, probe.elevation_focus_m, beyond};
   const RowMaker lateral(plan, across, columns_);
   const RowMaker elevation(plan, high, columns_);
   for (Direction* direction : {&lateral_, &elevation_}) {
