@@ -21,6 +21,7 @@ constexpr int kMostRows = 512;
 constexpr int kFewestRows = 16;
 constexpr int kColumns = 32;  // a scatterer takes the middle of its column: -36 dB off
 constexpr int kSideLobeColumns = 96;
+static_assert(kMostRows * kSideLobeColumns <= BeamTable::kMostPlaces);
 constexpr int kSearchSteps = 128;
 /// A beam ends where this share of its power lies beyond, in each direction, but not within the
 /// main lobe: this much of the way to the first zero of a beam in its focus.
@@ -222,17 +223,26 @@ double area(const RowPower& a, const RowPower& b, double variance) {
   return a.level * b.level + variance * colour;
 }
 
+/// `level` may be zero, where the colour alone is left.
+BeamTable::Value as_factors(const Column& column) {
+  constexpr double kFaintest = 1e-6;
+  const double amplitude = std::max(std::abs(column.level), kFaintest);
+  const Complex direction = std::abs(column.level) > 0 ? column.level / std::abs(column.level) : 1;
+  const Complex colour = column.colour / (amplitude * direction);
+  return {static_cast<float>(amplitude),
+          static_cast<float>(std::arg(direction) / (2 * kPi)),
+          static_cast<float>(colour.real()),
+          static_cast<float>(colour.imag())};
+}
+
 void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& direction) {
   direction.rows[at] = {static_cast<float>(columns / row.reach_m),
                         static_cast<float>(row.late_m),
                         static_cast<float>(row.bend_per_m)};
-  float* values = direction.values.data() + at * static_cast<std::size_t>(columns) * 4;
-  for (const Column& column : row.columns) {
-    *values++ = static_cast<float>(column.level.real());
-    *values++ = static_cast<float>(column.level.imag());
-    *values++ = static_cast<float>(column.colour.real());
-    *values++ = static_cast<float>(column.colour.imag());
-  }
+  std::transform(row.columns.begin(),
+                 row.columns.end(),
+                 direction.values.begin() + static_cast<std::ptrdiff_t>(at) * columns,
+                 as_factors);
 }
 
 }  // namespace
@@ -251,7 +261,7 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
   const RowMaker elevation(plan, high, columns_);
   for (Direction* direction : {&lateral_, &elevation_}) {
     direction->rows.resize(static_cast<std::size_t>(count));
-    direction->values.resize(static_cast<std::size_t>(count) * columns_ * 4);
+    direction->values.resize(static_cast<std::size_t>(count) * columns_);
   }
   area_m2_.resize(static_cast<std::size_t>(count));
   speckle_area_m2_.resize(static_cast<std::size_t>(count));

@@ -30,6 +30,9 @@ struct BeamRow {
 
 class BeamTable {
  public:
+  /// In one direction; their numbers fit 16 bits.
+  static constexpr int kMostPlaces = 1 << 16;
+
   /// Results do not depend on `threads` (0: all that the machine has).
   BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threads = 0);
 
@@ -39,10 +42,18 @@ class BeamTable {
   /// Row whose middle is nearest to a range; the rim's rows beyond both ends.
   int row(double range_m) const;
 
+  /// H at one place: amplitude * exp(2 pi i cycles) * (1 + colour * (f - f0) / f0). In the product
+  /// of both directions amplitudes multiply; phases and colours add (but for the colours' product).
+  struct Value {
+    float amplitude = 0;
+    float cycles = 0;
+    float colour_re = 0;
+    float colour_im = 0;
+  };
   struct Direction {
     std::vector<BeamRow> rows;
-    /// Re A, Im A, Re B, Im B of each column (the middle of its share of the offset), row by row.
-    std::vector<float> values;
+    /// [row][column]: in the middle of the column's share of the offset.
+    std::vector<Value> values;
   };
   const Direction& lateral() const { return lateral_; }
   const Direction& elevation() const { return elevation_; }

@@ -53,7 +53,8 @@ class LayerWalk {
                std::abs(map_.turn[second_][0]) * most.second_m + half_[0];
     const double from = begin_[across_] - aside_m_ * direction_[across_];
     const double to = begin_[across_] + (end_m_ + aside_m_) * direction_[across_];
-    const int low = layer_of(std::min(from, to)), high = layer_of(std::max(from, to));
+    const int low = std::max(index_of(std::min(from, to), across_), lattice_.first[across_]);
+    const int high = std::min(index_of(std::max(from, to), across_), lattice_.last[across_]);
     // Nearest first.
     for (int i = 0; i <= high - low; ++i) {
       layer(direction_[across_] > 0 ? low + i : high - i, touched);
@@ -74,10 +75,6 @@ class LayerWalk {
     const double lateral = reach.lateral_m + half_[1], elevation = reach.elevation_m + half_[2];
     return {std::hypot(t[second_][2] * lateral, t[second_][1] * elevation) / std::abs(determinant),
             std::hypot(t[first_][2] * lateral, t[first_][1] * elevation) / std::abs(determinant)};
-  }
-
-  int layer_of(double place_m) const {
-    return static_cast<int>(std::floor((place_m - lattice_.origin_m[across_]) / lattice_.side_m));
   }
 
   int index_of(double place_m, int axis) const {
@@ -104,11 +101,16 @@ class LayerWalk {
     const Extent size = extent(widest_near(range_m));
     glm::ivec3 index(0);
     index[across_] = number;
-    const int from_first = index_of(axis[first_] - size.first_m, first_);
-    const int last_first = index_of(axis[first_] + size.first_m, first_);
-    const int last_second = index_of(axis[second_] + size.second_m, second_);
+    const auto from = [&](double half_m, int i) {
+      return std::max(index_of(axis[i] - half_m, i), lattice_.first[i]);
+    };
+    const auto to = [&](double half_m, int i) {
+      return std::min(index_of(axis[i] + half_m, i), lattice_.last[i]);
+    };
+    const int from_first = from(size.first_m, first_), last_first = to(size.first_m, first_);
+    const int last_second = to(size.second_m, second_);
     const glm::dvec3 step = lattice_.side_m * map_.turn[first_];
-    for (int j = index_of(axis[second_] - size.second_m, second_); j <= last_second; ++j) {
+    for (int j = from(size.second_m, second_); j <= last_second; ++j) {
       index[second_] = j;
       index[first_] = from_first;
       glm::dvec3 center = map_(lattice_.center(index));
@@ -215,7 +217,7 @@ class SlabWalk {
     const auto index = [&](const glm::dvec3& at) {
       return glm::ivec3(glm::floor((at - lattice_.origin_m) / lattice_.side_m));
     };
-    return {index(low) - 1, index(high) + 1};
+    return {glm::max(index(low) - 1, lattice_.first), glm::min(index(high) + 1, lattice_.last)};
   }
 
   const StickView& view_;

@@ -79,6 +79,8 @@ class BeamTube {
 struct ParcelLattice {
   glm::dvec3 origin_m{0};
   double side_m = 0;
+  glm::ivec3 first{0};  ///< parcels beyond these two are never touched
+  glm::ivec3 last{0};
 
   glm::dvec3 center(const glm::ivec3& index) const {
     return origin_m + side_m * (glm::dvec3(index) + 0.5);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hw/acquisition_plan.h"
-#include "sim/scatterer_kernels.h"
+#include "sim/echo_kernels.h"
 
 namespace wobblebench::sim {
 

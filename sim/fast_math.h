@@ -22,12 +22,14 @@ WOBBLEBENCH_INLINE float fast_log2(float x) {
   return static_cast<float>(e) + s * series;
 }
 
+/// Rounds what is added to it: so large a sum has no digits behind the point, and its last ones are
+/// those of the whole number. 1.5 * 2^23, for numbers up to 2^22.
+inline constexpr float kRounds = 12582912.0f;
+
 /// e^x for x <= 88, within 2e-7 relative; 0 below -87.
 WOBBLEBENCH_INLINE float fast_exp(float x) {
   const float clamped = x < -87.0f ? -87.0f : x;
   const float t = clamped * 1.44269504f;
-  // So large a sum has no digits behind the point, and its last ones are those of the whole number.
-  constexpr float kRounds = 12582912.0f;  // 1.5 * 2^23
   const float sum = t + kRounds;
   const float whole = sum - kRounds;
   const std::int32_t n = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
@@ -46,11 +48,12 @@ struct CosSin {
   float sine;
 };
 
-/// Cosine and sine of 2 pi u for |u| <= 8, within 3e-7.
+/// Cosine and sine of 2 pi u for |u| <= 2^20, within 3e-7.
 WOBBLEBENCH_INLINE CosSin cos_sin_of_cycles(float u) {
   const float quarters = u * 4.0f;
-  const std::int32_t q = static_cast<std::int32_t>(quarters + (quarters < 0.0f ? -0.5f : 0.5f));
-  const float a = (quarters - static_cast<float>(q)) * 1.57079633f;  // -pi/4 to pi/4
+  const float sum = quarters + kRounds;
+  const std::int32_t q = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
+  const float a = (quarters - (sum - kRounds)) * 1.57079633f;  // -pi/4 to pi/4
   const float a2 = a * a;
   const float s = a * (1.0f + a2 * (-0.166666667f + a2 * (0.00833333333f + a2 * -0.000198412698f)));
   const float c =

@@ -10,34 +10,15 @@
 
 namespace wobblebench::sim {
 
-/// Scatterers within the beam's reach, one array for each property: apparent range, place in the
-/// beam's sections, and amplitude.
+/// Scatterers within the beam's reach, one array for each property: apparent range, places in the
+/// beam's table (lateral in the low, elevation in the high 16 bits), and amplitude.
 struct SeenScatterers {
   float* path_m;
-  std::int32_t* entry;
+  std::uint32_t* places;
   float* amplitude;
 
   SeenScatterers from(std::size_t first) const {
-    return {path_m + first, entry + first, amplitude + first};
-  }
-};
-
-/// Hash cells that the beam touches, one array for each property.
-struct TouchedHashCells {
-  float* axial;  ///< low corner, in beam coordinates (m)
-  float* lateral;
-  float* elevation;
-  float* amplitude;  ///< of its tissue
-  std::uint32_t* key;
-  std::int32_t* row;  ///< of the beam's table
-
-  TouchedHashCells from(std::size_t first) const {
-    return {axial + first,
-            lateral + first,
-            elevation + first,
-            amplitude + first,
-            key + first,
-            row + first};
+    return {path_m + first, places + first, amplitude + first};
   }
 };
 
@@ -45,40 +26,24 @@ struct TouchedHashCells {
 /// them needs so much more room.
 inline constexpr int kFlagsTogether = 16;
 
-/// Hash cells of a parcel, whether the beam touches them or not.
-struct TestedCells {
-  static constexpr int kCount = kMostCells + kFlagsTogether;
-  float axial[kCount];
-  float lateral[kCount];
-  float elevation[kCount];
-  std::uint32_t key[kCount];
-  std::int32_t row[kCount];
-  std::uint8_t near[kCount];  ///< 1: touched
+/// Hash cells that are looked at together: their lanes stay in the first-level cache.
+inline constexpr int kLaneCells = 64;
+
+/// A scatterer of each of some hash cells, seen or not.
+struct ScattererLanes {
+  float path_m[kLaneCells];
+  std::uint32_t places[kLaneCells];
+  float amplitude[kLaneCells];
+  std::int32_t within[kLaneCells];  ///< 1: seen
 };
 
-/// Writes those of the first `count` cells whose flag is 1 to `to`, in order, but for their
-/// amplitudes. Returns how many.
-int pack_cells(const TestedCells& cells,
-               const std::uint8_t* flags,
+/// Writes the first `count` lanes that are within to `to`, in order, and anything behind them, as
+/// far as kFlagsTogether more have room. `count` is a multiple of that. Returns how many; `which`
+/// gets a bit for each lane, 8 to a byte.
+int pack_lanes(const ScattererLanes& lanes,
                int count,
-               const TouchedHashCells& to);
-
-/// Hash cells whose scatterers are looked at together: their lanes stay in the first-level cache.
-inline constexpr int kLaneCells = 32;
-
-/// The scatterers of some hash cells, seen or not, cell after cell.
-struct CellLanes {
-  static constexpr int kCount = kLaneCells * kScatterersInCell;
-  float path_m[kCount];
-  std::int32_t entry[kCount];
-  float amplitude[kCount];
-  std::int32_t within[kCount];  ///< 1: seen
-};
-
-/// Writes the lanes of the first `cells` cells that are within to `to`, in order, and anything
-/// behind them, as far as a cell more has room. Returns how many; `which` gets one bit for each
-/// lane of each cell.
-int pack_lanes(const CellLanes& lanes, int cells, const SeenScatterers& to, std::uint8_t* which);
+               const SeenScatterers& to,
+               std::uint8_t* which);
 
 /// Writes which of the first `count` flags are 1 to `list`, in order. Returns how many.
 int list_flags(const std::uint8_t* flags, int count, std::int32_t* list);

@@ -41,7 +41,7 @@ ScattererCells::ScattererCells(double per_m3, double widest, std::uint64_t seed)
 
 double octave_power(int octave, int octaves, double width) {
   if (octave == 0) return std::min(1.0, std::exp2(octaves - 1) / width);
-  return std::clamp(octaves - octave - std::log2(width), 0.0, 1.0);
+  return std::clamp(std::exp2(octaves - octave) / width - 1, 0.0, 1.0);
 }
 
 double scatterer_power(double octave_power, int scatterer) {

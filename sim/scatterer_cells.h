@@ -17,29 +17,43 @@
 
 namespace wobblebench::sim {
 
-/// In each cell: as many as a wide machine looks at together. Over a resolution cell or less that
-/// is close to a Poisson process.
+/// In each cell. Over a resolution cell or less that is close to a Poisson process.
 inline constexpr int kScatterersInCell = 8;
 
-/// Offset in a cell in hash units: 2^11 of them along x and y, 2^10 along z.
+/// Where a scatterer lies in its cell, in hash units from the cell's kHashOrigin. The digits of one
+/// hash are used where they are: what is the whole of x is behind the point of y, and so on.
 struct CellOffset {
   float x;
   float y;
   float z;
 };
-inline constexpr double kHashUnits[3] = {2048, 2048, 1024};
+/// Along a cell's sides.
+inline constexpr double kHashUnits[3] = {2048, 4194304, 4294967296};
+/// As shares of a cell's sides: places are in the middle of their units, and z counts from there.
+inline constexpr double kHashOrigin[3] = {0.5 / 2048, 0, 0.5};
 
-/// The `index`-th scatterer of a cell, in the middle of its unit.
+/// The `index`-th scatterer of a cell.
 WOBBLEBENCH_INLINE CellOffset scatterer_offset(std::uint32_t key, std::uint32_t index) {
   const std::uint32_t bits = mix32(key + (index + 1) * 0x9e3779b9U);
-  return {static_cast<float>(static_cast<std::int32_t>(bits & 2047)) + 0.5f,
-          static_cast<float>(static_cast<std::int32_t>((bits >> 11) & 2047)) + 0.5f,
-          static_cast<float>(static_cast<std::int32_t>(bits >> 22)) + 0.5f};
+  return {static_cast<float>(static_cast<std::int32_t>(bits & 0x7ffu)),
+          static_cast<float>(static_cast<std::int32_t>(bits & 0x3fffffu)),
+          static_cast<float>(static_cast<std::int32_t>(bits))};
 }
 
-/// Key of one of a parcel's hash cells, counted with x fastest.
-WOBBLEBENCH_INLINE std::uint32_t hash_cell_key(std::uint32_t parcel_key, std::uint32_t number) {
-  return mix32(parcel_key + number * 0x85ebca6bU);
+/// The same as shares of the cell's sides.
+inline glm::dvec3 scatterer_place(std::uint32_t key, std::uint32_t index) {
+  const CellOffset at = scatterer_offset(key, index);
+  return {kHashOrigin[0] + static_cast<double>(at.x) / kHashUnits[0],
+          kHashOrigin[1] + static_cast<double>(at.y) / kHashUnits[1],
+          kHashOrigin[2] + static_cast<double>(at.z) / kHashUnits[2]};
+}
+
+/// Key of one of a parcel's hash cells, counted with x fastest: the mix32 of its seed.
+WOBBLEBENCH_INLINE std::uint32_t hash_cell_seed(std::uint32_t parcel_key, std::uint32_t number) {
+  return parcel_key + number * 0x85ebca6bU;
+}
+inline std::uint32_t hash_cell_key(std::uint32_t parcel_key, std::uint32_t number) {
+  return mix32(hash_cell_seed(parcel_key, number));
 }
 
 /// How many of a cell's flags are set; the library's way is a call without an instruction for it.

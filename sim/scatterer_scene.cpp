@@ -39,6 +39,23 @@ double half_diagonal(double side_m) {
   return 0.5 * std::sqrt(3.0) * side_m;
 }
 
+/// `even`: power of a scatterer that is heard in full, on the axis.
+OctaveAtRow octave_at_row(double octave_power, double even) {
+  OctaveAtRow at;
+  for (int i = 0; i < kScatterersInCell; ++i) {
+    const double power = scatterer_power(octave_power, i);
+    const float amplitude = static_cast<float>(std::sqrt(even * power));
+    if (power >= 1) {
+      at.full = amplitude;
+      ++at.in_full;
+    } else if (power > 0) {
+      at.faint = amplitude;
+    }
+    at.heard += power > 0;
+  }
+  return at;
+}
+
 /// What changes slowly with the range, as a straight line through a row's two neighbours.
 struct Line {
   float at_face;
@@ -63,12 +80,12 @@ ScattererScene::ScattererScene(const Subject& scanned,
                                const ScattererModel& model)
     : subject(scanned),
       table(plan, model.beam, options.threads),
-      sections(table),
       per_m3(density_per_m3(plan, options)),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
       cells(per_m3, widest_ratio(table), options.seed),
       parcels(scanned, plan, options, cells),
       tube(table, plan.acquisition().depth_m, half_diagonal(cells.parcel_m)),
+      reaches(reaches_around(table, cells.parcel_m)),
       rim(model.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
       taps(plan, plan.sample_spacing_m() / iq_oversampling(plan)),
       cycles_per_m(2 * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s) {
@@ -93,14 +110,12 @@ void ScattererScene::weigh_octaves(bool all) {
     for (int i = 0; i < count; ++i) {
       OctaveGain& gain = gains[static_cast<std::size_t>(i)];
       const double power = octave_power(i, count, width);
-      for (int scatterer = 0; scatterer < kScatterersInCell; ++scatterer) {
-        const double left = even * scatterer_power(power, scatterer);
-        gain.amplitude.push_back(static_cast<float>(std::sqrt(left)));
-        gain.scaled.push_back(gain.amplitude.back() * sections.scale(row));
-      }
+      gain.rows.push_back(octave_at_row(power, even));
       if (power <= 0) continue;
-      if (gain.last_row < 0) gain.first_row = row;
-      gain.last_row = row;
+      // Beyond both ends of the table its first and last row go on.
+      const double begin_m = row / table.rows_per_m(), end_m = (row + 1) / table.rows_per_m();
+      gain.begin_m = std::min(gain.begin_m, row == 0 ? -HUGE_VALF : static_cast<float>(begin_m));
+      gain.end_m = row == table.rows() - 1 ? HUGE_VALF : static_cast<float>(end_m);
       const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
       std::fill(gain.heard.begin() + from, gain.heard.begin() + to + 1, char{1});
     }
@@ -120,12 +135,11 @@ void ScattererScene::tabulate_rows() {
     rows.push_back({across[static_cast<std::size_t>(row)].columns_per_m,
                     high[static_cast<std::size_t>(row)].columns_per_m,
                     late.at_face,
-                    late.slope_per_m,
+                    1 + late.slope_per_m,
                     lateral.at_face,
                     lateral.slope_per_m,
                     elevation.at_face,
-                    elevation.slope_per_m,
-                    sections.scale(row)});
+                    elevation.slope_per_m});
   }
 }
 

@@ -1,14 +1,16 @@
 // What all sticks share when they look for scatterers.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "hw/acquisition_plan.h"
-#include "sim/beam_sections.h"
 #include "sim/beam_tube.h"
+#include "sim/cell_search.h"
 #include "sim/echo_bins.h"
 #include "sim/options.h"
 #include "sim/scatterer_cells.h"
+#include "sim/scatterer_sight.h"
 #include "sim/subject.h"
 #include "sim/tissue_parcels.h"
 
@@ -31,19 +33,18 @@ struct ScattererScene {
                  const SimulationOptions& options,
                  const ScattererModel& model);
 
-  /// One octave over the rows: amplitude on the axis of each scatterer of a cell in tissue of echo
-  /// power 1, and whether any scatterer of a parcel with its middle there has one.
+  /// One octave over the rows, and whether any scatterer of a parcel with its middle there is
+  /// heard.
   struct OctaveGain {
-    std::vector<float> amplitude;  ///< [row][scatterer]
-    std::vector<float> scaled;     ///< by the sections' scale
+    std::vector<OctaveAtRow> rows;
     std::vector<char> heard;
-    int first_row = 0;  ///< rows between which it is not silent
-    int last_row = -1;
+    /// Ranges between which it is not silent.
+    float begin_m = std::numeric_limits<float>::infinity();
+    float end_m = 0;
   };
 
   Subject subject;
   BeamTable table;
-  BeamSections sections;
   double per_m3;   ///< scatterers, all octaves
   double pulse_m;  ///< length of a pulse of even power that has the same energy
   ScattererCells cells;
@@ -51,13 +52,23 @@ struct ScattererScene {
   std::vector<OctaveGain> gains;
   std::vector<BeamAtRow> rows;
   BeamTube tube;
+  std::vector<ParcelReach> reaches;  ///< by the row of a parcel's middle
   BeamRim rim;
   PulseTaps taps;
   double cycles_per_m;  ///< of range, there and back
 
-  /// `gain`: an octave's.
-  Sight sight(const float* gain) const { return {rows.data(), table.columns(), rim, gain}; }
-  ParcelLattice lattice() const { return {parcels.origin_m(), parcels.side_m()}; }
+  /// `octave`: as it is heard; none for given places.
+  Sight sight(const OctaveGain* octave) const {
+    return {rows.data(),
+            octave == nullptr ? nullptr : octave->rows.data(),
+            table.columns(),
+            table.rows() - 1,
+            static_cast<float>(table.rows_per_m()),
+            rim};
+  }
+  ParcelLattice lattice() const {
+    return {parcels.origin_m(), parcels.side_m(), parcels.first(), parcels.last()};
+  }
 
  private:
   void weigh_octaves(bool all);

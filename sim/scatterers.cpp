@@ -40,12 +40,9 @@ class ParcelSearch {
             int scatterer,
             std::vector<PointEcho>& found) const {
     const int n = scene_.cells.octaves[static_cast<std::size_t>(octave)].divisions;
-    const CellOffset offset = scatterer_offset(key, static_cast<std::uint32_t>(scatterer));
-    const glm::dvec3 within(static_cast<double>(offset.x) / kHashUnits[0],
-                            static_cast<double>(offset.y) / kHashUnits[1],
-                            static_cast<double>(offset.z) / kHashUnits[2]);
-    const glm::dvec3 place =
-        (glm::dvec3(cell % n, cell / n % n, cell / (n * n)) + within) / static_cast<double>(n);
+    const glm::dvec3 place = (glm::dvec3(cell % n, cell / n % n, cell / (n * n)) +
+                              scatterer_place(key, static_cast<std::uint32_t>(scatterer))) /
+                             static_cast<double>(n);
     const ParcelLattice lattice = scene_.lattice();
     const glm::dvec3 rest = lattice.origin_m + lattice.side_m * (glm::dvec3(parcel.index) + place);
     const glm::dvec3 beam = view_.to_beam(rest);
@@ -53,10 +50,10 @@ class ParcelSearch {
     const glm::dvec3 ahead = view_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
     const float strength = scene_.parcels.amplitude_at(
         parcel, octave, cell, scatterer, glm::vec3(glm::normalize(ahead)));
-    const auto row = static_cast<std::size_t>(scene_.table.row(beam.x));
-    const float amplitude =
-        strength * scene_.gains[static_cast<std::size_t>(octave)]
-                       .amplitude[row * kScatterersInCell + static_cast<std::size_t>(scatterer)];
+    const int row = scene_.table.row(beam.x);
+    const OctaveAtRow& heard =
+        scene_.gains[static_cast<std::size_t>(octave)].rows[static_cast<std::size_t>(row)];
+    const float amplitude = strength * heard.amplitude(scatterer);
     if (amplitude == 0) return;
     found.push_back({scene_.subject.from_rest(rest, line_.time_s), amplitude});
   }

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kNoEcho_db = -199;
 constexpr int kCosines = 64;
+/// Parcels: farther than any stick reaches.
+constexpr int kEndless = 1 << 28;
 
 /// Mean intensity of a Rayleigh envelope of mean 1.
 const double kPowerOfMean = 4 / kPi;
@@ -156,6 +158,14 @@ void TissueParcels::find_parcels(int threads) {
   }
 }
 
+glm::ivec3 TissueParcels::first() const {
+  return glm::ivec3(amplitude(background_) == 0 ? 0 : -kEndless);
+}
+
+glm::ivec3 TissueParcels::last() const {
+  return amplitude(background_) == 0 ? parcels_ - 1 : glm::ivec3(kEndless);
+}
+
 TissueParcels::Parcel TissueParcels::parcel(const glm::ivec3& index) const {
   const bool within = index.x >= 0 && index.y >= 0 && index.z >= 0 && index.x < parcels_.x &&
                       index.y < parcels_.y && index.z < parcels_.z;
@@ -206,11 +216,8 @@ class CellMaker {
     Surroundings found[kScatterersInCell];
     bool alike = true;
     for (int i = 0; i < kScatterersInCell; ++i) {
-      const CellOffset at = scatterer_offset(key, static_cast<std::uint32_t>(i));
-      const glm::dvec3 within(at.x, at.y, at.z);
-      const glm::dvec3 units(kHashUnits[0], kHashUnits[1], kHashUnits[2]);
-      found[i] =
-          surroundings(*parcels_.map_, low + side_m * within / units, parcels_.half_sheet_m_);
+      const glm::dvec3 place = scatterer_place(key, static_cast<std::uint32_t>(i));
+      found[i] = surroundings(*parcels_.map_, low + side_m * place, parcels_.half_sheet_m_);
       alike &= found[i].material == found[0].material && !found[i].sheet;
     }
     return alike ? found[0].material : mixed(found);
@@ -256,13 +263,12 @@ float TissueParcels::sheet_power(const SheetScatterer& sheet, const glm::vec3& d
   return value[0] + (place - static_cast<float>(i)) * (value[1] - value[0]);
 }
 
-float TissueParcels::sheet_amplitude(const Parcel& parcel,
+float TissueParcels::sheet_amplitude(const ParcelCells& cells,
                                      const MixedCell& cell,
                                      int scatterer,
                                      const glm::vec3& direction) const {
   const int before = flags_set(cell.in_sheet & ((1u << scatterer) - 1));
-  const SheetScatterer& sheet =
-      parcel.mixed->sheets[static_cast<std::size_t>(cell.first_sheet + before)];
+  const SheetScatterer& sheet = cells.sheets[static_cast<std::size_t>(cell.first_sheet + before)];
   return std::sqrt(sheet.power + sheet_power(sheet, direction));
 }
 
@@ -272,7 +278,7 @@ float TissueParcels::amplitude_at(
   if (known >= 0) return amplitude(known);
   const MixedCell& mixed = mixed_cell(parcel, known);
   const bool in_sheet = (mixed.in_sheet >> scatterer & 1u) != 0;
-  return in_sheet ? sheet_amplitude(parcel, mixed, scatterer, direction)
+  return in_sheet ? sheet_amplitude(*parcel.mixed, mixed, scatterer, direction)
                   : mixed.amplitude[scatterer];
 }
 

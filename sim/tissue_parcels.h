@@ -61,6 +61,9 @@ class TissueParcels {
 
   double side_m() const { return side_m_; }
   const glm::dvec3& origin_m() const { return origin_m_; }  ///< low corner of parcel (0, 0, 0)
+  /// Parcels beyond these two do not echo.
+  glm::ivec3 first() const;
+  glm::ivec3 last() const;
 
   /// One parcel; there are parcels everywhere, also outside the tissue map.
   struct Parcel {
@@ -94,7 +97,7 @@ class TissueParcels {
     return amplitude_[static_cast<std::size_t>(material)];
   }
   /// Of a mixed cell's scatterer that lies in a sheet. `direction`: of the sound, at rest.
-  float sheet_amplitude(const Parcel& parcel,
+  float sheet_amplitude(const ParcelCells& cells,
                         const MixedCell& cell,
                         int scatterer,
                         const glm::vec3& direction) const;

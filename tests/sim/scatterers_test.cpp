@@ -129,10 +129,7 @@ TEST(ScattererCells, OffsetsFillTheCell) {
   for (std::uint32_t cell = 0; cell < kCells; ++cell) {
     const std::uint32_t key = hash_cell_key(77, cell);
     for (std::uint32_t i = 0; i < kScatterersInCell; ++i) {
-      const CellOffset at = scatterer_offset(key, i);
-      const glm::dvec3 share(static_cast<double>(at.x) / kHashUnits[0],
-                             static_cast<double>(at.y) / kHashUnits[1],
-                             static_cast<double>(at.z) / kHashUnits[2]);
+      const glm::dvec3 share = scatterer_place(key, i);
       mean += share / (1.0 * kCells * kScatterersInCell);
       square += share * share / (1.0 * kCells * kScatterersInCell);
     }
