@@ -200,8 +200,6 @@ struct RowPower {
   double level = 0;
   double colour = 0;
   Complex mixed = 0;
-  double square = 0;   ///< of the power
-  double width_m = 0;  ///< (integral of power)^2 / integral of power^2
 
   RowPower(const Row& row, const RowMaker& maker) {
     const double width = 2 * (maker.place(row, 1) - maker.place(row, 0));
@@ -209,10 +207,7 @@ struct RowPower {
       level += width * std::norm(at.level);
       colour += width * std::norm(at.colour);
       mixed += width * at.level * std::conj(at.colour);
-      const double power = std::norm(at.level) + maker.variance() * std::norm(at.colour);
-      square += width * power * power;
     }
-    width_m = (level + maker.variance() * colour) * (level + maker.variance() * colour) / square;
   }
 };
 
@@ -264,7 +259,6 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
     direction->values.resize(static_cast<std::size_t>(count) * columns_);
   }
   area_m2_.resize(static_cast<std::size_t>(count));
-  speckle_area_m2_.resize(static_cast<std::size_t>(count));
   parallel_ranges(count, threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const double range_m = (i + 0.5) / rows_per_m_;
@@ -274,7 +268,6 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
       store(up, columns_, at, elevation_);
       const RowPower wide(aside, lateral), tall(up, elevation);
       area_m2_[at] = area(wide, tall, lateral.variance());
-      speckle_area_m2_[at] = wide.width_m * tall.width_m;
     }
   });
 }

@@ -65,9 +65,6 @@ class BeamTable {
   /// Integral of the echo's power over the cross-section, over that of a scatterer on the axis: an
   /// area that echoes evenly.
   double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }
-  /// (integral of power)^2 / integral of power^2 over the cross-section: an even beam with this
-  /// area has the same speckle.
-  double speckle_area_m2(int row) const { return speckle_area_m2_[static_cast<std::size_t>(row)]; }
 
  private:
   int columns_;
@@ -75,7 +72,6 @@ class BeamTable {
   Direction lateral_;
   Direction elevation_;
   std::vector<double> area_m2_;
-  std::vector<double> speckle_area_m2_;
 };
 
 }  // namespace wobblebench::sim

@@ -8,9 +8,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// Hash cells along a parcel's side, of the densest octave and of each one before it: half as many
-/// cells in each, as nearly as whole numbers can. Measured: smaller parcels cost more to find.
-constexpr int kDivisions[] = {5, 4, 3, 3, 2};
+/// Hash cells along a parcel's side, of the densest octave and of each one before it: about half as
+/// many cells in each. Measured: smaller parcels cost more to find.
+constexpr int kDivisions[] = {6, 5, 4, 3, 2};
 static_assert(kDivisions[0] * kDivisions[0] * kDivisions[0] <= kMostCells);
 constexpr int kMostOctaves = static_cast<int>(std::size(kDivisions));
 
@@ -22,9 +22,9 @@ std::uint32_t Octave::parcel_key(const glm::ivec3& parcel) const {
   return static_cast<std::uint32_t>(mix(xy + lane(parcel.z) * kGoldenGamma) >> 32);
 }
 
-ScattererCells::ScattererCells(double per_m3, double widest, std::uint64_t seed) {
-  const int more = std::clamp(static_cast<int>(std::log2(widest)), 0, kMostOctaves);
-  // From the widest beam's octave to the densest; the first is as dense as the second.
+ScattererCells::ScattererCells(double per_m3, double largest, std::uint64_t seed) {
+  const int more = std::clamp(static_cast<int>(std::log2(largest)), 0, kMostOctaves);
+  // From the largest cell's octave to the densest; the first is as dense as the second.
   std::vector<int> divisions;
   for (int i = 0; i <= more; ++i) {
     divisions.push_back(kDivisions[std::max(more - std::max(i, 1), 0)]);
@@ -39,13 +39,13 @@ ScattererCells::ScattererCells(double per_m3, double widest, std::uint64_t seed)
   }
 }
 
-double octave_power(int octave, int octaves, double width) {
-  if (octave == 0) return std::min(1.0, std::exp2(octaves - 1) / width);
-  return std::clamp(std::exp2(octaves - octave) / width - 1, 0.0, 1.0);
+double ScattererCells::share(int octave, double per_m3) const {
+  for (int i = 0; i < octave; ++i) per_m3 -= octaves[static_cast<std::size_t>(i)].per_m3;
+  return std::clamp(per_m3 / octaves[static_cast<std::size_t>(octave)].per_m3, 0.0, 1.0);
 }
 
-double scatterer_power(double octave_power, int scatterer) {
-  return std::clamp(kScatterersInCell * octave_power - scatterer, 0.0, 1.0);
+double scatterer_power(double share, int scatterer) {
+  return std::clamp(kScatterersInCell * share - scatterer, 0.0, 1.0);
 }
 
 }  // namespace wobblebench::sim

@@ -2,11 +2,11 @@
 // cell's key says where, so that nothing is stored and everybody finds the same.
 //
 // Far from the beam's foci thousands of scatterers would fall into one resolution cell, where ten
-// make the same speckle. They are therefore the sum of octaves: the first holds the density
-// that the widest beam needs, each further one as much as all before it. A beam that is too wide
-// for an octave fades it out, and the others become stronger, so that the mean echo stays what it
-// is. The fade is slow, and depends on the range alone: tissue that moves, or is seen from another
-// stick, keeps its speckle.
+// make the same speckle. They are therefore the sum of octaves: the first holds about the density
+// that the largest resolution cell needs, each further one about as much as all before it. Where
+// fewer are needed the last octaves fall silent, and the others become stronger, so that the mean
+// echo stays what it is. The fade is slow, and depends on the range alone: tissue that moves, or is
+// seen from another stick, keeps its speckle.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 namespace wobblebench::sim {
 
 /// In each cell. Over a resolution cell or less that is close to a Poisson process.
-inline constexpr int kScatterersInCell = 8;
+inline constexpr int kScatterersInCell = 16;
 
 /// Where a scatterer lies in its cell, in hash units from the cell's kHashOrigin. The digits of one
 /// hash are used where they are: what is the whole of x is behind the point of y, and so on.
@@ -56,16 +56,17 @@ inline std::uint32_t hash_cell_key(std::uint32_t parcel_key, std::uint32_t numbe
   return mix32(hash_cell_seed(parcel_key, number));
 }
 
-/// How many of a cell's flags are set; the library's way is a call without an instruction for it.
+/// How many of 16 flags are set; the library's way is a call without an instruction for it.
 inline int flags_set(std::uint32_t flags) {
-  static_assert(kScatterersInCell == 8);
-  const std::uint32_t pairs = flags - (flags >> 1 & 0x55u);
-  const std::uint32_t fours = (pairs & 0x33u) + (pairs >> 2 & 0x33u);
-  return static_cast<int>((fours + (fours >> 4)) & 0x0fu);
+  static_assert(kScatterersInCell <= 16);
+  const std::uint32_t pairs = flags - (flags >> 1 & 0x5555u);
+  const std::uint32_t fours = (pairs & 0x3333u) + (pairs >> 2 & 0x3333u);
+  const std::uint32_t bytes = (fours + (fours >> 4)) & 0x0f0fu;
+  return static_cast<int>((bytes + (bytes >> 8)) & 0x1fu);
 }
 
 /// Hash cells of one octave in a parcel, at most.
-inline constexpr int kMostCells = 128;
+inline constexpr int kMostCells = 224;
 
 /// One octave.
 struct Octave {
@@ -82,17 +83,18 @@ struct ScattererCells {
   double parcel_m = 0;
   std::vector<Octave> octaves;
 
-  /// Octaves that together have a density, for beams up to `widest` times as wide as the narrowest.
-  ScattererCells(double per_m3, double widest, std::uint64_t seed);
+  /// Octaves that together have a density, for resolution cells up to `largest` times as large as
+  /// the smallest.
+  ScattererCells(double per_m3, double largest, std::uint64_t seed);
+
+  /// Share of an octave's scatterers that are heard where so many of all are needed: the first
+  /// octaves are heard as a whole, one in part, the others not at all.
+  double share(int octave, double per_m3) const;
 };
 
-/// Share of an octave's power that is left in a beam `width` times as wide as the narrowest. The
-/// effective number of scatterers in the beam, (sum of powers)^2 / sum of squared powers, is never
-/// less than in the narrowest beam. The first octave fades last, where the others are silent.
-double octave_power(int octave, int octaves, double width);
-
-/// What is left of the power of a cell's `scatterer`-th scatterer when its octave keeps a share:
-/// they fall silent one after the other, so that no more are looked for than are needed.
-double scatterer_power(double octave_power, int scatterer);
+/// Power of a cell's `scatterer`-th scatterer when a share of its octave is heard: they fall silent
+/// one after the other, so that no more are looked for than are needed. The effective number of a
+/// cell, (sum of powers)^2 / sum of squared powers, is no less than that share of them.
+double scatterer_power(double share, int scatterer);
 
 }  // namespace wobblebench::sim

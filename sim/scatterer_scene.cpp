@@ -12,38 +12,36 @@ namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
 
-double density_per_m3(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
-  const double depth_m = plan.acquisition().depth_m;
-  double smallest_m2 = HUGE_VAL;
-  const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
-  for (int i = 1; i <= steps; ++i) {
-    const double r = depth_m * i / steps;
-    smallest_m2 = std::min(smallest_m2, lateral_fwhm_m(plan, r) * elevation_fwhm_m(plan, r));
+/// The product of the three -6 dB widths.
+double resolution_cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
+  return lateral_fwhm_m(plan, range_m) * elevation_fwhm_m(plan, range_m) * axial_fwhm_m(plan);
+}
+
+/// Of the whole field.
+struct ResolutionCells {
+  double smallest_m3 = HUGE_VAL;
+  double largest_m3 = 0;
+
+  explicit ResolutionCells(const hw::AcquisitionPlan& plan) {
+    const double depth_m = plan.acquisition().depth_m;
+    const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
+    for (int i = 1; i <= steps; ++i) {
+      const double here_m3 = resolution_cell_m3(plan, depth_m * i / steps);
+      smallest_m3 = std::min(smallest_m3, here_m3);
+      largest_m3 = std::max(largest_m3, here_m3);
+    }
   }
-  return options.scatterers_per_cell / (smallest_m2 * axial_fwhm_m(plan));
-}
-
-double narrowest_m2(const BeamTable& table) {
-  double narrowest = table.speckle_area_m2(0);
-  for (int i = 1; i < table.rows(); ++i) narrowest = std::min(narrowest, table.speckle_area_m2(i));
-  return narrowest;
-}
-
-double widest_ratio(const BeamTable& table) {
-  double widest = 0;
-  for (int i = 0; i < table.rows(); ++i) widest = std::max(widest, table.speckle_area_m2(i));
-  return widest / narrowest_m2(table);
-}
+};
 
 double half_diagonal(double side_m) {
   return 0.5 * std::sqrt(3.0) * side_m;
 }
 
 /// `even`: power of a scatterer that is heard in full, on the axis.
-OctaveAtRow octave_at_row(double octave_power, double even) {
+OctaveAtRow octave_at_row(double share, double even) {
   OctaveAtRow at;
   for (int i = 0; i < kScatterersInCell; ++i) {
-    const double power = scatterer_power(octave_power, i);
+    const double power = scatterer_power(share, i);
     const float amplitude = static_cast<float>(std::sqrt(even * power));
     if (power >= 1) {
       at.full = amplitude;
@@ -80,38 +78,40 @@ ScattererScene::ScattererScene(const Subject& scanned,
                                const ScattererModel& model)
     : subject(scanned),
       table(plan, model.beam, options.threads),
-      per_m3(density_per_m3(plan, options)),
+      per_m3(options.scatterers_per_cell / ResolutionCells(plan).smallest_m3),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
-      cells(per_m3, widest_ratio(table), options.seed),
+      cells(per_m3,
+            ResolutionCells(plan).largest_m3 / ResolutionCells(plan).smallest_m3,
+            options.seed),
       parcels(scanned, plan, options, cells),
       tube(table, plan.acquisition().depth_m, half_diagonal(cells.parcel_m)),
       reaches(reaches_around(table, cells.parcel_m)),
       rim(model.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
       taps(plan, plan.sample_spacing_m() / iq_oversampling(plan)),
       cycles_per_m(2 * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s) {
-  weigh_octaves(model.all_octaves);
+  weigh_octaves(plan, model.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
   tabulate_rows();
 }
 
-void ScattererScene::weigh_octaves(bool all) {
+void ScattererScene::weigh_octaves(const hw::AcquisitionPlan& plan, double per_cell) {
   const int count = static_cast<int>(cells.octaves.size());
   const int window =
       static_cast<int>(std::ceil(half_diagonal(cells.parcel_m) * table.rows_per_m())) + 1;
-  const double narrow_m2 = narrowest_m2(table);
   gains.resize(cells.octaves.size());
   for (auto& gain : gains) gain.heard.assign(static_cast<std::size_t>(table.rows()), 0);
   for (int row = 0; row < table.rows(); ++row) {
-    const double width = all ? 1 : table.speckle_area_m2(row) / narrow_m2;
+    const double range_m = (row + 0.5) / table.rows_per_m();
+    const double needed = per_cell / resolution_cell_m3(plan, range_m);
     double density = 0;
     for (int i = 0; i < count; ++i) {
-      density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * octave_power(i, count, width);
+      density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * cells.share(i, needed);
     }
     const double even = 1 / (density * table.area_m2(row) * pulse_m);
     for (int i = 0; i < count; ++i) {
       OctaveGain& gain = gains[static_cast<std::size_t>(i)];
-      const double power = octave_power(i, count, width);
-      gain.rows.push_back(octave_at_row(power, even));
-      if (power <= 0) continue;
+      const double share = cells.share(i, needed);
+      gain.rows.push_back(octave_at_row(share, even));
+      if (share <= 0) continue;
       // Beyond both ends of the table its first and last row go on.
       const double begin_m = row / table.rows_per_m(), end_m = (row + 1) / table.rows_per_m();
       gain.begin_m = std::min(gain.begin_m, row == 0 ? -HUGE_VALF : static_cast<float>(begin_m));

@@ -71,7 +71,8 @@ struct ScattererScene {
   }
 
  private:
-  void weigh_octaves(bool all);
+  /// `per_cell`: scatterers that each resolution cell needs, at least.
+  void weigh_octaves(const hw::AcquisitionPlan& plan, double per_cell);
   void tabulate_rows();
 };
 
