@@ -38,9 +38,9 @@ struct SimulationOptions {
   /// Sound travels at each material's own speed; the scanner goes on assuming one.
   bool tissue_sound_speed = false;
 
-  /// Scatterers in the smallest resolution cell of the field (product of the three -6 dB widths);
-  /// their density in the tissue follows. With 10 the envelope's mean over sigma is 2 % short of
-  /// Rayleigh's, with 30 less than 1 %.
+  /// Scatterers that each resolution cell (product of the three -6 dB widths at its range) holds at
+  /// least. With 10 the envelope's mean over sigma is 2 % short of Rayleigh's, with 30 less than
+  /// 1 %.
   double scatterers_per_cell = 10;
   /// -3 dB full width of the specular lobe: about 3 deg for a focused beam (references.md [6]).
   double specular_width_rad = 3 * kDegree;

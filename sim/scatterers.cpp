@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "sim/cell_batch.h"
 #include "sim/stick_scan.h"
 
 namespace wobblebench::sim {
@@ -24,43 +25,54 @@ class ParcelSearch {
                std::vector<PointEcho>& found) const {
     const Octave& process = scene_.cells.octaves[static_cast<std::size_t>(octave)];
     const std::uint32_t parcel_key = process.parcel_key(parcel.index);
-    for (int cell = 0; cell < process.cells(); ++cell) {
-      const std::uint32_t key = hash_cell_key(parcel_key, static_cast<std::uint32_t>(cell));
-      for (int i = 0; i < kScatterersInCell; ++i) {
-        take(parcel, octave, cell, key, i, found);
-      }
+    const double cell_m = scene_.parcels.side_m() / process.divisions;
+    const glm::dvec3 corner =
+        scene_.parcels.origin_m() + scene_.parcels.side_m() * glm::dvec3(parcel.index);
+    for (int number = 0; number < process.cells(); ++number) {
+      HashCell cell{octave, number};
+      cell.key = hash_cell_key(parcel_key, static_cast<std::uint32_t>(number));
+      cell.side_m = cell_m;
+      cell.low_corner_m = corner + cell_m * cell_place(number, process.divisions);
+      cell.row = scene_.table.row(view_.to_beam(cell.low_corner_m + 0.5 * cell_m).x);
+      for (int i = 0; i < heard(cell).heard; ++i) take(parcel, cell, i, found);
     }
   }
 
  private:
+  struct HashCell {
+    int octave;
+    int number;  ///< in its parcel
+    std::uint32_t key = 0;
+    double side_m = 0;
+    glm::dvec3 low_corner_m{0};  ///< at rest
+    int row = 0;                 ///< of the beam, at its middle
+  };
+
+  const OctaveAtRow& heard(const HashCell& cell) const {
+    const auto row = static_cast<std::size_t>(cell.row);
+    return scene_.gains[static_cast<std::size_t>(cell.octave)].rows[row];
+  }
+
   void take(const TissueParcels::Parcel& parcel,
-            int octave,
-            int cell,
-            std::uint32_t key,
+            const HashCell& cell,
             int scatterer,
             std::vector<PointEcho>& found) const {
-    const int n = scene_.cells.octaves[static_cast<std::size_t>(octave)].divisions;
-    const glm::dvec3 place = (glm::dvec3(cell % n, cell / n % n, cell / (n * n)) +
-                              scatterer_place(key, static_cast<std::uint32_t>(scatterer))) /
-                             static_cast<double>(n);
-    const ParcelLattice lattice = scene_.lattice();
-    const glm::dvec3 rest = lattice.origin_m + lattice.side_m * (glm::dvec3(parcel.index) + place);
+    const glm::dvec3 rest =
+        cell.low_corner_m +
+        cell.side_m * scatterer_place(cell.key, static_cast<std::uint32_t>(scatterer));
     const glm::dvec3 beam = view_.to_beam(rest);
-    if (!within_beam(beam)) return;
+    if (!within_beam(beam, cell.row)) return;
     const glm::dvec3 ahead = view_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
-    const float strength = scene_.parcels.amplitude_at(
-        parcel, octave, cell, scatterer, glm::vec3(glm::normalize(ahead)));
-    const int row = scene_.table.row(beam.x);
-    const OctaveAtRow& heard =
-        scene_.gains[static_cast<std::size_t>(octave)].rows[static_cast<std::size_t>(row)];
-    const float amplitude = strength * heard.amplitude(scatterer);
+    const float amplitude =
+        heard(cell).amplitude(scatterer) *
+        scene_.parcels.amplitude_at(
+            parcel, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(ahead)));
     if (amplitude == 0) return;
     found.push_back({scene_.subject.from_rest(rest, line_.time_s), amplitude});
   }
 
-  bool within_beam(const glm::dvec3& beam) const {
+  bool within_beam(const glm::dvec3& beam, int row) const {
     if (beam.x <= 0 || beam.x >= to_m_) return false;
-    const int row = scene_.table.row(beam.x);
     const double u = std::abs(beam.y) / scene_.table.reach_m(scene_.table.lateral(), row);
     const double v = std::abs(beam.z) / scene_.table.reach_m(scene_.table.elevation(), row);
     return (scene_.rim == BeamRim::ellipse ? std::hypot(u, v) : u + v) < 1;

@@ -79,9 +79,10 @@ Stick echoes(const ScattererField& field, const hw::StickIndex& index) {
   return iq;
 }
 
-double difference(const Stick& a, const Stick& b) {
+/// Of two sticks from a range on, over the first one's RMS there.
+double difference(const Stick& a, const Stick& b, double from_m = 0) {
   double apart = 0, power = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
+  for (auto i = static_cast<std::size_t>(from_m / grid().spacing_m); i < a.size(); ++i) {
     apart += static_cast<double>(std::norm(a[i] - b[i]));
     power += static_cast<double>(std::norm(a[i]));
   }
@@ -148,8 +149,11 @@ TEST(Scatterers, EchoesAreThoseOfTheScatterersThatAreNear) {
       const auto near = field.near(sightline(plan(), index), plan().acquisition().depth_m + 5e-3);
       ASSERT_GT(near.size(), 500u) << name;
       field.add_points(way_of(index), near, one_by_one);
-      // Cells take the row of the beam at their middle, points at their own place: -17 dB.
-      EXPECT_LT(difference(one_by_one, echoes(field, index)), 0.14) << name;
+      // Cells take the row of the beam at their middle, points at their own place. Near the face
+      // the beam changes most from row to row, and cells are largest.
+      const Stick together = echoes(field, index);
+  EXPECT_LT(difference(one_by_one, together), 0.25) << name;
+      EXPECT_LT(difference(one_by_one, together, 60e-3), 0.08) << name;
     }
   }
 }
