@@ -102,7 +102,8 @@ TEST(ScattererCells, AsManyAreHeardAsAreNeededAndHardlyMore) {
   const ScattererCells cells(9e9, 32, 1);
   const int count = static_cast<int>(cells.octaves.size());
   EXPECT_EQ(count, 6);
-  for (double needed = 9e9; needed > 1e8; needed /= 1.07) {
+  for (int step = 0; step < 67; ++step) {
+    const double needed = 9e9 * std::pow(1.07, -step);
     double power = 0, square = 0, heard = 0;
     for (int i = 0; i < count; ++i) {
       const double each = cells.octaves[static_cast<std::size_t>(i)].per_m3 / kScatterersInCell;
@@ -152,7 +153,7 @@ TEST(Scatterers, EchoesAreThoseOfTheScatterersThatAreNear) {
       // Cells take the row of the beam at their middle, points at their own place. Near the face
       // the beam changes most from row to row, and cells are largest.
       const Stick together = echoes(field, index);
-  EXPECT_LT(difference(one_by_one, together), 0.25) << name;
+      EXPECT_LT(difference(one_by_one, together), 0.25) << name;
       EXPECT_LT(difference(one_by_one, together, 60e-3), 0.08) << name;
     }
   }
