@@ -16,6 +16,8 @@ namespace {
 constexpr double kCrossed = 6, kUncrossed = 3;
 /// Cells that most sticks pass through.
 constexpr std::size_t kVisits = 256;
+/// Rounding of places within a cell moves distances by less.
+constexpr float kSamePlace_m = 1e-8f;
 /// Straight pieces of a stick where moving tissue bends it.
 constexpr double kBentPiece_m = 2e-3;
 
@@ -176,7 +178,7 @@ class Follower {
       const glm::dvec3 normal = map_.normal(found.surface, way.at(range_m));
       return std::min(1.0, std::abs(glm::dot(normal, glm::normalize(way.direction))));
     };
-    if (material(piece, 0) != current()) {
+    if (material(piece, 0) != current() && !only_touches(piece)) {
       enter(piece.from_m, material(piece, 0), cosine(nearest_surface(piece, 0), piece.from_m));
     }
     if (keeps_sides(piece)) return;
@@ -187,6 +189,13 @@ class Follower {
       const double range_m = piece.from_m + (n - 1 + found.share) * step;
       enter(range_m, behind, cosine(found.layer, range_m));
     }
+  }
+
+  /// Does a surface lie on the wall through which the stick comes? It has been crossed before the
+  /// wall, and rounding alone has put the first node before it again.
+  bool only_touches(const TrackPiece& piece) const {
+    const float value_m = node(piece, nearest_surface(piece, 0), 0).value_m;
+    return std::abs(value_m) < kSamePlace_m && material(piece, 1) == current();
   }
 
   /// Does the stick cross none of the piece's surfaces?

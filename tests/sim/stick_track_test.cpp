@@ -106,6 +106,34 @@ TEST(StickTrack, CrossesTheSameSurfacesWithoutThoseNearby) {
   EXPECT_GT(interfaces, 200u);
 }
 
+/// Rounding puts what lies on a wall into either of the map's cells beside it.
+TEST(StickTrack, CrossesASurfaceOnAWallOfTheMapOnce) {
+  const hw::AcquisitionPlan plan({}, {});
+  std::mt19937 generator(6);
+  std::uniform_real_distribution<double> angle(-0.1, 0.1);
+  for (const double thickness_m : {2e-3, 3e-3, 4e-3, 6e-3}) {
+    const auto plate = phantoms::make_phantom({.name = "bone_plate", .thickness_m = thickness_m});
+    const auto map = std::make_shared<const TissueMap>(plate, 2e-3, 0);
+    for (const double front_m : {0.08, 0.0813}) {
+      const Subject subject{map, plate.materials(), {glm::dmat3(1.0), {0, 0, front_m}}, {}};
+      StickTrack track;
+      for (int i = 0; i < 300; ++i) {
+        const hw::Ray stick = plan.geometry().stick(angle(generator), angle(generator));
+        for (const Surfaces surfaces : {Surfaces::nearby, Surfaces::crossed}) {
+          follow(subject, {stick, 0}, kDepth_m, track, surfaces);
+          ASSERT_EQ(track.interfaces.size(), 2u) << thickness_m << ", stick " << i;
+          for (std::size_t side = 0; side < 2; ++side) {
+            const double face_m = front_m + (side == 0 ? 0 : thickness_m);
+            const double expected_m = (face_m - stick.origin.z) / stick.direction.z;
+            EXPECT_NEAR(track.interfaces[side].range_m, expected_m, 1e-6);
+            EXPECT_NEAR(track.interfaces[side].cos_incidence, stick.direction.z, 1e-3);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(StickTrack, MovingTissueIsWhereItIsAtTheTimeOfTheStick) {
   phantoms::MotionOptions moving;
   moving.velocity_m_s = {20e-3, -10e-3, 15e-3};
