@@ -10,10 +10,10 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// Intervals between nodes to the length of a cell. Where a surface passes they are shorter than
-/// the map's own, so that distances run nearly straight in each; farther off, what the beam makes
-/// of the surface is smooth.
-constexpr double kCrossed = 6, kUncrossed = 3;
+/// Intervals between nodes to one of the map's own. Where a surface passes they are shorter, so
+/// that distances run nearly straight in each; farther off, what the beam makes of the surface is
+/// smooth.
+constexpr double kCrossed = 1.5, kUncrossed = 0.75;
 /// Cells that most sticks pass through.
 constexpr std::size_t kVisits = 256;
 /// Rounding of places within a cell moves distances by less.
@@ -140,7 +140,8 @@ class Follower {
     const TissueMap::Cell& cell = *visit.cell;
     const double from = visit.from_m, to = visit.to_m;
     const double cells = (to - from) / map_.cell_m();
-    const int intervals = 1 + static_cast<int>(cells * (cell.crossed ? kCrossed : kUncrossed));
+    const double steps = (to - from) / map_.step_m();
+    const int intervals = 1 + static_cast<int>(steps * (cell.crossed ? kCrossed : kUncrossed));
     const int nodes = intervals + 1;
     add_piece(from, to, cell.base, cell.count, nodes);
     const glm::dvec3 low = map_.origin_m() + map_.cell_m() * glm::dvec3(visit.index);

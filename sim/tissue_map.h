@@ -47,6 +47,7 @@ class TissueMap {
   TissueMap(const phantoms::Phantom& phantom, double reach_m, int threads);
 
   double cell_m() const { return cell_m_; }
+  double step_m() const { return step_m_; }  ///< between nodes where a surface passes
   double reach_m() const { return reach_m_; }
   const glm::dvec3& origin_m() const { return origin_m_; }  ///< low corner of cell (0, 0, 0)
   const glm::ivec3& cells() const { return cells_; }        ///< in each direction
@@ -106,6 +107,7 @@ class TissueMap {
   const std::int16_t* nodes(const Entry& entry) const { return nodes_[entry.block].values.data(); }
 
   double cell_m_ = 1;
+  double step_m_ = 1;
   double reach_m_ = 0;
   glm::dvec3 origin_m_{0};
   glm::ivec3 cells_{0};

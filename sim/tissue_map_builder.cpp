@@ -22,8 +22,11 @@ namespace {
 
 using Grid = openvdb::FloatGrid;
 
-constexpr int kFine = 4;    // divisions of a cell that a surface passes through or nearly so
-constexpr int kCoarse = 2;  // of a cell that is only within its reach
+/// Divisions of a cell that a surface passes through or nearly so; one that is only within its
+/// reach has half of them. Fewer cells are faster to pass, but the corners of cells of six steps
+/// are farther from their middle than the level sets know: where no reach is asked for, as by
+/// `geometry`, distances need not be carried on.
+constexpr int kFine = 6, kFineWithoutReach = 4;
 /// Finer than any beam resolves; finer lattices only cost memory.
 constexpr double kFinestStep_m = 0.25e-3;
 constexpr double kMostCells = 1e8;
@@ -76,14 +79,15 @@ class TissueMapBuilder {
     return row * row * row;
   }
 
-  TissueMapBuilder(const phantoms::Phantom& phantom, double cell_m, double reach_m, int threads)
-      : phantom_(phantom), cell_m_(cell_m), reach_m_(reach_m) {
+  TissueMapBuilder(
+      const phantoms::Phantom& phantom, double step_m, int fine, double reach_m, int threads)
+      : phantom_(phantom), fine_(fine), cell_m_(fine * step_m), reach_m_(reach_m) {
     const auto& grids = phantom.grids().signed_distance;
     surfaces_.resize(grids.size());
     parallel_ranges(static_cast<int>(grids.size()), threads, [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto s = static_cast<std::size_t>(i);
-        surfaces_[s] = WideDistance(grids[s], cell_m / kFine, reach_m + half_diagonal_m());
+        surfaces_[s] = WideDistance(grids[s], step_m, reach_m + half_diagonal_m());
       }
     });
   }
@@ -126,7 +130,7 @@ class TissueMapBuilder {
 
     void add_surface(std::size_t s, const openvdb::Coord& low, TissueMap::Cell& cell, Slab& slab) {
       const auto inside = static_cast<std::uint8_t>(builder_.phantom_.surfaces()[s].inside);
-      const double middle = static_cast<double>(readers_[s].at(low.offsetBy(kFine / 2)));
+      const double middle = static_cast<double>(readers_[s].at(low.offsetBy(builder_.fine_ / 2)));
       const double corner = builder_.half_diagonal_m();
       if (std::abs(middle) >= builder_.reach_m_ + corner) {
         if (middle > 0) return;
@@ -135,8 +139,9 @@ class TissueMapBuilder {
         cell.base = inside;
         return;
       }
-      const bool close = std::abs(middle) < corner + builder_.cell_m_ / kFine;
-      const int divisions = close ? kFine : kCoarse, stride = kFine / divisions;
+      const int fine = builder_.fine_;
+      const bool close = std::abs(middle) < corner + builder_.cell_m_ / fine;
+      const int divisions = close ? fine : fine / 2, stride = fine / divisions;
       const TissueMap::Entry entry{static_cast<std::uint32_t>(slab.nodes.size()),
                                    static_cast<std::uint8_t>(s),
                                    inside,
@@ -145,9 +150,9 @@ class TissueMapBuilder {
       constexpr std::size_t kLine = TissueMap::kLineNodes;
       slab.nodes.resize(slab.nodes.size() + (nodes_of(divisions) + kLine - 1) / kLine);
       std::int16_t* node = slab.nodes[entry.block].values.data();
-      for (int z = 0; z <= kFine; z += stride) {
-        for (int y = 0; y <= kFine; y += stride) {
-          for (int x = 0; x <= kFine; x += stride) {
+      for (int z = 0; z <= fine; z += stride) {
+        for (int y = 0; y <= fine; y += stride) {
+          for (int x = 0; x <= fine; x += stride) {
             *node++ = builder_.in_units(readers_[s].at(low.offsetBy(x, y, z)));
           }
         }
@@ -167,6 +172,7 @@ class TissueMapBuilder {
   }
 
   const phantoms::Phantom& phantom_;
+  int fine_;
   double cell_m_;
   double reach_m_;
   std::vector<WideDistance> surfaces_;
@@ -187,7 +193,9 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
   }
   if (!std::isfinite(finest)) return;
 
-  cell_m_ = kFine * std::max(finest, kFinestStep_m);
+  const int fine = reach_m > 0 ? kFine : kFineWithoutReach;
+  step_m_ = std::max(finest, kFinestStep_m);
+  cell_m_ = fine * step_m_;
   const double margin = reach_m + cell_m_;
   origin_m_ = glm::floor((low - margin) / cell_m_) * cell_m_;
   const glm::dvec3 span = glm::ceil((high + margin - origin_m_) / cell_m_);
@@ -198,7 +206,7 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
   lattice_.resize(static_cast<std::size_t>(cells_.x) * cells_.y * cells_.z);
 
   const openvdb::Coord origin = openvdb::Coord::round(to_vdb(origin_m_ / cell_m_));
-  const TissueMapBuilder builder(phantom, cell_m_, reach_m, threads);
+  const TissueMapBuilder builder(phantom, step_m_, fine, reach_m, threads);
   unit_m_ = builder.unit_m();
   std::vector<TissueMapBuilder::Slab> slabs(static_cast<std::size_t>(cells_.z));
   parallel_ranges(cells_.z, threads, [&](int first, int last) {
@@ -209,7 +217,7 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
         for (int x = 0; x < cells_.x; ++x) {
           const openvdb::Coord cell = origin.offsetBy(x, y, z);
           lattice_[i++] =
-              worker.cell(openvdb::Coord(cell.x() * kFine, cell.y() * kFine, cell.z() * kFine),
+              worker.cell(openvdb::Coord(cell.x() * fine, cell.y() * fine, cell.z() * fine),
                           slabs[static_cast<std::size_t>(z)]);
         }
       }

@@ -106,7 +106,8 @@ TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
   std::mt19937 generator(11);
   std::uniform_real_distribution<float> within(0, 1), slope(-1, 1);
   std::uniform_real_distribution<double> coordinate(-25e-3, 25e-3);
-  constexpr int kPlaces = 11;  // more than a wide loop's lanes, and no multiple of them
+  constexpr double kLastDigits_m = 4e-9;  // of a float of 8 mm
+  constexpr int kPlaces = 11;             // more than a wide loop's lanes, and no multiple of them
   int lines = 0;
   for (int i = 0; i < 5000; ++i) {
     const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
@@ -123,9 +124,10 @@ TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
     map.trace(entry, line, kPlaces, nodes);
     for (int n = 0; n < kPlaces; ++n) {
       const auto at = map.distance(entry, begin + static_cast<float>(n) * line.stride);
-      EXPECT_NEAR(nodes[n].value_m, at.value_m, 1e-9);
-      EXPECT_NEAR(
-          map.value_m(entry, begin + static_cast<float>(n) * line.stride), at.value_m, 1e-9);
+      EXPECT_NEAR(nodes[n].value_m, at.value_m, kLastDigits_m);
+      EXPECT_NEAR(map.value_m(entry, begin + static_cast<float>(n) * line.stride),
+                  at.value_m,
+                  kLastDigits_m);
       // On the edge between two nodes either side's slope is right.
       const float error = nodes[n].axial - glm::dot(at.gradient, line.axial);
       EXPECT_LT(std::abs(error), 0.15f);
