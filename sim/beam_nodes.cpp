@@ -134,6 +134,7 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
 
 void BeamNodes::look_up(const StickTrack& track) {
   const int last_sample = static_cast<int>(widths_.size()) - 1;
+  const Widths* widths = widths_.data();
   fronts_.clear();
   for (const TrackPiece& piece : track.pieces) {
     const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
@@ -142,18 +143,21 @@ void BeamNodes::look_up(const StickTrack& track) {
       const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
       const Crossing* entering = &crossing(piece.base, surface.inside);
       const Crossing* leaving = &crossing(surface.inside, piece.base);
+      const auto first = static_cast<std::size_t>(surface.first_node);
+      const TissueMap::LineNode* nodes = track.nodes.data() + first;
+      Widths* beam = beam_.data() + first;
+      Crossing* crossed = crossed_.data() + first;
       for (int n = 0; n < piece.nodes; ++n) {
-        const auto i = static_cast<std::size_t>(surface.first_node + n);
-        const TissueMap::LineNode& node = track.nodes[i];
-        const int sample = std::min(static_cast<int>(from + n * per_node), last_sample);
-        beam_[i] = widths_[static_cast<std::size_t>(sample)];
+        beam[n] = widths[std::min(static_cast<int>(from + n * per_node), last_sample)];
         if (layer > 0) {
           const auto outside = material_beneath(track, piece, layer, n);
           entering = &crossing(outside, surface.inside);
           leaving = &crossing(surface.inside, outside);
         }
-        crossed_[i] = node.axial < 0 ? *entering : *leaving;
-        if (is_just_behind(node)) fronts_.push_back({i, piece.from_m + n * step_m});
+        crossed[n] = nodes[n].axial < 0 ? *entering : *leaving;
+        if (is_just_behind(nodes[n])) {
+          fronts_.push_back({first + static_cast<std::size_t>(n), piece.from_m + n * step_m});
+        }
       }
     }
   }

@@ -16,37 +16,61 @@ constexpr int kBlock = 64;
 /// Keeps the logarithm's argument a normal number; 380 dB below full scale.
 constexpr float kDarkest = 1e-19f;
 
-/// |iq + noise| at `count` IQ samples `stride` apart, the first of them sample `first` of its
-/// stick.
-WOBBLEBENCH_SIMD void noisy_envelope(const float* iq,
+/// |iq + noise| of `count` IQ samples, the first of them sample `first` of its stick.
+WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
                                      int first,
-                                     int stride,
                                      int count,
                                      std::uint64_t key,
                                      float noise,
-                                     float* envelope) {
-  for (int n = 0; n < count; ++n) {
-    const int i = first + n * stride;
+                                     float* __restrict envelope) {
+  for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
-    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(i));
+    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(first + i));
     const float re = iq[at] + noise * z.re;
     const float im = iq[at + 1] + noise * z.im;
-    envelope[n] = std::sqrt(re * re + im * im);
+    envelope[i] = std::sqrt(re * re + im * im);
   }
 }
 
-WOBBLEBENCH_SIMD void clean_envelope(
-    const float* iq, int first, int stride, int count, float* envelope) {
-  for (int n = 0; n < count; ++n) {
-    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(first + n * stride);
-    envelope[n] = std::sqrt(iq[at] * iq[at] + iq[at + 1] * iq[at + 1]);
+WOBBLEBENCH_SIMD void clean_envelope(const float* __restrict iq,
+                                     int count,
+                                     float* __restrict envelope) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    envelope[i] = std::sqrt(iq[at] * iq[at] + iq[at + 1] * iq[at + 1]);
   }
 }
 
-WOBBLEBENCH_SIMD void compress(
-    const float* envelope, const float* gain, int count, float per_octave, float* samples) {
+/// Low-pass: the mean of `each` IQ samples for each output sample.
+WOBBLEBENCH_SIMD void average(const float* __restrict envelope,
+                              std::ptrdiff_t count,
+                              std::ptrdiff_t each,
+                              float* __restrict samples) {
+  if (each == 2) {  // of the usual probes; a loop that becomes wide
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      samples[k] = 0.5f * (envelope[2 * k] + envelope[2 * k + 1]);
+    }
+    return;
+  }
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    float sum = 0;
+    for (std::ptrdiff_t i = k * each; i < (k + 1) * each; ++i) sum += envelope[i];
+    samples[k] = sum / static_cast<float>(each);
+  }
+}
+
+/// Without the low-pass, the middle IQ sample stands for the output sample.
+void take_middle(const float* envelope, std::ptrdiff_t count, std::ptrdiff_t each, float* samples) {
+  for (std::ptrdiff_t k = 0; k < count; ++k) samples[k] = envelope[k * each + each / 2];
+}
+
+WOBBLEBENCH_SIMD void amplify(const float* __restrict gain, int count, float* __restrict samples) {
+  for (int k = 0; k < count; ++k) samples[k] *= gain[k];
+}
+
+WOBBLEBENCH_SIMD void compress(int count, float per_octave, float* samples) {
   for (int k = 0; k < count; ++k) {
-    const float amplitude = envelope[k] * gain[k];
+    const float amplitude = samples[k];
     const float level = 1.0f + per_octave * fast_log2(amplitude < kDarkest ? kDarkest : amplitude);
     const float floored = level < 0.0f ? 0.0f : level;
     samples[k] = floored > 1.0f ? 1.0f : floored;
@@ -107,32 +131,18 @@ void Receiver::detect(std::span<const std::complex<float>> iq,
 
 void Receiver::detect_block(
     const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples) {
-  // Without the low-pass, the middle IQ sample stands for the output sample.
-  const int each = options_.low_pass ? oversampling_ : 1;
-  const int stride = options_.low_pass ? 1 : oversampling_;
-  const int from = first * oversampling_ + (options_.low_pass ? 0 : oversampling_ / 2);
-  envelope_.resize(static_cast<std::size_t>(count) * each);
-  const auto* parts = reinterpret_cast<const float*>(iq);
+  const int each = oversampling_, from = first * each, iq_count = count * each;
+  envelope_.resize(static_cast<std::size_t>(iq_count));
+  const auto* parts = reinterpret_cast<const float*>(iq + from);
   if (noise_ > 0) {
-    noisy_envelope(parts, from, stride, count * each, noise_key, noise_, envelope_.data());
+    noisy_envelope(parts, from, iq_count, noise_key, noise_, envelope_.data());
   } else {
-    clean_envelope(parts, from, stride, count * each, envelope_.data());
+    clean_envelope(parts, iq_count, envelope_.data());
   }
-  for (int k = 0; k < count; ++k) {
-    float sum = 0;
-    for (int i = k * each; i < (k + 1) * each; ++i) sum += envelope_[static_cast<std::size_t>(i)];
-    envelope_[static_cast<std::size_t>(k)] = sum / static_cast<float>(each);
-  }
-  const float* gain = gain_.data() + first;
-  if (options_.output == hw::SampleScale::linear_envelope) {
-    for (int k = 0; k < count; ++k) samples[k] = envelope_[static_cast<std::size_t>(k)] * gain[k];
-    return;
-  }
-  compress(envelope_.data(),
-           gain,
-           count,
-           static_cast<float>(kOctave_db / options_.dynamic_range_db),
-           samples);
+  (options_.low_pass ? average : take_middle)(envelope_.data(), count, each, samples);
+  amplify(gain_.data() + first, count, samples);
+  if (options_.output == hw::SampleScale::linear_envelope) return;
+  compress(count, static_cast<float>(kOctave_db / options_.dynamic_range_db), samples);
 }
 
 }  // namespace wobblebench::sim

@@ -97,7 +97,10 @@ void StickEchoes::make(const hw::StickIndex& index,
 void StickEchoes::modulate_speckle(const hw::StickIndex& index,
                                    Worker& worker,
                                    std::span<std::complex<float>> iq) const {
-  worker.power.compute(worker.track, worker.losses, worker.mean_power);
+  if (!worker.power.compute(worker.track, worker.losses, worker.mean_power)) {
+    std::fill(iq.begin(), iq.end(), std::complex<float>(0));
+    return;
+  }
   if (!options_.speckle) {
     std::transform(worker.mean_power.begin(), worker.mean_power.end(), iq.begin(), [](float power) {
       return std::complex<float>(std::sqrt(power));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "sim/fast_math.h"
 #include "sim/point_spread.h"
@@ -11,7 +12,7 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kMostReach_m = 4e-3;
-/// Of the wide loops; samples are padded to whole multiples.
+/// Of the wide loops; runs of samples are padded to whole multiples.
 constexpr std::size_t kLanes = 16;
 
 double widest_sigma(const hw::AcquisitionPlan& plan, double range_m) {
@@ -94,27 +95,39 @@ TissuePower::TissuePower(const hw::AcquisitionPlan& plan,
     material_power_.push_back(echoes ? static_cast<float>(mean_power_gain(options) * mean * mean)
                                      : 0.0f);
   }
-  const std::size_t most = padded(static_cast<std::size_t>(samples));
+  // The last section's padding begins anywhere.
+  const std::size_t most = static_cast<std::size_t>(samples) + kLanes;
   node_.resize(most);
   for (auto* values : {&share_, &inside_, &tissue_, &sheet_}) values->resize(most);
   between_.resize(most);
 }
 
-void TissuePower::compute(const StickTrack& track,
+bool TissuePower::Section::clear() const {
+  return piece->layers == 0 && count >= kLanes;
+}
+
+bool TissuePower::compute(const StickTrack& track,
                           const StickLosses& losses,
                           std::span<float> power) {
   const std::size_t end = losses.left().size();
-  nodes_.compute(track, losses);
   find_pieces(track, losses);
-  // The first surface of every piece at once; few pieces have more.
+  const bool silent = std::ranges::all_of(sections_, [this](const Section& section) {
+    return section.piece->layers == 0 && base_power(section) == 0;
+  });
+  if (silent) {
+    std::fill(power.begin(), power.end(), 0.0f);
+    return false;
+  }
+  nodes_.compute(track, losses);
   for (const Section& section : sections_) begin(track, section);
-  std::fill_n(sheet_.begin(), padded(end), 0.0f);
-  paint(between_.data(), share_.data(), inside_.data(), padded(end), tissue_.data(), sheet_.data());
+  std::fill_n(sheet_.begin(), end, 0.0f);
+  paint_first_layers();
   for (const Section& section : sections_) {
     for (int layer = 1; layer < section.piece->layers; ++layer) paint_over(track, section, layer);
   }
   add_and_weaken(tissue_.data(), sheet_.data(), losses.left().data(), end, power.data());
   std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
+  return true;
 }
 
 void TissuePower::find_pieces(const StickTrack& track, const StickLosses& losses) {
@@ -144,8 +157,9 @@ void TissuePower::find_pieces(const StickTrack& track, const StickLosses& losses
 }
 
 void TissuePower::begin(const StickTrack& track, const Section& section) {
+  if (section.clear()) return;
   const auto first = static_cast<std::ptrdiff_t>(section.first);
-  const float base = material_power_[static_cast<std::size_t>(section.piece->base)];
+  const float base = base_power(section);
   std::fill_n(tissue_.begin() + first, section.count, base);
   if (section.piece->layers > 0) {
     set_layer(track, section, 0);
@@ -169,14 +183,34 @@ void TissuePower::set_layer(const StickTrack& track, const Section& section, int
               material_power_[static_cast<std::size_t>(surface.inside)]);
 }
 
+/// The first surface of every piece, as many pieces at once as lie side by side; few have more.
+void TissuePower::paint_first_layers() {
+  for (auto section = sections_.begin(); section != sections_.end(); ++section) {
+    const auto clear = std::find_if(section, sections_.end(), std::mem_fn(&Section::clear));
+    if (clear != section) {
+      const Section& last = clear[-1];
+      blend(section->first, padded(last.first + last.count - section->first));
+    }
+    if (clear == sections_.end()) return;
+    const auto first = static_cast<std::ptrdiff_t>(clear->first);
+    std::fill_n(tissue_.begin() + first, clear->count, base_power(*clear));
+    std::fill_n(sheet_.begin() + first, clear->count, 0.0f);
+    section = clear;
+  }
+}
+
 void TissuePower::paint_over(const StickTrack& track, const Section& section, int layer) {
   set_layer(track, section, layer);
-  paint(between_.data() + section.first,
-        share_.data() + section.first,
-        inside_.data() + section.first,
-        section.count,
-        tissue_.data() + section.first,
-        sheet_.data() + section.first);
+  blend(section.first, section.count);
+}
+
+void TissuePower::blend(std::size_t first, std::size_t count) {
+  paint(between_.data() + first,
+        share_.data() + first,
+        inside_.data() + first,
+        count,
+        tissue_.data() + first,
+        sheet_.data() + first);
 }
 
 }  // namespace wobblebench::sim

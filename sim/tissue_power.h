@@ -26,8 +26,9 @@ class TissuePower {
               double reach_m);
 
   /// Mean power at each sample of `losses.left()`, zero beyond. With speckle, that of its Rayleigh
-  /// envelope, whose mean is the material's backscatter; without, the backscatter squared.
-  void compute(const StickTrack& track, const StickLosses& losses, std::span<float> power);
+  /// envelope, whose mean is the material's backscatter; without, the backscatter squared. False:
+  /// nothing echoes, and all are zero.
+  bool compute(const StickTrack& track, const StickLosses& losses, std::span<float> power);
 
   /// Longest distance at which a surface within the field touches the beam: three of the power's
   /// sigma, where the beam is widest, but at most 4 mm.
@@ -45,11 +46,19 @@ class TissuePower {
     const TrackPiece* piece;
     std::size_t first;
     std::size_t count;
+
+    /// Clear of surfaces, and no shorter than what a wide loop spills over a section's end.
+    bool clear() const;
   };
 
   void find_pieces(const StickTrack& track, const StickLosses& losses);
+  float base_power(const Section& section) const {
+    return material_power_[static_cast<std::size_t>(section.piece->base)];
+  }
   void begin(const StickTrack& track, const Section& section);
   void set_layer(const StickTrack& track, const Section& section, int layer);
+  void paint_first_layers();
+  void blend(std::size_t first, std::size_t count);
   void paint_over(const StickTrack& track, const Section& section, int layer);
 
   double spacing_m_;

@@ -121,11 +121,14 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
     });
     timed(losses_ms, [&] { worker.losses.compute(worker.track); });
     timed(tissue_ms, [&] {
-      if (!scatterers) return worker.power.compute(worker.track, worker.losses, worker.mean_power);
-      scatterers->add_echoes(
-          {line, source->spacing_m(), worker.losses.left(), worker.losses.delay_m()},
-          spare,
-          &result.scatterers);
+      if (scatterers) {
+        scatterers->add_echoes(
+            {line, source->spacing_m(), worker.losses.left(), worker.losses.delay_m()},
+            spare,
+            &result.scatterers);
+      } else {
+        worker.power.compute(worker.track, worker.losses, worker.mean_power);
+      }
     });
     timed(all_ms, [&] { source->make(index, whole, iq); });
     timed(receive_ms, [&] { receiver.detect(iq, static_cast<std::uint64_t>(place), samples); });

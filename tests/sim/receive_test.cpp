@@ -57,11 +57,14 @@ TEST(Receive, EnvelopeIgnoresPhase) {
 }
 
 TEST(Receive, LowPassAveragesAndItsAbsencePicks) {
-  const std::vector<Complex> iq = {{1, 0}, {3, 0}, {0, 2}, {0, 6}};
+  const std::vector<Complex> two_each = {{1, 0}, {3, 0}, {0, 2}, {0, 6}};
+  const std::vector<Complex> three_each = {{1, 0}, {2, 0}, {6, 0}, {0, 2}, {0, 1}, {0, 6}};
   auto options = quiet_linear();
-  EXPECT_EQ(detected(iq, 2, options), (std::vector<float>{2, 4}));
+  EXPECT_EQ(detected(two_each, 2, options), (std::vector<float>{2, 4}));
+  EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{3, 3}));
   options.low_pass = false;
-  EXPECT_EQ(detected(iq, 2, options), (std::vector<float>{3, 6}));
+  EXPECT_EQ(detected(two_each, 2, options), (std::vector<float>{3, 6}));
+  EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{2, 1}));
 }
 
 TEST(Receive, LogOutputIsThatOfTheFormula) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <random>
 
 #include "phantoms/grids.h"
 #include "sim/point_spread.h"
@@ -179,6 +180,72 @@ TEST(TissuePower, PaintsSurfacesInTheirOrder) {
     most = std::max(most, expected);
   }
   EXPECT_GT(most, 0.9 * power_in("cortical_bone"));
+}
+
+/// A track of pieces of all lengths, some clear, some within surfaces, beside
+/// them, or just on them.
+StickTrack patchwork(std::mt19937& generator) {
+  std::uniform_int_distribution<int> length(1, 60), kind(0, 2);
+  std::uniform_int_distribution<phantoms::MaterialIndex> material(
+      0, static_cast<phantoms::MaterialIndex>(phantoms::material_table().size()) - 1);
+  StickTrack track;
+  track.stretches = {{0, kSamples * kSpacing_m, 0}};
+  for (int first = 0; first < kSamples;) {
+    const int next = std::min(first + length(generator), kSamples);
+    TrackPiece piece{first * kSpacing_m, next * kSpacing_m, material(generator)};
+    if (kind(generator) > 0) {
+      piece.first_layer = static_cast<int>(track.layers.size());
+      piece.layers = kind(generator);
+      piece.nodes = 3;
+      for (int layer = 0; layer < piece.layers; ++layer) {
+        track.layers.push_back({layer, material(generator), static_cast<int>(track.nodes.size())});
+        const auto value_m = static_cast<float>(kind(generator) - 1);
+        track.nodes.insert(track.nodes.end(), 3, {value_m, 1, 0, 0});
+      }
+    }
+    track.pieces.push_back(piece);
+    first = next;
+  }
+  return track;
+}
+
+double power_of(phantoms::MaterialIndex material) {
+  const double db = phantoms::material_table()[static_cast<std::size_t>(material)].backscatter_db;
+  return db > kSilent_db ? std::pow(10, db / 10) : 0;
+}
+
+/// Layer over layer, each by the share of the beam that lies within it.
+double power_of(const StickTrack& track, const TrackPiece& piece) {
+  double power = power_of(piece.base);
+  for (int i = piece.first_layer; i < piece.first_layer + piece.layers; ++i) {
+    const TrackLayer& layer = track.layers[static_cast<std::size_t>(i)];
+    const float value_m = track.nodes[static_cast<std::size_t>(layer.first_node)].value_m;
+    const double within = value_m < 0 ? 1 : value_m > 0 ? 0 : 0.5;
+    power += within * (power_of(layer.inside) - power);
+  }
+  return power;
+}
+
+/// Wide loops pass over several pieces at once, and may spill over their ends.
+TEST(TissuePower, EachPieceEchoesAsItsTissue) {
+  const auto& materials = phantoms::material_table();
+  StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
+  TissuePower beam(plan(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
+  std::mt19937 generator(13);
+  std::vector<float> found(kSamples);
+  for (int run = 0; run < 200; ++run) {
+    const StickTrack track = patchwork(generator);
+    losses.compute(track);
+    ASSERT_TRUE(beam.compute(track, losses, found));
+    for (const TrackPiece& piece : track.pieces) {
+      const double expected = power_of(track, piece);
+      for (int i = losses.samples_before(piece.from_m); i < losses.samples_before(piece.to_m);
+           ++i) {
+        ASSERT_NEAR(found[static_cast<std::size_t>(i)], expected, 1e-6 * expected)
+            << run << " " << i;
+      }
+    }
+  }
 }
 
 TEST(TissuePower, FluidIsSilent) {
