@@ -23,7 +23,8 @@ std::string spread_text(const Spread& ms) {
 
 /// How much faster than sound.
 std::string times_real(double ms, double sound_ms) {
-  return format("%.2g", sound_ms / ms);
+  const double times = sound_ms / ms;
+  return format(times < 9.95 ? "%.1f" : "%.0f", times);
 }
 
 const RungTime* time_of(const RungTradeResults& results, sim::Rung rung) {
