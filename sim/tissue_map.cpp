@@ -14,10 +14,6 @@ inline glm::ivec3 floored(const glm::dvec3& place) {
   return whole - glm::ivec3(glm::lessThan(place, glm::dvec3(whole)));
 }
 
-/// The places of a central difference lie one step of the nodes from its middle. (A tetrahedron's
-/// four places would do, but mistake curvature for slope: 0.3 degrees off on a sphere of 20 mm, not
-/// 0.005.)
-
 }  // namespace
 
 glm::ivec3 TissueMap::cell_at(const glm::dvec3& rest_m) const {
@@ -77,6 +73,8 @@ glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) con
   const glm::dvec3 middle = (rest_m - origin_m_) / cell_m_;  // in cells
   const glm::ivec3 home = floored(middle);
   const Entry* entry_at_home = entry_in(home);
+  // A tetrahedron's four places would do, but mistake curvature for slope: 0.3 degrees off on a
+  // sphere of 20 mm, not 0.005.
   const double away = step_m_ / cell_m_;
   glm::dvec3 rise(0);
   for (int axis = 0; axis < 3; ++axis) {

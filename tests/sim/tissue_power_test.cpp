@@ -182,8 +182,7 @@ TEST(TissuePower, PaintsSurfacesInTheirOrder) {
   EXPECT_GT(most, 0.9 * power_in("cortical_bone"));
 }
 
-/// A track of pieces of all lengths, some clear, some within surfaces, beside
-/// them, or just on them.
+/// Pieces of all lengths, some clear, some within surfaces, beside them, or just on them.
 StickTrack patchwork(std::mt19937& generator) {
   std::uniform_int_distribution<int> length(1, 60), kind(0, 2);
   std::uniform_int_distribution<phantoms::MaterialIndex> material(
