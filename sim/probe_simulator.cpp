@@ -7,7 +7,6 @@
 #include "sim/losses.h"
 #include "sim/parallel.h"
 #include "sim/random.h"
-#include "sim/receive.h"
 #include "sim/stick_echoes.h"
 
 namespace wobblebench::sim {
@@ -46,6 +45,7 @@ ProbeSimulator::ProbeSimulator(const phantoms::Phantom& phantom,
 }
 
 void ProbeSimulator::prepare_echoes() {
+  fresh_receiver_.emplace(plan_, options_, iq_oversampling(plan_));
   source_ = std::make_shared<StickEchoes>(subject_, plan_, options_, fidelity_.rung);
   same_in_each_volume_ =
       subject_.motion.still() && plan_.acquisition().motor != hw::MotorMode::alternating;
@@ -69,9 +69,8 @@ VolumeSamples ProbeSimulator::volume(std::uint32_t index) const {
   VolumeSamples result(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples));
   const auto first_sequence =
       static_cast<std::uint64_t>(index) * static_cast<std::uint64_t>(sticks);
-  const int oversampling = iq_oversampling(plan_);
   parallel_ranges(sticks, options_.threads, [&](int first, int last) {
-    Receiver receiver(plan_, options_, oversampling);
+    Receiver receiver = *fresh_receiver_;
     std::optional<StickEchoes::Worker> worker;
     std::vector<std::complex<float>> made;
     if (!same_in_each_volume_) {

@@ -4,6 +4,7 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sim/echo_field.h"
 #include "sim/fidelity.h"
 #include "sim/options.h"
+#include "sim/receive.h"
 #include "sim/subject.h"
 
 namespace wobblebench::sim {
@@ -55,6 +57,7 @@ class ProbeSimulator {
   Fidelity fidelity_;
   Subject subject_;
   std::shared_ptr<const StickEchoes> source_;
+  std::optional<Receiver> fresh_receiver_;  ///< what a thread begins with: gains over the range
   EchoField echoes_;  ///< noiseless IQ of every stick, where it is the same in each volume
   bool same_in_each_volume_ = false;
   double map_ms_ = 0;

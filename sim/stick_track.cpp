@@ -17,7 +17,7 @@ constexpr double kCrossed = 1.5, kUncrossed = 0.75;
 /// Cells that most sticks pass through.
 constexpr std::size_t kVisits = 256;
 /// Rounding of places within a cell moves distances by less.
-constexpr float kSamePlace_m = 1e-8f;
+constexpr float kOnWall_m = 1e-8f;
 /// Straight pieces of a stick where moving tissue bends it.
 constexpr double kBentPiece_m = 2e-3;
 
@@ -196,7 +196,7 @@ class Follower {
   /// wall, and rounding alone has put the first node before it again.
   bool only_touches(const TrackPiece& piece) const {
     const float value_m = node(piece, nearest_surface(piece, 0), 0).value_m;
-    return std::abs(value_m) < kSamePlace_m && material(piece, 1) == current();
+    return std::abs(value_m) < kOnWall_m && material(piece, 1) == current();
   }
 
   /// Does the stick cross none of the piece's surfaces?

@@ -117,8 +117,8 @@ RungTradeResults measure(const Scene& scene, int repeats, Progress& progress) {
       progress.step("errors", [&] { return measure_errors(scene, subject, results.seeds); });
   progress.step("reference", [&] {
     const auto small = small_sheet(scene.simulation);
-    results.small_scatterers = measure_volume(small, sim::Rung::scatterers, 1);
-    results.small_reference = measure_volume(small, sim::Rung::reference, 1);
+    results.small_scatterers = measure_volume(small, sim::Rung::scatterers, kSmallRepeats);
+    results.small_reference = measure_volume(small, sim::Rung::reference, kSmallRepeats);
   });
   results.frames = progress.step("frames", [&] { return middle_frames(subject); });
   return results;

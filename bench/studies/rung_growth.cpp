@@ -99,12 +99,12 @@ std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
 double growth_exponent(const std::vector<GrowthPoint>& points,
                        const std::string& what,
                        sim::Rung rung,
-                       double VolumeTime::*time) {
+                       Spread VolumeTime::*time) {
   std::vector<double> x, y;
   for (const GrowthPoint& point : points) {
     if (point.what != what || point.rung != rung) continue;
     x.push_back(std::log(point.size));
-    y.push_back(std::log(point.time.*time));
+    y.push_back(std::log((point.time.*time).median));
   }
   return fit_line(x, y).slope;
 }

@@ -18,7 +18,7 @@ struct GrowthInputs {
   /// Range of the tissue's front, mm; beyond the depth: fluid alone.
   std::vector<double> front_mm = {400, 130, 100, 70, 35, -50};
   double usual_front_mm = 70;
-  int repeats = 2;
+  int repeats = 9;  ///< of each point, after one that is not counted
 };
 
 struct GrowthPoint {
@@ -32,11 +32,11 @@ std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
                                         const sim::SimulationOptions& options,
                                         const GrowthInputs& inputs);
 
-/// Exponent of time over size among the points of one kind and rung: the slope of a line through
-/// their logarithms.
+/// Exponent of median time over size among the points of one kind and rung: the slope of a line
+/// through their logarithms.
 double growth_exponent(const std::vector<GrowthPoint>& points,
                        const std::string& what,
                        sim::Rung rung,
-                       double VolumeTime::*time);
+                       Spread VolumeTime::*time);
 
 }  // namespace wobblebench::bench

@@ -122,7 +122,7 @@ VolumeTime measure_volume(const TradeScene& scene, sim::Rung rung, int repeats) 
     first_ms.push_back(first);
     moving_ms.push_back(path);
   }
-  return {spread_of(first_ms).median, spread_of(moving_ms).median};
+  return {spread_of(first_ms), spread_of(moving_ms)};
 }
 
 }  // namespace wobblebench::bench

@@ -46,10 +46,10 @@ std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats);
 
-/// Milliseconds of a still volume of a new seed, and of one of a phantom on a path; medians.
+/// A still volume of a new seed, and one of a phantom on a path; as above, for one rung alone.
 struct VolumeTime {
-  double first_ms = 0;
-  double moving_ms = 0;
+  Spread first_ms;
+  Spread moving_ms;
 };
 VolumeTime measure_volume(const TradeScene& scene, sim::Rung rung, int repeats);
 

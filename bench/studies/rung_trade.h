@@ -42,6 +42,8 @@ struct RungTradeResults {
 
 /// A sheet of tissue across the axis under a few sticks: what `reference` sums in seconds.
 TradeScene small_sheet(const sim::SimulationOptions& options);
+/// A volume of it takes `reference` two seconds, so it is timed this often, after one uncounted.
+inline constexpr int kSmallRepeats = 3;
 
 /// Least time that the design allows for (docs/architecture.md names the estimates): two AVX2
 /// cores, 10 ms for the 1.21 million samples of a volume of `field`, 0.2 s for 47 million

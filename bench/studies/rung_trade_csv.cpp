@@ -27,13 +27,14 @@ class Rows {
     text_ << table << "," << body << "," << rung << "," << what << "," << exact(value) << ","
           << unit << "\n";
   }
-  void add(const std::string& body,
+  void add(const std::string& table,
+           const std::string& body,
            const std::string& rung,
            const std::string& what,
            const Spread& ms) {
-    add("time", body, rung, what + "_median", ms.median, "ms");
-    add("time", body, rung, what + "_min", ms.min, "ms");
-    add("time", body, rung, what + "_max", ms.max, "ms");
+    add(table, body, rung, what + "_median", ms.median, "ms");
+    add(table, body, rung, what + "_min", ms.min, "ms");
+    add(table, body, rung, what + "_max", ms.max, "ms");
   }
   std::string text() const { return "table,body,rung,what,value,unit\n" + text_.str(); }
 
@@ -44,12 +45,12 @@ class Rows {
 void add_times(const RungTradeResults& results, Rows& rows) {
   for (const RungTime& time : results.times) {
     const std::string rung = sim::to_string(time.rung);
-    rows.add(results.phantom, rung, "map", time.map_ms);
-    rows.add(results.phantom, rung, "once", time.once_ms);
-    rows.add(results.phantom, rung, "first", time.first_ms);
-    rows.add(results.phantom, rung, "still", time.still_ms);
-    rows.add(results.phantom, rung, "moving", time.moving_ms);
-    rows.add(results.phantom, rung, "bending", time.bending_ms);
+    rows.add("time", results.phantom, rung, "map", time.map_ms);
+    rows.add("time", results.phantom, rung, "once", time.once_ms);
+    rows.add("time", results.phantom, rung, "first", time.first_ms);
+    rows.add("time", results.phantom, rung, "still", time.still_ms);
+    rows.add("time", results.phantom, rung, "moving", time.moving_ms);
+    rows.add("time", results.phantom, rung, "bending", time.bending_ms);
   }
   for (const StageTimes& stages : results.stages) {
     const std::string rung = sim::to_string(stages.rung);
@@ -97,8 +98,8 @@ std::string trade_csv(const RungTradeResults& results) {
   for (const GrowthPoint& point : results.growth) {
     const std::string rung = sim::to_string(point.rung),
                       what = point.what + "=" + exact(point.size);
-    rows.add("growth", "block", rung, what + " first", point.time.first_ms, "ms");
-    rows.add("growth", "block", rung, what + " moving", point.time.moving_ms, "ms");
+    rows.add("growth", "block", rung, what + " first", point.time.first_ms);
+    rows.add("growth", "block", rung, what + " moving", point.time.moving_ms);
   }
   add_errors(results, rows);
   for (const MemoryPeak& peak : results.memory) {

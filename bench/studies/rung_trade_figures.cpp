@@ -96,7 +96,7 @@ Picture3 draw_sizes(const RungTradeResults& results, sim::Rung rung) {
     for (const GrowthPoint& point : results.growth) {
       if (point.what != what || point.rung != rung) continue;
       series.x.push_back(point.size);
-      series.y.push_back(point.time.moving_ms);
+      series.y.push_back(point.time.moving_ms.median);
     }
     if (series.x.empty()) continue;
     const double smallest = series.x.front();
@@ -118,7 +118,7 @@ Figure draw_tissue(const RungTradeResults& results) {
     for (const GrowthPoint& point : results.growth) {
       if (point.what != "tissue" || point.rung != rung) continue;
       series.x.push_back(100 * point.size);
-      series.y.push_back(point.time.moving_ms);
+      series.y.push_back(point.time.moving_ms.median);
     }
     chart.series.push_back(series);
   }

@@ -12,13 +12,13 @@ namespace {
 /// printf, as a string.
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
-  char text[200];
+  char text[400];
   std::snprintf(text, sizeof text, pattern, values...);
   return text;
 }
 
-std::string spread_text(const Spread& ms) {
-  return format("%.0f (%.0f to %.0f)", ms.median, ms.min, ms.max);
+std::string spread_text(const Spread& ms, int decimals = 0) {
+  return format("%.*f (%.*f to %.*f)", decimals, ms.median, decimals, ms.min, decimals, ms.max);
 }
 
 /// How much faster than sound.
@@ -80,10 +80,11 @@ void write_trade(const RungTradeResults& results, std::ostream& page) {
   page << format(
       "\n`reference` sums over the probe's elements and is for small scenes: on the sheet above (4 "
       "sticks) "
-      "a volume takes %.0f ms, against %.1f ms by `scatterers`, %.0f times as long.\n",
-      results.small_reference.first_ms,
-      results.small_scatterers.first_ms,
-      results.small_reference.first_ms / results.small_scatterers.first_ms);
+      "a volume takes %s ms, against %s ms by `scatterers`, %.0f times as long (%d repeats).\n",
+      spread_text(results.small_reference.first_ms).c_str(),
+      spread_text(results.small_scatterers.first_ms, 1).c_str(),
+      results.small_reference.first_ms.median / results.small_scatterers.first_ms.median,
+      kSmallRepeats);
 }
 
 void write_times(const RungTradeResults& results, std::ostream& page) {
@@ -172,9 +173,10 @@ void write_memory(const RungTradeResults& results, std::ostream& page) {
 
 void write_growth(const RungTradeResults& results, std::ostream& page) {
   page
-      << "\n## Growth\n\nA block of tissue in fluid, 12 frames of 32 sticks. Exponent of the time "
-         "of a "
-         "volume over the number of …; behind a slash that of the first volume of a seed.\n\n"
+      << "\n## Growth\n\nA block of tissue in fluid, 12 frames of 32 sticks; each size by itself, "
+      << GrowthInputs{}.repeats
+      << " times after one uncounted. Exponent of the median time of a moving volume over the "
+         "number of …; behind a slash that of the first volume of a seed.\n\n"
          "| rung | sticks | frames | samples | scatterers |\n| --- | ---: | ---: | ---: | ---: |\n";
   for (const sim::Rung rung : volume_rungs()) {
     page << "| " << sim::to_string(rung);
@@ -189,11 +191,11 @@ void write_growth(const RungTradeResults& results, std::ostream& page) {
           "| ---: | --- | ---: | ---: |\n";
   for (const GrowthPoint& point : results.growth) {
     if (point.what != "tissue") continue;
-    page << format("| %.0f %% | %s | %.1f | %.1f |\n",
+    page << format("| %.0f %% | %s | %s | %s |\n",
                    100 * point.size,
                    sim::to_string(point.rung).c_str(),
-                   point.time.moving_ms,
-                   point.time.first_ms);
+                   spread_text(point.time.moving_ms, 1).c_str(),
+                   spread_text(point.time.first_ms, 1).c_str());
   }
 }
 

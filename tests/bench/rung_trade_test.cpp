@@ -25,8 +25,8 @@ TradeScene sphere_scene() {
 TEST(RungTrade, ExponentsAreSlopesOfLogarithms) {
   std::vector<GrowthPoint> points;
   for (const double size : {1.0, 2.0, 4.0, 8.0}) {
-    points.push_back({"sticks", size, Rung::field, {3 * size, 5 * std::sqrt(size)}});
-    points.push_back({"frames", size, Rung::field, {7, 7}});
+    points.push_back({"sticks", size, Rung::field, {{3 * size}, {5 * std::sqrt(size)}}});
+    points.push_back({"frames", size, Rung::field, {{7}, {7}}});
   }
   EXPECT_NEAR(growth_exponent(points, "sticks", Rung::field, &VolumeTime::first_ms), 1, 1e-12);
   EXPECT_NEAR(growth_exponent(points, "sticks", Rung::field, &VolumeTime::moving_ms), 0.5, 1e-12);
@@ -45,7 +45,7 @@ TEST(RungTrade, GrowthVariesOneSizeAtATime) {
   const auto points = measure_growth({Rung::geometry}, {}, inputs);
   std::vector<double> tissue;
   for (const auto& point : points) {
-    EXPECT_GT(point.time.first_ms, 0) << point.what;
+    EXPECT_GT(point.time.first_ms.min, 0) << point.what;
     if (point.what == "tissue") tissue.push_back(point.size);
   }
   EXPECT_EQ(points.size(), 2u + 1 + 1 + 1 + 3);
