@@ -3,10 +3,10 @@
 #include <numeric>
 #include <sstream>
 
-#include "phantoms/builders.h"
-#include "phantoms/imports.h"
+#include "phantoms/io/imports.h"
 #include "phantoms/phantom.h"
 #include "phantoms/range_check.h"
+#include "phantoms/shapes/builders.h"
 
 namespace wobblebench::phantoms {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "phantoms/material.h"
 #include "phantoms/motion.h"
-#include "phantoms/phantom_options.h"
+#include "phantoms/options.h"
 
 namespace wobblebench::phantoms {
 

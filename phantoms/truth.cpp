@@ -9,8 +9,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "phantoms/clearance.h"
 #include "phantoms/grids.h"
+#include "phantoms/io/clearance.h"
 
 namespace wobblebench::phantoms {
 namespace {

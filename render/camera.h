@@ -3,7 +3,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "hw/probe.h"
+#include "hw/probe/probe.h"
 #include "render/options.h"
 
 namespace wobblebench::render {

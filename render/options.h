@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hw/options.h"
-#include "hw/units.h"
+#include "base/options.h"
+#include "base/units.h"
 
 namespace wobblebench::render {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "render/gl_fetch_count.h"
-#include "render/gl_timer.h"
-#include "render/ray_caster.h"
-#include "render/slice_volume.h"
-#include "render/smoother.h"
-#include "render/surface_shader.h"
+#include "render/gl/fetch_count.h"
+#include "render/gl/timer.h"
+#include "render/passes/ray_caster.h"
+#include "render/passes/slice_volume.h"
+#include "render/passes/smoother.h"
+#include "render/passes/surface_shader.h"
 
 namespace wobblebench::render {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "hw/polar_volume.h"
-#include "render/gl_context.h"
-#include "render/image.h"
+#include "hw/probe/polar_volume.h"
+#include "render/gl/context.h"
 #include "render/options.h"
+#include "render/picture.h"
 
 namespace wobblebench::render {
 

@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/losses.h"
-#include "sim/random.h"
+#include "base/random.h"
+#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hw/acquisition_plan.h"
+#include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {

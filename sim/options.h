@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "hw/options.h"
-#include "hw/stick.h"
-#include "hw/units.h"
+#include "base/options.h"
+#include "base/units.h"
+#include "hw/probe/stick.h"
 
 namespace wobblebench::sim {
 

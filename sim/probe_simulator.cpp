@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "hw/clock.h"
-#include "sim/losses.h"
-#include "sim/parallel.h"
-#include "sim/random.h"
-#include "sim/stick_echoes.h"
+#include "base/parallel.h"
+#include "base/random.h"
+#include "hw/probe/clock.h"
+#include "sim/echo/stick_echoes.h"
+#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 

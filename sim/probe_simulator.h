@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "hw/acquisition_plan.h"
+#include "hw/probe/acquisition_plan.h"
 #include "phantoms/motion.h"
 #include "phantoms/phantom.h"
-#include "sim/echo_field.h"
+#include "sim/echo/iq_field.h"
 #include "sim/fidelity.h"
 #include "sim/options.h"
-#include "sim/receive.h"
-#include "sim/subject.h"
+#include "sim/receive/receiver.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 

@@ -14,13 +14,13 @@
 #include <stdexcept>
 #include <thread>
 
-#include "bench/recording_sink.h"
-#include "bench/synthetic_sticks.h"
-#include "hw/board.h"
-#include "hw/crc32c.h"
-#include "hw/decoder.h"
-#include "hw/file_link.h"
-#include "hw/recorder.h"
+#include "bench/pipeline/recording_sink.h"
+#include "bench/pipeline/synthetic_sticks.h"
+#include "hw/board/board.h"
+#include "hw/recording/file_link.h"
+#include "hw/recording/recorder.h"
+#include "hw/wire/crc32c.h"
+#include "hw/wire/decoder.h"
 
 namespace wobblebench::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/spread.h"
+#include "base/statistics.h"
 
 namespace wobblebench::bench {
 

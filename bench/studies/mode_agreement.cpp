@@ -5,7 +5,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "hw/units.h"
+#include "base/units.h"
 #include "render/camera.h"
 #include "render/renderer.h"
 

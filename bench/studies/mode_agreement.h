@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "hw/polar_volume.h"
-#include "render/gl_context.h"
-#include "render/image.h"
+#include "hw/probe/polar_volume.h"
+#include "render/gl/context.h"
 #include "render/options.h"
+#include "render/picture.h"
 
 namespace wobblebench::bench {
 

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "render/gl_context.h"
+#include "render/gl/context.h"
 
 namespace wobblebench::bench {
 

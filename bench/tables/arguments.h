@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bench/tables/way.h"
+#include "bench/tables/setting.h"
 
 namespace CLI {
 class App;

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "render/gl_fetch_count.h"
+#include "render/gl/fetch_count.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "bench/tables/way.h"
-#include "hw/polar_volume.h"
-#include "render/fetch_kind.h"
-#include "render/gl_context.h"
+#include "bench/tables/setting.h"
+#include "hw/probe/polar_volume.h"
+#include "render/gl/context.h"
+#include "render/gl/texture_fetch.h"
 
 namespace wobblebench::bench {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <tuple>
 
-#include "hw/clock.h"
+#include "hw/probe/clock.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {

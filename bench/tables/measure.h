@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/spread.h"
+#include "base/statistics.h"
 #include "bench/tables/floor.h"
 #include "bench/tables/paper.h"
+#include "bench/tables/setting.h"
 #include "bench/tables/volumes.h"
-#include "bench/tables/way.h"
-#include "render/gl_context.h"
+#include "render/gl/context.h"
 
 namespace wobblebench::bench {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/provenance.h"
+#include "bench/report/provenance.h"
 #include "bench/tables/measure.h"
 
 namespace wobblebench::bench {

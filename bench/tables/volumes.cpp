@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include "bench/cli/user_error.h"
+#include "bench/pipeline/whole_volume.h"
 #include "bench/tables/paper.h"
-#include "bench/user_error.h"
-#include "bench/whole_volume.h"
 
 namespace wobblebench::bench {
 

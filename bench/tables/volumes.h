@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "hw/link.h"
-#include "hw/polar_volume.h"
+#include "hw/link/link.h"
+#include "hw/probe/polar_volume.h"
 
 namespace wobblebench::bench {
 

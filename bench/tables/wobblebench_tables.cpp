@@ -9,15 +9,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/output_folder.h"
-#include "bench/outside_link.h"
-#include "bench/progress.h"
-#include "bench/report_parts.h"
+#include "bench/cli/progress.h"
+#include "bench/cli/user_error.h"
+#include "bench/pipeline/outside_link.h"
+#include "bench/report/output_folder.h"
+#include "bench/report/report_parts.h"
 #include "bench/tables/arguments.h"
 #include "bench/tables/measure.h"
 #include "bench/tables/page.h"
 #include "bench/tables/volumes.h"
-#include "bench/user_error.h"
 
 namespace wobblebench::bench {
 

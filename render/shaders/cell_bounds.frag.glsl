@@ -1,4 +1,4 @@
-// Bounds of what cells between two slices hold (render/quiet_cells.h): their pixels, those that a
+// Bounds of what cells between two slices hold (render/leaping/skippable_cells.h): their pixels, those that a
 // fetch in them reads besides, in both slices. Of the three intervals between four slices.
 layout(binding = BIND_SLICES) uniform sampler2DArray slices;
 

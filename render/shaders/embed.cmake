@@ -1,6 +1,6 @@
 # cmake -DOUTPUT=file.cpp -DSHADERS="a.glsl;b.glsl" -P embed.cmake
-# Writes a C++ file that defines shader_text(name), see render/gl_program.h.
-set(text "#include \"render/gl_program.h\"\n\nnamespace wobblebench::render {\n\n")
+# Writes a C++ file that defines shader_text(name), see render/gl/program.h.
+set(text "#include \"render/gl/program.h\"\n\nnamespace wobblebench::render {\n\n")
 string(APPEND text "std::string_view shader_text(std::string_view file) {\n")
 foreach(path IN LISTS SHADERS)
   get_filename_component(name "${path}" NAME)

@@ -1,4 +1,4 @@
-// Put before a shader whose fetches are to be counted (render/gl_fetch_count.h): what follows calls
+// Put before a shader whose fetches are to be counted (render/gl/fetch_count.h): what follows calls
 // these macros in place of GL's own functions, and ends as `counted_main`.
 layout(location = 7) out vec4 fetch_counts;  // by sampler; behind the outputs of any pass
 

@@ -1,4 +1,4 @@
-// Fetches and nothing else, as far as a shader can: for render/gl_fetch_count.h. From one layer, or
+// Fetches and nothing else, as far as a shader can: for render/gl/fetch_count.h. From one layer, or
 // from between two of a 3D texture: what fetches cost that find their texels at hand.
 #if SAMPLER == 0
 layout(binding = 0) uniform sampler2D fetched;

@@ -1,5 +1,5 @@
 // Pass 2, mode fast: as mode plain, but a ray leaps over what it can find nothing in.
-layout(binding = BIND_DISTANCES) uniform sampler3D distances;  // see render/quiet_cells.h
+layout(binding = BIND_DISTANCES) uniform sampler3D distances;  // see render/leaping/skippable_cells.h
 
 uniform vec2 cell_origin_m, cell_m;   // (x, depth)
 uniform vec2 fan_side_1, fan_side_2;  // of (y, z - axis): >= 0 between the fan's sides

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "bench/board_link.h"
-#include "bench/user_error.h"
+#include "bench/cli/user_error.h"
+#include "bench/pipeline/board_link.h"
 
 namespace bench = wobblebench::bench;
 

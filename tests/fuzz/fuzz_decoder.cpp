@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "hw/board.h"
-#include "hw/decoder.h"
-#include "reseal.h"
+#include "hw/board/board.h"
+#include "hw/wire/decoder.h"
+#include "tests/fuzz/reseal.h"
 
 namespace hw = wobblebench::hw;
 

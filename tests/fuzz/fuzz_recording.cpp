@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "hw/board.h"
-#include "hw/file_link.h"
-#include "hw/options.h"
-#include "hw/recording.h"
-#include "reseal.h"
+#include "base/options.h"
+#include "hw/board/board.h"
+#include "hw/recording/file_link.h"
+#include "hw/recording/recording.h"
+#include "tests/fuzz/reseal.h"
 
 namespace hw = wobblebench::hw;
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/scene.h"
-#include "bench/user_error.h"
+#include "bench/cli/user_error.h"
+#include "bench/scene/scene.h"
 
 namespace bench = wobblebench::bench;
 

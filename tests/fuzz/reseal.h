@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-#include "hw/wire_layout.h"
+#include "hw/wire/layout.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <tuple>
 
-#include "gl_fixture.h"
 #include "render/camera.h"
 #include "render/renderer.h"
-#include "synthetic.h"
+#include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/synthetic.h"
 
 namespace wobblebench::render {
 namespace {

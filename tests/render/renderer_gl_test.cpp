@@ -7,11 +7,11 @@
 #include <cstring>
 #include <limits>
 
-#include "gl_fixture.h"
 #include "render/camera.h"
-#include "render/reference.h"
-#include "render/slice_geometry.h"
-#include "synthetic.h"
+#include "render/passes/slice_geometry.h"
+#include "render/reference/reference.h"
+#include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/synthetic.h"
 
 namespace wobblebench::render {
 namespace {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "gl_fixture.h"
 #include "render/camera.h"
 #include "render/renderer.h"
-#include "synthetic.h"
+#include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/synthetic.h"
 
 namespace wobblebench::render {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "made_up.h"
+#include "tests/bench/tables/made_up.h"
 
 namespace wobblebench::bench {
 namespace {

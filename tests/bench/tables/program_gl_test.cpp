@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "recording.h"
-#include "support/process.h"
+#include "tests/bench/tables/recording.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hw/streams.h"
+#include "tests/hw/support/streams.h"
 
 namespace wobblebench::bench::testing {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "recording.h"
+#include "tests/bench/tables/recording.h"
 
 namespace wobblebench::bench {
 namespace {

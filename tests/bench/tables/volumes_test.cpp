@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/outside_link.h"
+#include "bench/pipeline/outside_link.h"
 #include "bench/tables/paper.h"
-#include "recording.h"
-#include "support/process.h"
+#include "tests/bench/tables/recording.h"
+#include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {

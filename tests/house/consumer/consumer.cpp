@@ -1,8 +1,8 @@
 // Takes a volume from our plan and renders it with our reference.
 #include <cstdio>
 
-#include "hw/polar_volume.h"
-#include "render/reference.h"
+#include "hw/probe/polar_volume.h"
+#include "render/reference/reference.h"
 
 int main() {
   using namespace wobblebench;

@@ -1,0 +1,69 @@
+// Randomness as a function: the same seed, stream and index give the same number on any thread, in
+// any order, on any run. Nothing here holds state.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "sim/math/fast_math.h"
+
+namespace wobblebench::sim {
+
+/// What a random number is for; keeps the streams of different effects apart.
+enum class RandomStream : std::uint64_t { speckle = 1, noise = 2, scatterers = 3 };
+
+/// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection that passes
+/// BigCrush when fed a counter.
+constexpr std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ULL;
+
+/// Key of one sequence of numbers; index it with uniform_bits(key, i).
+constexpr std::uint64_t random_key(std::uint64_t seed,
+                                   RandomStream stream,
+                                   std::uint64_t a,
+                                   std::uint64_t b = 0) {
+  std::uint64_t key = mix(seed + kGoldenGamma);
+  key = mix(key ^ (static_cast<std::uint64_t>(stream) * kGoldenGamma));
+  key = mix(key ^ (a + kGoldenGamma));
+  return mix(key ^ (b + kGoldenGamma));
+}
+
+constexpr std::uint64_t uniform_bits(std::uint64_t key, std::uint64_t index) {
+  return mix(key + (index + 1) * kGoldenGamma);
+}
+
+/// A bijection of 32 bits for long vectorised loops (Wellons, "lowbias32").
+WOBBLEBENCH_INLINE std::uint32_t mix32(std::uint32_t x) {
+  x = (x ^ (x >> 16)) * 0x7feb352dU;
+  x = (x ^ (x >> 15)) * 0x846ca68bU;
+  return x ^ (x >> 16);
+}
+
+struct ComplexNormal {
+  float re;
+  float im;
+};
+
+/// Largest magnitude that complex_normal gives: its uniform number has 25 bits.
+inline constexpr float kMostNormal = 4.17f;
+
+/// Circular complex normal of unit mean power (Box-Muller on two hashes).
+WOBBLEBENCH_INLINE ComplexNormal complex_normal(std::uint64_t key, std::uint32_t index) {
+  const std::uint32_t first = mix32(index * 0x9e3779b9U + static_cast<std::uint32_t>(key));
+  const std::uint32_t second = mix32(first + static_cast<std::uint32_t>(key >> 32));
+  constexpr float kScale = 1.0f / 16777216.0f;
+  const float u = (static_cast<float>(static_cast<std::int32_t>(first >> 8)) + 0.5f) * kScale;
+  const CosSin direction =
+      cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(second >> 8)) * kScale);
+  // -ln u; rounding can lift u to 1, and the logarithm of that is 0.
+  const float power = fast_log2(u) * -0.693147181f;
+  const float radius = std::sqrt(power < 0.0f ? 0.0f : power);
+  return {radius * direction.cosine, radius * direction.sine};
+}
+
+}  // namespace wobblebench::sim

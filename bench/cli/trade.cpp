@@ -1,0 +1,156 @@
+// Speed against accuracy over settings. Today: over the rungs of the simulator.
+#include <iostream>
+
+#include "bench/cli/commands.h"
+#include "bench/cli/progress.h"
+#include "bench/cli/user_error.h"
+#include "bench/report/image_io.h"
+#include "bench/report/output_folder.h"
+#include "bench/report/report.h"
+#include "bench/studies/trade/rung_memory.h"
+#include "bench/studies/trade/rung_trade.h"
+#include "sim/fidelity.h"
+#include "sim/probe_simulator.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kSeeds = 3;
+constexpr int kPanelWidth = 600;
+
+void refuse_what_the_trade_sets(const Scene& scene) {
+  for (const char* key : {"simulation.fidelity", "simulation.side_lobes"}) {
+    if (scene.given.contains(key)) {
+      throw UserError(std::string(key) + ": is set by the trade itself; leave it out");
+    }
+  }
+}
+
+TradeScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
+  complete_from_phantom(scene, phantom);
+  return {phantom, scene.phantom_placement(), scene.plan(), scene.simulation};
+}
+
+/// In processes of their own, before this one starts its threads.
+std::vector<MemoryPeak> measure_memory(const Scene& scene) {
+  std::vector<MemoryPeak> peaks;
+  const auto add = [&](const std::string& what, const auto& body) {
+    peaks.push_back({what, peak_memory_bytes(body)});
+  };
+  add("phantom alone", [&] { phantoms::make_phantom(scene.phantom); });
+  for (const sim::Rung rung : volume_rungs()) {
+    for (const bool moving : {false, true}) {
+      add(sim::to_string(rung) + (moving ? ", moving" : ", still"), [&] {
+        auto subject = scene_of(scene, phantoms::make_phantom(scene.phantom));
+        subject.options.fidelity = rung;
+        const sim::ProbeSimulator simulator(subject.phantom,
+                                            subject.placement,
+                                            subject.plan,
+                                            subject.options,
+                                            moving ? slow_path() : phantoms::Motion());
+        simulator.volume(0);
+      });
+    }
+  }
+  return peaks;
+}
+
+std::vector<GreyPanel> middle_frames(const TradeScene& scene) {
+  std::vector<GreyPanel> panels;
+  for (const sim::Rung rung : volume_rungs()) {
+    auto options = scene.options;
+    options.fidelity = rung;
+    const auto volume =
+        sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+    panels.push_back(
+        {sim::to_string(rung),
+         frame_picture(
+             scene.plan, volume, scene.plan.acquisition().frames_per_volume / 2, kPanelWidth)});
+  }
+  return panels;
+}
+
+/// The scene's own phantom, and two whose truth has a closed form.
+std::vector<RungError> measure_errors(const Scene& scene,
+                                      const TradeScene& subject,
+                                      const std::vector<std::uint64_t>& seeds) {
+  std::vector<RungError> errors =
+      measure_rung_errors(scene.phantom.name, subject, volume_rungs(), seeds);
+  for (const std::string name : {"sphere", "plane"}) {
+    if (name == scene.phantom.name) continue;
+    Scene other = scene;
+    other.phantom = {.name = name};
+    if (name == "plane") other.phantom.tilt_y_rad = 10 * kDegree;
+    other.given.clear();
+    const auto more = measure_rung_errors(
+        name, scene_of(other, phantoms::make_phantom(other.phantom)), volume_rungs(), seeds);
+    errors.insert(errors.end(), more.begin(), more.end());
+  }
+  const auto small = measure_rung_errors(
+      "sheet", small_sheet(scene.simulation), {sim::Rung::scatterers, sim::Rung::reference}, seeds);
+  errors.insert(errors.end(), small.begin(), small.end());
+  return errors;
+}
+
+RungTradeResults measure(const Scene& scene, int repeats, Progress& progress) {
+  RungTradeResults results;
+  results.phantom = scene.phantom.name;
+  results.repeats = repeats;
+  results.seeds = seeds_from(scene.simulation.seed, kSeeds);
+  results.memory = progress.step("memory", [&] { return measure_memory(scene); });
+  const auto subject = progress.step(
+      "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
+  results.sound_ms = hw::to_milliseconds(subject.plan.volume_duration());
+  results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
+                    subject.plan.acquisition().samples_per_stick;
+  results.times =
+      progress.step("times", [&] { return measure_times(subject, volume_rungs(), repeats); });
+  progress.step("stages", [&] {
+    for (const sim::Rung rung : volume_rungs()) {
+      results.stages.push_back(measure_stages(subject, rung));
+    }
+  });
+  results.growth =
+      progress.step("growth", [&] { return measure_growth(volume_rungs(), scene.simulation, {}); });
+  results.errors =
+      progress.step("errors", [&] { return measure_errors(scene, subject, results.seeds); });
+  progress.step("reference", [&] {
+    const auto small = small_sheet(scene.simulation);
+    results.small_scatterers = measure_volume(small, sim::Rung::scatterers, kSmallRepeats);
+    results.small_reference = measure_volume(small, sim::Rung::reference, kSmallRepeats);
+  });
+  results.frames = progress.step("frames", [&] { return middle_frames(subject); });
+  return results;
+}
+
+}  // namespace
+
+int trade_command(const CommandArguments& arguments) {
+  const Scene scene = load_scene(arguments.scene, arguments.settings);
+  refuse_what_the_trade_sets(scene);
+  OutputFolder out(arguments.out);
+  Progress progress;
+  const RungTradeResults results = measure(scene, arguments.repeats, progress);
+
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = "simulated";
+  Json report = report_head("trade", provenance, scene);
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["trade"] = trade_json(results);
+  for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
+  report["wall_ms"]["total"] = progress.total_ms();
+
+  const std::string page = trade_page(results, provenance);
+  out.write_text("trade.md", page);
+  out.write_text("trade.csv", trade_csv(results));
+  for (const Figure& figure : trade_figures(results)) {
+    write_png(out.stage(trade_figure_file(figure)), figure.picture);
+  }
+  out.write_text("report.json", report.dump(2) + "\n");
+  out.commit();
+  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  return 0;
+}
+
+}  // namespace wobblebench::bench

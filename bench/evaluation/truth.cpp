@@ -1,0 +1,54 @@
+#include "bench/evaluation/truth.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "bench/evaluation/scanned_surfaces.h"
+#include "render/camera.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+bool in_field(const hw::AcquisitionPlan& plan, const glm::dvec3& position) {
+  const hw::PolarPoint p = plan.geometry().to_polar(position);
+  const auto& a = plan.acquisition();
+  return p.range_m >= 0 && p.range_m <= a.depth_m && std::abs(p.theta_rad) <= a.sector_rad / 2 &&
+         std::abs(p.phi_rad) <= a.fan_rad / 2;
+}
+
+}  // namespace
+
+Truth trace_truth(const phantoms::Phantom& phantom,
+                  const phantoms::Placement& placement,
+                  const phantoms::Motion& motion,
+                  const hw::AcquisitionPlan& plan,
+                  const render::RenderOptions& options) {
+  const render::Camera camera = render::make_camera(options);
+  const int size = camera.image_size;
+  Truth truth{{size, size, render::kNoSurface}, {size, size}, {size, size, TruthKind::none}};
+  const ScannedSurfaces shared(phantom, placement, motion, plan, options.volume_of_interest);
+  tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
+    // A copy for each range: it carries accessors that threads must not share.
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
+    const ScannedSurfaces surfaces(shared);
+    for (int row = rows.begin(); row < rows.end(); ++row) {
+      for (int column = 0; column < size; ++column) {
+        const hw::Ray ray = camera.ray(column, row);
+        const auto span = render::clip_to_box(ray, options.volume_of_interest);
+        const auto hit = surfaces.first(ray, span, options.ray_casting.edge);
+        if (!hit) continue;
+        const bool seen = in_field(plan, ray.at(hit->distance_m));
+        truth.kind.at(column, row) = seen ? TruthKind::surface : TruthKind::outside_field;
+        if (!seen) continue;
+        truth.depth_m.at(column, row) = static_cast<float>(hit->distance_m);
+        truth.normal.at(column, row) = hit->outward;
+      }
+    }
+  });
+  return truth;
+}
+
+}  // namespace wobblebench::bench

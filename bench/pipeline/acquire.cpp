@@ -1,0 +1,102 @@
+#include "bench/pipeline/acquire.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "bench/cli/user_error.h"
+#include "bench/pipeline/whole_volume.h"
+#include "bench/scene/adopt_plan.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+double milliseconds(hw::HostClock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+void check_balance(const hw::BoardAccount& account) {
+  if (account.balanced()) return;
+  throw std::logic_error("board account: emitted " + std::to_string(account.emitted) +
+                         ", delivered " + std::to_string(account.delivered) + " + lost " +
+                         std::to_string(account.lost.total()));
+}
+
+}  // namespace
+
+BoardConnection::BoardConnection(const BoardArguments& arguments) : arguments_(arguments) {
+  if (!is_simulated(arguments)) open();
+}
+
+void BoardConnection::open() {
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}));
+  assembly_.emplace(*board_);
+}
+
+void BoardConnection::adopt_plan(Scene& scene) {
+  if (is_simulated(arguments_)) return;
+  board_->start();
+  if (!assembly_->wait_for_configuration(hw::HostClock::now() + kPatience)) {
+    throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
+  }
+  // What a source that keeps its own pace sends meanwhile is missed, and counted.
+  board_->stop();
+  bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
+}
+
+void BoardConnection::simulate(const Scene& scene, const phantoms::Phantom& phantom) {
+  if (scene.acquisition.volumes != 1) {
+    throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
+                    ": must be 1; this command renders one volume");
+  }
+  sim::ProbeSimulator simulator(phantom,
+                                scene.phantom_placement(),
+                                scene.plan(),
+                                scene.simulation,
+                                scene.phantom_motion(phantom));
+  simulated_ = SimulatedVolume{.effects = simulator.effects(),
+                               .fidelity = simulator.fidelity(),
+                               .map_ms = simulator.map_ms(),
+                               .once_ms = simulator.once_ms()};
+  const auto sticks = [&] { return sim::stick_source(std::move(simulator)); };
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
+  assembly_.emplace(*board_);
+}
+
+Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::Phantom& phantom) {
+  const auto before = hw::HostClock::now();
+  if (is_simulated(arguments_)) simulate(scene, phantom);
+  const auto start = simulated_ ? hw::HostClock::now() : before;
+  // A device that went while its plan was read is asked once more: it may be back, and a recording
+  // always is.
+  if (board_->state() == hw::BoardState::lost) open();
+  board_->start();
+  hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
+  const auto delivered = hw::HostClock::now();
+  Acquisition acquisition{.volume = std::move(volume),
+                          .account = {},
+                          .damage = {},
+                          .link = board_->capabilities(),
+                          .source = assembly_->configuration()->source,
+                          .simulated = {},
+                          .ending = assembly_->ended() ? ending() : ""};
+  board_->stop();
+  acquisition.account = board_->account();
+  acquisition.damage = board_->damage();
+  check_balance(acquisition.account);
+  if (simulated_) {
+    simulated_->volume_ms = figures_->volume_ms;
+    simulated_->late_ms = figures_->late_ms;
+    simulated_->packets_dropped = figures_->packets_dropped;
+    acquisition.simulated = simulated_;
+  }
+  acquisition.transport_ms = milliseconds(delivered - start) - figures_->volume_ms;
+  return acquisition;
+}
+
+/// What the board says at the end of its stream.
+std::string BoardConnection::ending() {
+  return ending_of(*board_, *assembly_);
+}
+
+}  // namespace wobblebench::bench

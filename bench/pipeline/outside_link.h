@@ -1,0 +1,66 @@
+// --board ARGS: what the user wrote, and links to the outside: a recording or a card.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/options.h"
+#include "bench/cli/user_error.h"
+#include "hw/link/fault_link.h"
+#include "hw/link/link.h"
+#include "hw/link/link_arguments.h"
+
+namespace wobblebench::bench {
+
+/// --board ARGS, read and checked as far as that goes without opening anything.
+struct BoardArguments {
+  std::string text;  ///< as given
+  hw::LinkArguments link;
+  hw::FaultPlan faults;  ///< none: the link as it is
+};
+
+/// "--board = ARGS: why".
+UserError board_refusal(const std::string& text, const std::string& why);
+
+/// What `body` gives; what it refuses of options and links becomes a UserError of --board.
+template <class Body>
+auto of_board(const std::string& text, const Body& body) {
+  try {
+    return body();
+  } catch (const hw::InvalidOption& error) {
+    throw board_refusal(text, error.what());
+  } catch (const hw::LinkOpenError& error) {
+    throw board_refusal(text, error.what());
+  }
+}
+
+/// Takes the text apart, whatever link it names. Throws UserError.
+BoardArguments split_board(const std::string& text);
+
+/// The options of the link that the arguments name. Throws hw::InvalidOption.
+template <class Options>
+Options read_link_options(const BoardArguments& board) {
+  hw::LinkSettings settings(board.link);
+  Options options;
+  settings.read(options);
+  std::string faults;
+  settings.text("faults", faults);
+  settings.finish(board.link.link);
+  return options;
+}
+
+/// Throws UserError where the arguments do not suit their link, or name one that is none of file=
+/// and xdma=; `links` says which there are.
+void check_outside(const BoardArguments& board, const std::string& links);
+
+/// For programs that know no simulator. Throws UserError.
+BoardArguments parse_outside_board(const std::string& text);
+
+/// The link with the faults around it that the user asked for.
+std::unique_ptr<hw::Link> with_faults(std::unique_ptr<hw::Link> link, const BoardArguments& board);
+
+/// Opens a recording or a card, with its faults around it. Throws UserError for what cannot be
+/// opened.
+std::unique_ptr<hw::Link> open_outside_link(const BoardArguments& board);
+
+}  // namespace wobblebench::bench

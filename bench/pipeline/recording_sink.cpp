@@ -1,0 +1,59 @@
+#include "bench/pipeline/recording_sink.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+#include "bench/cli/user_error.h"
+
+namespace wobblebench::bench {
+
+RecordingSink::RecordingSink(const std::filesystem::path& path)
+    : path_(path), partial_(path.string() + ".partial") {
+  std::error_code ignored;
+  const auto cannot = [&](const std::string& reason) {
+    return UserError(path_.string() + ": cannot be written: " + reason);
+  };
+  if (std::filesystem::is_directory(path_, ignored)) throw cannot("is a folder");
+  file_ = ::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+  if (file_ < 0) throw cannot(std::strerror(errno));
+}
+
+RecordingSink::~RecordingSink() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void RecordingSink::refuse() const {
+  throw std::runtime_error(partial_.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+void RecordingSink::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse();
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+}
+
+void RecordingSink::sync() {
+  if (::fdatasync(file_) != 0 && errno != EINVAL && errno != ENOTSUP) refuse();
+}
+
+void RecordingSink::finish() {
+  sync();
+  const int closing = ::close(file_);
+  file_ = -1;
+  if (closing != 0) refuse();
+  std::error_code error;
+  std::filesystem::rename(partial_, path_, error);
+  if (error) {
+    throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
+  }
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,230 @@
+#include "bench/report/chart/chart_canvas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kFiner = 3;  // sheet pixels for a pixel of the picture
+constexpr int kShift = 4;  // binary digits of a sheet pixel that OpenCV's lines are placed to
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontHeight =
+    30;  // sheet pixels of that font at scale 1, as TextStyle::size counts
+
+cv::Scalar to_scalar(Colour c) {
+  return {255 * static_cast<double>(c.r),
+          255 * static_cast<double>(c.g),
+          255 * static_cast<double>(c.b)};
+}
+
+double font_scale(double size) {
+  return size * kFiner / kFontHeight;
+}
+
+int text_thickness(double size) {
+  return std::max(1, static_cast<int>(std::lround(size * kFiner / 14)));
+}
+
+cv::Size text_extent(const std::string& text, double size) {
+  int baseline = 0;
+  return cv::getTextSize(text, kFont, font_scale(size), text_thickness(size), &baseline);
+}
+
+/// The parts of a line that a pen draws which is lifted off in turn.
+std::vector<std::vector<Place>> dashes(const std::vector<Place>& places, double on, double off) {
+  std::vector<std::vector<Place>> parts;
+  double walked = 0;  // within a dash and the gap behind it
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Place step = places[i] - places[i - 1];
+    const double length = std::hypot(step.x, step.y);
+    double here = 0;
+    while (here < length) {
+      const bool drawing = walked < on;
+      const double left = std::min((drawing ? on : on + off) - walked, length - here);
+      const Place from = places[i - 1] + step * (here / length);
+      if (drawing) {
+        if (walked == 0 || parts.empty()) parts.push_back({from});
+        parts.back().push_back(places[i - 1] + step * ((here + left) / length));
+      }
+      here += left;
+      walked += left;
+      if (walked >= on + off - 1e-9) walked = 0;
+    }
+  }
+  return parts;
+}
+
+std::vector<Place> ring_of(Place center, double radius, int corners, double turn) {
+  std::vector<Place> ring;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = turn + 2 * 3.14159265358979 * i / corners;
+    ring.push_back(center + radius * Place(std::sin(angle), -std::cos(angle)));
+  }
+  return ring;
+}
+
+}  // namespace
+
+Colour series_colour(int index) {
+  static const std::array<Colour, 7> colours = {Colour(0, 114, 178),
+                                                Colour(213, 94, 0),
+                                                Colour(0, 158, 115),
+                                                Colour(204, 121, 167),
+                                                Colour(230, 159, 0),
+                                                Colour(86, 180, 233),
+                                                Colour(60, 60, 60)};
+  return colours[static_cast<std::size_t>(index) % colours.size()] / 255.0f;
+}
+
+struct Canvas::Sheet {
+  cv::Mat whole;
+  cv::Mat part;     ///< what is drawn on: a window of `whole`
+  Place origin{0};  ///< of the window, picture pixels
+
+  std::vector<cv::Point> points(const std::vector<Place>& places) const {
+    std::vector<cv::Point> result;
+    for (const Place& place : places) {
+      const Place at = (place - origin) * static_cast<double>(kFiner << kShift);
+      result.emplace_back(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
+    }
+    return result;
+  }
+  cv::Rect rect(const Box2& box) const {
+    const auto at = [](double v) { return static_cast<int>(std::lround(v * kFiner)); };
+    return cv::Rect(cv::Point(at(box.low.x), at(box.low.y)),
+                    cv::Point(at(box.high.x), at(box.high.y)));
+  }
+};
+
+Canvas::Canvas(int width, int height) : sheet_(std::make_unique<Sheet>()) {
+  sheet_->whole = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, cv::Scalar::all(255));
+  clip_nothing();
+}
+
+Canvas::~Canvas() = default;
+
+void Canvas::clip(const Box2& box) {
+  const cv::Rect all({0, 0}, sheet_->whole.size());
+  const cv::Rect window = sheet_->rect(box) & all;
+  sheet_->part = sheet_->whole(window);
+  sheet_->origin = Place(window.x, window.y) / static_cast<double>(kFiner);
+}
+
+void Canvas::clip_nothing() {
+  sheet_->part = sheet_->whole;
+  sheet_->origin = Place(0);
+}
+
+void Canvas::line(const std::vector<Place>& places, Colour colour, double width, Stroke stroke) {
+  if (stroke == Stroke::none || places.size() < 2) return;
+  const auto parts = stroke == Stroke::solid    ? std::vector<std::vector<Place>>{places}
+                     : stroke == Stroke::dashed ? dashes(places, 7, 4)
+                                                : dashes(places, 1.6, 3);
+  const int thickness = std::max(1, static_cast<int>(std::lround(width * kFiner)));
+  for (const auto& part : parts) {
+    cv::polylines(sheet_->part,
+                  sheet_->points(part),
+                  false,
+                  to_scalar(colour),
+                  thickness,
+                  cv::LINE_AA,
+                  kShift);
+  }
+}
+
+void Canvas::fill(const std::vector<Place>& corners, Colour colour) {
+  const std::vector<std::vector<cv::Point>> outlines = {sheet_->points(corners)};
+  cv::fillPoly(sheet_->part, outlines, to_scalar(colour), cv::LINE_AA, kShift);
+}
+
+void Canvas::fill(const Box2& box, Colour colour) {
+  fill({box.low, {box.high.x, box.low.y}, box.high, {box.low.x, box.high.y}}, colour);
+}
+
+void Canvas::mark(Place place, Mark mark, Colour colour, double size) {
+  switch (mark) {
+    case Mark::none:
+      return;
+    case Mark::disc:
+      return fill(ring_of(place, 0.5 * size, 32, 0), colour);
+    case Mark::ring:
+      fill(ring_of(place, 0.55 * size, 32, 0), colour);
+      return fill(ring_of(place, 0.3 * size, 32, 0), Colour(1));
+    case Mark::square:
+      return fill(ring_of(place, 0.64 * size, 4, 0.7853981634), colour);
+    case Mark::triangle:
+      return fill(ring_of(place, 0.66 * size, 3, 0), colour);
+    case Mark::diamond:
+      return fill(ring_of(place, 0.68 * size, 4, 0), colour);
+  }
+}
+
+void Canvas::text(Place place, const std::string& text, const TextStyle& style) {
+  // Capitals alone count for the height, so that words with and without g stand on one line.
+  const cv::Size extent = text_extent(text, style.size);
+  const int capital = text_extent("H", style.size).height, margin = capital;
+  cv::Mat letters(capital + 2 * margin, extent.width + 2 * margin, CV_8U, cv::Scalar(0));
+  cv::putText(letters,
+              text,
+              {margin, margin + capital},
+              kFont,
+              font_scale(style.size),
+              cv::Scalar(255),
+              text_thickness(style.size),
+              cv::LINE_AA);
+  const double along = style.across * extent.width, down = style.down * capital;
+  Place corner = (place - sheet_->origin) * static_cast<double>(kFiner);
+  if (style.upwards) {
+    cv::rotate(letters, letters, cv::ROTATE_90_COUNTERCLOCKWISE);
+    corner += Place(-down - margin, along - extent.width - margin);
+  } else {
+    corner += Place(-along - margin, -down - margin);
+  }
+  const cv::Point at(static_cast<int>(std::lround(corner.x)),
+                     static_cast<int>(std::lround(corner.y)));
+  const cv::Rect seen = cv::Rect(at, letters.size()) & cv::Rect({0, 0}, sheet_->part.size());
+  if (seen.empty()) return;
+  cv::Mat target = sheet_->part(seen);
+  cv::Mat mask = letters(seen - at), inked(seen.size(), CV_8UC3, to_scalar(style.colour)), weight;
+  cv::cvtColor(mask, weight, cv::COLOR_GRAY2RGB);
+  cv::Mat ink, paper;
+  cv::multiply(inked, weight, ink, 1 / 255.0);
+  cv::multiply(target, cv::Scalar::all(255) - weight, paper, 1 / 255.0);
+  cv::add(ink, paper, target);
+}
+
+void Canvas::picture(const Box2& box, const render::Image<float>& values) {
+  cv::Mat grey(values.height, values.width, CV_32F);
+  std::copy(values.pixels.begin(), values.pixels.end(), grey.begin<float>());
+  cv::Mat bytes, rgb;
+  grey.convertTo(bytes, CV_8U, 255);
+  const cv::Rect target = sheet_->rect(box);
+  cv::resize(bytes, bytes, target.size(), 0, 0, cv::INTER_LINEAR);
+  cv::cvtColor(bytes, rgb, cv::COLOR_GRAY2RGB);
+  rgb.copyTo(sheet_->whole(target));
+}
+
+double Canvas::text_width(const std::string& text, double size) {
+  return text_extent(text, size).width / static_cast<double>(kFiner);
+}
+
+render::Image<glm::vec3> Canvas::finish() const {
+  cv::Mat small;
+  cv::resize(sheet_->whole, small, sheet_->whole.size() / kFiner, 0, 0, cv::INTER_AREA);
+  render::Image<glm::vec3> image(small.cols, small.rows);
+  for (int row = 0; row < small.rows; ++row) {
+    for (int column = 0; column < small.cols; ++column) {
+      const auto& pixel = small.at<cv::Vec3b>(row, column);
+      image.at(column, row) = Colour(pixel[0], pixel[1], pixel[2]) / 255.0f;
+    }
+  }
+  return image;
+}
+
+}  // namespace wobblebench::bench

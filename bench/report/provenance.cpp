@@ -1,0 +1,51 @@
+#include "bench/report/provenance.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "build_commit.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string cpu_model() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+Provenance provenance_of_this_machine() {
+  Provenance result;
+  result.commit = kBuildCommit;
+  result.host = host_name();
+  result.cpu = cpu_model();
+  result.threads = static_cast<int>(std::thread::hardware_concurrency());
+  return result;
+}
+
+nlohmann::ordered_json to_json(const Provenance& p) {
+  return {{"commit", p.commit},
+          {"host", p.host},
+          {"cpu", p.cpu},
+          {"threads", p.threads},
+          {"gl_backend", p.gl_backend},
+          {"gl_renderer", p.gl_renderer},
+          {"board", p.board},
+          {"seed", p.seed}};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,89 @@
+#include "bench/report/report.h"
+
+#include <cmath>
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// JSON has no NaN: a figure that could not be formed is null.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json depth_json(const DepthStatistics& depth) {
+  const auto mm = [](double metres) { return number(metres / kMillimetre); };
+  return {{"bias", mm(depth.bias_m)},
+          {"rms", mm(depth.rms_m)},
+          {"median", mm(depth.median_m)},
+          {"p95", mm(depth.p95_m)},
+          {"max", mm(depth.max_m)},
+          {"n", depth.n}};
+}
+
+Json normal_json(const NormalStatistics& normal) {
+  return {{"mean", number(normal.mean_rad / kDegree)},
+          {"p95", number(normal.p95_rad / kDegree)},
+          {"n", normal.n}};
+}
+
+}  // namespace
+
+Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
+  provenance.seed = scene.simulation.seed;
+  return {{"schema", kReportSchema},
+          {"command", command},
+          {"provenance", to_json(provenance)},
+          {"scene", resolved(scene)},
+          {"effects", Json::array()}};
+}
+
+Json render_json(const std::vector<render::PassTime>& passes) {
+  Json list = Json::array();
+  double frame_ms = 0;
+  for (const auto& pass : passes) {
+    list.push_back({{"name", pass.name},
+                    {"ms", pass.ms},
+                    {"gpu_ms", pass.gpu_ms < 0 ? Json(nullptr) : Json(pass.gpu_ms)}});
+    frame_ms += pass.ms;
+  }
+  return {{"mode", "plain"}, {"passes", list}, {"frame_ms", frame_ms}};
+}
+
+Json error_json(const DepthError& raw,
+                const DepthError& filtered,
+                const ImageSimilarity& shaded,
+                bool surface_sought) {
+  const auto percent = [&](double value) { return surface_sought ? Json(value) : Json(nullptr); };
+  return {{"depth_mm", depth_json(raw.depth)},
+          {"missed_percent", percent(raw.missed_percent())},
+          {"false_percent", percent(raw.false_percent())},
+          {"outside_field_percent", 100.0 * raw.outside_field / raw.pixels},
+          {"pixels", raw.pixels},
+          {"filtered_depth_mm", depth_json(filtered.depth)},
+          {"normal_deg", normal_json(filtered.normal)},
+          {"shaded_against_truth",
+           {{"ssim", number(shaded.ssim)}, {"psnr_db", number(shaded.psnr_db)}}}};
+}
+
+Json registration_json(const Registration& registration) {
+  Json parameters = Json::array();
+  for (int i = 0; i < kRegistrationParameters; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    parameters.push_back({{"name", registration_names()[slot]},
+                          {"value", number(registration.value[slot])},
+                          {"standard_deviation", number(registration.standard_deviation(i))}});
+  }
+  Json covariance = Json::array();
+  for (double value : registration.covariance) covariance.push_back(number(value));
+  return {{"converged", registration.converged},
+          {"within_priors", registration.within_priors},
+          {"points", registration.points},
+          {"points_sampled", registration.sampled},
+          {"parameters", parameters},
+          {"covariance", covariance},
+          {"rms_before_mm", number(registration.rms_before_m / kMillimetre)},
+          {"rms_after_mm", number(registration.rms_after_m / kMillimetre)}};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,32 @@
+// report.json: the document that every command writes. Names are kept; every figure carries its
+// unit in its key (docs/architecture.md).
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/evaluation/depth_error.h"
+#include "bench/evaluation/image_similarity.h"
+#include "bench/evaluation/registration.h"
+#include "bench/report/provenance.h"
+#include "bench/report/report_parts.h"
+#include "bench/scene/scene.h"
+#include "render/picture.h"
+
+namespace wobblebench::bench {
+
+using Json = nlohmann::ordered_json;
+
+/// The head: schema, command, provenance with the scene's seed, scene as resolved, no effects yet.
+Json report_head(const std::string& command, Provenance provenance, const Scene& scene);
+
+Json render_json(const std::vector<render::PassTime>& passes);
+/// Where no surface was sought (mode "volume") none is missed: those figures are null.
+Json error_json(const DepthError& raw,
+                const DepthError& filtered,
+                const ImageSimilarity& shaded,
+                bool surface_sought);
+Json registration_json(const Registration& registration);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,70 @@
+#include "bench/scene/motion_bounds.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <vector>
+
+namespace wobblebench::bench {
+namespace {
+
+constexpr int kPlacesAcross = 9;
+constexpr int kSteps = 128;
+constexpr double kSpeedMargin = 1.5, kStretchMargin = 1.2;
+/// Beyond sampled places, where a phantom bends.
+constexpr double kBend_m = 2e-3;
+constexpr double kArm_m = 1e-4;
+
+std::vector<glm::dvec3> places_in(const phantoms::Box& box) {
+  const glm::dvec3 step = (box.high - box.low) / (kPlacesAcross - 1.0);
+  std::vector<glm::dvec3> places;
+  for (int x = 0; x < kPlacesAcross; ++x) {
+    for (int y = 0; y < kPlacesAcross; ++y) {
+      for (int z = 0; z < kPlacesAcross; ++z)
+        places.push_back(box.low + step * glm::dvec3(x, y, z));
+    }
+  }
+  return places;
+}
+
+/// Longest step from a place at rest to that of a place beside it, over the step between them now.
+double stretch_at(const phantoms::Moment& moment, const glm::dvec3& now_m, const glm::dvec3& rest) {
+  double stretch = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 beside = now_m;
+    beside[axis] += kArm_m;
+    stretch = std::max(stretch, glm::distance(moment.to_rest(beside), rest) / kArm_m);
+  }
+  return stretch;
+}
+
+}  // namespace
+
+MotionBounds motion_bounds(const phantoms::Motion& motion,
+                           const phantoms::Box& box,
+                           double duration_s) {
+  MotionBounds bounds{0, 1, box};
+  if (motion.still()) return bounds;
+  const std::vector<glm::dvec3> places = places_in(box);
+  std::vector<glm::dvec3> before = places;  // as at time 0
+  const double step_s = duration_s / kSteps;
+  for (int i = 1; i <= kSteps; ++i) {
+    const phantoms::Moment moment = motion.at(i * step_s);
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const glm::dvec3 rest = moment.to_rest(places[p]);
+      bounds.speed_m_s = std::max(bounds.speed_m_s, glm::distance(rest, before[p]) / step_s);
+      bounds.at_rest = {glm::min(bounds.at_rest.low, rest), glm::max(bounds.at_rest.high, rest)};
+      if (!motion.rigid()) {
+        bounds.stretch = std::max(bounds.stretch, stretch_at(moment, places[p], rest));
+      }
+      before[p] = rest;
+    }
+  }
+  bounds.speed_m_s *= kSpeedMargin;
+  if (motion.rigid()) return bounds;
+  bounds.stretch *= kStretchMargin;
+  bounds.at_rest = {bounds.at_rest.low - kBend_m, bounds.at_rest.high + kBend_m};
+  return bounds;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,246 @@
+#include "bench/scene/scene.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
+#include <system_error>
+
+#include "base/text.h"
+#include "bench/scene/scene_cost.h"
+#include "bench/scene/scene_toml.h"
+#include "sim/fidelity.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+void check_is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  if (type == std::filesystem::file_type::regular) return;
+  const bool missing = type == std::filesystem::file_type::not_found;
+  const std::string reason = missing ? "no such file" : error ? error.message() : "not a file";
+  throw UserError(path.string() + ": " + reason + "; a scene is a TOML file");
+}
+
+toml::table parse_file(const std::filesystem::path& path) {
+  if (path.empty()) return {};
+  check_is_file(path);
+  try {
+    return toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw UserError(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
+                    std::string(error.description()));
+  }
+}
+
+/// The value of a --set: TOML as in a file, or else a bare text.
+toml::table parse_value(const std::string& text) {
+  try {
+    return toml::parse("value = " + text);
+  } catch (const toml::parse_error&) {
+    toml::table table;
+    table.insert("value", text);
+    return table;
+  }
+}
+
+/// Puts "a.b.c=value" into the table of section a.b.
+void apply_setting(toml::table& scene, const std::string& setting) {
+  if (!phantoms::is_printable(setting)) {
+    throw UserError("--set " + setting + ": must be UTF-8 without control characters");
+  }
+  const auto equals = setting.find('=');
+  const auto last_dot = setting.rfind('.', equals);
+  if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
+    throw UserError("--set " + setting + ": must be SECTION.KEY=VALUE");
+  }
+  toml::table* table = &scene;
+  std::istringstream sections(setting.substr(0, last_dot));
+  for (std::string name; std::getline(sections, name, '.');) {
+    auto* node = table->get(name);
+    if (!node) node = &table->insert(name, toml::table{}).first->second;
+    table = node->as_table();
+    if (!table) throw UserError("--set " + setting + ": " + name + " is not a section");
+  }
+  const std::string key = setting.substr(last_dot + 1, equals - last_dot - 1);
+  toml::table value = parse_value(setting.substr(equals + 1));
+  table->insert_or_assign(key, std::move(*value.get("value")));
+}
+
+/// The table of a dotted section name, or nullptr.
+toml::table* find_section(toml::table& scene,
+                          const std::string& section,
+                          const std::string& source) {
+  toml::node* node = &scene;
+  std::istringstream names(section);
+  for (std::string name; std::getline(names, name, '.');) {
+    node = node->as_table()->get(name);
+    if (!node) return nullptr;
+    if (!node->is_table())
+      throw UserError(source + ": " + section + ": must be a section [" + section + "]");
+  }
+  return node->as_table();
+}
+
+/// After all sections are read only empty tables may be left.
+void refuse_leftovers(const toml::table& table,
+                      const std::string& path,
+                      const std::string& source,
+                      const std::vector<std::string>& sections) {
+  for (const auto& [key, node] : table) {
+    const std::string name =
+        path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
+    const bool leads_somewhere =
+        std::any_of(sections.begin(), sections.end(), [&](const auto& section) {
+          return section == name || section.starts_with(name + ".");
+        });
+    if (!node.is_table() || !leads_somewhere) {
+      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections));
+    }
+    refuse_leftovers(*node.as_table(), name, source, sections);
+  }
+}
+
+void refuse_unknown_keys(const toml::table& table,
+                         const std::string& section,
+                         const TomlReader& reader,
+                         const std::string& source) {
+  for (const auto& [key, node] : table) {
+    if (node.is_table()) continue;
+    throw UserError(source + ": " + section + "." + std::string(key.str()) +
+                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()));
+  }
+}
+
+void read_sections(Scene& scene, toml::table& table, const std::string& source) {
+  std::vector<std::string> sections;
+  for_each_section(scene, [&](const std::string& section, auto& options) {
+    sections.push_back(section);
+    if (section == "acquisition") {
+      scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
+    }
+    if (toml::table* found = find_section(table, section, source)) {
+      TomlReader reader(source, section, *found);
+      describe(options, reader);
+      refuse_unknown_keys(*found, section, reader, source);
+      scene.given.insert(reader.given_keys().begin(), reader.given_keys().end());
+    }
+    try {
+      hw::check_options(options);
+    } catch (const hw::InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  });
+  refuse_leftovers(table, "", source, sections);
+}
+
+/// Rules between options, which each module states for itself.
+void validate(const Scene& scene, const std::string& source) {
+  const auto check = [&](const std::string& section, const auto& rule) {
+    try {
+      rule();
+    } catch (const hw::InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    } catch (const phantoms::InvalidPhantom& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  };
+  check("phantom", [&] { phantoms::validate(scene.phantom); });
+  check("motion", [&] { phantoms::validate(scene.motion); });
+  check("probe", [&] { hw::validate(scene.probe); });
+  check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
+  check("render", [&] { render::validate(scene.render); });
+  check_memory(scene, source, machine_memory_bytes());
+}
+
+glm::dvec3 to_vec3(const std::vector<double>& v) {
+  return {v.at(0), v.at(1), v.at(2)};
+}
+
+std::vector<double> to_list(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// The upright box in the probe frame that holds `box` of the phantom, however that is turned.
+phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placement) {
+  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
+                       glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (const double x : {box.low.x, box.high.x}) {
+    for (const double y : {box.low.y, box.high.y}) {
+      for (const double z : {box.low.z, box.high.z}) {
+        const glm::dvec3 corner = placement.to_probe({x, y, z});
+        bounds = {glm::min(bounds.low, corner), glm::max(bounds.high, corner)};
+      }
+    }
+  }
+  return bounds;
+}
+
+}  // namespace
+
+phantoms::Placement Scene::phantom_placement() const {
+  return {phantoms::rotation_xyz(to_vec3(placement.rotation_rad)), to_vec3(placement.position_m)};
+}
+
+bool Scene::moves() const {
+  // Whether a phantom can turn its head is not known yet; that it shall is enough.
+  return !phantoms::Motion(motion, phantoms::Joint{}).still();
+}
+
+phantoms::Motion Scene::phantom_motion(const phantoms::Phantom& p) const {
+  try {
+    return {motion, p.joint()};
+  } catch (const phantoms::InvalidPhantom& error) {
+    throw UserError("motion." + std::string(error.what()));
+  }
+}
+
+Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {
+  toml::table table = parse_file(path);
+  for (const auto& setting : settings) apply_setting(table, setting);
+  std::string source = path.empty() ? "defaults" : path.string();
+  if (!settings.empty()) source = path.empty() ? "--set" : source + " with --set";
+  Scene scene;
+  read_sections(scene, table, source);
+  validate(scene, source);
+  return scene;
+}
+
+void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
+  if (!scene.given.contains("placement.position_mm")) {
+    // The suggestion is for the default face; another radius moves the face along z.
+    const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
+    scene.placement.position_m =
+        to_list(phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m));
+  }
+  const phantoms::Box box = placed(phantom.region_of_interest(), scene.phantom_placement());
+  if (!scene.given.contains("render.volume_of_interest.center_mm")) {
+    scene.render.volume_of_interest.center_m = to_list(0.5 * (box.low + box.high));
+  }
+  if (!scene.given.contains("render.volume_of_interest.size_mm")) {
+    scene.render.volume_of_interest.size_m = to_list(box.high - box.low);
+  }
+}
+
+nlohmann::ordered_json resolved(const Scene& scene) {
+  nlohmann::ordered_json json;
+  Scene copy = scene;
+  for_each_section(copy, [&](const std::string& section, auto& options) {
+    JsonWriter writer;
+    describe(options, writer);
+    const auto dot = section.find('.');
+    auto& place = dot == std::string::npos ? json[section]
+                                           : json[section.substr(0, dot)][section.substr(dot + 1)];
+    place = writer.json();
+  });
+  return json;
+}
+
+}  // namespace wobblebench::bench

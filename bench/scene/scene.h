@@ -1,0 +1,79 @@
+// A scene: every option of every stage, read from TOML that names only what differs from the
+// defaults. Sections map onto option structs one to one.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hw/probe/acquisition_plan.h"
+#include "hw/probe/probe_presets.h"
+#include "phantoms/motion.h"
+#include "phantoms/phantom.h"
+#include "render/options.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+/// Where the phantom stands in the probe frame; the phantom's own suggestion unless given.
+struct PlacementOptions {
+  std::vector<double> position_m = {0, 0, 0.11};
+  std::vector<double> rotation_rad = {0, 0, 0};  ///< about x, then y, then z
+};
+
+template <class Visitor>
+void describe(PlacementOptions& o, Visitor& v) {
+  v.reals("position_mm", o.position_m, kMillimetre, -500, 500, 3);
+  v.reals("rotation_deg", o.rotation_rad, kDegree, -180, 180, 3);
+}
+
+struct Scene {
+  phantoms::PhantomOptions phantom;
+  PlacementOptions placement;
+  phantoms::MotionOptions motion;
+  hw::NamedProbeOptions probe;
+  hw::AcquisitionOptions acquisition;
+  sim::SimulationOptions simulation;
+  render::RenderOptions render;
+  std::set<std::string> given;  ///< dotted keys that the file or --set named
+
+  hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
+  phantoms::Placement phantom_placement() const;
+  /// Whether any motion is asked for.
+  bool moves() const;
+  /// Throws UserError where this phantom cannot move so.
+  phantoms::Motion phantom_motion(const phantoms::Phantom& phantom) const;
+};
+
+/// Calls body(name, options) for each section of a scene.
+template <class Body>
+void for_each_section(Scene& scene, const Body& body) {
+  body("phantom", scene.phantom);
+  body("placement", scene.placement);
+  body("motion", scene.motion);
+  body("probe", scene.probe);
+  body("acquisition", scene.acquisition);
+  body("simulation", scene.simulation);
+  body("render.pipeline", scene.render.pipeline);
+  body("render.scan_conversion", scene.render.scan_conversion);
+  body("render.volume_of_interest", scene.render.volume_of_interest);
+  body("render.view", scene.render.view);
+  body("render.ray_casting", scene.render.ray_casting);
+  body("render.shading", scene.render.shading);
+  body("render.smoothing", scene.render.smoothing);
+}
+
+/// Reads `path` (empty: defaults alone), then applies each "section.key=value" of `settings`, then
+/// validates every option. Throws UserError.
+Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings);
+
+/// Takes what the scene left open (placement, volume of interest) from the phantom.
+void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
+
+/// Every option with its value in the units of its key.
+nlohmann::ordered_json resolved(const Scene& scene);
+
+}  // namespace wobblebench::bench

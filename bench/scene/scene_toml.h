@@ -1,0 +1,204 @@
+// Visitors that take an options struct's description from and to what people read.
+#pragma once
+
+#include <toml++/toml.h>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/options.h"
+#include "bench/cli/user_error.h"
+
+namespace wobblebench::bench {
+
+/// Reads one section. Every key read is taken out of the table, so that what is left over is
+/// unknown.
+class TomlReader {
+ public:
+  TomlReader(std::string source, std::string section, toml::table& table)
+      : source_(std::move(source)), section_(std::move(section)), table_(table) {}
+
+  void real(std::string_view key, double& value, double unit, double, double) {
+    take(key, "a number", [&](const toml::node& node) { return read_number(node, value, unit); });
+  }
+  void integer(std::string_view key, int& value, int min, int max) {
+    take(key, "a whole number", [&](const toml::node& node) {
+      const auto number = node.as_integer();
+      if (!number) return false;
+      // Beyond int nothing is allowed anyway; the range check must not see a wrapped value.
+      if (number->get() < min || number->get() > max) {
+        fail(key, node, "must be within " + std::to_string(min) + " and " + std::to_string(max));
+      }
+      value = static_cast<int>(number->get());
+      return true;
+    });
+  }
+  void seed(std::string_view key, std::uint64_t& value) {
+    take(key, "a whole number, 0 or more", [&](const toml::node& node) {
+      const auto number = node.as_integer();
+      if (!number || number->get() < 0) return false;
+      value = static_cast<std::uint64_t>(number->get());
+      return true;
+    });
+  }
+  void flag(std::string_view key, bool& value) {
+    take(key, "true or false", [&](const toml::node& node) {
+      if (!node.is_boolean()) return false;
+      value = node.as_boolean()->get();
+      return true;
+    });
+  }
+  void text(std::string_view key, std::string& value) {
+    take(key, "a text in quotes", [&](const toml::node& node) {
+      if (!node.is_string()) return false;
+      value = node.as_string()->get();
+      return true;
+    });
+  }
+  void texts(std::string_view key, std::vector<std::string>& values) {
+    take(key, "a list of texts in quotes", [&](const toml::node& node) {
+      if (!node.is_array()) return false;
+      std::vector<std::string> read;
+      for (const toml::node& element : *node.as_array()) {
+        if (!element.is_string()) return false;
+        read.push_back(element.as_string()->get());
+      }
+      values = std::move(read);
+      return true;
+    });
+  }
+  /// May be given, as a resolved scene does, but only as it is.
+  void constant(std::string_view key, std::string_view text) {
+    take(key, "left out, it follows from other keys", [&](const toml::node& node) {
+      return node.is_string() && node.as_string()->get() == text;
+    });
+  }
+  template <class Enum>
+  void choice(std::string_view key,
+              Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    std::string allowed = "one of";
+    for (const auto& [name, unused] : names) allowed += " \"" + std::string(name) + "\"";
+    take(key, allowed, [&](const toml::node& node) {
+      for (const auto& [name, candidate] : names) {
+        if (node.is_string() && node.as_string()->get() == name) {
+          value = candidate;
+          return true;
+        }
+      }
+      return false;
+    });
+  }
+  void reals(
+      std::string_view key, std::vector<double>& values, double unit, double, double, std::size_t) {
+    take(key, "a list of numbers", [&](const toml::node& node) {
+      if (!node.is_array()) return false;
+      std::vector<double> read;
+      for (const toml::node& element : *node.as_array()) {
+        if (!read_number(element, read.emplace_back(), unit)) return false;
+      }
+      values = std::move(read);
+      return true;
+    });
+  }
+
+  const std::vector<std::string>& known_keys() const { return known_; }
+  const std::vector<std::string>& given_keys() const { return given_; }
+
+  [[noreturn]] void fail(std::string_view key,
+                         const toml::node& node,
+                         const std::string& allowed) const {
+    std::ostringstream value;
+    node.visit([&](const auto& concrete) {
+      if constexpr (toml::is_value<decltype(concrete)>) {
+        value << concrete;
+      } else {
+        value << (toml::is_array<decltype(concrete)> ? "[...]" : "{...}");
+      }
+    });
+    throw UserError(source_ + ": " + section_ + "." + std::string(key) + " = " + value.str() +
+                    ": " + allowed);
+  }
+
+ private:
+  template <class Read>
+  void take(std::string_view key, const std::string& allowed, const Read& read) {
+    known_.emplace_back(key);
+    const toml::node* node = table_.get(key);
+    if (!node) return;
+    if (!read(*node)) fail(key, *node, "must be " + allowed);
+    given_.push_back(section_ + "." + std::string(key));
+    table_.erase(key);
+  }
+
+  static bool read_number(const toml::node& node, double& value, double unit) {
+    if (node.is_integer()) {
+      value = static_cast<double>(node.as_integer()->get()) * unit;
+    } else if (node.is_floating_point()) {
+      value = node.as_floating_point()->get() * unit;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  std::string source_;
+  std::string section_;
+  toml::table& table_;
+  std::vector<std::string> known_;
+  std::vector<std::string> given_;
+};
+
+/// Writes one section with the values in the units of their keys.
+class JsonWriter {
+ public:
+  void real(std::string_view key, const double& value, double unit, double, double) {
+    json_[std::string(key)] = in_unit(value, unit);
+  }
+  void integer(std::string_view key, const int& value, int, int) {
+    json_[std::string(key)] = value;
+  }
+  void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
+  void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
+  void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
+  void texts(std::string_view key, const std::vector<std::string>& values) {
+    json_[std::string(key)] = values;
+  }
+  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
+  template <class Enum>
+  void choice(std::string_view key,
+              const Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    for (const auto& [name, candidate] : names) {
+      if (candidate == value) json_[std::string(key)] = name;
+    }
+  }
+  void reals(std::string_view key,
+             const std::vector<double>& values,
+             double unit,
+             double,
+             double,
+             std::size_t) {
+    auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
+    for (double value : values) list.push_back(in_unit(value, unit));
+  }
+  const nlohmann::ordered_json& json() const { return json_; }
+
+ private:
+  /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
+  static double in_unit(double value, double unit) {
+    char rounded[32];
+    std::snprintf(rounded, sizeof rounded, "%.12g", value / unit);
+    return std::strtod(rounded, nullptr);  // unlike std::stod, takes denormal numbers
+  }
+  nlohmann::ordered_json json_;
+};
+
+}  // namespace wobblebench::bench

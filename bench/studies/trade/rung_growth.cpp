@@ -1,0 +1,112 @@
+#include "bench/studies/trade/rung_growth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/studies/validate/bodies.h"
+#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/statistics.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr double kMm = 1e-3;
+/// A block wider and deeper than the field.
+const glm::dvec3 kHalf_m{0.14, 0.13, 0.11};
+constexpr double kVoxel_m = 4e-3;  // flat faces lose nothing by it
+
+TradeScene scene_with(const phantoms::Phantom& body,
+                      double front_mm,
+                      const hw::AcquisitionOptions& acquisition,
+                      const sim::SimulationOptions& options) {
+  const hw::AcquisitionPlan plan({}, acquisition);
+  const double middle_m = plan.probe().radius_m + front_mm * kMm + kHalf_m.z;
+  return {body, placed_at({0, 0, middle_m}), plan, options};
+}
+
+/// Of the samples of a volume, by the rung that shows tissue and nothing else.
+double tissue_share(const TradeScene& scene) {
+  auto options = scene.options;
+  options.fidelity = sim::Rung::geometry;
+  const auto samples =
+      sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+  const auto shown = std::count_if(samples.begin(), samples.end(), [](float v) { return v > 0; });
+  return static_cast<double>(shown) / static_cast<double>(samples.size());
+}
+
+class Growth {
+ public:
+  Growth(const std::vector<sim::Rung>& rungs,
+         const sim::SimulationOptions& options,
+         const GrowthInputs& inputs)
+      : rungs_(rungs), options_(options), inputs_(inputs), body_(block(kHalf_m, kVoxel_m)) {}
+
+  void vary(const std::string& what,
+            const std::vector<int>& sizes,
+            int hw::AcquisitionOptions::*field) {
+    for (const int size : sizes) {
+      auto acquisition = inputs_.acquisition;
+      acquisition.*field = size;
+      add(what, size, scene_with(body_, inputs_.usual_front_mm, acquisition, options_));
+    }
+  }
+  void vary_scatterers() {
+    for (const double number : inputs_.scatterers) {
+      auto options = options_;
+      options.scatterers_per_cell = number;
+      const auto scene = scene_with(body_, inputs_.usual_front_mm, inputs_.acquisition, options);
+      measure("scatterers", number, scene, sim::Rung::scatterers);
+    }
+  }
+  void vary_tissue() {
+    for (const double front : inputs_.front_mm) {
+      const auto scene = scene_with(body_, front, inputs_.acquisition, options_);
+      add("tissue", tissue_share(scene), scene);
+    }
+  }
+  std::vector<GrowthPoint> take() { return std::move(points_); }
+
+ private:
+  void add(const std::string& what, double size, const TradeScene& scene) {
+    for (const sim::Rung rung : rungs_) measure(what, size, scene, rung);
+  }
+  void measure(const std::string& what, double size, const TradeScene& scene, sim::Rung rung) {
+    points_.push_back({what, size, rung, measure_volume(scene, rung, inputs_.repeats)});
+  }
+
+  const std::vector<sim::Rung>& rungs_;
+  sim::SimulationOptions options_;
+  const GrowthInputs& inputs_;
+  phantoms::Phantom body_;
+  std::vector<GrowthPoint> points_;
+};
+
+}  // namespace
+
+std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
+                                        const sim::SimulationOptions& options,
+                                        const GrowthInputs& inputs) {
+  Growth growth(rungs, options, inputs);
+  growth.vary("sticks", inputs.sticks, &hw::AcquisitionOptions::sticks_per_frame);
+  growth.vary("frames", inputs.frames, &hw::AcquisitionOptions::frames_per_volume);
+  growth.vary("samples", inputs.samples, &hw::AcquisitionOptions::samples_per_stick);
+  growth.vary_scatterers();
+  growth.vary_tissue();
+  return growth.take();
+}
+
+double growth_exponent(const std::vector<GrowthPoint>& points,
+                       const std::string& what,
+                       sim::Rung rung,
+                       Spread VolumeTime::*time) {
+  std::vector<double> x, y;
+  for (const GrowthPoint& point : points) {
+    if (point.what != what || point.rung != rung) continue;
+    x.push_back(std::log(point.size));
+    y.push_back(std::log((point.time.*time).median));
+  }
+  return fit_line(x, y).slope;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,145 @@
+#include "bench/studies/trade/rung_stages.h"
+
+#include <algorithm>
+#include <ctime>
+#include <memory>
+#include <optional>
+
+#include "sim/echo/stick_echoes.h"
+#include "sim/probe_simulator.h"
+#include "sim/receive/receiver.h"
+#include "sim/scatterers/scatterer_field.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+double cpu_ms() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+/// Adds the time that a call takes to `sum_ms`.
+template <class Body>
+void timed(double& sum_ms, const Body& body) {
+  const double begin = cpu_ms();
+  body();
+  sum_ms += cpu_ms() - begin;
+}
+
+sim::Subject subject_of(const TradeScene& scene, sim::Rung rung) {
+  return {std::make_shared<const sim::TissueMap>(
+              scene.phantom, sim::StickEchoes::reach_m(scene.plan, rung), scene.options.threads),
+          scene.phantom.materials(),
+          scene.placement,
+          slow_path()};
+}
+
+StageTimes geometry_stages(const TradeScene& scene) {
+  const auto subject = subject_of(scene, sim::Rung::geometry);
+  double follow_ms = 0, all_ms = 0;
+  sim::StickTrack track;
+  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
+    const auto line =
+        sim::sightline(scene.plan, scene.plan.index(static_cast<std::uint64_t>(place)));
+    timed(follow_ms, [&] {
+      sim::follow(subject, line, scene.plan.acquisition().depth_m, track, sim::Surfaces::crossed);
+    });
+  }
+  auto options = scene.options;
+  options.fidelity = sim::Rung::geometry;
+  options.threads = 1;
+  const sim::ProbeSimulator simulator(
+      scene.phantom, scene.placement, scene.plan, options, slow_path());
+  timed(all_ms, [&] { simulator.volume(0); });
+  return {sim::Rung::geometry,
+          {{"follow", follow_ms}, {"rest", std::max(0.0, all_ms - follow_ms)}},
+          0,
+          0};
+}
+
+/// So that no tissue is visited for the first time (sim/tissue/tissue_parcels.h) under the clock.
+void visit_once(const TradeScene& scene,
+                const sim::Subject& subject,
+                const sim::StickEchoes& source,
+                const sim::ScattererField& scatterers) {
+  auto worker = source.make_worker();
+  std::vector<std::complex<float>> iq(static_cast<std::size_t>(source.samples()));
+  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
+    const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
+    const auto line = sim::sightline(scene.plan, index);
+    sim::follow(subject,
+                line,
+                scene.plan.acquisition().depth_m,
+                worker.track,
+                sim::StickEchoes::surfaces(sim::Rung::scatterers));
+    worker.losses.compute(worker.track);
+    scatterers.add_echoes({line, source.spacing_m(), worker.losses.left(), worker.losses.delay_m()},
+                          iq);
+    source.make(index, worker, iq);
+  }
+}
+
+}  // namespace
+
+double StageTimes::total_ms() const {
+  double sum = 0;
+  for (const auto& [name, ms] : stages) sum += ms;
+  return sum;
+}
+
+StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
+  if (rung == sim::Rung::geometry) return geometry_stages(scene);
+  auto options = scene.options;
+  options.fidelity = rung;
+  options.threads = 1;
+  const auto subject = subject_of(scene, rung);
+  StageTimes result;
+  result.rung = rung;
+  std::unique_ptr<sim::StickEchoes> source;
+  timed(result.once_ms,
+        [&] { source = std::make_unique<sim::StickEchoes>(subject, scene.plan, options, rung); });
+  std::optional<sim::ScattererField> scatterers;
+  if (rung == sim::Rung::scatterers) scatterers.emplace(subject, scene.plan, options);
+
+  auto worker = source->make_worker(), whole = source->make_worker();
+  sim::Receiver receiver(scene.plan, options, sim::iq_oversampling(scene.plan));
+  std::vector<std::complex<float>> iq(static_cast<std::size_t>(source->samples())), spare = iq;
+  std::vector<float> samples(static_cast<std::size_t>(scene.plan.acquisition().samples_per_stick));
+  if (scatterers) visit_once(scene, subject, *source, *scatterers);
+  double follow_ms = 0, losses_ms = 0, tissue_ms = 0, all_ms = 0, receive_ms = 0;
+  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
+    const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
+    const auto line = sim::sightline(scene.plan, index);
+    timed(follow_ms, [&] {
+      sim::follow(subject,
+                  line,
+                  scene.plan.acquisition().depth_m,
+                  worker.track,
+                  sim::StickEchoes::surfaces(rung));
+    });
+    timed(losses_ms, [&] { worker.losses.compute(worker.track); });
+    timed(tissue_ms, [&] {
+      if (scatterers) {
+        scatterers->add_echoes(
+            {line, source->spacing_m(), worker.losses.left(), worker.losses.delay_m()},
+            spare,
+            &result.scatterers);
+      } else {
+        worker.power.compute(worker.track, worker.losses, worker.mean_power);
+      }
+    });
+    timed(all_ms, [&] { source->make(index, whole, iq); });
+    timed(receive_ms, [&] { receiver.detect(iq, static_cast<std::uint64_t>(place), samples); });
+  }
+  const double rest_ms = std::max(0.0, all_ms - follow_ms - losses_ms - tissue_ms);
+  result.stages = {{"follow", follow_ms},
+                   {"losses", losses_ms},
+                   {scatterers ? "scatterers" : "mean power", tissue_ms},
+                   {"speckle, specular", rest_ms},
+                   {"receive", receive_ms}};
+  return result;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,68 @@
+// Speed against accuracy over the simulator's rungs: one table, one picture, and what they rest on.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/report/provenance.h"
+#include "bench/studies/trade/rung_error.h"
+#include "bench/studies/trade/rung_growth.h"
+#include "bench/studies/trade/rung_stages.h"
+#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/validate/study.h"
+
+namespace wobblebench::bench {
+
+/// The rungs that scan whole volumes, from the lowest.
+const std::vector<sim::Rung>& volume_rungs();
+
+/// Largest resident size of a process that builds the phantom, and then scans it.
+struct MemoryPeak {
+  std::string what;
+  double bytes = 0;
+};
+
+struct RungTradeResults {
+  std::string phantom;
+  double sound_ms = 0;  ///< that a volume's sound takes
+  double samples = 0;   ///< of a volume
+  int repeats = 0;
+  std::vector<std::uint64_t> seeds;
+  std::vector<MemoryPeak> memory;
+  std::vector<RungTime> times;
+  std::vector<StageTimes> stages;
+  std::vector<GrowthPoint> growth;
+  std::vector<RungError> errors;
+  VolumeTime small_scatterers;  ///< of the small scene that `reference` can sum
+  VolumeTime small_reference;
+  std::vector<GreyPanel> frames;  ///< the middle frame of the phantom on each rung
+};
+
+/// A sheet of tissue across the axis under a few sticks: what `reference` sums in seconds.
+TradeScene small_sheet(const sim::SimulationOptions& options);
+/// A volume of it takes `reference` two seconds, so it is timed this often, after one uncounted.
+inline constexpr int kSmallRepeats = 3;
+
+/// Least time that the design allows for (docs/architecture.md names the estimates): two AVX2
+/// cores, 10 ms for the 1.21 million samples of a volume of `field`, 0.2 s for 47 million
+/// scatterers.
+double floor_ms(sim::Rung rung, const RungTradeResults& results);
+
+/// One frame as a picture: the sector in its plane, grey as displayed.
+render::Image<float> frame_picture(const hw::AcquisitionPlan& plan,
+                                   const std::vector<float>& volume,
+                                   int frame,
+                                   int width);
+
+std::vector<Figure> trade_figures(const RungTradeResults& results);
+std::string trade_page(const RungTradeResults& results, const Provenance& provenance);
+std::string trade_csv(const RungTradeResults& results);
+/// "trade": points with settings, time and error, and which of them lie on the front.
+nlohmann::ordered_json trade_json(const RungTradeResults& results);
+
+/// File of a figure.
+std::string trade_figure_file(const Figure& figure);
+
+}  // namespace wobblebench::bench

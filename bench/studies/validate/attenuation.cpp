@@ -1,0 +1,205 @@
+#include "bench/studies/validate/attenuation.h"
+
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "bench/studies/validate/bodies.h"
+#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/statistics.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr double kCentimetre = 1e-2;
+/// Sticks that look at the plate and the cyst: all of them nearly along the axis.
+constexpr double kNarrow_rad = 6 * kDegree;
+constexpr double kBin_m = 1e-3;
+/// Behind a body, before its echo and the pulse are over.
+constexpr double kSkip_m = 2e-3;
+
+double db(double power) {
+  return 10 * std::log10(power);
+}
+
+/// There and back over a centimetre of a material.
+double loss_db_per_cm(const phantoms::Material& material, const hw::AcquisitionPlan& plan) {
+  return 2 * material.attenuation_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz;
+}
+
+/// Two-way level behind an interface at normal incidence: there (1 + R), and back (1 - R).
+double passed_db(const phantoms::Material& a, const phantoms::Material& b) {
+  const double r = (b.impedance_rayl - a.impedance_rayl) / (b.impedance_rayl + a.impedance_rayl);
+  return 20 * std::log10(1 - r * r);
+}
+
+/// A way through a body: where it is entered and left.
+struct Passage {
+  double from_m = 0;
+  double to_m = 0;
+};
+
+struct Body {
+  phantoms::Phantom phantom;
+  phantoms::Placement placement;
+  std::function<Passage(const hw::Ray&)> passage;
+  double per_cm_db = 0;  ///< what a centimetre of the body changes
+  double faces_db = 0;   ///< what its two faces change
+  double from_m = 0;     ///< nearest and farthest place behind it that is looked at
+  double to_m = 0;
+};
+
+Body bone_plate(const hw::AcquisitionPlan& plan) {
+  const phantoms::PhantomOptions options{.name = "bone_plate"};
+  const auto phantom = phantoms::make_phantom(options);
+  const auto& tissue = phantoms::material("soft_tissue");
+  const auto& bone = phantoms::material("cortical_bone");
+  const double front_z = phantom.suggested_position_m().z, back_z = front_z + options.thickness_m;
+  const auto passage = [=](const hw::Ray& ray) {
+    return Passage{(front_z - ray.origin.z) / ray.direction.z,
+                   (back_z - ray.origin.z) / ray.direction.z};
+  };
+  const double back_m = back_z - plan.probe().radius_m;
+  return {phantom,
+          placed_at(phantom.suggested_position_m()),
+          passage,
+          loss_db_per_cm(tissue, plan) - loss_db_per_cm(bone, plan),
+          2 * passed_db(tissue, bone),
+          back_m + kSkip_m,
+          back_m + 30e-3};
+}
+
+Body cyst(const hw::AcquisitionPlan& plan) {
+  const phantoms::PhantomOptions options{.name = "cyst"};
+  const auto phantom = phantoms::make_phantom(options);
+  const auto& tissue = phantoms::material("soft_tissue");
+  const auto& fluid = phantoms::material("amniotic_fluid");
+  const glm::dvec3 center = phantom.suggested_position_m();
+  const double radius = options.radius_m;
+  const auto passage = [=](const hw::Ray& ray) {
+    const double middle = glm::dot(center - ray.origin, ray.direction);
+    const double aside = glm::length(center - ray.at(middle));
+    const double half = std::sqrt(radius * radius - aside * aside);
+    return Passage{middle - half, middle + half};
+  };
+  const double back_m = center.z + radius - plan.probe().radius_m;
+  return {phantom,
+          placed_at(center),
+          passage,
+          loss_db_per_cm(tissue, plan) - loss_db_per_cm(fluid, plan),
+          2 * passed_db(tissue, fluid),
+          back_m + kSkip_m,
+          back_m + 30e-3};
+}
+
+hw::AcquisitionPlan narrow_plan(const AttenuationInputs& inputs) {
+  return {{},
+          {.depth_m = 0.14,
+           .sector_rad = kNarrow_rad,
+           .fan_rad = kNarrow_rad,
+           .sticks_per_frame = inputs.sticks,
+           .samples_per_stick = 448,
+           .frames_per_volume = inputs.frames}};
+}
+
+double expected_db(const Body& body, const Passage& passage, double range_m) {
+  if (range_m < passage.from_m) return 0;
+  return body.faces_db + body.per_cm_db * (passage.to_m - passage.from_m) / kCentimetre;
+}
+
+ShadowResult measure_body(sim::Rung rung,
+                          const AttenuationInputs& inputs,
+                          Body (*make)(const hw::AcquisitionPlan&)) {
+  const hw::AcquisitionPlan plan = narrow_plan(inputs);
+  const Body body = make(plan);
+  const auto bins = static_cast<std::size_t>(plan.acquisition().depth_m / kBin_m);
+  // Mean intensities: found with the body, found without it, and without it times the closed form.
+  std::vector<Moments> with(bins), without(bins), predicted(bins);
+  Moments behind, behind_without, behind_predicted;
+  for (const std::uint64_t seed : inputs.seeds) {
+    auto options = bare_envelope(rung, seed);
+    options.interface_echo = false;
+    const Scan one = scan(body.phantom, body.placement, plan, options);
+    const Scan other = scan(open_tissue(), {}, plan, options);
+    for (int f = 0; f < inputs.frames; ++f) {
+      for (int l = 0; l < inputs.sticks; ++l) {
+        const auto ray = plan.geometry().stick(plan.theta_rad(l), plan.frame_phi_rad(f));
+        const Passage passage = body.passage(ray);
+        for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
+          const double r = plan.sample_range_m(k);
+          const auto bin = static_cast<std::size_t>(r / kBin_m);
+          const double here = one.at(f, l, k), there = other.at(f, l, k);
+          const bool inside = r > passage.from_m - kBin_m && r < passage.to_m + kBin_m;
+          const double factor = inside ? std::numeric_limits<double>::quiet_NaN()
+                                       : std::pow(10.0, expected_db(body, passage, r) / 10);
+          with[bin].add(here * here);
+          without[bin].add(there * there);
+          predicted[bin].add(there * there * factor);
+          if (r < body.from_m || r > body.to_m) continue;
+          behind.add(here * here);
+          behind_without.add(there * there);
+          behind_predicted.add(there * there * factor);
+        }
+      }
+    }
+  }
+  ShadowResult result;
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    result.range_m.push_back((static_cast<double>(bin) + 0.5) * kBin_m);
+    result.change_db.push_back(db(with[bin].mean() / without[bin].mean()));
+    result.expected_db.push_back(db(predicted[bin].mean() / without[bin].mean()));
+  }
+  result.behind_db = db(behind.mean() / behind_without.mean());
+  result.expected_behind_db = db(behind_predicted.mean() / behind_without.mean());
+  result.n = static_cast<long>(behind.count);
+  return result;
+}
+
+}  // namespace
+
+SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs) {
+  constexpr double kFrom_m = 20e-3, kTo_m = 120e-3;
+  const hw::AcquisitionPlan plan({},
+                                 {.depth_m = 0.125,
+                                  .sector_rad = inputs.sector_rad,
+                                  .fan_rad = inputs.fan_rad,
+                                  .sticks_per_frame = inputs.sticks,
+                                  .samples_per_stick = 400,
+                                  .frames_per_volume = inputs.frames});
+  std::vector<Moments> rows(400);
+  for (const std::uint64_t seed : inputs.seeds) {
+    auto options = bare_envelope(rung, seed);
+    options.speckle = speckle;
+    const Scan volume = scan(open_tissue(), {}, plan, options);
+    for (int f = 0; f < inputs.frames; ++f) {
+      for (int l = 0; l < inputs.sticks; ++l) {
+        for (int k = 0; k < 400; ++k) {
+          rows[static_cast<std::size_t>(k)].add(volume.at(f, l, k) * volume.at(f, l, k));
+        }
+      }
+    }
+  }
+  SlopeResult result;
+  for (int k = 0; k < 400; ++k) {
+    const double r = plan.sample_range_m(k);
+    if (r < kFrom_m || r > kTo_m) continue;
+    result.range_m.push_back(r);
+    result.level_db.push_back(db(rows[static_cast<std::size_t>(k)].mean()));
+    result.n += static_cast<long>(rows[static_cast<std::size_t>(k)].count);
+  }
+  result.slope_db_per_cm = kCentimetre * fit_line(result.range_m, result.level_db).slope;
+  result.expected_db_per_cm = -loss_db_per_cm(phantoms::material("soft_tissue"), plan);
+  return result;
+}
+
+ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs) {
+  return measure_body(rung, inputs, bone_plate);
+}
+
+ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs) {
+  return measure_body(rung, inputs, cyst);
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,47 @@
+// What is lost on the way: the slope of attenuation, the shadow behind bone, the enhancement behind
+// a cyst.
+#pragma once
+
+#include <vector>
+
+#include "bench/studies/validate/study.h"
+#include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+struct AttenuationInputs {
+  std::vector<std::uint64_t> seeds = seeds_from(1, 2);
+  int sticks = 24;
+  int frames = 16;
+  double sector_rad = 77 * kDegree;  ///< of the even tissue
+  double fan_rad = 61 * kDegree;
+};
+
+/// Mean echo of even tissue against depth.
+struct SlopeResult {
+  std::vector<double> range_m;
+  std::vector<double> level_db;   ///< of the mean intensity, against a perfect mirror
+  double slope_db_per_cm = 0;     ///< of a line through them
+  double expected_db_per_cm = 0;  ///< -2 alpha f
+  long n = 0;
+};
+SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs);
+
+/// A phantom in tissue against the same tissue without it: mean echo of sticks near the axis.
+struct ShadowResult {
+  std::vector<double> range_m;
+  std::vector<double> change_db;    ///< of the mean intensity, in bins of range
+  std::vector<double> expected_db;  ///< closed form at the bin's middle; NaN within the body
+  double behind_db = 0;             ///< mean intensity behind the body over that without it
+  double expected_behind_db = 0;
+  long n = 0;
+};
+/// Twice through the plate: its two faces' (1 - R^2) each, and its attenuation less the tissue's.
+ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
+/// The same of a ball of fluid, with each stick's own chord through it.
+ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);
+
+StudyReport attenuation_study(const AttenuationInputs& inputs = {});
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,118 @@
+#include "bench/studies/validate/point_targets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <memory>
+
+#include "bench/studies/validate/bodies.h"
+#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/statistics.h"
+#include "sim/beam/point_spread.h"
+#include "sim/echo/reference_scene.h"
+#include "sim/scatterers/scatterer_field.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// Half the width of a profile, in full widths at half maximum.
+constexpr double kReachFwhm = 1.7;
+
+/// One scatterer in the open, and a rung that hears it.
+class LonePoint {
+ public:
+  LonePoint(sim::Rung rung, const hw::AcquisitionPlan& plan, double range_m, bool side_lobes)
+      : plan_(plan), point_{{0, 0, plan.probe().radius_m + range_m}, 1} {
+    auto options = lossless_envelope(rung, 1);
+    options.side_lobes = side_lobes;
+    const auto water = open_tissue("amniotic_fluid");
+    const sim::Subject subject{std::make_shared<const sim::TissueMap>(water, 1e-3, options.threads),
+                               water.materials(),
+                               {},
+                               {}};
+    if (rung == sim::Rung::reference) {
+      const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
+      add_ = [=](const auto& way, auto points, auto iq) { scene->add_points(way, points, iq); };
+    } else {
+      const auto field = std::make_shared<const sim::ScattererField>(subject, plan, options);
+      add_ = [=](const auto& way, auto points, auto iq) { field->add_points(way, points, iq); };
+    }
+  }
+
+  /// Envelope of a stick.
+  std::vector<double> stick(double theta_rad, double phi_rad) const {
+    const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
+    const std::vector<float> left(samples, 1.0f);
+    std::vector<std::complex<float>> iq(samples);
+    const sim::Sightline line{plan_.geometry().stick(theta_rad, phi_rad), 0};
+    add_({line, plan_.sample_spacing_m(), left, {}}, std::span(&point_, 1), iq);
+    std::vector<double> envelope;
+    for (const auto& value : iq) envelope.push_back(static_cast<double>(std::abs(value)));
+    return envelope;
+  }
+
+ private:
+  hw::AcquisitionPlan plan_;
+  sim::PointEcho point_;
+  std::function<void(
+      const sim::StickWay&, std::span<const sim::PointEcho>, std::span<std::complex<float>>)>
+      add_;
+};
+
+Profile finished(std::vector<double> places, std::vector<double> amplitudes, double formula_m) {
+  const Peak peak = gaussian_peak(amplitudes);
+  const double middle = places.front() + peak.place * (places[1] - places[0]);
+  for (double& place : places) place -= middle;
+  for (double& amplitude : amplitudes) amplitude /= peak.value;
+  Profile profile{std::move(places), std::move(amplitudes), 0, formula_m};
+  profile.fwhm_m = full_width_at_half(profile.place_m, profile.amplitude);
+  return profile;
+}
+
+Profile along(const hw::AcquisitionPlan& plan, const std::vector<double>& stick) {
+  const double formula_m = sim::axial_fwhm_m(plan);
+  const auto top = std::max_element(stick.begin(), stick.end()) - stick.begin();
+  const auto reach = static_cast<std::ptrdiff_t>(kReachFwhm * formula_m / plan.sample_spacing_m());
+  std::vector<double> places, amplitudes;
+  for (auto k = top - reach; k <= top + reach; ++k) {
+    places.push_back(plan.sample_range_m(static_cast<int>(k)));
+    amplitudes.push_back(stick.at(static_cast<std::size_t>(k)));
+  }
+  return finished(std::move(places), std::move(amplitudes), formula_m);
+}
+
+}  // namespace
+
+PointResult measure_point(sim::Rung rung,
+                          double range_m,
+                          bool side_lobes,
+                          const PointInputs& inputs) {
+  hw::ProbeOptions probe;
+  if (inputs.in_focus) probe.transmit_focus_m = probe.elevation_focus_m = range_m;
+  // So fine that IQ samples are the plan's own.
+  const hw::AcquisitionPlan plan(probe, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
+  const LonePoint point(rung, plan, range_m, side_lobes);
+  const auto across = [&](bool in_plane, double radius_m, double formula_m) {
+    std::vector<double> places, amplitudes;
+    for (int i = 0; i < inputs.across; ++i) {
+      const double place = kReachFwhm * formula_m * (2.0 * i / (inputs.across - 1) - 1);
+      const double angle = place / radius_m;
+      places.push_back(place);
+      amplitudes.push_back(
+          gaussian_peak(in_plane ? point.stick(angle, 0) : point.stick(0, angle)).value);
+    }
+    return finished(std::move(places), std::move(amplitudes), formula_m);
+  };
+  const auto middle = point.stick(0, 0);
+  const double to_center_m = plan.probe().radius_m + range_m;
+  const double to_axis_m = to_center_m - plan.geometry().axis_z_m();
+  return {range_m,
+          gaussian_peak(middle).value,
+          along(plan, middle),
+          across(true, to_center_m, sim::lateral_fwhm_m(plan, range_m)),
+          across(false, to_axis_m, sim::elevation_fwhm_m(plan, range_m))};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,45 @@
+// The echo of one scatterer: how wide it is along the stick, across it, and across the image plane.
+#pragma once
+
+#include <vector>
+
+#include "bench/studies/validate/study.h"
+#include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+struct PointInputs {
+  /// Of the scatterer, along the axis from the face.
+  std::vector<double> ranges_m = {50e-3, 75e-3, 110e-3};
+  int across = 41;  ///< sticks over each profile
+  /// Puts both fixed foci at the scatterer, where the formulas are exact closed forms.
+  bool in_focus = true;
+};
+
+/// Largest echo on each stick across the beam, or each sample along it, over its largest.
+struct Profile {
+  std::vector<double> place_m;  ///< from the scatterer
+  std::vector<double> amplitude;
+  double fwhm_m = 0;
+  double formula_m = 0;  ///< sim/beam/point_spread.h
+};
+
+struct PointResult {
+  double range_m = 0;
+  double amplitude = 0;  ///< of the stick through a scatterer that should echo with 1
+  Profile axial;
+  Profile lateral;
+  Profile elevation;
+};
+
+/// One scatterer on the axis of the probe, seen by sticks that turn past it in the image plane, and
+/// with it. Rungs `scatterers` and `reference`.
+PointResult measure_point(sim::Rung rung,
+                          double range_m,
+                          bool side_lobes,
+                          const PointInputs& inputs);
+
+StudyReport point_target_study(const PointInputs& inputs = {});
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,38 @@
+// Whether a seed means one set of bytes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/studies/validate/study.h"
+#include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+struct RepeatabilityInputs {
+  std::string phantom = "fetal_face";
+  double voxel_m = 1e-3;
+  hw::AcquisitionOptions acquisition = {.frames_per_volume = 6};
+  std::vector<int> threads = {1, 2, 4};
+  std::uint64_t seed = 1;
+};
+
+struct RepeatabilityResult {
+  sim::Rung rung = sim::Rung::field;
+  bool moving = false;
+  long differing = 0;  ///< samples that are not the same in all runs, of all runs after the first
+  long samples = 0;    ///< of one run
+  int runs = 0;
+  double other_seed = 0;     ///< share of samples that another seed changes
+  std::uint32_t crc32c = 0;  ///< of the samples
+};
+
+/// `reference` is run on a few sticks of a small body, the others on the phantom.
+RepeatabilityResult measure_repeatability(sim::Rung rung,
+                                          bool moving,
+                                          const RepeatabilityInputs& inputs);
+
+StudyReport repeatability_study(const RepeatabilityInputs& inputs = {});
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,43 @@
+// One volume through the simulated probe, as studies look at it.
+#pragma once
+
+#include <vector>
+
+#include "hw/probe/acquisition_plan.h"
+#include "phantoms/phantom.h"
+#include "sim/probe_simulator.h"
+
+namespace wobblebench::bench {
+
+/// Samples of one volume with the plan that says where they lie.
+struct Scan {
+  hw::AcquisitionPlan plan;
+  sim::VolumeSamples samples;
+
+  double at(int frame, int line, int sample) const {
+    const auto& a = plan.acquisition();
+    return static_cast<double>(samples[static_cast<std::size_t>(
+        (frame * a.sticks_per_frame + line) * a.samples_per_stick + sample)]);
+  }
+  std::vector<double> stick(int frame, int line) const;
+  /// First sample at or beyond a range.
+  int sample_at(double range_m) const;
+};
+
+/// The envelope itself: linear, against a perfect mirror, without noise, time gain, or the
+/// receiver's low-pass.
+sim::SimulationOptions bare_envelope(sim::Rung rung, std::uint64_t seed);
+/// The same of tissue that loses nothing on the way: echoes mean the same at every range.
+sim::SimulationOptions lossless_envelope(sim::Rung rung, std::uint64_t seed);
+
+/// The phantom's origin at a place of the probe frame, not turned.
+phantoms::Placement placed_at(const glm::dvec3& position_m);
+
+Scan scan(const phantoms::Phantom& phantom,
+          const phantoms::Placement& placement,
+          const hw::AcquisitionPlan& plan,
+          const sim::SimulationOptions& options,
+          const phantoms::Motion& motion = {},
+          std::uint32_t volume = 0);
+
+}  // namespace wobblebench::bench

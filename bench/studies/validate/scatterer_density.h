@@ -1,0 +1,39 @@
+// Speckle against the number of scatterers in a resolution cell.
+#pragma once
+
+#include <vector>
+
+#include "bench/studies/validate/speckle_statistics.h"
+
+namespace wobblebench::bench {
+
+struct DensityInputs {
+  std::vector<double> per_cell = {1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30};
+  /// Ranges about the smallest resolution cell of the default probe, which `per_cell` counts.
+  SpeckleInputs speckle = {.seeds = seeds_from(1, 3), .from_m = 66e-3, .to_m = 82e-3};
+};
+
+struct DensityPoint {
+  double per_cell = 0;
+  double effective = 0;  ///< scatterers that a sample hears, N = density (int h^2)^2 / int h^4
+  double envelope_snr = 0;
+  double envelope_error = 0;  ///< standard error, from the seeds' and the ranges' spread
+  double intensity_snr = 0;
+  double intensity_error = 0;
+  long n = 0;
+};
+std::vector<DensityPoint> measure_density(const DensityInputs& inputs);
+
+/// Effective number of scatterers for a density: in Gaussian beams and pulses each direction counts
+/// sqrt(2 pi) sigma = 1.064 FWHM. The mean over a stretch of ranges.
+double effective_scatterers(const DensityInputs& inputs, double per_cell);
+
+/// mean / sigma of the intensity of N scatterers at Poisson's random: 1 / sqrt(1 + 1 / N).
+double intensity_snr(double effective);
+/// The same of the envelope, whose intensity has that: K distribution of shape 2 N (Jakeman and
+/// Pusey 1976).
+double envelope_snr(double effective);
+
+StudyReport scatterer_density_study(const DensityInputs& inputs = {});
+
+}  // namespace wobblebench::bench

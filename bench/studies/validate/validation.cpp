@@ -1,0 +1,202 @@
+#include "bench/studies/validate/validation.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <sstream>
+
+#include "bench/cli/user_error.h"
+#include "bench/studies/validate/attenuation.h"
+#include "bench/studies/validate/point_targets.h"
+#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/repeatability.h"
+#include "bench/studies/validate/rung_agreement.h"
+#include "bench/studies/validate/scatterer_density.h"
+#include "bench/studies/validate/shear.h"
+#include "bench/studies/validate/speckle_motion.h"
+#include "bench/studies/validate/speckle_size.h"
+#include "bench/studies/validate/speckle_statistics.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+/// "1 to 10", "3", "none".
+std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
+  if (seeds.empty()) return "none";
+  if (seeds.size() == 1) return std::to_string(seeds.front());
+  return std::to_string(seeds.front()) + " to " + std::to_string(seeds.back());
+}
+
+std::string expected_text(const Check& check) {
+  switch (check.kind) {
+    case Check::Kind::within:
+      return number(check.expected) + " ± " + number(check.tolerance);
+    case Check::Kind::at_least:
+      return "≥ " + number(check.expected);
+    case Check::Kind::at_most:
+      return "≤ " + number(check.expected);
+  }
+  return "";
+}
+
+std::string unit_text(const Check& check) {
+  return check.unit == "1" ? "" : " " + check.unit;
+}
+
+const char* outcome(const Check& check) {
+  return check.passed() ? "passed" : "failed";
+}
+
+void write_summary(const std::vector<StudyReport>& reports,
+                   const Provenance& provenance,
+                   std::ostream& page) {
+  std::size_t count = 0;
+  for (const auto& report : reports) count += report.checks.size();
+  const int failed = failed_checks(reports);
+  page << "# Validation of the simulated probe\n\n"
+       << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+       << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+       << " threads. Every point is in `validation.csv`, every check in `report.json`. Expected "
+          "values are closed forms or published ones; the studies hold no model of their own. "
+          "Numbers in brackets are those of `docs/references.md`.\n\n"
+       << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
+       << " failed.\n";
+  if (failed > 0) page << "\nFailed:\n\n";
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      if (!check.passed()) page << "- `" << check.name << "`: " << describe(check) << "\n";
+    }
+  }
+}
+
+void write_study(const StudyReport& report, const std::string& figure_path, std::ostream& page) {
+  page << "\n## " << report.title << "\n\n" << report.text << "\n";
+  if (!report.checks.empty()) {
+    page << "\n| check | measured | expected | n | seeds | outcome |\n"
+            "| --- | ---: | ---: | ---: | --- | --- |\n";
+  }
+  for (const Check& check : report.checks) {
+    page << "| `" << check.name << "`: " << check.source << " | " << number(check.measured)
+         << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " " << check.of
+         << " | " << seeds_text(check.seeds) << " | " << (check.passed() ? "passed" : "**failed**")
+         << " |\n";
+  }
+  for (const Figure& figure : report.figures) {
+    page << "\n![" << figure.caption << "](" << figure_path << figure_file(figure) << ")\n\n"
+         << figure.caption << "\n";
+  }
+}
+
+/// Fields with a comma or a quote are quoted.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string exact(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+}  // namespace
+
+const std::vector<NamedStudy>& validation_studies() {
+  static const std::vector<NamedStudy> studies = {
+      {"speckle", [] { return speckle_statistics_study(); }},
+      {"density", [] { return scatterer_density_study(); }},
+      {"points", [] { return point_target_study(); }},
+      {"agreement", [] { return rung_agreement_study(); }},
+      {"speckle_size", [] { return speckle_size_study(); }},
+      {"speckle_motion", [] { return speckle_motion_study(); }},
+      {"attenuation", [] { return attenuation_study(); }},
+      {"reflection", [] { return reflection_study(); }},
+      {"shear", [] { return shear_study(); }},
+      {"repeatability", [] { return repeatability_study(); }}};
+  return studies;
+}
+
+StudyReport run_study(const NamedStudy& study) {
+  try {
+    return study.run();
+  } catch (const std::exception& error) {
+    StudyReport report;
+    report.id = report.title = study.id;
+    report.text = "This study could not be run: " + one_line(error.what());
+    report.checks.push_back({study.id + ".ran",
+                             Check::Kind::at_least,
+                             0,
+                             1,
+                             0,
+                             "1",
+                             one_line(error.what()),
+                             1,
+                             "run",
+                             {}});
+    return report;
+  }
+}
+
+int failed_checks(const std::vector<StudyReport>& reports) {
+  int failed = 0;
+  for (const auto& report : reports) {
+    failed += static_cast<int>(std::count_if(report.checks.begin(),
+                                             report.checks.end(),
+                                             [](const Check& check) { return !check.passed(); }));
+  }
+  return failed;
+}
+
+std::string describe(const Check& check) {
+  return number(check.measured) + unit_text(check) + "; expected " + expected_text(check) +
+         unit_text(check) + " (" + check.source + "); n = " + std::to_string(check.n) + " " +
+         check.of + "; seeds " + seeds_text(check.seeds);
+}
+
+std::string figure_file(const Figure& figure) {
+  return "validation_" + figure.name + ".png";
+}
+
+std::string validation_page(const std::vector<StudyReport>& reports,
+                            const Provenance& provenance,
+                            const std::string& figure_path) {
+  std::ostringstream page;
+  write_summary(reports, provenance, page);
+  for (const auto& report : reports) write_study(report, figure_path, page);
+  return page.str();
+}
+
+std::string validation_csv(const std::vector<StudyReport>& reports) {
+  std::ostringstream text;
+  text << "study,series,x_name,x,y_name,y,expected\n";
+  for (const auto& report : reports) {
+    for (const DataPoint& point : report.points) {
+      text << report.id << "," << csv_field(point.series) << "," << point.x_name << ","
+           << exact(point.x) << "," << point.y_name << "," << exact(point.y) << ","
+           << (point.expected ? exact(*point.expected) : "") << "\n";
+    }
+  }
+  return text.str();
+}
+
+nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports) {
+  auto checks = nlohmann::ordered_json::array();
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      checks.push_back(
+          {{"name", check.name}, {"outcome", outcome(check)}, {"detail", describe(check)}});
+    }
+  }
+  return checks;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,23 @@
+// The volumes of the paper's tables, from the simulated probe.
+#pragma once
+
+#include <string>
+
+#include "bench/pipeline/outside_link.h"
+#include "bench/scene/scene.h"
+#include "bench/tables/setting.h"
+#include "bench/tables/volumes.h"
+#include "phantoms/phantom.h"
+
+namespace wobblebench::bench {
+
+/// Puts the reference settings into the scene. Throws UserError where the scene gives a setting
+/// that the tables vary or hold themselves.
+void take_reference_settings(Scene& scene, const TableRun& run);
+
+/// Scans the phantom once for each number of frames, all over the scene's fan. Throws UserError.
+TableVolumes scan_table_volumes(const Scene& scene,
+                                const phantoms::Phantom& phantom,
+                                const BoardArguments& board);
+
+}  // namespace wobblebench::bench

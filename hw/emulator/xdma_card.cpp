@@ -1,0 +1,179 @@
+#include "hw/emulator/xdma_card.h"
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <chrono>
+#include <thread>
+
+#include "base/options.h"
+
+namespace wobblebench::hw {
+namespace {
+
+/// How often a waiting read looks whether it has to end.
+constexpr auto kGlance = std::chrono::milliseconds(5);
+/// How long the release of a closed file may be on its way through the kernel.
+constexpr auto kReleasePatience = std::chrono::seconds(1);
+
+/// Well mixed (splitmix64).
+std::uint64_t draw(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t z = seed + 0x9E3779B97F4A7C15U * (index + 1);
+  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+  return z ^ (z >> 31U);
+}
+
+const XdmaStandInOptions& checked(const XdmaStandInOptions& options) {
+  check_options(options);
+  if (!std::has_single_bit(static_cast<unsigned>(options.alignment_bytes))) {
+    throw InvalidOption(
+        "alignment_bytes", std::to_string(options.alignment_bytes), "must be a power of two");
+  }
+  return options;
+}
+
+}  // namespace
+
+/// A read on its way.
+struct XdmaCard::Transfer {
+  std::uint64_t handle;
+  Opening& opening;
+  std::span<std::byte> to;
+  const std::function<bool()>& interrupted;
+  HostTime deadline;
+  std::size_t filled = 0;
+};
+
+XdmaCard::XdmaCard(LinkSource source, const XdmaStandInOptions& options)
+    : source_(std::move(source)), options_(checked(options)) {}
+
+int XdmaCard::open(bool end_of_packet, std::uint64_t& handle) {
+  std::unique_lock lock(mutex_);
+  if (holder_ != 0 && !release_follows_) return -EBUSY;
+  changed_.wait_for(lock, kReleasePatience, [&] { return holder_ == 0; });
+  if (!plugged_) return -ENODEV;
+  if (holder_ != 0) return -EBUSY;
+  std::unique_ptr<Link> source = source_();
+  if (source == nullptr) return -EIO;
+  handle = holder_ = ++last_handle_;
+  release_follows_ = false;
+  openings_[handle] = std::make_shared<Opening>(std::move(source), end_of_packet);
+  return 0;
+}
+
+void XdmaCard::expect_release(std::uint64_t handle) {
+  std::lock_guard lock(mutex_);
+  if (holder_ == handle) release_follows_ = true;
+}
+
+void XdmaCard::release(std::uint64_t handle) {
+  std::lock_guard lock(mutex_);
+  openings_.erase(handle);
+  if (holder_ == handle) holder_ = 0;
+  changed_.notify_all();
+}
+
+std::shared_ptr<XdmaCard::Opening> XdmaCard::opening(std::uint64_t handle) const {
+  std::lock_guard lock(mutex_);
+  const auto found = openings_.find(handle);
+  return holder_ == handle && found != openings_.end() ? found->second : nullptr;
+}
+
+std::ptrdiff_t XdmaCard::read(std::uint64_t handle,
+                              std::span<std::byte> to,
+                              const std::function<bool()>& interrupted) {
+  const std::shared_ptr<Opening> open = opening(handle);
+  if (open == nullptr) return -ENODEV;
+  if (to.empty() || to.size() % static_cast<std::size_t>(options_.alignment_bytes) != 0)
+    return -EINVAL;
+  std::lock_guard one_at_a_time(open->transfer);
+  ++open->reads;
+  const auto timeout = std::chrono::duration_cast<HostClock::duration>(
+      std::chrono::duration<double>(options_.timeout_s));
+  Transfer transfer{handle, *open, to, interrupted, HostClock::now() + timeout};
+  return run(transfer);
+}
+
+std::ptrdiff_t XdmaCard::run(Transfer& transfer) {
+  for (;;) {
+    const auto filled = static_cast<std::ptrdiff_t>(transfer.filled);
+    if (transfer.interrupted()) return filled > 0 ? filled : -EINTR;
+    const HostTime now = HostClock::now();
+    const HostTime until = std::min(now + kGlance, transfer.deadline);
+    const bool something_can_come = begin_packet(transfer.opening);
+    if (opening(transfer.handle) == nullptr) return -ENODEV;
+    if (something_can_come && fill(transfer, until)) {
+      return static_cast<std::ptrdiff_t>(transfer.filled);
+    }
+    if (transfer.opening.feed.lost()) unplug();
+    if (now >= transfer.deadline) return transfer.filled > 0 ? filled : -ETIMEDOUT;
+    if (!something_can_come) std::this_thread::sleep_until(until);
+  }
+}
+
+bool XdmaCard::begin_packet(Opening& opening) {
+  if (opening.feed.left() == 0) {
+    const std::int64_t packet = opening.feed.begun();
+    if (packet == options_.unplug_at_packet) unplug();
+    if (packet == options_.stall_at_packet && !std::exchange(opening.stalled_once, true)) {
+      stall(true);
+    }
+  }
+  return !is_stalled();
+}
+
+bool XdmaCard::all_ones(const Opening& opening) const {
+  return options_.all_ones_at_packet >= 0 && opening.feed.left() == 0 &&
+         opening.feed.begun() >= options_.all_ones_at_packet;
+}
+
+/// Goes on with a transfer; true where it is complete.
+bool XdmaCard::fill(Transfer& transfer, HostTime until) {
+  Opening& open = transfer.opening;
+  std::span<std::byte> room = transfer.to.subspan(transfer.filled);
+  if (all_ones(open)) {
+    std::fill(room.begin(), room.end(), std::byte{0xFF});
+    transfer.filled = transfer.to.size();
+    return true;
+  }
+  if (!open.feed.await_packet(until)) return false;
+  if (options_.short_reads) {
+    const std::size_t most = std::min(room.size(), open.feed.left());
+    room = room.first(1 + draw(options_.seed, open.reads) % most);
+  }
+  const std::size_t count = open.feed.take(room, until);
+  transfer.filled += count;
+  const bool packet_ended = open.end_of_packet && open.feed.left() == 0;
+  const bool cut_short = options_.short_reads && count > 0;
+  return transfer.filled == transfer.to.size() || packet_ended || cut_short;
+}
+
+bool XdmaCard::is_plugged() const {
+  std::lock_guard lock(mutex_);
+  return plugged_;
+}
+
+void XdmaCard::unplug() {
+  std::lock_guard lock(mutex_);
+  plugged_ = false;
+  holder_ = 0;
+  changed_.notify_all();
+}
+
+void XdmaCard::replug() {
+  std::lock_guard lock(mutex_);
+  plugged_ = true;
+}
+
+bool XdmaCard::is_stalled() const {
+  std::lock_guard lock(mutex_);
+  return stalled_;
+}
+
+void XdmaCard::stall(bool stalled) {
+  std::lock_guard lock(mutex_);
+  stalled_ = stalled;
+}
+
+}  // namespace wobblebench::hw

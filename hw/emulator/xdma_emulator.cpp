@@ -1,0 +1,76 @@
+#include "hw/emulator/xdma_emulator.h"
+
+#include <fcntl.h>
+#include <stdlib.h>
+
+#include <cerrno>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "base/file_descriptor.h"
+#include "hw/emulator/fuse_node.h"
+#include "hw/emulator/fuse_session.h"
+#include "hw/emulator/xdma_card.h"
+#include "hw/link/xdma_node.h"
+
+namespace wobblebench::hw {
+namespace {
+
+/// Why no file system can be mounted, or nothing.
+std::string try_to_mount() {
+  const FileDescriptor device(::open("/dev/fuse", O_RDWR | O_CLOEXEC));
+  if (!device.is_open()) return "/dev/fuse: " + error_text(errno);
+  std::string folder = (std::filesystem::temp_directory_path() / "wobblebench_XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr) return folder + ": " + error_text(errno);
+  std::string why;
+  try {
+    const XdmaStandIn stand_in(folder, [] { return nullptr; });
+  } catch (const std::runtime_error& error) {
+    why = error.what();
+  }
+  std::error_code ignored;
+  std::filesystem::remove(folder, ignored);
+  return why;
+}
+
+}  // namespace
+
+XdmaStandIn::XdmaStandIn(const std::filesystem::path& folder,
+                         Source source,
+                         const XdmaStandInOptions& options)
+    : folder_(std::filesystem::absolute(folder)),
+      card_(std::make_unique<XdmaCard>(std::move(source), options)),
+      session_(std::make_unique<FuseSession>(folder_, *card_)) {}
+
+XdmaStandIn::~XdmaStandIn() {
+  card_->unplug();
+  session_.reset();
+}
+
+std::filesystem::path XdmaStandIn::path() const {
+  return folder_ / kNodeName;
+}
+
+void XdmaStandIn::unplug() {
+  card_->unplug();
+}
+
+void XdmaStandIn::replug() {
+  card_->replug();
+}
+
+void XdmaStandIn::stall(bool stalled) {
+  card_->stall(stalled);
+}
+
+std::string XdmaStandIn::why_not() {
+  static const std::string why = try_to_mount();
+  return why;
+}
+
+bool XdmaStandIn::can_mount() {
+  return why_not().empty();
+}
+
+}  // namespace wobblebench::hw

@@ -1,0 +1,170 @@
+#include "hw/link/xdma_puller.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+
+namespace wobblebench::hw {
+namespace {
+
+/// Some tenths of a second of the paper's stream.
+constexpr std::size_t kQueueBytes = 4U << 20U;
+constexpr std::size_t kLeastQueuedTransfers = 4;
+constexpr std::size_t kPageBytes = 4096;
+/// What to wait after a read that gave nothing at once: it would be asked a million times a second.
+constexpr auto kIdlePause = std::chrono::milliseconds(1);
+
+/// A signal would break the driver's wait off, and with it the transfer.
+void block_signals() {
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+std::byte* aligned_bytes(std::size_t size, std::size_t alignment) {
+  const std::size_t step = std::max(alignment, kPageBytes);
+  auto* memory = static_cast<std::byte*>(std::aligned_alloc(step, (size + step - 1) / step * step));
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+FileDescriptor make_wake() {
+  FileDescriptor wake(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!wake.is_open()) throw std::system_error(errno, std::generic_category(), "eventfd");
+  return wake;
+}
+
+}  // namespace
+
+XdmaPuller::XdmaPuller(XdmaNode node, std::string name, std::size_t transfer_bytes)
+    : node_(std::move(node)),
+      wake_(make_wake()),
+      name_(std::move(name)),
+      transfer_bytes_(transfer_bytes),
+      queued_transfers_(std::max(kLeastQueuedTransfers, kQueueBytes / transfer_bytes)),
+      transfer_(aligned_bytes(transfer_bytes, node_.alignment)),
+      queue_(queued_transfers_ * transfer_bytes + kLongestSoundOnes) {}
+
+void XdmaPuller::run() {
+  block_signals();
+  while (wait_for_room() && pull()) {
+  }
+  node_.file.close();
+  std::lock_guard lock(mutex_);
+  node_closed_ = true;
+  changed_.notify_all();
+}
+
+bool XdmaPuller::wait_for_room() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock,
+                [&] { return closed_ || queue_.room() >= transfer_bytes_ + kLongestSoundOnes; });
+  return !closed_;
+}
+
+bool XdmaPuller::pull() {
+  if (node_.kind == XdmaNodeKind::fifo && !wait_for_fifo()) return true;
+  const ssize_t count = ::read(node_.file.get(), transfer_.get(), transfer_bytes_);
+  if (count < 0) return failed(errno);
+  if (count > 0) return accept({transfer_.get(), static_cast<std::size_t>(count)});
+  // A pipe gives nothing once its writers have gone; a card where nothing was in the transfer.
+  if (node_.kind == XdmaNodeKind::fifo) return end(ReadStatus::end_of_stream, "");
+  return nothing_came();
+}
+
+bool XdmaPuller::wait_for_fifo() const {
+  pollfd watched[] = {{node_.file.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
+  // Nothing, not even an end, is reported before the first writer came.
+  return ::poll(watched, 2, -1) > 0 && watched[0].revents != 0;
+}
+
+bool XdmaPuller::accept(std::span<const std::byte> transfer) {
+  const AllOnesWatch::Verdict verdict = ones_.look_at(transfer);
+  {
+    std::lock_guard lock(mutex_);
+    queue_.push(verdict.held_back, std::byte{0xFF});
+    queue_.push(transfer.first(verdict.sound));
+    changed_.notify_all();
+  }
+  return !verdict.gone || end(ReadStatus::lost, "reads all ones: the card has left the bus");
+}
+
+bool XdmaPuller::nothing_came() {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kIdlePause, [&] { return closed_; });
+  return true;
+}
+
+bool XdmaPuller::failed(int error_number) {
+  switch (error_number) {
+    case EINTR:
+    case ETIMEDOUT:  // The driver's own patience; the next read starts the engine again.
+      return true;
+    case EAGAIN:
+      return nothing_came();
+    default:
+      return end(ReadStatus::lost, error_text(error_number));
+  }
+}
+
+bool XdmaPuller::end(ReadStatus how, const std::string& why) {
+  const std::size_t held_back = how == ReadStatus::end_of_stream ? ones_.end() : 0;
+  std::lock_guard lock(mutex_);
+  queue_.push(held_back, std::byte{0xFF});
+  ending_ = how;
+  if (how == ReadStatus::lost) loss_ = name_ + ": " + why;
+  changed_.notify_all();
+  return false;
+}
+
+ReadResult XdmaPuller::take(std::span<std::byte> to, HostTime deadline) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, deadline, [&] {
+    return closed_ || cancelled_ || queue_.size() > 0 || ending_ != ReadStatus::ok;
+  });
+  if (closed_) return {0, ReadStatus::lost};
+  if (cancelled_) return {0, ReadStatus::cancelled};
+  if (queue_.size() > 0) {
+    const std::size_t count = queue_.pop(to);
+    changed_.notify_all();
+    return {count, ReadStatus::ok};
+  }
+  return {0, ending_ != ReadStatus::ok ? ending_ : ReadStatus::timeout};
+}
+
+void XdmaPuller::cancel() {
+  std::lock_guard lock(mutex_);
+  cancelled_ = true;
+  changed_.notify_all();
+}
+
+void XdmaPuller::resume() {
+  std::lock_guard lock(mutex_);
+  cancelled_ = false;
+}
+
+void XdmaPuller::close() {
+  std::lock_guard lock(mutex_);
+  closed_ = true;
+  if (ending_ != ReadStatus::lost) loss_ = name_ + ": closed";
+  changed_.notify_all();
+  ::eventfd_write(wake_.get(), 1);
+}
+
+bool XdmaPuller::ended_before(HostTime deadline) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_until(lock, deadline, [&] { return node_closed_; });
+}
+
+std::string XdmaPuller::loss() const {
+  std::lock_guard lock(mutex_);
+  return loss_;
+}
+
+}  // namespace wobblebench::hw

@@ -1,0 +1,123 @@
+#include "hw/probe/acquisition_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/options.h"
+
+namespace wobblebench::hw {
+namespace {
+
+/// Angle of item `index` of `count` spread evenly over `span`, both ends included.
+double spread(int index, int count, double span_rad) {
+  return count < 2 ? 0.0 : span_rad * (static_cast<double>(index) / (count - 1) - 0.5);
+}
+
+double step(int count, double span_rad) {
+  return count < 2 ? 0.0 : span_rad / (count - 1);
+}
+
+/// The item that lies nearest to an angle.
+std::uint32_t nearest(double angle_rad, int count, double span_rad) {
+  if (count < 2) return 0;
+  const double index = std::round((angle_rad / span_rad + 0.5) * (count - 1));
+  return static_cast<std::uint32_t>(std::clamp(index, 0.0, count - 1.0));
+}
+
+}  // namespace
+
+AcquisitionPlan::AcquisitionPlan(const ProbeOptions& probe, const AcquisitionOptions& acquisition)
+    : probe_(probe), acquisition_(acquisition) {
+  validate(probe_);
+  check_options(acquisition_);
+}
+
+int AcquisitionPlan::sweep_direction(std::uint32_t volume) const {
+  return acquisition_.motor == MotorMode::alternating && volume % 2 == 1 ? -1 : 1;
+}
+
+std::uint64_t AcquisitionPlan::first_sequence(std::uint32_t volume) const {
+  return volume * static_cast<std::uint64_t>(sticks_per_volume());
+}
+
+std::uint64_t AcquisitionPlan::sequence(const StickIndex& index) const {
+  const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
+  const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
+  const bool back = sweep_direction(index.volume) < 0;
+  const std::uint64_t turn = back ? frames - 1 - index.frame : index.frame;
+  return (index.volume * frames + turn) * lines + index.line;
+}
+
+StickIndex AcquisitionPlan::index(std::uint64_t sequence) const {
+  const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
+  const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
+  const auto volume = static_cast<std::uint32_t>(sequence / lines / frames);
+  const std::uint64_t turn = sequence / lines % frames;
+  const bool back = sweep_direction(volume) < 0;
+  return {volume,
+          static_cast<std::uint32_t>(back ? frames - 1 - turn : turn),
+          static_cast<std::uint32_t>(sequence % lines)};
+}
+
+StickIndex AcquisitionPlan::nearest_stick(const PolarPoint& place, std::uint32_t volume) const {
+  return {volume,
+          nearest(place.phi_rad, acquisition_.frames_per_volume, acquisition_.fan_rad),
+          nearest(place.theta_rad, acquisition_.sticks_per_frame, acquisition_.sector_rad)};
+}
+
+double AcquisitionPlan::stick_period_s() const {
+  return 2 * acquisition_.depth_m / acquisition_.sound_speed_m_s + acquisition_.dead_time_s;
+}
+
+DeviceTime AcquisitionPlan::time_after(std::uint64_t sticks, std::uint64_t fly_backs) const {
+  // In extended precision the rounding of a period does not show, whatever the sequence number.
+  const long double count = sticks;
+  const long double echo_ns =
+      count * 2e9L * acquisition_.depth_m / static_cast<long double>(acquisition_.sound_speed_m_s);
+  const long double dead_ns = count * 1e9L * acquisition_.dead_time_s;
+  const bool returns = acquisition_.motor == MotorMode::fly_back;
+  const long double fly_back_ns =
+      returns ? static_cast<long double>(fly_backs) * 1e9L * acquisition_.fly_back_s : 0;
+  const long double nanoseconds = std::round(echo_ns + dead_ns + fly_back_ns);
+  constexpr auto kEnd = DeviceDuration::max();
+  if (nanoseconds >= static_cast<long double>(kEnd.count())) return DeviceTime(kEnd);
+  return DeviceTime(DeviceDuration(static_cast<DeviceClock::rep>(nanoseconds)));
+}
+
+DeviceTime AcquisitionPlan::stick_time(std::uint64_t sequence) const {
+  return time_after(sequence, sequence / static_cast<std::uint64_t>(sticks_per_volume()));
+}
+
+DeviceTime AcquisitionPlan::volume_end_time(std::uint32_t volume) const {
+  return time_after(first_sequence(volume) + static_cast<std::uint64_t>(sticks_per_volume()),
+                    volume);
+}
+
+DeviceDuration AcquisitionPlan::volume_duration() const {
+  return stick_time(static_cast<std::uint64_t>(sticks_per_volume())).time_since_epoch();
+}
+
+double AcquisitionPlan::theta_rad(int line) const {
+  return spread(line, acquisition_.sticks_per_frame, acquisition_.sector_rad);
+}
+
+double AcquisitionPlan::frame_phi_rad(int frame) const {
+  return spread(frame, acquisition_.frames_per_volume, acquisition_.fan_rad);
+}
+
+double AcquisitionPlan::motor_angle_rad(const StickIndex& index) const {
+  const double frame_phi = frame_phi_rad(static_cast<int>(index.frame));
+  if (acquisition_.motor == MotorMode::stepped) return frame_phi;
+  const double from_middle = (index.line + 0.5) / acquisition_.sticks_per_frame - 0.5;
+  return frame_phi + sweep_direction(index.volume) * phi_step_rad() * from_middle;
+}
+
+double AcquisitionPlan::theta_step_rad() const {
+  return step(acquisition_.sticks_per_frame, acquisition_.sector_rad);
+}
+
+double AcquisitionPlan::phi_step_rad() const {
+  return step(acquisition_.frames_per_volume, acquisition_.fan_rad);
+}
+
+}  // namespace wobblebench::hw

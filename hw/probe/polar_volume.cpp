@@ -1,0 +1,62 @@
+#include "hw/probe/polar_volume.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace wobblebench::hw {
+namespace {
+
+PolarFrame empty_frame(const AcquisitionPlan& plan, std::uint32_t volume, std::uint32_t frame) {
+  const auto lines = static_cast<std::size_t>(plan.acquisition().sticks_per_frame);
+  const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
+  PolarFrame empty;
+  empty.samples.assign(lines * samples, 0.0F);
+  empty.arrived.assign(lines, 0);
+  for (std::uint32_t line = 0; line < lines; ++line) {
+    empty.motor_angle_rad.push_back(plan.motor_angle_rad({volume, frame, line}));
+  }
+  return empty;
+}
+
+}  // namespace
+
+PolarVolume::PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume)
+    : plan_(plan), volume_index_(volume) {
+  const auto count = static_cast<std::uint32_t>(plan.acquisition().frames_per_volume);
+  frames_.reserve(count);
+  for (std::uint32_t frame = 0; frame < count; ++frame) {
+    frames_.push_back(empty_frame(plan, volume, frame));
+  }
+}
+
+void PolarVolume::place(const Stick& stick) {
+  if (stick.index.volume != volume_index_) {
+    throw std::out_of_range("a stick of volume " + std::to_string(stick.index.volume) +
+                            " where volume " + std::to_string(volume_index_) + " is put together");
+  }
+  PolarFrame& frame = frames_.at(stick.index.frame);
+  std::uint8_t& arrived = frame.arrived.at(stick.index.line);
+  const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
+  if (stick.samples.size() != samples) {
+    throw std::invalid_argument("a stick of " + std::to_string(stick.samples.size()) +
+                                " samples where the plan has " + std::to_string(samples));
+  }
+  const auto place =
+      frame.samples.begin() + static_cast<std::ptrdiff_t>(stick.index.line * samples);
+  std::copy(stick.samples.begin(), stick.samples.end(), place);
+  frame.motor_angle_rad[stick.index.line] = stick.motor_angle_rad;
+  arrived = 1;
+  scale_ = stick.scale;
+}
+
+int PolarVolume::missing_sticks() const {
+  std::ptrdiff_t missing = 0;
+  for (const PolarFrame& frame : frames_) {
+    missing += std::count(frame.arrived.begin(), frame.arrived.end(), std::uint8_t{0});
+  }
+  return static_cast<int>(missing);
+}
+
+}  // namespace wobblebench::hw

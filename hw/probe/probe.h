@@ -1,0 +1,90 @@
+// The geometry of a convex probe whose image plane wobbles about an axis behind its face.
+// Frame of reference ("probe frame", docs/units.md): origin at the centre of curvature of the face
+// with the motor at rest, x along the array, z into the body, y the direction of the sweep with the
+// sign that makes x, y, z right-handed.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "base/units.h"
+
+namespace wobblebench::hw {
+
+/// What the probe is. Defaults: the paper's settings where it gives them, else acquisition notes
+/// in docs/references.md.
+struct ProbeOptions {
+  double radius_m = 40e-3;         ///< radius of curvature of the face, "a"
+  double wobble_radius_m = 27e-3;  ///< the wobble axis lies this far behind the face, "w" <= a
+  double center_frequency_hz = 3.5e6;
+  double fractional_bandwidth = 0.6;  ///< -6 dB bandwidth over centre frequency
+  /// In the image plane, dynamic focus. At 4 the beams of the default 64 sticks nearly meet at 6
+  /// cm.
+  double f_number = 4.0;
+  double transmit_focus_m = 75e-3;  ///< fixed, in the image plane, range from the face
+  /// Along the face. No rule ties them to the sector: sticks may lie beyond the last element.
+  int elements = 128;
+  double pitch_m = 0.42e-3;  ///< of the elements along the face; 128 fill the default sector
+  double element_height_m = 13.5e-3;  ///< aperture across the image plane
+  double elevation_focus_m = 75e-3;   ///< fixed focus across the image plane, range from the face
+
+  friend bool operator==(const ProbeOptions&, const ProbeOptions&) = default;
+};
+
+template <class Visitor>
+void describe(ProbeOptions& o, Visitor& v) {
+  v.real("radius_mm", o.radius_m, kMillimetre, 1, 200);
+  v.real("wobble_radius_mm", o.wobble_radius_m, kMillimetre, 0, 200);
+  v.real("center_frequency_mhz", o.center_frequency_hz, kMegahertz, 0.5, 20);
+  v.real("fractional_bandwidth", o.fractional_bandwidth, 1, 0.1, 1.5);
+  v.real("f_number", o.f_number, 1, 0.5, 10);
+  v.real("transmit_focus_mm", o.transmit_focus_m, kMillimetre, 5, 400);
+  v.integer("elements", o.elements, 1, 1024);
+  v.real("pitch_mm", o.pitch_m, kMillimetre, 0.05, 2);
+  v.real("element_height_mm", o.element_height_m, kMillimetre, 1, 50);
+  v.real("elevation_focus_mm", o.elevation_focus_m, kMillimetre, 5, 300);
+}
+
+/// Throws InvalidOption for a field out of range, or a wobble radius beyond the face's radius.
+void validate(const ProbeOptions& options);
+
+/// A place as the probe sees it.
+struct PolarPoint {
+  double range_m = 0;    ///< along the stick from the face; 0 on the face
+  double theta_rad = 0;  ///< stick angle in the image plane, positive towards +x
+  double phi_rad = 0;    ///< motor angle of the image plane, positive towards -y
+};
+
+/// A straight line of sight: origin on the face, unit direction.
+struct Ray {
+  glm::dvec3 origin{0};
+  glm::dvec3 direction{0, 0, 1};
+  glm::dvec3 at(double distance_m) const { return origin + distance_m * direction; }
+};
+
+/// Closed-form conversions both ways on the two-centre torus of a convex wobbler:
+///   x = r sin(theta), y = -(r cos(theta) - b) sin(phi), z = b (1 - cos(phi)) + r cos(theta)
+///   cos(phi)
+/// with r = a + range and b = a - w (as public readers of GE Kretz volumes decode them).
+class ProbeGeometry {
+ public:
+  explicit ProbeGeometry(const ProbeOptions& options);
+
+  glm::dvec3 to_cartesian(const PolarPoint& point) const;
+
+  /// The inverse, unique for |theta|, |phi| < 90 deg. On the wobble axis phi is undefined; 0 is
+  /// given.
+  PolarPoint to_polar(const glm::dvec3& position_m) const;
+
+  Ray stick(double theta_rad, double phi_rad) const;
+
+  double radius_m() const { return a_; }
+  double wobble_radius_m() const { return a_ - b_; }
+  /// z of the wobble axis, b = a - w.
+  double axis_z_m() const { return b_; }
+
+ private:
+  double a_;
+  double b_;
+};
+
+}  // namespace wobblebench::hw

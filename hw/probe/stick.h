@@ -1,0 +1,29 @@
+// One image stick: the detected samples along one line of sight, as the board delivers them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hw/probe/acquisition_plan.h"
+#include "hw/probe/clock.h"
+
+namespace wobblebench::hw {
+
+/// What the samples of a stick are.
+enum class SampleScale : std::uint8_t {
+  log_compressed = 0,  ///< [0, 1] over the dynamic range
+  linear_envelope = 1,
+};
+
+struct Stick {
+  std::uint64_t sequence = 0;  ///< counts the sticks of the stream from 0
+  StickIndex index;
+  DeviceTime time{};
+  double motor_angle_rad = 0;
+  int sweep_direction = 1;  ///< +1: phi grows over the volume, -1: it falls
+  SampleScale scale = SampleScale::log_compressed;
+  bool checked = true;         ///< false: the source sent no CRC, so that damage would not show
+  std::vector<float> samples;  ///< samples_per_stick of them, nearest range first
+};
+
+}  // namespace wobblebench::hw

@@ -1,0 +1,125 @@
+#include "hw/recording/recording.h"
+
+#include <algorithm>
+
+#include "hw/recording/recording_reader.h"
+
+namespace wobblebench::hw {
+namespace {
+
+constexpr std::uint64_t kProgressBytes = 16 << 20;
+
+template <class T>
+void list(std::vector<T>& faults, const T& fault) {
+  if (faults.size() < RecordingContents::kListedFaults) faults.push_back(fault);
+}
+
+/// Goes through a recording and fills in what it holds.
+class Inspection {
+ public:
+  explicit Inspection(RecordingContents& contents) : contents_(contents) {}
+
+  void damage(const DamagedPlace& place) {
+    audit_.note_damage();
+    list(contents_.places, place);
+  }
+
+  void take(const Packet& packet) {
+    std::visit([this](const auto& kind) { take_kind(kind); }, packet);
+  }
+
+  void finish() { contents_.account = audit_.account(); }
+
+ private:
+  void take_kind(const ConfigurationPacket& packet) {
+    ++contents_.configurations;
+    const Audited audited = audit_.take(packet);
+    note(audited);
+    if (audited.accepted && contents_.configuration) contents_.one_plan = false;
+    if (!contents_.configuration) contents_.configuration = audit_.configuration();
+  }
+
+  void take_kind(const StickPacket& packet) {
+    ++contents_.sticks;
+    const std::uint64_t passed_over = late_or_again();
+    const Audited audited = audit_.take(packet.stick);
+    note(audited);
+    if (audited.accepted) {
+      audit_.deliver();
+      ++volume(packet.stick.index.volume).sticks;
+    } else if (!audit_.configuration()) {
+      ++contents_.unconfigured;
+    } else if (late_or_again() == passed_over) {
+      // Neither next nor late nor repeated: its content contradicts the plan.
+      ++contents_.contradictions;
+    }
+  }
+
+  void take_kind(const VolumeEndPacket& packet) {
+    ++contents_.volume_ends;
+    const Audited audited = audit_.take(packet);
+    note(audited);
+    if (audited.accepted) volume(packet.volume).closed = true;
+  }
+
+  void note(const Audited& audited) {
+    if (audited.missing) list(contents_.gaps, *audited.missing);
+    if (audited.refused) list(contents_.gaps, *audited.refused);
+  }
+
+  std::uint64_t late_or_again() const {
+    return audit_.account().lost.out_of_order + audit_.account().duplicates;
+  }
+
+  RecordedVolume& volume(std::uint32_t index) {
+    if (contents_.volumes.empty() || contents_.volumes.back().index != index) {
+      contents_.volumes.push_back({.index = index});
+    }
+    return contents_.volumes.back();
+  }
+
+  RecordingContents& contents_;
+  StreamAudit audit_;
+};
+
+}  // namespace
+
+bool RecordingContents::complete() const {
+  if (!configuration || account.lost.total() > 0) return false;
+  const auto expected = static_cast<std::uint64_t>(configuration->plan.sticks_per_volume());
+  return std::all_of(volumes.begin(), volumes.end(), [&](const RecordedVolume& volume) {
+    return volume.closed && (!one_plan || volume.sticks == expected);
+  });
+}
+
+RecordingContents inspect_recording(const std::filesystem::path& path,
+                                    const std::function<void(std::uint64_t)>& progress) {
+  const RecordingFile file(path);
+  RecordingContents contents;
+  contents.bytes = file.bytes();
+  Inspection inspection(contents);
+  RecordingReader reader(file);
+  std::uint64_t next_progress = kProgressBytes;
+  while (const auto recorded = reader.next()) {
+    if (recorded->damage_before > 0) {
+      inspection.damage({recorded->offset - recorded->damage_before, recorded->damage_before});
+    }
+    if (recorded->packet) {
+      inspection.take(*recorded->packet);
+    } else {
+      ++contents.other_packets;
+    }
+    if (progress && recorded->offset >= next_progress) {
+      progress(recorded->offset);
+      next_progress += kProgressBytes;
+    }
+  }
+  if (reader.damage_at_end() > 0) {
+    inspection.damage({file.bytes() - reader.damage_at_end(), reader.damage_at_end()});
+  }
+  contents.damage = reader.damage();
+  inspection.finish();
+  return contents;
+}
+
+}  // namespace wobblebench::hw

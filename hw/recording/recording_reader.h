@@ -1,0 +1,45 @@
+// A recording, packet after packet, and what lies between them.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hw/recording/recording_file.h"
+#include "hw/wire/decoder.h"
+
+namespace wobblebench::hw {
+
+struct RecordedPacket {
+  std::span<const std::byte> bytes;  ///< of the whole packet; valid until the next one is read
+  std::uint64_t offset = 0;          ///< in the file
+  std::uint64_t damage_before = 0;   ///< bytes before it that belong to no packet
+  std::optional<Packet> packet;      ///< none: of a kind that this program does not know
+};
+
+/// Reads a file front to back. Not thread-safe.
+class RecordingReader {
+ public:
+  /// From a byte at which a packet begins. `file` must outlive this.
+  explicit RecordingReader(const RecordingFile& file, std::uint64_t from = 0)
+      : file_(file), chunk_(file.piece_bytes()), start_(from), read_(from), end_(from) {}
+
+  /// The next packet; none at the end. Throws UnsupportedWireVersion, and as RecordingFile::read().
+  std::optional<RecordedPacket> next();
+
+  /// Bytes after the last packet that belong to none; known at the end.
+  std::uint64_t damage_at_end() const { return read_ - end_; }
+  const WireDamage& damage() const { return framer_.damage(); }
+
+ private:
+  std::optional<PacketFrame> next_frame();
+
+  const RecordingFile& file_;
+  PacketFramer framer_;
+  std::vector<std::byte> chunk_;
+  std::uint64_t start_;  ///< offset in the file of the first byte read
+  std::uint64_t read_;   ///< offset in the file of the next byte to read
+  std::uint64_t end_;    ///< offset in the file where the packet before ended
+  bool finished_ = false;
+};
+
+}  // namespace wobblebench::hw

@@ -1,0 +1,104 @@
+#include <variant>
+
+#include "hw/recording/recording.h"
+#include "hw/recording/recording_reader.h"
+
+namespace wobblebench::hw {
+namespace {
+
+/// The first configuration of a recording, wherever it stands.
+std::optional<ConfigurationPacket> first_configuration(const RecordingFile& file) {
+  RecordingReader reader(file);
+  while (const auto recorded = reader.next()) {
+    if (!recorded->packet) continue;
+    const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
+    if (packet != nullptr) return *packet;
+  }
+  return {};
+}
+
+/// Copies sound packets, and puts a configuration before each volume.
+class Salvage {
+ public:
+  Salvage(const ConfigurationPacket& first,
+          const std::function<void(std::span<const std::byte>)>& sink)
+      : configuration_(first), sink_(sink) {}
+
+  void damage() { audit_.note_damage(); }
+
+  void take(const Packet& packet, std::span<const std::byte> bytes) {
+    if (const auto* configuration = std::get_if<ConfigurationPacket>(&packet)) {
+      prime(configuration->sequence, configuration->volume, configuration->time);
+      if (!audit_.take(*configuration).accepted && configured_volume_ == configuration->volume) {
+        return;
+      }
+      configuration_ = *configuration;
+      configured_volume_ = configuration->volume;
+      sink_(bytes);
+    } else if (const auto* stick = std::get_if<StickPacket>(&packet)) {
+      take_stick(stick->stick, bytes);
+    } else {
+      const auto& end = std::get<VolumeEndPacket>(packet);
+      if (!primed_ || !audit_.take(end).accepted) return;
+      if (configured_volume_ != end.volume) return;
+      sink_(bytes);
+    }
+  }
+
+ private:
+  /// All configurations of a stream say the same, so that a later one serves for what stands before
+  /// it.
+  void prime(std::uint64_t sequence, std::uint32_t volume, DeviceTime time) {
+    if (primed_) return;
+    primed_ = true;
+    ConfigurationPacket packet = configuration_;
+    packet.sequence = sequence;
+    packet.volume = volume;
+    packet.time = time;
+    audit_.take(packet);
+  }
+
+  void take_stick(const Stick& stick, std::span<const std::byte> bytes) {
+    prime(stick.sequence, stick.index.volume, stick.time);
+    if (!audit_.take(stick).accepted) return;
+    audit_.deliver();
+    if (configured_volume_ != stick.index.volume) configure(stick);
+    sink_(bytes);
+  }
+
+  void configure(const Stick& stick) {
+    configuration_.sequence = stick.sequence;
+    configuration_.volume = stick.index.volume;
+    configuration_.time = stick.time;
+    std::vector<std::byte> bytes;
+    encode(configuration_, bytes);
+    sink_(bytes);
+    configured_volume_ = stick.index.volume;
+  }
+
+  ConfigurationPacket configuration_;
+  const std::function<void(std::span<const std::byte>)>& sink_;
+  StreamAudit audit_;
+  bool primed_ = false;
+  std::optional<std::uint32_t> configured_volume_;
+};
+
+}  // namespace
+
+void salvage_recording(const std::filesystem::path& path,
+                       const std::function<void(std::span<const std::byte>)>& sink) {
+  const RecordingFile file(path);
+  const auto configuration = first_configuration(file);
+  if (!configuration) {
+    throw std::runtime_error(path.string() +
+                             ": holds no configuration; no stick can be interpreted");
+  }
+  Salvage salvage(*configuration, sink);
+  RecordingReader reader(file);
+  while (const auto recorded = reader.next()) {
+    if (recorded->damage_before > 0) salvage.damage();
+    if (recorded->packet) salvage.take(*recorded->packet, recorded->bytes);
+  }
+}
+
+}  // namespace wobblebench::hw

@@ -1,0 +1,76 @@
+#include <algorithm>
+
+#include "hw/wire/layout.h"
+#include "hw/wire/packet.h"
+
+namespace wobblebench::hw {
+
+using namespace wire_layout;
+
+namespace {
+
+/// Appends a packet whose fields are all zero, and returns where it begins.
+std::byte* append_packet(std::vector<std::byte>& out, PacketKind kind, std::size_t payload_bytes) {
+  const std::size_t start = out.size();
+  out.resize(start + kWireHeaderBytes + payload_bytes);
+  std::byte* packet = out.data() + start;
+  std::copy(kWireMagic.begin(), kWireMagic.end(), packet);
+  put(packet + kVersionAt, kWireVersion);
+  put(packet + kKindAt, static_cast<std::uint16_t>(kind));
+  put(packet + kPayloadBytesAt, static_cast<std::uint32_t>(payload_bytes));
+  return packet;
+}
+
+void seal(std::byte* packet, std::size_t payload_bytes, std::uint32_t flags, WireCrc crc) {
+  if (crc == WireCrc::none) flags |= kFlagCrcUnchecked;
+  put(packet + kFlagsAt, flags);
+  if (crc == WireCrc::none) return;
+  put(packet + kCrcAt, packet_crc({packet, kWireHeaderBytes + payload_bytes}));
+}
+
+}  // namespace
+
+void encode(const ConfigurationPacket& packet, std::vector<std::byte>& out) {
+  std::byte* header = append_packet(out, PacketKind::configuration, kWireConfigurationBytes);
+  put(header + kSequenceAt, packet.sequence);
+  put(header + kVolumeAt, packet.volume);
+  put(header + kTimeAt, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
+  std::byte* payload = header + kWireHeaderBytes;
+  ConfigurationPacket copy = packet;
+  visit_configuration(copy, [&](std::size_t offset, auto& value) { put(payload + offset, value); });
+  put(payload + kMotorModeAt, static_cast<std::uint32_t>(packet.acquisition.motor));
+  put(payload + kSourceAt, static_cast<std::uint32_t>(packet.source));
+  seal(header, kWireConfigurationBytes, 0, WireCrc::crc32c);
+}
+
+void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc) {
+  const std::size_t samples = stick.samples.size();
+  if (samples < 1 || samples > kWireMaxSamples) {
+    throw std::length_error("a stick of " + std::to_string(samples) + " samples: must be 1 to " +
+                            std::to_string(kWireMaxSamples));
+  }
+  const std::size_t payload_bytes = stick_payload_bytes(samples);
+  std::byte* header = append_packet(out, PacketKind::stick, payload_bytes);
+  put(header + kSequenceAt, stick.sequence);
+  put(header + kVolumeAt, stick.index.volume);
+  put(header + kFrameAt, stick.index.frame);
+  put(header + kLineAt, stick.index.line);
+  put(header + kSweepDirectionAt, static_cast<std::int32_t>(stick.sweep_direction));
+  put(header + kTimeAt, static_cast<std::int64_t>(stick.time.time_since_epoch().count()));
+  put(header + kMotorAngleAt, stick.motor_angle_rad);
+  put(header + kSamplesAt, static_cast<std::uint32_t>(samples));
+  std::byte* payload = header + kWireHeaderBytes;
+  for (std::size_t i = 0; i < samples; ++i) put(payload + 4 * i, stick.samples[i]);
+  const bool linear = stick.scale == SampleScale::linear_envelope;
+  seal(header, payload_bytes, linear ? kFlagLinearEnvelope : 0, crc);
+}
+
+void encode(const VolumeEndPacket& packet, std::vector<std::byte>& out, WireCrc crc) {
+  std::byte* header = append_packet(out, PacketKind::volume_end, 0);
+  put(header + kSequenceAt, packet.sequence);
+  put(header + kVolumeAt, packet.volume);
+  put(header + kTimeAt, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
+  seal(header, 0, 0, crc);
+}
+
+}  // namespace wobblebench::hw

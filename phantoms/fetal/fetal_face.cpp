@@ -1,0 +1,177 @@
+// The fetal face phantom: the head, what lies about it, and the mother's tissue in front.
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <memory>
+
+#include "phantoms/fetal/fetal_head.h"
+#include "phantoms/fetal/fetal_surroundings.h"
+#include "phantoms/fetal/maternal_layer.h"
+#include "phantoms/grids.h"
+#include "phantoms/shapes/builders.h"
+#include "phantoms/shapes/level_set.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+constexpr double kFaceOfProbe_m = 40 * kMm;    // z in the default probe's frame
+constexpr double kThinnestUterus_m = 5 * kMm;  // of its wall on the axis; assumed
+
+double face_scale(const FetalBiometry& biometry) {
+  return biometry.binocular_m / fetal_biometry(21).binocular_m;
+}
+
+FetalHead posed_head(double weeks) {
+  const FetalBiometry biometry = fetal_biometry(weeks);
+  FetalHead head = sculpt_head(biometry);
+  // A fetus seldom faces the probe squarely.
+  head.landmarks.head_to_phantom =
+      rotation_xyz({glm::radians(-4.0), glm::radians(8.0), glm::radians(-5.0)});
+  head.landmarks.head_position_m = face_scale(biometry) * kMm * glm::dvec3(0, -5, 2);
+  return head;
+}
+
+// Where the cavity begins on a line along z.
+double cavity_front_m(double scale, double x, double y) {
+  const CavitySize size = cavity_size(scale);
+  double outside = size.center_m.z - 1.5 * size.radii_m.z, inside = size.center_m.z;
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (outside + inside);
+    (cavity_distance({x, y, middle}, scale) < 0 ? inside : outside) = middle;
+  }
+  return outside;
+}
+
+// The face some 60 mm before the probe, the head in the middle of the sweep; an older and so larger
+// fetus lies deeper, which leaves some 23 to 29 mm to the fluid (mean 29 mm, at least 17 mm: Carson
+// 1989); deeper still where the mother's tissue needs more.
+glm::dvec3 position_for(double scale, double maternal_layer_m) {
+  const double y = 6 * kMm * scale, usual_z = 105 * kMm + 20 * kMm * (scale - 1);
+  const double room = maternal_layer_m > 0 ? maternal_layer_m + kThinnestUterus_m : 0;
+  return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
+}
+
+// Everything that is looked at, as signed distances in the phantom frame.
+class FetalScene {
+ public:
+  explicit FetalScene(const PhantomOptions& options)
+      : biometry_(fetal_biometry(options.gestational_age_weeks)),
+        scale_(face_scale(biometry_)),
+        head_(posed_head(options.gestational_age_weeks)),
+        to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
+        body_(sculpt_body(scale_)),
+        hand_(sculpt_hand(scale_)),
+        cord_(scale_),
+        position_m_(position_for(scale_, options.maternal_layer_m)),
+        mother_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
+
+  double muscle(const glm::dvec3& p) const { return mother_.muscle(p); }
+  double fat(const glm::dvec3& p) const { return mother_.fat(p); }
+  double mothers_skin(const glm::dvec3& p) const { return mother_.skin(p); }
+  double cavity(const glm::dvec3& p) const { return cavity_distance(p, scale_); }
+  double cord(const glm::dvec3& p) const { return cord_.distance(p); }
+  double skin(const glm::dvec3& p) const {
+    const double trunk =
+        smooth_union(head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMm * scale_);
+    return smooth_union(trunk, hand_.distance(p), 1 * kMm * scale_);
+  }
+  double skull(const glm::dvec3& p) const { return head_.skull.distance(in_head(p)); }
+  double brain(const glm::dvec3& p) const { return head_.brain.distance(in_head(p)); }
+  double eyes(const glm::dvec3& p) const {
+    const glm::dvec3 q = in_head(p);
+    return std::min(head_.eyes[0].distance(q), head_.eyes[1].distance(q));
+  }
+
+  /// Holds the cavity, and so all that lies in it.
+  Box cavity_bounds() const {
+    const CavitySize size = cavity_size(scale_);
+    return {size.center_m - 1.15 * size.radii_m, size.center_m + 1.15 * size.radii_m};
+  }
+  Box mother_bounds() const { return mother_.bounds(); }
+  /// From the fluid before the nose to behind the ears, from above the crown to the upper chest.
+  Box region_of_interest() const {
+    const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
+    return {{-40 * kMm * scale_, crown - 3 * kMm, -18 * kMm * scale_},
+            scale_ * kMm * glm::dvec3(40, 43, 42)};
+  }
+  const glm::dvec3& suggested_position_m() const { return position_m_; }
+  /// The smallest ball that holds the skull (measured on the grids, 20 to 30 weeks), and a reach
+  /// that ends before the wall and hardly takes the hand along.
+  Joint joint() const {
+    const glm::dvec3 in_head{
+        0, -0.065 * biometry_.biparietal_m, 0.48 * biometry_.occipitofrontal_m};
+    const FetalLandmarks& pose = head_.landmarks;
+    return {pose.head_to_phantom * in_head + pose.head_position_m,
+            0.612 * biometry_.occipitofrontal_m,
+            50 * kMm * scale_};
+  }
+
+ private:
+  glm::dvec3 in_head(const glm::dvec3& p) const {
+    return to_head_ * (p - head_.landmarks.head_position_m);
+  }
+
+  FetalBiometry biometry_;
+  double scale_;  // of the face against that of 21 weeks
+  FetalHead head_;
+  glm::dmat3 to_head_;
+  Sculpture body_, hand_;
+  UmbilicalCord cord_;
+  glm::dvec3 position_m_;
+  MaternalLayer mother_;
+};
+
+struct Part {
+  const char* name;
+  const char* inside;
+  bool is_target;
+  double (FetalScene::*distance)(const glm::dvec3&) const;
+  Distances distances;
+};
+
+// In painter's order.
+constexpr Part kMother[] = {
+    {"maternal_muscle", "muscle", false, &FetalScene::muscle, Distances::exact},
+    {"maternal_fat", "fat", false, &FetalScene::fat, Distances::exact},
+    {"maternal_skin", "skin", false, &FetalScene::mothers_skin, Distances::exact}};
+constexpr Part kWithin[] = {
+    {"cavity", "amniotic_fluid", true, &FetalScene::cavity, Distances::exact},
+    {"cord", "umbilical_cord", true, &FetalScene::cord, Distances::first_order},
+    {"skin", "fetal_skin", true, &FetalScene::skin, Distances::first_order},
+    {"skull", "fetal_skull", false, &FetalScene::skull, Distances::first_order},
+    {"brain", "brain", false, &FetalScene::brain, Distances::first_order},
+    {"eyes", "vitreous", false, &FetalScene::eyes, Distances::exact}};
+
+}  // namespace
+
+FetalLandmarks fetal_landmarks(double gestational_age_weeks) {
+  return posed_head(gestational_age_weeks).landmarks;
+}
+
+Phantom make_fetal_face(const PhantomOptions& options) {
+  const FetalScene scene(options);
+  std::vector<Surface> surfaces;
+  auto grids = std::make_shared<Grids>();
+  const auto add = [&](const Part& part, const Box& bounds) {
+    surfaces.push_back({part.name, material_index(part.inside), part.is_target});
+    const auto distance = [&](const glm::dvec3& p) { return (scene.*part.distance)(p); };
+    grids->signed_distance.push_back(
+        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances));
+  };
+  if (options.maternal_layer_m > 0) {
+    for (const Part& part : kMother) add(part, scene.mother_bounds());
+  }
+  for (const Part& part : kWithin) add(part, scene.cavity_bounds());
+  return Phantom("fetal_face",
+                 material_table(),
+                 material_index("uterus_wall"),
+                 surfaces,
+                 scene.region_of_interest(),
+                 scene.suggested_position_m(),
+                 grids,
+                 scene.joint());
+}
+
+}  // namespace wobblebench::phantoms

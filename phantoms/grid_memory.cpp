@@ -1,0 +1,12 @@
+#include "phantoms/grid_memory.h"
+
+#include "phantoms/grids.h"
+
+namespace wobblebench::phantoms {
+
+GridFacts grid_facts(const Phantom& phantom, std::size_t surface) {
+  const openvdb::FloatGrid& grid = *phantom.grids().signed_distance.at(surface);
+  return {grid.voxelSize()[0], grid.activeVoxelCount(), grid.memUsage()};
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,129 @@
+#include "phantoms/io/imports.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <glm/common.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "phantoms/io/mesh_file.h"
+#include "phantoms/range_check.h"
+#include "phantoms/shapes/calibration.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Front of an imported body below the face of the default probe, in its frame.
+constexpr double kFront_m = (40 + 65) * 1e-3;
+
+void check_readable(const std::string& file, const std::string& kind) {
+  if (file.empty()) throw refusal("file", quoted(file), "must be the path of " + kind);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) {
+    const bool missing = !error || error == std::errc::no_such_file_or_directory;
+    throw refusal("file", quoted(file), missing ? "no such file" : error.message());
+  }
+  if (fs::file_size(file, error) == 0) {
+    throw refusal("file", quoted(file), "not readable as " + kind + " (it is empty)");
+  }
+  if (::access(file.c_str(), R_OK) != 0) throw refusal("file", quoted(file), "cannot be read");
+}
+
+void check_material(const std::string& key, const std::string& name) {
+  std::string known;
+  for (const Material& entry : material_table()) {
+    if (entry.name == name) return;
+    known += (known.empty() ? "" : ", ") + entry.name;
+  }
+  throw refusal(key, quoted(name), "must be one of " + known);
+}
+
+void check_materials(const PhantomOptions& options) {
+  for (const std::string& name : options.materials) check_material("materials", name);
+  check_material("background", options.background);
+}
+
+std::string millimetres(const glm::dvec3& size_m) {
+  std::ostringstream text;
+  text << size_m.x * 1e3 << " x " << size_m.y * 1e3 << " x " << size_m.z * 1e3 << " mm";
+  return text.str();
+}
+
+}  // namespace
+
+void check_mesh(const PhantomOptions& options) {
+  check_readable(options.file, "an .obj, .stl or .ply");
+  const std::string extension = lower_case_extension(options.file);
+  if (extension != ".obj" && extension != ".stl" && extension != ".ply") {
+    throw refusal("file", quoted(options.file), "must be an .obj, .stl or .ply");
+  }
+  if (options.materials.size() != 1) {
+    throw refusal("materials",
+                  std::to_string(options.materials.size()) + " names",
+                  "takes one name for a mesh");
+  }
+  check_materials(options);
+}
+
+void check_vdb(const PhantomOptions& options) {
+  check_readable(options.file, "a .vdb");
+  check_materials(options);
+}
+
+void check_file(const PhantomOptions& options) {
+  check_readable(options.file, "a .vdb");
+}
+
+Phantom make_file(const PhantomOptions& options) {
+  return read_phantom(options.file);
+}
+
+void check_size(const Box& bounds, double voxel_m) {
+  const glm::dvec3 size = bounds.high - bounds.low;
+  const double least = std::min({size.x, size.y, size.z});
+  std::ostringstream reason;
+  if (!(std::max({size.x, size.y, size.z}) <= kLargestBody_m)) {
+    reason << "measures " << millimetres(size) << ", more than " << kLargestBody_m * 1e3
+           << ": is unit_mm right?";
+  } else if (!(least >= kSmallestBody * voxel_m)) {
+    reason << "measures " << millimetres(size) << ", less than " << kSmallestBody << " voxels of "
+           << voxel_m * 1e3 << " mm: is unit_mm right?";
+  } else {
+    return;
+  }
+  throw std::invalid_argument(reason.str());
+}
+
+void check_bytes(double bytes, const std::string& advice) {
+  if (bytes <= kMostBytes) return;
+  std::ostringstream reason;
+  reason.precision(3);
+  reason << "would take about " << bytes / 1e9 << " GB of memory; at most " << kMostBytes / 1e9
+         << " GB are allowed" << advice;
+  throw std::invalid_argument(reason.str());
+}
+
+Phantom imported_phantom(const PhantomOptions& options,
+                         std::vector<Surface> surfaces,
+                         const Box& bounds,
+                         std::shared_ptr<const Grids> grids) {
+  // A picture of the front: a box with room around it.
+  const double half_x = std::clamp(bounds.high.x + 5e-3, 15e-3, 60e-3);
+  const double half_y = std::clamp(bounds.high.y + 5e-3, 15e-3, 60e-3);
+  const double front = bounds.low.z - 10e-3;
+  const Box box{{-half_x, -half_y, front}, {half_x, half_y, front + kBoxDepth_m}};
+  return Phantom(options.name,
+                 material_table(),
+                 material_index(options.background),
+                 std::move(surfaces),
+                 box,
+                 {0, 0, kFront_m - bounds.low.z},
+                 std::move(grids));
+}
+
+}  // namespace wobblebench::phantoms

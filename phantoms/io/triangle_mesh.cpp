@@ -1,0 +1,140 @@
+#include "phantoms/io/triangle_mesh.h"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace wobblebench::phantoms {
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+
+bool lies_before(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+// Six times the volume of the cone from `apex` to the triangle.
+double cone6(const TriangleMesh& mesh, const Triangle& t, const glm::dvec3& apex) {
+  const glm::dvec3 a = mesh.vertices[t[0]] - apex, b = mesh.vertices[t[1]] - apex,
+                   c = mesh.vertices[t[2]] - apex;
+  return glm::dot(a, glm::cross(b, c));
+}
+
+// Vertices in sets; those of one shell end up in one set.
+class Shells {
+ public:
+  explicit Shells(std::size_t vertices) : parent_(vertices) {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+  std::uint32_t root(std::uint32_t vertex) {
+    while (parent_[vertex] != vertex) {
+      parent_[vertex] = parent_[parent_[vertex]];
+      vertex = parent_[vertex];
+    }
+    return vertex;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace
+
+TriangleMesh welded(const TriangleMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return lies_before(mesh.vertices[a], mesh.vertices[b]);
+  });
+  TriangleMesh result;
+  std::vector<std::uint32_t> place(mesh.vertices.size());
+  for (const std::uint32_t vertex : order) {
+    if (result.vertices.empty() || result.vertices.back() != mesh.vertices[vertex]) {
+      result.vertices.push_back(mesh.vertices[vertex]);
+    }
+    place[vertex] = std::uint32_t(result.vertices.size() - 1);
+  }
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle at{place[t[0]], place[t[1]], place[t[2]]};
+    if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) result.triangles.push_back(at);
+  }
+  return result;
+}
+
+EdgeFaults edge_faults(const TriangleMesh& mesh) {
+  // Both ends, the lower first, and whether the triangle goes from the lower to the higher.
+  using Edge = std::tuple<std::uint32_t, std::uint32_t, bool>;
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::uint32_t from = t[corner], to = t[(corner + 1) % 3];
+      edges.emplace_back(std::min(from, to), std::max(from, to), from < to);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  EdgeFaults faults;
+  for (std::size_t first = 0; first < edges.size();) {
+    std::size_t last = first, upwards = 0;
+    const auto ends = [&](std::size_t i) {
+      return std::pair(std::get<0>(edges[i]), std::get<1>(edges[i]));
+    };
+    for (; last < edges.size() && ends(last) == ends(first); ++last) {
+      upwards += std::get<2>(edges[last]);
+    }
+    const std::size_t count = last - first;
+    faults.open += count == 1;
+    faults.crowded += count > 2;
+    faults.opposite += count == 2 && upwards != 1;
+    first = last;
+  }
+  return faults;
+}
+
+std::vector<double> shell_volumes(const TriangleMesh& mesh) {
+  Shells shells(mesh.vertices.size());
+  for (const Triangle& t : mesh.triangles) {
+    shells.join(t[0], t[1]);
+    shells.join(t[1], t[2]);
+  }
+  std::vector<double> by_root(mesh.vertices.size(), 0.0);
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles) {
+    const std::uint32_t root = shells.root(t[0]);
+    // Cones from a vertex of the shell itself stay small, wherever the file's origin lies.
+    by_root[root] += cone6(mesh, t, mesh.vertices[root]) / 6;
+    used[root] = true;
+  }
+  std::vector<double> volumes;
+  for (std::size_t i = 0; i < by_root.size(); ++i) {
+    if (used[i]) volumes.push_back(by_root[i]);
+  }
+  return volumes;
+}
+
+double surface_area(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const glm::dvec3& a = mesh.vertices[t[0]];
+    area += 0.5 * glm::length(glm::cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+  }
+  return area;
+}
+
+Box bounds(const TriangleMesh& mesh) {
+  const glm::dvec3& first = mesh.vertices.at(mesh.triangles.at(0)[0]);
+  Box box{first, first};
+  for (const Triangle& t : mesh.triangles) {
+    for (const std::uint32_t corner : t) {
+      const glm::dvec3& vertex = mesh.vertices[corner];
+      box = {glm::min(box.low, vertex), glm::max(box.high, vertex)};
+    }
+  }
+  return box;
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,233 @@
+// Level sets of other programs.
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+
+#include "base/text.h"
+#include "phantoms/grids.h"
+#include "phantoms/io/imports.h"
+#include "phantoms/io/vdb_file.h"
+#include "phantoms/io/vdb_metadata.h"
+#include "phantoms/range_check.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+using Grid = openvdb::FloatGrid;
+
+// Narrower bands cannot be interpolated on both sides of the surface.
+constexpr double kNarrowestBandVoxels = 1.5;
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string grid_word(const std::string& name) {
+  return "grid " + quoted(name) + " ";
+}
+
+bool is_level_set(const openvdb::GridBase& grid) {
+  return grid.isType<Grid>() && grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+}
+
+std::string contents(const openvdb::GridPtrVec& grids) {
+  std::vector<std::string> words;
+  for (const auto& grid : grids) {
+    const std::string name = is_printable(grid->getName()) ? grid->getName() : "(unprintable)";
+    words.push_back(name + " (" + grid->valueType() + " " +
+                    openvdb::GridBase::gridClassToString(grid->getGridClass()) + ")");
+  }
+  return words.empty() ? "no grids" : listed(words);
+}
+
+Grid::Ptr level_set_of(const openvdb::GridBase::Ptr& grid) {
+  const std::string& name = grid->getName();
+  if (!is_printable(name)) throw std::invalid_argument("a grid's name is not printable UTF-8 text");
+  if (!grid->isType<Grid>()) {
+    throw std::invalid_argument(grid_word(name) + "holds " + grid->valueType() + ", not float");
+  }
+  auto distances = openvdb::gridPtrCast<Grid>(grid);
+  check_level_set(name, *distances);
+  if (distances->empty()) throw std::invalid_argument(grid_word(name) + "is empty");
+  // Grids of a file may share a tree.
+  return distances->isTreeUnique() ? distances : distances->deepCopy();
+}
+
+// The grids that the scene names, or all level sets.
+std::vector<Grid::Ptr> chosen(const VdbFile& file, const std::vector<std::string>& names) {
+  std::vector<Grid::Ptr> found;
+  for (const auto& grid : file.grids) {
+    if (names.empty() && is_level_set(*grid)) found.push_back(level_set_of(grid));
+  }
+  for (const std::string& name : names) {
+    const auto grid =
+        std::find_if(file.grids.begin(), file.grids.end(), [&](const auto& candidate) {
+          return candidate->getName() == name;
+        });
+    if (grid == file.grids.end()) {
+      throw refusal("grids", quoted(name), "no such grid; the file holds " + contents(file.grids));
+    }
+    found.push_back(level_set_of(*grid));
+  }
+  if (!found.empty()) return found;
+  throw std::invalid_argument("holds no float level set, but " + contents(file.grids));
+}
+
+std::vector<std::string> names_of(const std::vector<Grid::Ptr>& grids) {
+  std::vector<std::string> names;
+  for (const auto& grid : grids) {
+    const std::string name = grid->getName();
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      throw std::invalid_argument("two of the grids are named " + quoted(name));
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+void check_one_lattice(const std::vector<Grid::Ptr>& grids) {
+  for (const auto& grid : grids) {
+    if (grid->transform() == grids.front()->transform()) continue;
+    throw std::invalid_argument(grid_word(grid->getName()) + "has other voxels than " +
+                                quoted(grids.front()->getName()) +
+                                ": resample them onto one lattice");
+  }
+}
+
+// Mean slope over the voxels next to the surface: 1 for distances in the unit of the voxels.
+double mean_slope(const Grid& grid) {
+  const auto tree = grid.getConstAccessor();
+  const double voxel = grid.voxelSize()[0];
+  double sum = 0, count = 0;
+  for (auto value = grid.cbeginValueOn(); value; ++value) {
+    if (!value.isVoxelValue() || std::abs(*value) > voxel) continue;
+    openvdb::Vec3d rise;
+    for (int axis = 0; axis < 3; ++axis) {
+      openvdb::Coord low = value.getCoord(), high = low;
+      low[axis] -= 1;
+      high[axis] += 1;
+      rise[axis] = double(tree.getValue(high)) - double(tree.getValue(low));
+    }
+    sum += rise.length() / (2 * voxel);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void check_distances(const std::string& name, const Grid& grid) {
+  if (double(grid.background()) < kNarrowestBandVoxels * grid.voxelSize()[0]) {
+    throw std::invalid_argument(grid_word(name) + "has a narrow band of less than 1.5 voxels");
+  }
+  const double slope = mean_slope(grid);
+  if (slope > 0.7 && slope < 1.4) return;
+  std::ostringstream reason;
+  reason << grid_word(name) << "does not hold distances in the unit of its voxels: their mean slope"
+         << " at the surface is " << slope << ", not 1";
+  throw std::invalid_argument(reason.str());
+}
+
+// Where the grid is negative, in metres.
+Box inside_of(const std::string& name, const Grid& grid) {
+  openvdb::CoordBBox box;
+  for (auto value = grid.cbeginValueAll(); value; ++value) {
+    if (*value < 0) box.expand(value.getBoundingBox());
+  }
+  if (box.empty()) throw std::invalid_argument(grid_word(name) + "encloses nothing");
+  const openvdb::BBoxd world =
+      grid.transform().indexToWorld(openvdb::BBoxd(box.min().asVec3d(), box.max().asVec3d()));
+  return {to_glm(world.min()), to_glm(world.max())};
+}
+
+Box hull(const std::vector<Grid::Ptr>& grids) {
+  Box all;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const Box one = inside_of(grids[i]->getName(), *grids[i]);
+    if (i == 0) all = one;
+    all = {glm::min(all.low, one.low), glm::max(all.high, one.high)};
+  }
+  return all;
+}
+
+// From the file's unit to metres. Values far inside may be unsigned in files of other programs.
+void scale(Grid& grid, double unit_m) {
+  for (auto value = grid.beginValueAll(); value; ++value) {
+    value.setValue(float(*value * unit_m));
+  }
+  grid.tree().root().setBackground(float(grid.background() * unit_m), /*updateChildNodes=*/false);
+  grid.transform().postScale(unit_m);
+  openvdb::tools::signedFloodFill(grid.tree());
+}
+
+bool is_target(const PhantomOptions& options, const std::string& name) {
+  const auto& targets = options.targets;
+  if (!options.target) return false;
+  return targets.empty() || std::find(targets.begin(), targets.end(), name) != targets.end();
+}
+
+std::vector<Surface> surfaces_of(const PhantomOptions& options,
+                                 const std::vector<std::string>& names) {
+  const auto& materials = options.materials;
+  if (materials.size() != 1 && materials.size() != names.size()) {
+    throw refusal("materials",
+                  std::to_string(materials.size()) + " names",
+                  "takes 1, or one for each of " + listed(names));
+  }
+  for (const std::string& target : options.targets) {
+    if (std::find(names.begin(), names.end(), target) == names.end()) {
+      throw refusal("targets", quoted(target), "must be among the grids: " + listed(names));
+    }
+  }
+  std::vector<Surface> surfaces;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string& inside = materials[materials.size() == 1 ? 0 : i];
+    surfaces.push_back({names[i], material_index(inside), is_target(options, names[i])});
+  }
+  return surfaces;
+}
+
+// The file's grids, checked, in metres, about the origin.
+Phantom import_vdb(const PhantomOptions& options) {
+  const double file_bytes = double(std::filesystem::file_size(options.file));
+  check_bytes(std::max(stated_bytes(options.file), file_bytes), ": use larger voxels");
+  const std::vector<Grid::Ptr> grids = chosen(read_vdb(options.file), options.grids);
+  const std::vector<std::string> names = names_of(grids);
+  std::vector<Surface> surfaces = surfaces_of(options, names);
+  check_one_lattice(grids);
+  double bytes = 0;
+  for (const auto& grid : grids) {
+    check_distances(grid->getName(), *grid);
+    bytes += double(grid->memUsage());
+  }
+  check_bytes(bytes, ": use larger voxels");
+  for (const auto& grid : grids) scale(*grid, options.unit_m);
+  Box bounds = hull(grids);
+  check_size(bounds, grids.front()->voxelSize()[0]);
+  const glm::dvec3 middle = 0.5 * (bounds.low + bounds.high);
+  auto result = std::make_shared<Grids>();
+  for (const auto& grid : grids) {
+    grid->transform().postTranslate(to_vdb(-middle));
+    result->signed_distance.push_back(grid);
+  }
+  bounds = {bounds.low - middle, bounds.high - middle};
+  return imported_phantom(options, std::move(surfaces), bounds, result);
+}
+
+}  // namespace
+
+Phantom make_vdb(const PhantomOptions& options) {
+  try {
+    return import_vdb(options);
+  } catch (const InvalidPhantom&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw refusal("file", quoted(options.file), error.what());
+  }
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,79 @@
+// Bodies in fluid whose truth has a closed form.
+#include "phantoms/shapes/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "phantoms/shapes/builders.h"
+#include "phantoms/shapes/level_set.h"
+#include "phantoms/shapes/shapes.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+
+}  // namespace
+
+Phantom make_plane(const PhantomOptions& options) {
+  // The slab is wider than the field of the default probe at any tilt that options allow.
+  const glm::dvec3 half{120 * kMm, 120 * kMm, 20 * kMm};
+  const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
+  const auto distance = [=](const glm::dvec3& position) {
+    return box_distance(position * turn - glm::dvec3(0, 0, half.z), half);
+  };
+  auto grid = build_level_set(
+      "slab", distance, cube(glm::length(half) + 2 * half.z), options.voxel_m, Distances::exact);
+  return Phantom("plane",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"slab", material_index("soft_tissue"), true}},
+                 box_from(-kBoxDepth_m / 2, 35 * kMm),
+                 kCalibrationPosition,
+                 only(grid));
+}
+
+Phantom make_sphere(const PhantomOptions& options) {
+  const double radius = options.radius_m;
+  const auto distance = [=](const glm::dvec3& position) { return glm::length(position) - radius; };
+  auto grid = build_level_set("ball",
+                              distance,
+                              cube(radius + 2 * kHalfWidthVoxels * options.voxel_m),
+                              options.voxel_m,
+                              Distances::exact);
+  // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
+  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, radius + 80 * kMm)};
+  return Phantom("sphere",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"ball", material_index("soft_tissue"), true}},
+                 box_from(-radius - 10 * kMm, std::clamp(1.5 * radius, 30 * kMm, 40 * kMm)),
+                 position,
+                 only(grid));
+}
+
+Phantom make_points(const PhantomOptions& options) {
+  const double radius = 1 * kMm, pitch = 15 * kMm, depth_step = 25 * kMm;
+  const auto distance = [=](const glm::dvec3& position) {
+    const auto nearest = [](double x, double step, int count) {
+      return step * std::clamp(std::round(x / step), double(-count), double(count));
+    };
+    const glm::dvec3 center{nearest(position.x, pitch, 2),
+                            nearest(position.y, pitch, 1),
+                            nearest(position.z, depth_step, 1)};
+    return glm::length(position - center) - radius;
+  };
+  const glm::dvec3 reach{2 * pitch + 5 * kMm, pitch + 5 * kMm, depth_step + 5 * kMm};
+  auto grid =
+      build_level_set("points", distance, {-reach, reach}, options.voxel_m, Distances::exact);
+  return Phantom("points",
+                 material_table(),
+                 material_index("amniotic_fluid"),
+                 {{"points", material_index("point_target"), true}},
+                 {-reach, reach},
+                 kCalibrationPosition,
+                 only(grid));
+}
+
+}  // namespace wobblebench::phantoms

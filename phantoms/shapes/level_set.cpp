@@ -1,0 +1,187 @@
+#include "phantoms/shapes/level_set.h"
+
+#include <openvdb/tools/LevelSetTracker.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace wobblebench::phantoms {
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+using Leaves = std::vector<std::unique_ptr<Leaf>>;
+
+constexpr int kBrick = 64;  // voxels; bricks are the grain of the parallel work
+constexpr int kLeaf = Leaf::DIM;
+
+// Smooth shapes may state up to this much more than the true distance far from their surface.
+constexpr double kOverstatement = 1.3;
+
+// Finds the leaves that the band of one surface touches, from coarse cells to fine.
+class BandSearch {
+ public:
+  BandSearch(const DistanceFunction& distance, double voxel_m, double band_m)
+      : distance_(distance), voxel_m_(voxel_m), band_m_(band_m) {}
+
+  void collect(const openvdb::Coord& origin, int size, Leaves& leaves) const {
+    if (!may_hold_band(origin, size)) return;
+    if (size == kLeaf) {
+      if (auto leaf = evaluate(origin)) leaves.push_back(std::move(leaf));
+      return;
+    }
+    const int half = size / 2;
+    for (int child = 0; child < 8; ++child) {
+      collect(origin.offsetBy(child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0),
+              half,
+              leaves);
+    }
+  }
+
+ private:
+  bool may_hold_band(const openvdb::Coord& origin, int size) const {
+    const double half = 0.5 * (size - 1);
+    const glm::dvec3 center =
+        voxel_m_ * glm::dvec3(origin.x() + half, origin.y() + half, origin.z() + half);
+    const double reach = band_m_ + std::sqrt(3.0) * half * voxel_m_;
+    return std::abs(distance_(center)) <= kOverstatement * reach;
+  }
+
+  std::unique_ptr<Leaf> evaluate(const openvdb::Coord& origin) const {
+    auto leaf = std::make_unique<Leaf>(origin, float(band_m_));
+    for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+      const openvdb::Coord ijk = leaf->offsetToGlobalCoord(offset);
+      const double value = distance_(voxel_m_ * glm::dvec3(ijk.x(), ijk.y(), ijk.z()));
+      if (std::abs(value) < band_m_) {
+        leaf->setValueOn(offset, float(value));
+      } else {
+        leaf->setValueOff(offset, float(std::copysign(band_m_, value)));
+      }
+    }
+    return leaf->isEmpty() ? nullptr : std::move(leaf);
+  }
+
+  const DistanceFunction& distance_;
+  double voxel_m_;
+  double band_m_;
+};
+
+std::vector<openvdb::Coord> bricks_of(const Box& bounds, double voxel_m) {
+  const auto floor_brick = [&](double m) { return int(std::floor(m / voxel_m / kBrick)); };
+  std::vector<openvdb::Coord> bricks;
+  for (int x = floor_brick(bounds.low.x); x <= floor_brick(bounds.high.x); ++x) {
+    for (int y = floor_brick(bounds.low.y); y <= floor_brick(bounds.high.y); ++y) {
+      for (int z = floor_brick(bounds.low.z); z <= floor_brick(bounds.high.z); ++z) {
+        bricks.emplace_back(x * kBrick, y * kBrick, z * kBrick);
+      }
+    }
+  }
+  return bricks;
+}
+
+openvdb::FloatGrid::Ptr evaluate_band(const DistanceFunction& distance,
+                                      const Box& bounds,
+                                      double voxel_m,
+                                      double band_m) {
+  const std::vector<openvdb::Coord> bricks = bricks_of(bounds, voxel_m);
+  std::vector<Leaves> found(bricks.size());
+  const BandSearch search(distance, voxel_m, band_m);
+  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    search.collect(bricks[i], kBrick, found[i]);
+  });
+  auto grid = openvdb::FloatGrid::create(float(band_m));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_m));
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  for (Leaves& leaves : found) {
+    for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());
+  }
+  openvdb::tools::signedFloodFill(grid->tree());
+  return grid;
+}
+
+// Voxels this close to the surface get their distance from the function's own slope and then stay,
+// so that solving for the others does not move the surface.
+constexpr double kFrozenVoxels = 1.2;
+
+// Value over slope is the distance to first order. Creases have no slope of their own: no value is
+// stretched by more than a rounded edge asks for.
+float distance_by_slope(const openvdb::FloatGrid::ConstAccessor& tree,
+                        const openvdb::Coord& at,
+                        double voxel_m) {
+  double slope2 = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    openvdb::Coord low = at, high = at;
+    low[axis] -= 1;
+    high[axis] += 1;
+    const double rise = (tree.getValue(high) - tree.getValue(low)) / (2 * voxel_m);
+    slope2 += rise * rise;
+  }
+  return float(tree.getValue(at) / std::clamp(std::sqrt(slope2), 0.7, 1.5));
+}
+
+// Solves the eikonal equation outwards from the surface: a step moves by 0.9 voxel, so six reach
+// the rim of the band. First order in space, since the voxels that matter most are frozen.
+void renormalise(openvdb::FloatGrid& grid) {
+  using Tracker = openvdb::tools::LevelSetTracker<openvdb::FloatGrid>;
+  const double voxel_m = grid.voxelSize()[0];
+  const openvdb::FloatGrid::Ptr raw = grid.deepCopy();
+  Tracker::MaskTreeType moving(grid.tree(), false, openvdb::TopologyCopy());
+  openvdb::tree::LeafManager<Tracker::MaskTreeType> masks(moving);
+  masks.foreach ([&](Tracker::MaskTreeType::LeafNodeType& mask, std::size_t) {
+    const auto tree = raw->getConstAccessor();
+    Leaf& leaf = *grid.tree().probeLeaf(mask.origin());
+    for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
+      voxel.setValue(distance_by_slope(tree, voxel.getCoord(), voxel_m));
+      if (std::abs(*voxel) < kFrozenVoxels * voxel_m) mask.setValueOff(voxel.pos());
+    }
+  });
+  Tracker tracker(grid);
+  tracker.setSpatialScheme(openvdb::math::FIRST_BIAS);
+  tracker.setTemporalScheme(openvdb::math::TVD_RK2);
+  tracker.setNormCount(6);
+  tracker.normalize(&moving);
+}
+
+void trim(openvdb::FloatGrid& grid, double band_m) {
+  openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
+  leaves.foreach ([band_m](Leaf& leaf, std::size_t) {
+    for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
+      if (std::abs(*voxel) < band_m) continue;
+      voxel.setValue(float(std::copysign(band_m, *voxel)));
+      voxel.setValueOff();
+    }
+  });
+  openvdb::tools::changeLevelSetBackground(grid.tree(), float(band_m));
+  openvdb::tools::pruneLevelSet(grid.tree());
+}
+
+}  // namespace
+
+void initialize_openvdb() {
+  static const bool once = (openvdb::initialize(), true);
+  (void)once;
+}
+
+openvdb::FloatGrid::Ptr build_level_set(const std::string& name,
+                                        const DistanceFunction& distance,
+                                        const Box& bounds,
+                                        double voxel_m,
+                                        Distances distances) {
+  initialize_openvdb();
+  const double band_m = kHalfWidthVoxels * voxel_m;
+  const bool exact = distances == Distances::exact;
+  auto grid = evaluate_band(distance, bounds, voxel_m, exact ? band_m : 1.5 * band_m);
+  if (!exact) {
+    renormalise(*grid);
+    trim(*grid, band_m);
+  }
+  grid->setName(name);
+  return grid;
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,92 @@
+#include "render/gl/fetch_count.h"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "render/gl/program.h"
+
+namespace wobblebench::render {
+namespace {
+
+FetchCounter* living = nullptr;
+
+/// Colour attachment for the counts: behind those of any pass.
+constexpr int kSlot = 7;
+
+}  // namespace
+
+FetchKind kind_of(const Texture& texture) {
+  using Sampler = FetchKind::Sampler;
+  const Extent& extent = texture.extent();
+  const Sampler layered = extent.array ? Sampler::layers : Sampler::volume;
+  return {extent.depth ? layered : Sampler::plane, texture.format(), texture.filter()};
+}
+
+FetchCounter::FetchCounter() {
+  if (living) throw std::logic_error("FetchCounter: one lives already");
+  living = this;
+}
+
+FetchCounter::~FetchCounter() {
+  living = nullptr;
+}
+
+FetchCounter* FetchCounter::current() {
+  return living;
+}
+
+FetchCounts FetchCounter::take() {
+  return std::exchange(counts_, {});
+}
+
+void FetchCounter::begin_draw(const Framebuffer& target) {
+  fetches_ = Texture("fetches", TexelFormat::rgba32f, target.extent(), TextureFilter::nearest);
+  target.attach(kSlot, &fetches_);
+}
+
+void FetchCounter::end_draw(const Framebuffer& target,
+                            const std::array<FetchKind, kSamplers>& kinds) {
+  const std::vector<float> pixels = fetches_.download();
+  target.attach(kSlot, nullptr);
+  std::array<std::int64_t, kSamplers> totals{};
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (i % 4 < kSamplers) totals[i % 4] += static_cast<std::int64_t>(pixels[i]);
+  }
+  for (std::size_t sampler = 0; sampler < kSamplers; ++sampler) {
+    if (totals[sampler] > 0) counts_[kinds[sampler]] += totals[sampler];
+  }
+}
+
+double fetch_rate_per_us(const FetchKind& kind) {
+  constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
+  const bool is_plane = kind.sampler == FetchKind::Sampler::plane;
+  const bool is_array = kind.sampler == FetchKind::Sampler::layers;
+  const Texture fetched(
+      "fetched", kind.format, {kSide, kSide, is_plane ? 0 : kLayers, is_array}, kind.filter);
+  const Texture sums("sums", TexelFormat::r32f, {kSide, kSide}, TextureFilter::nearest);
+  const Framebuffer target({&sums});
+  const FragmentProgram program({"fetch_rate.frag.glsl"},
+                                Defines()
+                                    .add("SAMPLER", static_cast<int>(kind.sampler))
+                                    .add("TAPS", kTaps)
+                                    .add("SIDE", kSide));
+  double best_us = std::numeric_limits<double>::max();
+  for (int draw = 0; draw < kDraws; ++draw) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    program.draw(target, {{0, &fetched}});
+    glFinish();
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    best_us = std::min(best_us, took.count());
+  }
+  check_gl("measuring fetches");
+  return double{kSide} * kSide * kTaps / best_us;
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,137 @@
+// OpenGL objects as move-only values with an explicit empty state. Nothing here needs GL's headers:
+// only gl_*.cpp files see them. All calls need a current context (render/gl/context.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/gl/texel_format.h"
+
+namespace wobblebench::render {
+
+/// Owner of one GL name; 0 is empty.
+template <void (*destroy)(unsigned)>
+class GlName {
+ public:
+  GlName() = default;
+  explicit GlName(unsigned id) : id_(id) {}
+  GlName(GlName&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+  GlName& operator=(GlName&& other) noexcept {
+    if (this != &other) {
+      reset();
+      id_ = std::exchange(other.id_, 0);
+    }
+    return *this;
+  }
+  ~GlName() { reset(); }
+
+  unsigned id() const { return id_; }
+  explicit operator bool() const { return id_ != 0; }
+  void reset() {
+    if (id_ != 0) destroy(std::exchange(id_, 0));
+  }
+
+ private:
+  unsigned id_ = 0;
+};
+
+void delete_texture(unsigned id);
+void delete_framebuffer(unsigned id);
+void delete_vertex_array(unsigned id);
+void delete_program(unsigned id);
+void delete_shader(unsigned id);
+void delete_query(unsigned id);
+
+using VertexArray = GlName<delete_vertex_array>;
+using Query = GlName<delete_query>;
+VertexArray make_vertex_array();
+Query make_timer_query();
+
+int channels(TexelFormat format);
+
+struct Extent {
+  int width = 1;
+  int height = 1;
+  int depth = 0;       ///< 0: a 2D texture
+  bool array = false;  ///< of 2D layers, which are not filtered into each other; else 3D
+};
+
+/// A texture without mip levels, clamped to its edge. Row 0 is the first row of the data, and the
+/// top of a picture.
+class Texture {
+ public:
+  Texture() = default;
+  /// `what` names the texture in errors. Throws std::runtime_error, before allocating, when a side
+  /// or the memory is beyond the driver's limits.
+  Texture(const std::string& what, TexelFormat format, Extent extent, TextureFilter filter);
+
+  /// All texels, tightly packed. Throws std::logic_error for a wrong number of values.
+  void upload(const std::vector<float>& values);
+  void upload(const std::vector<std::uint16_t>& values);
+  void upload(const std::vector<std::uint8_t>& values);
+  /// One layer of a 3D texture or an array.
+  void upload_layer(int layer, const std::vector<float>& values);
+  void upload_layer(int layer, const std::vector<std::uint16_t>& values);
+  /// All texels as `channels` floats each.
+  std::vector<float> download() const;
+  /// The same of one layer.
+  std::vector<float> download_layer(int layer) const;
+
+  void set_filter(TextureFilter filter) const;
+  TextureFilter filter() const;
+  TexelFormat format() const { return format_; }
+
+  unsigned id() const { return name_.id(); }
+  explicit operator bool() const { return bool(name_); }
+  const Extent& extent() const { return extent_; }
+
+ private:
+  std::size_t values() const;
+  void upload_as(unsigned type, const void* data, std::size_t count);
+  void upload_layer_as(int layer, unsigned type, const void* data, std::size_t count);
+
+  GlName<delete_texture> name_;
+  TexelFormat format_ = TexelFormat::r32f;
+  Extent extent_;
+};
+
+/// Where a program draws: colour attachments 0, 1, … in the order given.
+class Framebuffer {
+ public:
+  Framebuffer() = default;
+  Framebuffer(std::initializer_list<const Texture*> attachments);
+  /// Single layers of 3D textures or arrays, one an attachment.
+  struct Layer {
+    const Texture* texture = nullptr;
+    int index = 0;
+  };
+  static Framebuffer of_layers(const std::vector<Layer>& layers);
+  /// All layers of 3D textures or arrays, for FragmentProgram::draw_layers.
+  static Framebuffer of_all_layers(std::initializer_list<const Texture*> textures);
+
+  unsigned id() const { return name_.id(); }
+  explicit operator bool() const { return bool(name_); }
+  int width() const { return extent_.width; }
+  int height() const { return extent_.height; }
+  const Extent& extent() const { return extent_; }
+
+  /// Another texture of the same extent at this colour attachment, behind those that there are;
+  /// null: none any more.
+  void attach(int slot, const Texture* texture) const;
+
+ private:
+  void finish(const Extent& extent, int attachments);
+
+  GlName<delete_framebuffer> name_;
+  Extent extent_{0, 0};
+  int attachments_ = 0;
+};
+
+/// Throws std::runtime_error that names the GL errors since the last check, and `where`.
+void check_gl(const std::string& where);
+
+}  // namespace wobblebench::render

@@ -1,0 +1,196 @@
+#include "render/gl/program.h"
+
+#include <glad/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+#include "render/gl/fetch_count.h"
+
+namespace wobblebench::render {
+namespace {
+
+using Shader = GlName<delete_shader>;
+
+/// Layers of one draw.
+constexpr int kMostLayers = 64;
+
+std::string read_log(GLuint id, decltype(glGetShaderiv) get, decltype(glGetShaderInfoLog) log) {
+  GLint length = 0;
+  get(id, GL_INFO_LOG_LENGTH, &length);
+  std::string text(static_cast<std::size_t>(length), '\0');
+  if (length > 0) log(id, length, nullptr, text.data());
+  return text;
+}
+
+Shader compile(GLenum stage, const std::string& source, const std::string& files) {
+  Shader shader(glCreateShader(stage));
+  const char* text = source.c_str();
+  glShaderSource(shader.id(), 1, &text, nullptr);
+  glCompileShader(shader.id());
+  GLint compiled = GL_FALSE;
+  glGetShaderiv(shader.id(), GL_COMPILE_STATUS, &compiled);
+  if (compiled != GL_TRUE) {
+    throw std::runtime_error("shader " + files + " does not compile:\n" +
+                             read_log(shader.id(), glGetShaderiv, glGetShaderInfoLog));
+  }
+  return shader;
+}
+
+/// One source of several files. `#line 1 k` makes the driver's log say "k:line" of the k-th file.
+std::string assemble(std::initializer_list<std::string_view> files, const std::string& defines) {
+  std::string source = "#version 450 core\n" + defines;
+  int number = 0;
+  for (std::string_view file : files) {
+    const std::string_view text = shader_text(file);
+    if (text.empty()) throw std::runtime_error("no shader " + std::string(file) + " in this build");
+    source += "#line 1 " + std::to_string(number++) + "\n" + std::string(text) + "\n";
+  }
+  return source;
+}
+
+/// The source with its fetches counted.
+std::string counting(std::initializer_list<std::string_view> files, const std::string& defines) {
+  std::string before = defines;
+  before += shader_text("fetch_count.glsl");
+  return assemble(files, before) + std::string(shader_text("fetch_total.glsl"));
+}
+
+std::string joined(std::initializer_list<std::string_view> files) {
+  std::string names;
+  for (std::string_view file : files) names += (names.empty() ? "" : " + ") + std::string(file);
+  return names;
+}
+
+}  // namespace
+
+Defines& Defines::add(const std::string& name, int value) {
+  text_ += "#define " + name + " " + std::to_string(value) + "\n";
+  return *this;
+}
+
+FragmentProgram::FragmentProgram(std::initializer_list<std::string_view> files,
+                                 const Defines& defines,
+                                 Layers layers)
+    : program_(glCreateProgram()),
+      no_vertices_(make_vertex_array()),
+      source_(FetchCounter::current() ? counting(files, defines.text())
+                                      : assemble(files, defines.text())),
+      counter_(FetchCounter::current()) {
+  std::vector<Shader> shaders;
+  const auto add = [&](GLenum stage, std::string_view file) {
+    const std::string text = assemble({file}, Defines().add("MOST_LAYERS", kMostLayers).text());
+    shaders.push_back(compile(stage, text, std::string(file)));
+  };
+  if (layers == Layers::several) {
+    add(GL_VERTEX_SHADER, "layers.vert.glsl");
+    add(GL_GEOMETRY_SHADER, "layers.geom.glsl");
+  } else {
+    add(GL_VERTEX_SHADER, "fullscreen.vert.glsl");
+  }
+  shaders.push_back(compile(GL_FRAGMENT_SHADER, source_, joined(files)));
+  for (const Shader& shader : shaders) glAttachShader(program_.id(), shader.id());
+  glLinkProgram(program_.id());
+  for (const Shader& shader : shaders) glDetachShader(program_.id(), shader.id());
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program_.id(), GL_LINK_STATUS, &linked);
+  if (linked != GL_TRUE) {
+    throw std::runtime_error("shader " + joined(files) + " does not link:\n" +
+                             read_log(program_.id(), glGetProgramiv, glGetProgramInfoLog));
+  }
+}
+
+int FragmentProgram::location(const std::string& name) const {
+  const GLint found = glGetUniformLocation(program_.id(), name.c_str());
+  if (found < 0 && source_.find(name) == std::string::npos) {
+    throw std::logic_error("no uniform " + name + " in the shader's text");
+  }
+  return found;
+}
+
+FragmentProgram& FragmentProgram::set(const std::string& name, int value) {
+  glProgramUniform1i(program_.id(), location(name), value);
+  return *this;
+}
+
+FragmentProgram& FragmentProgram::set(const std::string& name, double value) {
+  glProgramUniform1f(program_.id(), location(name), static_cast<float>(value));
+  return *this;
+}
+
+FragmentProgram& FragmentProgram::set(const std::string& name, const glm::dvec2& value) {
+  const glm::vec2 v(value);
+  glProgramUniform2f(program_.id(), location(name), v.x, v.y);
+  return *this;
+}
+
+FragmentProgram& FragmentProgram::set(const std::string& name, const glm::dvec3& value) {
+  const glm::vec3 v(value);
+  glProgramUniform3f(program_.id(), location(name), v.x, v.y, v.z);
+  return *this;
+}
+
+FragmentProgram& FragmentProgram::set(const std::string& name, const std::vector<double>& values) {
+  const std::vector<float> floats(values.begin(), values.end());
+  glProgramUniform1fv(
+      program_.id(), location(name), static_cast<GLsizei>(floats.size()), floats.data());
+  return *this;
+}
+
+void FragmentProgram::draw(const Framebuffer& target,
+                           std::initializer_list<Binding> bindings) const {
+  bind(target, bindings, {0, 0, target.width(), target.height()});
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (counter_) count(target, bindings);
+}
+
+void FragmentProgram::draw_layers(const Framebuffer& target,
+                                  std::initializer_list<Binding> bindings,
+                                  const Region& region,
+                                  const std::vector<LayerPair>& layers) const {
+  bind(target, bindings, region);
+  for (std::size_t first = 0; first < layers.size(); first += kMostLayers) {
+    std::array<GLint, kMostLayers> sources{}, targets{};
+    const std::size_t count = std::min<std::size_t>(layers.size() - first, kMostLayers);
+    for (std::size_t i = 0; i < count; ++i) {
+      sources[i] = layers[first + i].source;
+      targets[i] = layers[first + i].target;
+    }
+    const GLuint id = program_.id();
+    glProgramUniform1iv(id, glGetUniformLocation(id, "source_layers"), kMostLayers, sources.data());
+    glProgramUniform1iv(id, glGetUniformLocation(id, "target_layers"), kMostLayers, targets.data());
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 3, static_cast<GLsizei>(count));
+  }
+  if (counter_) count(target, bindings);
+}
+
+void FragmentProgram::bind(const Framebuffer& target,
+                           std::initializer_list<Binding> bindings,
+                           const Region& region) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+  glViewport(0, 0, target.width(), target.height());
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(region.column, region.row, region.columns, region.rows);
+  for (const auto& [unit, texture] : bindings) {
+    glBindTextureUnit(static_cast<GLuint>(unit), texture->id());
+  }
+  glUseProgram(program_.id());
+  glBindVertexArray(no_vertices_.id());
+  if (counter_) counter_->begin_draw(target);
+}
+
+void FragmentProgram::count(const Framebuffer& target,
+                            std::initializer_list<Binding> bindings) const {
+  std::array<FetchKind, kSamplers> kinds{};
+  std::array<bool, kSamplers> known{};
+  for (const auto& [unit, texture] : bindings) {
+    const FetchKind kind = kind_of(*texture);
+    const auto sampler = static_cast<std::size_t>(kind.sampler);
+    if (!std::exchange(known[sampler], true)) kinds[sampler] = kind;
+  }
+  counter_->end_draw(target, kinds);
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,28 @@
+// Fetches of textures, told apart by what sets their cost.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+#include "render/gl/texel_format.h"
+
+namespace wobblebench::render {
+
+/// A texelFetch counts as a nearest one.
+struct FetchKind {
+  enum class Sampler { plane, volume, layers };  ///< sampler2D, sampler3D, sampler2DArray
+  Sampler sampler = Sampler::plane;
+  TexelFormat format = TexelFormat::r32f;
+  TextureFilter filter = TextureFilter::nearest;
+
+  bool operator==(const FetchKind&) const = default;
+  bool operator<(const FetchKind& other) const {
+    return std::tie(sampler, format, filter) < std::tie(other.sampler, other.format, other.filter);
+  }
+};
+
+/// How many of each kind.
+using FetchCounts = std::map<FetchKind, std::int64_t>;
+
+}  // namespace wobblebench::render

@@ -1,0 +1,68 @@
+#include "render/leaping/empty_space.h"
+
+#include <string>
+#include <utility>
+
+namespace wobblebench::render {
+namespace {
+
+enum Bindings { kSlices };
+
+std::vector<CellBounds> to_bounds(const std::vector<float>& values_and_x,
+                                  const std::vector<float>& depth_and_frame) {
+  std::vector<CellBounds> bounds(values_and_x.size() / 4);
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const float* v = values_and_x.data() + 4 * i;
+    const float* d = depth_and_frame.data() + 4 * i;
+    bounds[i] = {v[0], v[1], {v[2], v[3]}, {d[0], d[1]}, {d[2], d[3]}};
+  }
+  return bounds;
+}
+
+}  // namespace
+
+EmptySpace::EmptySpace(QuietCells cells) : cells_(std::move(cells)) {
+  const CellLattice& l = cells_.lattice();
+  distances_ = Texture(
+      "empty space", TexelFormat::r8, {l.columns, l.rows, l.intervals}, TextureFilter::nearest);
+  const Extent extent = {l.columns, l.rows, l.intervals};
+  const std::string what = "bounds of cells";
+  values_and_x_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
+  depth_and_frame_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
+  unread_.assign(static_cast<std::size_t>(l.intervals), false);
+  bound_ = FragmentProgram({"cell_bounds.frag.glsl"},
+                           Defines().add("BIND_SLICES", kSlices).add("CELL", l.cell_pixels));
+}
+
+void EmptySpace::bound(const Texture& slices, int index, const LayerGroup& layers) {
+  if (!cells_.can_leap()) return;
+  std::vector<Framebuffer::Layer> targets;
+  for (int layer = layers.first; layer < layers.first + layers.count; ++layer) {
+    unread_.at(static_cast<std::size_t>(layer)) = true;
+    targets.push_back({&values_and_x_, layer});
+    targets.push_back({&depth_and_frame_, layer});
+  }
+  bound_.set("group", static_cast<double>(index))
+      .draw(Framebuffer::of_layers(targets), {{kSlices, &slices}});
+  changed_ = true;
+}
+
+void EmptySpace::look(const RenderOptions& options) {
+  cells_.look(options);
+  changed_ = true;
+}
+
+const Texture& EmptySpace::distances() {
+  if (!std::exchange(changed_, false)) return distances_;
+  for (int interval = 0; interval < cells_.lattice().intervals; ++interval) {
+    if (!unread_[static_cast<std::size_t>(interval)]) continue;
+    unread_[static_cast<std::size_t>(interval)] = false;
+    cells_.set_bounds(interval,
+                      to_bounds(values_and_x_.download_layer(interval),
+                                depth_and_frame_.download_layer(interval)));
+  }
+  distances_.upload(cells_.distances());
+  return distances_;
+}
+
+}  // namespace wobblebench::render

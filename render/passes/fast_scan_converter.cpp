@@ -1,0 +1,209 @@
+#include "render/passes/fast_scan_converter.h"
+
+#include <algorithm>
+#include <string>
+
+#include "render/passes/ray_sampling.h"
+#include "render/passes/slice_kernel.h"
+
+namespace wobblebench::render {
+namespace {
+
+enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
+
+/// Slices of a group, one in each channel of a texel, and the pairs of neighbours among them.
+constexpr int kSlices = 4;
+constexpr int kPairs = kSlices - 1;
+
+/// Groups on their way at once: enough to hide what a draw costs besides its pixels.
+constexpr int kBatch = 6;
+
+Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
+  const int size = geometry.slice_size();
+  if (!options.ray_casting.stop_at_box) return {0, 0, size, size};
+  return pixels_within(geometry, options.volume_of_interest, kernel_reach_m(options));
+}
+
+Region with_border(const Region& region, int border) {
+  return {region.column - border,
+          region.row - border,
+          region.columns + 2 * border,
+          region.rows + 2 * border};
+}
+
+/// One axis of a filter over pixels, zeros beyond their border.
+std::vector<double> filter_axis(const std::vector<double>& pixels,
+                                const Region& region,
+                                const std::vector<double>& weights,
+                                bool along_rows) {
+  const int half = static_cast<int>(weights.size()) / 2;
+  const std::ptrdiff_t stride = along_rows ? 1 : region.columns;
+  std::vector<double> sums(pixels.size(), 0.0);
+  for (int row = 0; row < region.rows; ++row) {
+    for (int column = 0; column < region.columns; ++column) {
+      const int place = along_rows ? column : row;
+      const int count = along_rows ? region.columns : region.rows;
+      const std::ptrdiff_t at = std::ptrdiff_t{row} * region.columns + column;
+      for (int tap = -std::min(half, place); tap <= std::min(half, count - 1 - place); ++tap) {
+        sums[static_cast<std::size_t>(at)] += weights[static_cast<std::size_t>(tap + half)] *
+                                              pixels[static_cast<std::size_t>(at + tap * stride)];
+      }
+    }
+  }
+  return sums;
+}
+
+/// One over the weight of the pixels that hold data around each; 0 where there are none. With a
+/// lone tap those that hold data are left alone, and marked so.
+std::vector<float> normalisers(const std::vector<float>& polar_table,
+                               const Region& region,
+                               const std::vector<double>& weights,
+                               bool lone_tap) {
+  std::vector<double> flags;
+  for (std::size_t i = 2; i < polar_table.size(); i += 3) flags.push_back(polar_table[i]);
+  const auto total = filter_axis(filter_axis(flags, region, weights, true), region, weights, false);
+  std::vector<float> inverse;
+  for (std::size_t i = 0; i < total.size(); ++i) {
+    const bool alone = lone_tap && flags[i] > 0;
+    inverse.push_back(alone ? -1.0f : total[i] > 0 ? static_cast<float>(1 / total[i]) : 0.0f);
+  }
+  return inverse;
+}
+
+std::vector<LayerGroup> groups_of(const std::vector<int>& layers) {
+  std::vector<LayerGroup> groups;
+  for (const int layer : layers) {
+    const bool next = !groups.empty() && groups.back().count < kPairs &&
+                      groups.back().first + groups.back().count == layer;
+    if (next) {
+      ++groups.back().count;
+    } else {
+      groups.push_back({layer, 1});
+    }
+  }
+  return groups;
+}
+
+/// All four slices, then their pairs.
+Framebuffer target_of(const LayerGroup& group,
+                      const SlicePairs& slices,
+                      const Framebuffer::Layer& filtered) {
+  std::vector<Framebuffer::Layer> layers = {filtered};
+  for (int i = 0; i < group.count; ++i) layers.push_back({&slices.texture(), group.first + i});
+  return Framebuffer::of_layers(layers);
+}
+
+}  // namespace
+
+SlicePairs::SlicePairs(const SliceGeometry& geometry, const RenderOptions& options)
+    : region_(pixels_that_rays_read(geometry, options)) {
+  const int pairs = std::max(geometry.frames() - 1, 1);
+  texture_ = Texture("scan_conversion.slice_size = " + std::to_string(geometry.slice_size()) +
+                         ", " + std::to_string(geometry.frames()) + " frames",
+                     slice_formats(options.scan_conversion.format).pair,
+                     {region_.columns, region_.rows, pairs, true},
+                     TextureFilter::linear);
+}
+
+FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
+                                     const hw::AcquisitionPlan& plan,
+                                     const RenderOptions& options)
+    : frames_(geometry.frames()), frame_texture_(plan, options.scan_conversion.format, kBatch) {
+  std::vector<double> weights = slice_weights(options);
+  // Even where pixels are left alone, those next to the sector take their neighbours' mean.
+  lone_tap_ = weights.size() == 1;
+  if (lone_tap_) weights.assign(3, 1.0 / 3);
+  border_ = static_cast<int>(weights.size()) / 2;
+  const Region region = with_border(pixels_that_rays_read(geometry, options), border_);
+  const std::vector<float> table = make_polar_table(geometry, region);
+  const Extent pixels = {region.columns, region.rows};
+  polar_table_ =
+      Texture("scan-conversion LUT", TexelFormat::rgb32f, pixels, TextureFilter::nearest);
+  polar_table_.upload(table);
+  normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
+  normaliser_.upload(normalisers(table, region, weights, lone_tap_));
+  const Extent batch = {region.columns, region.rows, kBatch, true};
+  unfiltered_ = Texture("unfiltered slices", TexelFormat::rgba32f, batch, TextureFilter::nearest);
+  rows_ =
+      Texture("slices filtered along rows", TexelFormat::rgba32f, batch, TextureFilter::nearest);
+  unfiltered_target_ = Framebuffer::of_all_layers({&unfiltered_});
+  rows_target_ = Framebuffer::of_all_layers({&rows_});
+  const Region inner = pixels_that_rays_read(geometry, options);
+  filtered_ = Texture("groups of slices",
+                      slice_formats(options.scan_conversion.format).group,
+                      {inner.columns, inner.rows, kBatch, true},
+                      TextureFilter::nearest);
+  make_programs(weights);
+  check_gl("scan conversion: setting up");
+}
+
+void FastScanConverter::make_programs(const std::vector<double>& weights) {
+  const Defines defines = Defines()
+                              .add("BIND_POLAR_TABLE", kPolarTable)
+                              .add("BIND_FRAMES", kFrames)
+                              .add("BIND_PIXELS", kPixels)
+                              .add("BIND_ROWS", kRows)
+                              .add("BIND_NORMALISER", kNormaliser)
+                              .add("TAPS", static_cast<int>(weights.size()))
+                              .add("LONE_TAP", lone_tap_);
+  const auto several = FragmentProgram::Layers::several;
+  scan_convert_ = FragmentProgram({"scan_convert_layers.frag.glsl"}, defines, several);
+  along_rows_ = FragmentProgram({"slice_rows.frag.glsl"}, defines, several);
+  along_rows_.set("weights", weights);
+  along_columns_ = FragmentProgram({"slice_columns.frag.glsl"}, defines);
+  along_columns_.set("weights", weights).set("border", static_cast<double>(border_));
+}
+
+void FastScanConverter::convert(const std::vector<int>& layers,
+                                FrameStore& store,
+                                const SlicePairs& slices,
+                                const GroupDone& done) {
+  const std::vector<LayerGroup> groups = groups_of(layers);
+  for (std::size_t first = 0; first < groups.size(); first += kBatch) {
+    const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::vector<LayerGroup> batch(
+        begin, groups.end() - begin > kBatch ? begin + kBatch : groups.end());
+    convert_batch(batch, store, slices);
+    for (int i = 0; i < static_cast<int>(batch.size()); ++i) {
+      done(filtered_, i, batch[static_cast<std::size_t>(i)]);
+    }
+  }
+  check_gl("scan conversion");
+}
+
+void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
+                                      FrameStore& store,
+                                      const SlicePairs& slices) {
+  upload(batch, store);
+  const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
+  std::vector<LayerPair> same;
+  for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
+    same.push_back({group, group});
+  }
+  scan_convert_.draw_layers(unfiltered_target_,
+                            {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
+                            bordered,
+                            same);
+  along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
+  for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
+    along_columns_.set("group", static_cast<double>(group))
+        .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&filtered_, group}),
+              {{kRows, &rows_}, {kPixels, &unfiltered_}, {kNormaliser, &normaliser_}});
+  }
+}
+
+void FastScanConverter::upload(const std::vector<LayerGroup>& batch, FrameStore& store) {
+  for (std::size_t group = 0; group < batch.size(); ++group) {
+    for (int slice = 0; slice <= batch[group].count; ++slice) {
+      const std::vector<float>& samples =
+          store.mixed(std::min(batch[group].first + slice, frames_ - 1));
+      group_.resize(kSlices * samples.size());
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        group_[kSlices * i + static_cast<std::size_t>(slice)] = samples[i];
+      }
+    }
+    frame_texture_.upload_group(static_cast<int>(group), group_);
+  }
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,211 @@
+#include "render/passes/ray_caster.h"
+
+#include <cmath>
+
+#include "render/passes/ray_sampling.h"
+#include "render/passes/slice_kernel.h"
+
+namespace wobblebench::render {
+namespace {
+
+enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
+
+/// A longer buffer is an array: it would not stay in registers.
+constexpr int kLongestBlock = 16;
+
+/// Steps by which a place among the slices may lie off a straight line through half a block.
+constexpr double kStraightSteps = 0.02;
+
+/// Whether samples are taken in blocks (ray_blocks.glsl): where there is no kernel along the ray.
+bool in_blocks(const RayCastingOptions& o) {
+  return buffer_weights(o).size() == 1 && o.buffer_length <= kLongestBlock;
+}
+
+/// Whether half a block is so short that depth and frame run nearly straight through it: a chord of
+/// length l at a distance d from the wobble axis lies within l^2 / (8 d) of its arc. What is left
+/// beside a parabola is smaller by l / d.
+bool is_straight(const SliceGeometry& g, const RenderOptions& options) {
+  const double half_block_steps = 0.5 * options.ray_casting.buffer_length;
+  const double nearest_m = g.depth_min_m() - g.axis_z_m();
+  return g.frames() > 1 &&
+         half_block_steps * half_block_steps * step_m(options) < 8 * nearest_m * kStraightSteps;
+}
+
+bool is_fast(const RenderOptions& options) {
+  return options.pipeline.mode == PipelineMode::fast;
+}
+
+Defines defines(const SliceGeometry& geometry, const RenderOptions& options, bool leaps) {
+  const RayCastingOptions& o = options.ray_casting;
+  return Defines()
+      .add("BIND_SLICES", kSlices)
+      .add("BIND_MOTION_TABLE", kMotionTable)
+      .add("BIND_TRANSFER", kTransfer)
+      .add("BIND_DISTANCES", kDistances)
+      .add("NO_SURFACE", kNoDepth)
+      .add("TRANSFER_SIZE", kTransferTableSize)
+      .add("FRAMES", geometry.frames())
+      .add("SKEWED", geometry.is_skewed())
+      .add("KERNEL", ray_kernel_size(o))
+      .add("TAPS", static_cast<int>(buffer_weights(o).size()))
+      .add("BUFFER", o.buffer_length)
+      .add("PAIRS", is_fast(options))
+      .add("BLOCKS", in_blocks(o))
+      .add("STRAIGHT", is_straight(geometry, options))
+      .add("LEAPS", leaps)
+      .add("DETECT", o.mode != RenderMode::volume)
+      .add("BLEND", o.mode != RenderMode::surface)
+      .add("PERSPECTIVE", options.view.projection == Projection::perspective)
+      .add("REFINE_CROSSING", o.refine_crossing)
+      .add("STOP_ON_LEAVING_CONE", o.stop_on_leaving_cone);
+}
+
+FragmentProgram make_program(const Defines& defines, bool fast) {
+  if (fast) {
+    return FragmentProgram({"ray.glsl",
+                            "cone_closed.glsl",
+                            "ray_kernel.glsl",
+                            "edge_detector.glsl",
+                            "ray_march.glsl",
+                            "ray_blocks.glsl",
+                            "ray_cast_fast.frag.glsl"},
+                           defines);
+  }
+  return FragmentProgram({"ray.glsl",
+                          "cone_table.glsl",
+                          "ray_kernel.glsl",
+                          "edge_detector.glsl",
+                          "ray_march.glsl",
+                          "ray_cast.frag.glsl"},
+                         defines);
+}
+
+glm::dvec3 vec3(const std::vector<double>& numbers) {
+  return {numbers.at(0), numbers.at(1), numbers.at(2)};
+}
+
+}  // namespace
+
+RayCaster::RayCaster(const SliceGeometry& geometry,
+                     const RenderOptions& options,
+                     const SliceVolume& volume)
+    : geometry_(geometry) {
+  const int size = options.ray_casting.image_size;
+  const std::string what = "ray_casting.image_size = " + std::to_string(size);
+  color_ = Texture(what, TexelFormat::rgba32f, {size, size}, TextureFilter::nearest);
+  depth_ = Texture(what, TexelFormat::r32f, {size, size}, TextureFilter::nearest);
+  const bool blends = options.ray_casting.mode != RenderMode::surface;
+  target_ = blends ? Framebuffer({&depth_, &color_}) : Framebuffer({&depth_});
+  transfer_ = Texture(
+      "transfer function", TexelFormat::rg32f, {kTransferTableSize, 1}, TextureFilter::linear);
+  transfer_.upload(
+      TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
+  const QuietCells* cells = volume.cells();
+  const bool leaps = cells && cells->can_leap();
+  ray_cast_ = make_program(defines(geometry, options, leaps), is_fast(options));
+  look(options);
+  set_box(options);
+  set_cone(volume.pixels());
+  is_fast(options) ? set_fan() : set_motion_table();
+  if (leaps) set_leaps(*cells);
+  set_sampling(options);
+  check_gl("ray casting: setting up");
+}
+
+void RayCaster::look(const RenderOptions& options) {
+  const Camera camera = make_camera(options);
+  ray_cast_.set("center_m", camera.center)
+      .set("right", camera.right)
+      .set("down", camera.down)
+      .set("forward", camera.forward)
+      .set("pixel_m", camera.pixel_m())
+      .set("image_size", static_cast<double>(camera.image_size))
+      .set("plane_distance_m", camera.plane_distance_m)
+      .set("eye_distance_m", camera.eye_distance_m);
+}
+
+void RayCaster::set_box(const RenderOptions& options) {
+  const VolumeOfInterest box = options.volume_of_interest;
+  const VolumeOfInterest end = options.ray_casting.stop_at_box ? box : field_box(geometry_);
+  ray_cast_.set("start_center_m", vec3(box.center_m))
+      .set("start_half_m", 0.5 * vec3(box.size_m))
+      .set("end_center_m", vec3(end.center_m))
+      .set("end_half_m", 0.5 * vec3(end.size_m));
+}
+
+void RayCaster::set_cone(const Region& pixels) {
+  const SliceGeometry& g = geometry_;
+  const glm::dvec2 begin_m(g.pixel_x_m(pixels.column - 0.5), g.pixel_depth_m(pixels.row - 0.5));
+  const glm::dvec2 end_m(g.pixel_x_m(pixels.column + pixels.columns - 0.5),
+                         g.pixel_depth_m(pixels.row + pixels.rows - 0.5));
+  const glm::dvec2 slice_scale = 1.0 / (end_m - begin_m);
+  ray_cast_.set("slice_scale", slice_scale)
+      .set("slice_offset", -begin_m * slice_scale)
+      .set("r_min_m", g.r_min_m())
+      .set("r_max_m", g.r_max_m())
+      .set("tan_half_sector", std::tan(g.half_sector_rad()));
+}
+
+void RayCaster::set_motion_table() {
+  const MotionTable table = make_motion_table(geometry_, kMotionTableSize);
+  motion_table_ =
+      Texture("motion LUT", TexelFormat::rgb32f, {table.size, table.size}, TextureFilter::linear);
+  motion_table_.upload(table.values);
+  // The first and last entries' middles lie half a texel inside the texture.
+  const double entries = table.size - 1, texels = table.size;
+  const glm::dvec2 motion_scale(entries / texels / (table.y_max_m - table.y_min_m),
+                                entries / texels / (table.z_max_m - table.z_min_m));
+  const glm::dvec2 motion_offset =
+      0.5 / texels - motion_scale * glm::dvec2(table.y_min_m, table.z_min_m);
+  ray_cast_.set("motion_scale", motion_scale).set("motion_offset", motion_offset);
+}
+
+void RayCaster::set_fan() {
+  const SliceGeometry& g = geometry_;
+  ray_cast_.set("axis_z_m", g.axis_z_m())
+      .set("middle_frame", g.frame_at(0))
+      .set("frames_per_rad", g.frame_at(1) - g.frame_at(0));
+  if (g.frames() == 1) {
+    ray_cast_.set("phi_min_rad", g.phi_min_rad()).set("phi_max_rad", g.phi_max_rad());
+  }
+}
+
+void RayCaster::set_leaps(const QuietCells& cells) {
+  const SliceGeometry& g = geometry_;
+  const CellLattice& lattice = cells.lattice();
+  // Inward normals of the fan's sides, over (y, z - axis): phi = atan(-y / (z - axis)).
+  const double rounding_rad = 1e-5;
+  const double first = g.phi_min_rad() - rounding_rad, last = g.phi_max_rad() + rounding_rad;
+  const glm::dvec2 origin_m(g.pixel_x_m(lattice.pixels.column - 0.5),
+                            g.pixel_depth_m(lattice.pixels.row - 0.5));
+  const glm::dvec2 end_m(g.pixel_x_m(lattice.pixels.column + lattice.cell_pixels - 0.5),
+                         g.pixel_depth_m(lattice.pixels.row + lattice.cell_pixels - 0.5));
+  ray_cast_.set("cell_origin_m", origin_m)
+      .set("cell_m", end_m - origin_m)
+      .set("fan_side_1", glm::dvec2(-std::cos(first), -std::sin(first)))
+      .set("fan_side_2", glm::dvec2(std::cos(last), std::sin(last)))
+      .set("arm_max_m", g.r_max_m() - g.axis_z_m())
+      .set("x_max_m", g.x_max_m());
+}
+
+void RayCaster::set_sampling(const RenderOptions& options) {
+  const RayCastingOptions& o = options.ray_casting;
+  ray_cast_.set("step_m", step_m(options))
+      .set("along_weights", gaussian_weights(ray_kernel_size(o)))
+      .set("buffer_weights", buffer_weights(o))
+      .set("blend_weights", blend_weights(o))
+      .set("threshold", o.threshold)
+      .set("edge_sign", o.edge == EdgeSign::rising ? 1.0 : -1.0)
+      .set("opacity_limit", o.opacity_limit);
+}
+
+void RayCaster::cast(SliceVolume& volume) {
+  if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
+  const Texture* distances = volume.distances();
+  const Binding place =
+      distances ? Binding{kDistances, distances} : Binding{kMotionTable, &motion_table_};
+  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, place, {kTransfer, &transfer_}});
+  check_gl("ray casting");
+}
+
+}  // namespace wobblebench::render

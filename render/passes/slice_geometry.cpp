@@ -1,0 +1,202 @@
+#include "render/passes/slice_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobblebench::render {
+namespace {
+
+/// Depth from the centre of curvature and motor angle at (y, z); the closed form of
+/// hw::ProbeGeometry without x, which the motion leaves alone.
+struct MotionPoint {
+  double depth_m, phi_rad;
+};
+
+MotionPoint unwobble(double y_m, double z_m, double axis_z_m) {
+  const double along = z_m - axis_z_m;
+  const double side = along < 0 ? -1 : 1;
+  return {axis_z_m + side * std::hypot(y_m, along),
+          std::atan2(-side * y_m, std::max(std::abs(along), 1e-300))};
+}
+
+/// How far (y, z) is outside the fan's annulus, roughly: enough to say which entries are needed.
+double outside_m(const MotionPoint& point, const SliceGeometry& g) {
+  const double beyond_rad =
+      std::max({0.0, point.phi_rad - g.phi_max_rad(), g.phi_min_rad() - point.phi_rad});
+  const double beyond_m =
+      std::max({0.0, point.depth_m - g.depth_max_m(), g.depth_min_m() - point.depth_m});
+  const double arm_m = std::abs(point.depth_m - g.axis_z_m());
+  return std::hypot(beyond_m, arm_m * std::sin(std::min(beyond_rad, kPi / 2)));
+}
+
+}  // namespace
+
+SliceGeometry::SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size)
+    : plan_(plan),
+      slice_size_(slice_size),
+      frames_(plan.acquisition().frames_per_volume),
+      axis_z_m_(plan.geometry().axis_z_m()),
+      r_min_m_(plan.geometry().radius_m()),
+      r_max_m_(r_min_m_ + plan.acquisition().depth_m),
+      half_sector_rad_(plan.acquisition().sector_rad / 2),
+      x_max_m_(r_max_m_ * std::sin(half_sector_rad_)),
+      depth_min_m_(r_min_m_ * std::cos(half_sector_rad_)) {
+  const double half_fan_rad = plan.acquisition().fan_rad / 2;
+  const double first_rad = plan.frame_phi_rad(0), last_rad = plan.frame_phi_rad(frames_ - 1);
+  phi_min_rad_ = frames_ == 1 ? -half_fan_rad : std::min(first_rad, last_rad);
+  phi_max_rad_ = frames_ == 1 ? half_fan_rad : std::max(first_rad, last_rad);
+  const double skewed_rad = std::abs(frame_skew(1)) * half_sector_rad_ * plan.phi_step_rad();
+  phi_min_rad_ -= skewed_rad;
+  phi_max_rad_ += skewed_rad;
+}
+
+double SliceGeometry::pixel_x_m(double column) const {
+  return x_max_m_ * (2 * (column + 0.5) / slice_size_ - 1);
+}
+
+double SliceGeometry::pixel_depth_m(double row) const {
+  return depth_min_m_ + (r_max_m_ - depth_min_m_) * (row + 0.5) / slice_size_;
+}
+
+double SliceGeometry::column(double x_m) const {
+  return 0.5 * (x_m / x_max_m_ + 1) * slice_size_ - 0.5;
+}
+
+double SliceGeometry::row(double depth_m) const {
+  return (depth_m - depth_min_m_) / (r_max_m_ - depth_min_m_) * slice_size_ - 0.5;
+}
+
+double SliceGeometry::frame_at(double phi_rad) const {
+  if (frames_ == 1) return 0;
+  const double first_rad = plan_.frame_phi_rad(0), last_rad = plan_.frame_phi_rad(frames_ - 1);
+  return (phi_rad - first_rad) / (last_rad - first_rad) * (frames_ - 1);
+}
+
+double SliceGeometry::frame_skew(int sweep) const {
+  const double frame_span_rad = plan_.theta_step_rad() * plan_.acquisition().sticks_per_frame;
+  const bool turns = plan_.acquisition().motor != hw::MotorMode::stepped;
+  return turns && frames_ > 1 && frame_span_rad > 0 ? sweep / frame_span_rad : 0;
+}
+
+SliceGeometry::PolarIndex SliceGeometry::polar_index(double x_m, double depth_m) const {
+  const double r_m = std::hypot(x_m, depth_m), theta_rad = std::atan2(x_m, depth_m);
+  const hw::AcquisitionOptions& acquisition = plan_.acquisition();
+  const int lines = acquisition.sticks_per_frame, samples = acquisition.samples_per_stick;
+  const double line = lines == 1 ? 0 : (theta_rad - plan_.theta_rad(0)) / plan_.theta_step_rad();
+  const double sample = (r_m - r_min_m_) / plan_.sample_spacing_m() - 0.5;
+  return {std::clamp(line, 0.0, lines - 1.0),
+          std::clamp(sample, 0.0, samples - 1.0),
+          r_m >= r_min_m_ && r_m <= r_max_m_ && std::abs(theta_rad) <= half_sector_rad_};
+}
+
+SlicePoint SliceGeometry::locate(const glm::dvec3& position_m, int sweep) const {
+  const hw::PolarPoint polar = plan_.geometry().to_polar(position_m);
+  const double r_m = r_min_m_ + polar.range_m;
+  SlicePoint point;
+  point.across_m = position_m.x;
+  point.depth_m = r_m * std::cos(polar.theta_rad);
+  point.frame = frame_at(polar.phi_rad) - frame_skew(sweep) * polar.theta_rad;
+  const bool in_fan = frames_ == 1 ? polar.phi_rad >= phi_min_rad_ && polar.phi_rad <= phi_max_rad_
+                                   : point.frame >= 0 && point.frame <= frames_ - 1;
+  point.inside = polar.range_m >= 0 && r_m <= r_max_m_ &&
+                 std::abs(polar.theta_rad) <= half_sector_rad_ && in_fan;
+  return point;
+}
+
+VolumeOfInterest field_box(const SliceGeometry& g) {
+  // |x| <= R sin(s/2); y and z lie within R of the wobble axis, as |r cos(theta) - b| <= R.
+  const double reach_m = g.r_max_m();
+  return {{0, 0, g.axis_z_m()}, {2 * g.x_max_m(), 2 * reach_m, 2 * reach_m}};
+}
+
+namespace {
+
+/// Pixels first to last of an axis, within those that there are.
+struct PixelRange {
+  int first, count;
+};
+PixelRange pixel_range(double low, double high, int size) {
+  const int first = static_cast<int>(std::clamp(std::floor(low) - 1, 0.0, size - 1.0));
+  const int last = static_cast<int>(std::clamp(std::ceil(high) + 1, 0.0, size - 1.0));
+  return {first, last - first + 1};
+}
+
+}  // namespace
+
+Region pixels_within(const SliceGeometry& g, const VolumeOfInterest& box, double margin_m) {
+  const auto low = [&](std::size_t i) { return box.center_m[i] - box.size_m[i] / 2 - margin_m; };
+  const auto high = [&](std::size_t i) { return box.center_m[i] + box.size_m[i] / 2 + margin_m; };
+  const PixelRange columns = pixel_range(g.column(low(0)), g.column(high(0)), g.slice_size());
+  // Depths are distances from the wobble axis: of the box's nearest and farthest place.
+  const auto nearest = [&](std::size_t i, double axis) {
+    return std::max({low(i) - axis, axis - high(i), 0.0});
+  };
+  const auto farthest = [&](std::size_t i, double axis) {
+    return std::max(std::abs(low(i) - axis), std::abs(high(i) - axis));
+  };
+  const double near_m = std::hypot(nearest(1, 0), nearest(2, g.axis_z_m()));
+  const double far_m = std::hypot(farthest(1, 0), farthest(2, g.axis_z_m()));
+  // Behind the axis depths count down from it.
+  const bool behind = low(2) < g.axis_z_m();
+  const PixelRange rows = pixel_range(g.row(g.axis_z_m() + (behind ? -far_m : near_m)),
+                                      g.row(g.axis_z_m() + far_m),
+                                      g.slice_size());
+  return {columns.first, rows.first, columns.count, rows.count};
+}
+
+std::vector<float> make_polar_table(const SliceGeometry& geometry, const Region& pixels) {
+  const int size = geometry.slice_size();
+  std::vector<float> table;
+  table.reserve(3 * static_cast<std::size_t>(pixels.columns) *
+                static_cast<std::size_t>(pixels.rows));
+  for (int row = pixels.row; row < pixels.row + pixels.rows; ++row) {
+    for (int column = pixels.column; column < pixels.column + pixels.columns; ++column) {
+      const auto index =
+          geometry.polar_index(geometry.pixel_x_m(column), geometry.pixel_depth_m(row));
+      const bool exists = row >= 0 && row < size && column >= 0 && column < size;
+      const double flag = index.inside && exists ? 1 : 0;
+      for (double value : {flag * index.line, flag * index.sample, flag}) {
+        table.push_back(static_cast<float>(value));
+      }
+    }
+  }
+  return table;
+}
+
+MotionTable make_motion_table(const SliceGeometry& g, int size) {
+  const double reach_m = std::max(g.r_max_m() - g.axis_z_m(), g.axis_z_m() - g.depth_min_m());
+  const double widest_rad = std::max(-g.phi_min_rad(), g.phi_max_rad());
+  const double near_arm_m = g.depth_min_m() - g.axis_z_m();
+  MotionTable table;
+  table.size = size;
+  table.y_max_m = reach_m * std::sin(widest_rad);
+  table.z_max_m = g.r_max_m();
+  table.z_min_m = g.axis_z_m() + near_arm_m * (near_arm_m > 0 ? std::cos(widest_rad) : 1.0);
+  // A margin of entries beyond the field on every side, so that a fetch clamped to the edge of the
+  // table reads an entry that is not flagged.
+  const double margin = 3.0 / size;
+  const double y_margin_m = margin * 2 * table.y_max_m;
+  const double z_margin_m = margin * (table.z_max_m - table.z_min_m);
+  table.y_max_m += y_margin_m;
+  table.y_min_m = -table.y_max_m;
+  table.z_min_m -= z_margin_m;
+  table.z_max_m += z_margin_m;
+
+  const double dy_m = (table.y_max_m - table.y_min_m) / (size - 1);
+  const double dz_m = (table.z_max_m - table.z_min_m) / (size - 1);
+  const double diagonal_m = std::hypot(dy_m, dz_m);
+  table.values.reserve(3 * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const MotionPoint point =
+          unwobble(table.y_min_m + column * dy_m, table.z_min_m + row * dz_m, g.axis_z_m());
+      const double flag = outside_m(point, g) <= diagonal_m ? 1 : 0;
+      for (double value : {point.depth_m, g.frame_at(point.phi_rad), flag}) {
+        table.values.push_back(static_cast<float>(value));
+      }
+    }
+  }
+  return table;
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,100 @@
+#include "render/passes/slice_volume.h"
+
+#include <optional>
+
+#include "render/leaping/empty_space.h"
+#include "render/passes/fast_scan_converter.h"
+#include "render/passes/scan_converter.h"
+#include "render/passes/slice_kernel.h"
+
+namespace wobblebench::render {
+namespace {
+
+class PlainVolume : public SliceVolume {
+ public:
+  PlainVolume(ScanConverter& converter, const SliceGeometry& geometry, const RenderOptions& options)
+      : converter_(converter), slices_(geometry, options.scan_conversion) {}
+
+  void make_layers(const std::vector<int>& layers, FrameStore& store) override {
+    for (int frame : layers) converter_.convert(store.mixed(frame), slices_.layer(frame));
+  }
+  const Texture& slices() const override { return slices_.texture(); }
+  Region pixels() const override {
+    return {0, 0, slices().extent().width, slices().extent().height};
+  }
+
+ private:
+  ScanConverter& converter_;
+  Slices slices_;
+};
+
+class FastVolume : public SliceVolume {
+ public:
+  FastVolume(FastScanConverter& converter,
+             const SliceGeometry& geometry,
+             const hw::AcquisitionPlan& plan,
+             const RenderOptions& options)
+      : converter_(converter),
+        slices_(geometry, options),
+        empty_space_(QuietCells(plan, geometry, options, slices_.region())) {}
+
+  void make_layers(const std::vector<int>& layers, FrameStore& store) override {
+    converter_.convert(
+        layers, store, slices_, [this](const Texture& group, int index, const LayerGroup& made) {
+          empty_space_.bound(group, index, made);
+        });
+  }
+  const Texture& slices() const override { return slices_.texture(); }
+  Region pixels() const override { return slices_.region(); }
+  const QuietCells* cells() const override { return &empty_space_.cells(); }
+  const Texture* distances() override { return &empty_space_.distances(); }
+  void look(const RenderOptions& options) override { empty_space_.look(options); }
+
+ private:
+  FastScanConverter& converter_;
+  SlicePairs slices_;
+  EmptySpace empty_space_;
+};
+
+}  // namespace
+
+struct SliceVolumeMaker::Shared {
+  Shared(const hw::AcquisitionPlan& acquisition_plan, const RenderOptions& render_options)
+      : plan(acquisition_plan),
+        options(render_options),
+        geometry(plan, options.scan_conversion.slice_size) {
+    if (options.pipeline.mode == PipelineMode::fast) {
+      fast.emplace(geometry, plan, options);
+    } else {
+      plain.emplace(geometry, plan, options);
+    }
+  }
+
+  hw::AcquisitionPlan plan;
+  RenderOptions options;
+  SliceGeometry geometry;
+  std::optional<ScanConverter> plain;
+  std::optional<FastScanConverter> fast;
+};
+
+SliceVolumeMaker::SliceVolumeMaker(const hw::AcquisitionPlan& plan, const RenderOptions& options)
+    : shared_(std::make_unique<Shared>(plan, options)) {}
+
+SliceVolumeMaker::~SliceVolumeMaker() = default;
+
+std::unique_ptr<SliceVolume> SliceVolumeMaker::make() const {
+  Shared& s = *shared_;
+  if (s.fast) return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options);
+  return std::make_unique<PlainVolume>(*s.plain, s.geometry, s.options);
+}
+
+FrameStore SliceVolumeMaker::make_store() const {
+  const Shared& s = *shared_;
+  return FrameStore(s.plan, frame_weights(s.options.ray_casting), s.fast ? 2 : 1);
+}
+
+const SliceGeometry& SliceVolumeMaker::geometry() const {
+  return shared_->geometry;
+}
+
+}  // namespace wobblebench::render

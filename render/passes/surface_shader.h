@@ -1,0 +1,32 @@
+// Pass 3: the z-buffer filtered, lit and shadowed.
+#pragma once
+
+#include "render/gl/program.h"
+#include "render/leaping/shadow_tiles.h"
+#include "render/options.h"
+#include "render/passes/depth_filter.h"
+
+namespace wobblebench::render {
+
+/// Paper section 3.3, Eq. (2).
+class SurfaceShader {
+ public:
+  explicit SurfaceShader(const RenderOptions& options);
+
+  /// Shades z as RayCaster::depth() gives it.
+  void shade(const Texture& depth);
+
+  const Texture& filtered_depth() const { return filter_.filtered(); }
+  /// RGB in [0, 1]; black where there is no surface.
+  const Texture& surface() const { return surface_; }
+
+ private:
+  bool leaps_;
+  DepthFilter filter_;
+  ShadowTiles tiles_;
+  Texture surface_;
+  Framebuffer target_;
+  FragmentProgram shade_;
+};
+
+}  // namespace wobblebench::render

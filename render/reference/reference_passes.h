@@ -1,0 +1,56 @@
+// The passes of the double-precision reference, one by one (render/reference/reference.h puts them
+// together).
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "hw/probe/polar_volume.h"
+#include "render/camera.h"
+#include "render/options.h"
+#include "render/passes/slice_geometry.h"
+#include "render/picture.h"
+
+namespace wobblebench::render::reference {
+
+/// What pass 1 makes: scan-converted, filtered slices.
+class SliceStack {
+ public:
+  SliceStack(const hw::PolarVolume& volume, const RenderOptions& options);
+
+  struct Sample {
+    double value = 0;
+    bool inside = false;  ///< of the cone of valid data
+  };
+  /// Trilinear between slices, placed by the closed-form geometry.
+  Sample at(const glm::dvec3& position_m) const;
+
+  const SliceGeometry& geometry() const { return geometry_; }
+  /// Value of a slice's pixel.
+  double pixel(int frame, int column, int row) const {
+    return slices_[static_cast<std::size_t>(frame)].at(column, row);
+  }
+
+ private:
+  SliceGeometry geometry_;
+  int sweep_;
+  std::vector<Image<double>> slices_;
+};
+
+/// What pass 2 makes.
+struct Cast {
+  Image<double> depth_m;  ///< NaN where there is no surface
+  Image<glm::dvec3> volume;
+};
+Cast cast_rays(const SliceStack& slices, const RenderOptions& options);
+
+/// Pass 3, first half: box filter over neighbours with a surface.
+Image<double> filter_depth(const Image<double>& depth_m, int filter_size);
+
+/// Pass 3, second half.
+Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& options);
+
+/// Pass 4.
+Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOptions& options);
+
+}  // namespace wobblebench::render::reference

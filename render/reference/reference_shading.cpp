@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "render/passes/lighting.h"
+#include "render/passes/smoother.h"
+#include "render/reference/reference_passes.h"
+#include "render/rows.h"
+
+namespace wobblebench::render::reference {
+namespace {
+
+/// Calls visit(column, row) for the pixels of a window, clipped at the picture's border.
+template <class Pixel, class Visit>
+void for_each_neighbour(const Image<Pixel>& image, int column, int row, int size, Visit visit) {
+  const int half = size / 2;
+  for (int j = std::max(row - half, 0); j <= std::min(row + half, image.height - 1); ++j) {
+    for (int i = std::max(column - half, 0); i <= std::min(column + half, image.width - 1); ++i) {
+      visit(i, j);
+    }
+  }
+}
+
+/// Shades a height map, seen by a camera. Works in the probe frame.
+class HeightMap {
+ public:
+  HeightMap(const Image<double>& depth_m, const RenderOptions& options)
+      : depth_m_(depth_m), o_(options.shading), camera_(make_camera(options)) {}
+
+  glm::dvec3 shaded(int column, int row) const;
+
+ private:
+  struct Lighting {
+    glm::dvec3 direction;  ///< towards the light
+    double distance_m;
+  };
+
+  double depth(int column, int row) const {
+    const bool in_picture =
+        column >= 0 && row >= 0 && column < depth_m_.width && row < depth_m_.height;
+    return in_picture ? depth_m_.at(column, row) : kNoSurface;
+  }
+  glm::dvec3 position(int column, int row, double z_m) const {
+    return camera_.ray(column, row).at(z_m);
+  }
+  glm::dvec3 tangent(int column, int row, int right, int down) const;
+  glm::dvec3 normal(int column, int row) const;
+  Lighting light_at(const glm::dvec3& place, const glm::dvec3& to_viewer) const;
+  bool in_shadow(const glm::dvec3& place, const Lighting& light) const;
+  double pixels_per_m(const glm::dvec3& place, const glm::dvec3& direction) const;
+
+  const Image<double>& depth_m_;
+  const ShadingOptions& o_;
+  Camera camera_;
+};
+
+/// Central difference, one-sided where a neighbour is missing; equally deep where both are.
+glm::dvec3 HeightMap::tangent(int column, int row, int right, int down) const {
+  const double here = depth_m_.at(column, row);
+  const double before = depth(column - right, row - down),
+               after = depth(column + right, row + down);
+  const bool alone = std::isnan(before) && std::isnan(after);
+  const bool look_back = alone || !std::isnan(before), look_on = alone || !std::isnan(after);
+  const glm::dvec3 from = look_back ? position(column - right, row - down, alone ? here : before)
+                                    : position(column, row, here);
+  const glm::dvec3 to = look_on ? position(column + right, row + down, alone ? here : after)
+                                : position(column, row, here);
+  return to - from;
+}
+
+glm::dvec3 HeightMap::normal(int column, int row) const {
+  const glm::dvec3 away = glm::cross(tangent(column, row, 1, 0), tangent(column, row, 0, 1));
+  const double size = glm::length(away);
+  return size > 0 ? -away / size : -camera_.ray(column, row).direction;
+}
+
+HeightMap::Lighting HeightMap::light_at(const glm::dvec3& place,
+                                        const glm::dvec3& to_viewer) const {
+  if (o_.light == Light::directional) {
+    return {light_direction_in_probe(o_, camera_), std::numeric_limits<double>::infinity()};
+  }
+  const glm::dvec3 offset = light_position_in_probe_m(o_, camera_) - place;
+  const double distance_m = glm::length(offset);
+  return {distance_m > 0 ? offset / distance_m : to_viewer, distance_m};
+}
+
+/// Derivative of Camera::project() along a unit direction, for the picture's faster axis.
+double HeightMap::pixels_per_m(const glm::dvec3& place, const glm::dvec3& direction) const {
+  const glm::dvec3 offset = place - camera_.center;
+  glm::dvec2 speed(glm::dot(direction, camera_.right), glm::dot(direction, camera_.down));
+  if (camera_.projection == Projection::perspective) {
+    const glm::dvec2 lateral(glm::dot(offset, camera_.right), glm::dot(offset, camera_.down));
+    const double ahead = glm::dot(offset, camera_.forward) + camera_.eye_distance_m;
+    speed = (speed * ahead - lateral * glm::dot(direction, camera_.forward)) *
+            camera_.eye_distance_m / (ahead * ahead);
+  }
+  return std::max(std::abs(speed.x), std::abs(speed.y)) / camera_.pixel_m();
+}
+
+/// Fig. 4: from the pixel towards the light, one pixel of the picture at a time.
+bool HeightMap::in_shadow(const glm::dvec3& place, const Lighting& light) const {
+  const bool parallel = camera_.projection == Projection::parallel;
+  const double behind_m = parallel ? camera_.plane_distance_m : camera_.eye_distance_m;
+  double travelled_m = 0;
+  for (int i = 0; i < max_shadow_steps(camera_.image_size); ++i) {
+    const glm::dvec3 last = place + travelled_m * light.direction;
+    travelled_m += 1 / std::max(pixels_per_m(last, light.direction), 1e-3);
+    if (travelled_m >= light.distance_m) return false;
+    const glm::dvec3 here = place + travelled_m * light.direction;
+    if (glm::dot(here - camera_.center, camera_.forward) + behind_m <= 0) return false;
+    const PicturePoint seen = camera_.project(here);
+    const double left = seen.column + 0.5, top = seen.row + 0.5;
+    if (left < 0 || top < 0 || left >= depth_m_.width || top >= depth_m_.height) return false;
+    const double height_m = depth_m_.at(static_cast<int>(left), static_cast<int>(top));
+    if (height_m + o_.shadow_bias_m < seen.depth_m) return true;
+  }
+  return false;
+}
+
+/// Eq. (2), Blinn-Phong.
+glm::dvec3 HeightMap::shaded(int column, int row) const {
+  const double z_m = depth_m_.at(column, row);
+  if (std::isnan(z_m)) return glm::dvec3(0);
+  const hw::Ray ray = camera_.ray(column, row);
+  const glm::dvec3 place = ray.at(z_m), to_viewer = -ray.direction;
+  const glm::dvec3 surface_normal = normal(column, row);
+  const Lighting light = light_at(place, to_viewer);
+  const double facing = glm::dot(surface_normal, light.direction);
+  const glm::dvec3 base(o_.base_rgb.at(0), o_.base_rgb.at(1), o_.base_rgb.at(2));
+  glm::dvec3 color = base * (o_.ambient + o_.diffuse * std::max(facing, 0.0));
+  if (facing > 0) {
+    const glm::dvec3 halfway = light.direction + to_viewer;
+    const double along = glm::dot(surface_normal, halfway) / std::max(glm::length(halfway), 1e-20);
+    color += o_.specular * std::pow(std::max(along, 0.0), o_.shininess);
+  }
+  if (o_.shadows && in_shadow(place, light)) color *= o_.shadow_coefficient;
+  return glm::min(color, 1.0);
+}
+
+/// What a window of the guided filter (docs/references.md [19]) makes of its pixels: share * colour
+/// + rest.
+struct GuidedWindow {
+  double share = 0;
+  glm::dvec3 rest{0};
+};
+
+GuidedWindow guided_window(const Image<glm::dvec3>& picture,
+                           int column,
+                           int row,
+                           const SmoothingOptions& options) {
+  glm::dvec3 mean(0);
+  double count = 0, variance = 0;
+  const auto for_window = [&](auto visit) {
+    for_each_neighbour(picture, column, row, options.filter_size, visit);
+  };
+  for_window([&](int i, int j) {
+    mean += picture.at(i, j);
+    ++count;
+  });
+  mean /= count;
+  for_window([&](int i, int j) {
+    const glm::dvec3 change = picture.at(i, j) - mean;
+    variance += glm::dot(change, change) / count;
+  });
+  const double share = variance / (variance + options.range_sigma * options.range_sigma);
+  return {share, (1 - share) * mean};
+}
+
+Image<glm::dvec3> smooth_guided(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
+  Image<GuidedWindow> windows(picture.width, picture.height);
+  Image<glm::dvec3> smoothed(picture.width, picture.height);
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      windows.at(column, row) = guided_window(picture, column, row, options);
+    }
+  });
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      glm::dvec3 sum(0);
+      double count = 0;
+      for_each_neighbour(picture, column, row, options.filter_size, [&](int i, int j) {
+        const GuidedWindow& window = windows.at(i, j);
+        sum += window.share * picture.at(column, row) + window.rest;
+        ++count;
+      });
+      smoothed.at(column, row) = sum / count;
+    }
+  });
+  return smoothed;
+}
+
+double weight(const glm::dvec3& change, int right, int down, const SmoothingOptions& options) {
+  if (options.filter == SmoothingFilter::box) return 1;
+  const double sigma = bilateral_spatial_sigma(options.filter_size);
+  const double offset2 = (right * right + down * down) / (sigma * sigma);
+  const double contrast2 = glm::dot(change, change) / (options.range_sigma * options.range_sigma);
+  return std::exp(-0.5 * (offset2 + contrast2));
+}
+
+}  // namespace
+
+Image<double> filter_depth(const Image<double>& depth_m, int filter_size) {
+  Image<double> filtered(depth_m.width, depth_m.height, kNoSurface);
+  for_each_row(depth_m.height, [&](int row) {
+    for (int column = 0; column < depth_m.width; ++column) {
+      if (std::isnan(depth_m.at(column, row))) continue;
+      double sum = 0, count = 0;
+      for_each_neighbour(depth_m, column, row, filter_size, [&](int i, int j) {
+        if (std::isnan(depth_m.at(i, j))) return;
+        sum += depth_m.at(i, j);
+        ++count;
+      });
+      filtered.at(column, row) = sum / count;
+    }
+  });
+  return filtered;
+}
+
+Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& options) {
+  const HeightMap map(depth_m, options);
+  Image<glm::dvec3> picture(depth_m.width, depth_m.height);
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      picture.at(column, row) = map.shaded(column, row);
+    }
+  });
+  return picture;
+}
+
+Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
+  if (options.filter == SmoothingFilter::guided) return smooth_guided(picture, options);
+  Image<glm::dvec3> smoothed(picture.width, picture.height);
+  for_each_row(picture.height, [&](int row) {
+    for (int column = 0; column < picture.width; ++column) {
+      const glm::dvec3 center = picture.at(column, row);
+      glm::dvec3 sum(0);
+      double total = 0;
+      for_each_neighbour(picture, column, row, options.filter_size, [&](int i, int j) {
+        const glm::dvec3 change = picture.at(i, j) - center;
+        const double w = weight(change, i - column, j - row, options);
+        sum += w * change;
+        total += w;
+      });
+      smoothed.at(column, row) = center + sum / total;
+    }
+  });
+  return smoothed;
+}
+
+}  // namespace wobblebench::render::reference

@@ -1,0 +1,182 @@
+#include "sim/beam/beam_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/beam/point_spread.h"
+#include "sim/math/simd.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Of the wide loop; nodes are padded to whole multiples.
+constexpr std::size_t kLanes = 16;
+
+/// A Rayleigh envelope's mean is sqrt(pi)/2 of its RMS; the material table gives means.
+constexpr double kPowerOfRayleighMean = 4 / kPi;
+
+float squared(double x) {
+  return static_cast<float>(x * x);
+}
+
+/// What surface `layer` is painted over at node `n`.
+phantoms::MaterialIndex material_beneath(const StickTrack& track,
+                                         const TrackPiece& piece,
+                                         int layer,
+                                         int n) {
+  phantoms::MaterialIndex material = piece.base;
+  for (int l = 0; l < layer; ++l) {
+    const auto& other = track.layers[static_cast<std::size_t>(piece.first_layer + l)];
+    const auto& node = track.nodes[static_cast<std::size_t>(other.first_node + n)];
+    if (node.value_m < 0) material = other.inside;
+  }
+  return material;
+}
+
+/// Is the node behind the surface, and not so far that another part of it is meant?
+bool is_just_behind(const TissueMap::LineNode& node) {
+  constexpr float kSamePlace_m = 2e-3F;
+  return (node.axial < 0) == (node.value_m < 0) &&
+         std::abs(node.value_m) < kSamePlace_m * std::abs(node.axial);
+}
+
+}  // namespace
+
+double power_sigma(double amplitude_fwhm) {
+  return sigma_of_fwhm(amplitude_fwhm) / std::sqrt(2.0);
+}
+
+double mean_power_gain(const SimulationOptions& options) {
+  return options.speckle ? kPowerOfRayleighMean : 1;
+}
+
+struct NodeKernels {
+  /// Rough interfaces echo as diffuse_echo() says, in single precision.
+  WOBBLEBENCH_SIMD static void scale(const TissueMap::LineNode* __restrict surfaces,
+                                     const BeamNodes::Widths* __restrict beam,
+                                     const BeamNodes::Crossing* __restrict crossed,
+                                     float pulse2,
+                                     float most2,
+                                     float sheet_gain,
+                                     std::size_t count,
+                                     BeamNodes::Node* __restrict nodes) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const float axial2 = surfaces[i].axial * surfaces[i].axial;
+      const float lateral2 = surfaces[i].lateral * surfaces[i].lateral;
+      const float elevation2 = surfaces[i].elevation * surfaces[i].elevation;
+      const float width2 =
+          pulse2 * axial2 + beam[i].lateral2 * lateral2 + beam[i].elevation2 * elevation2;
+      const float least = width2 < 1e-12f ? 1e-12f : width2;
+      const float width = std::sqrt(least > most2 ? most2 : least);
+      const float slope2 = axial2 + lateral2 + elevation2;
+      const float cos2 = axial2 / (slope2 < 1e-12f ? 1e-12f : slope2);
+      const float cosine = std::sqrt(cos2);
+      const float sin2_through = crossed[i].speed_ratio2 * (1.0f - cos2);
+      const float cos_through = std::sqrt(sin2_through > 1.0f ? 0.0f : 1.0f - sin2_through);
+      const float in = crossed[i].impedance_behind * cosine;
+      const float through = crossed[i].impedance_before * cos_through;
+      const float reflected = sin2_through >= 1.0f ? 1.0f : (in - through) / (in + through);
+      const float mean = crossed[i].roughness * reflected * cosine;
+      // A sheet has its peak from the pulse alone; a wider footprint spreads it along the stick.
+      nodes[i].depth = surfaces[i].value_m / width;
+      nodes[i].sheet = sheet_gain * mean * mean * std::sqrt(axial2) / width;
+    }
+  }
+};
+
+BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     const std::vector<phantoms::Material>& materials,
+                     double spacing_m,
+                     int samples,
+                     double reach_m)
+    : materials_(materials.size()),
+      interface_echo_(options.interface_echo),
+      spacing_m_(spacing_m),
+      pulse2_(squared(power_sigma(axial_fwhm_m(plan)))),
+      most2_(squared(reach_m / kReachSigmas)),
+      sheet_gain_(static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))) {
+  for (int i = 0; i < samples; ++i) {
+    const double range_m = (i + 0.5) * spacing_m;
+    widths_.push_back({squared(power_sigma(lateral_fwhm_m(plan, range_m))),
+                       squared(power_sigma(elevation_fwhm_m(plan, range_m)))});
+  }
+  for (const auto& before : materials) {
+    for (const auto& behind : materials) {
+      const bool echoes = &before != &behind && interface_echo_;
+      crossings_.push_back({static_cast<float>(before.impedance_rayl),
+                            static_cast<float>(behind.impedance_rayl),
+                            squared(behind.sound_speed_m_s / before.sound_speed_m_s),
+                            echoes ? static_cast<float>(roughness(before, behind)) : 0.0f});
+    }
+  }
+}
+
+void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
+  const std::size_t count = (track.nodes.size() + kLanes) / kLanes * kLanes;
+  surfaces_.assign(track.nodes.begin(), track.nodes.end());
+  surfaces_.resize(count);
+  beam_.resize(count);
+  crossed_.resize(count);
+  nodes_.resize(count);
+  look_up(track);
+  NodeKernels::scale(surfaces_.data(),
+                     beam_.data(),
+                     crossed_.data(),
+                     pulse2_,
+                     most2_,
+                     sheet_gain_,
+                     count,
+                     nodes_.data());
+  if (interface_echo_) restore_fronts(track, losses);
+}
+
+void BeamNodes::look_up(const StickTrack& track) {
+  const int last_sample = static_cast<int>(widths_.size()) - 1;
+  const Widths* widths = widths_.data();
+  fronts_.clear();
+  for (const TrackPiece& piece : track.pieces) {
+    const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
+    const double per_node = step_m / spacing_m_, from = piece.from_m / spacing_m_;
+    for (int layer = 0; layer < piece.layers; ++layer) {
+      const TrackLayer& surface = track.layers[static_cast<std::size_t>(piece.first_layer + layer)];
+      const Crossing* entering = &crossing(piece.base, surface.inside);
+      const Crossing* leaving = &crossing(surface.inside, piece.base);
+      const auto first = static_cast<std::size_t>(surface.first_node);
+      const TissueMap::LineNode* nodes = track.nodes.data() + first;
+      Widths* beam = beam_.data() + first;
+      Crossing* crossed = crossed_.data() + first;
+      for (int n = 0; n < piece.nodes; ++n) {
+        beam[n] = widths[std::min(static_cast<int>(from + n * per_node), last_sample)];
+        if (layer > 0) {
+          const auto outside = material_beneath(track, piece, layer, n);
+          entering = &crossing(outside, surface.inside);
+          leaving = &crossing(surface.inside, outside);
+        }
+        crossed[n] = nodes[n].axial < 0 ? *entering : *leaving;
+        if (is_just_behind(nodes[n])) {
+          fronts_.push_back({first + static_cast<std::size_t>(n), piece.from_m + n * step_m});
+        }
+      }
+    }
+  }
+}
+
+void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
+  const auto& left = losses.left();
+  const int end = static_cast<int>(left.size());
+  for (const Front& front : fronts_) {
+    const TissueMap::LineNode& node = track.nodes[front.node];
+    const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
+    const auto here = static_cast<int>(losses.apparent_m(track, front.range_m) / spacing_m_);
+    const int before =
+        losses.samples_before(losses.apparent_m(track, front.range_m + to_surface_m)) - 1;
+    if (before < 0 || before >= end || here >= end) continue;
+    const float gain =
+        left[static_cast<std::size_t>(before)] / left[static_cast<std::size_t>(here)];
+    nodes_[front.node].sheet *= gain * gain;
+  }
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,113 @@
+#include "sim/card/card_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/options.h"
+
+namespace wobblebench::sim {
+namespace {
+
+hw::DeviceDuration seconds(double value) {
+  return hw::DeviceDuration(std::llround(value * 1e9));
+}
+
+}  // namespace
+
+CardModel::CardModel(const CardOptions& options) : options_(options) {
+  hw::check_options(options);
+  if (options.buffers_per_interrupt > options.buffers) {
+    throw hw::InvalidOption("buffers_per_interrupt",
+                            std::to_string(options.buffers_per_interrupt),
+                            "must be at most buffers = " + std::to_string(options.buffers));
+  }
+}
+
+std::size_t CardModel::free_bytes() const {
+  const auto size = static_cast<std::size_t>(options_.buffer_bytes);
+  const std::size_t unused = static_cast<std::size_t>(options_.buffers) - ring_.size();
+  return unused * size + (open_ ? size - ring_.back().bytes.size() : 0);
+}
+
+void CardModel::put(std::span<const std::byte> packet, hw::DeviceTime time, bool ends_volume) {
+  if (packet.size() > free_bytes()) {
+    ++packets_dropped_;
+  } else {
+    const double transfer_s =
+        static_cast<double>(packet.size()) / (options_.payload_rate_mb_s * 1e6);
+    transferred_ = std::max(transferred_, time) + seconds(transfer_s);
+    append(packet);
+  }
+  if (ends_volume) finish();
+}
+
+void CardModel::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    if (!open_) {
+      ring_.emplace_back();
+      if (!spare_.empty()) {
+        ring_.back().bytes = std::move(spare_.back());
+        spare_.pop_back();
+        ring_.back().bytes.clear();
+      }
+      open_ = true;
+    }
+    std::vector<std::byte>& filling = ring_.back().bytes;
+    const std::size_t room = static_cast<std::size_t>(options_.buffer_bytes) - filling.size();
+    const auto part = bytes.first(std::min(room, bytes.size()));
+    filling.insert(filling.end(), part.begin(), part.end());
+    bytes = bytes.subspan(part.size());
+    if (part.size() == room) hand_over();
+  }
+}
+
+/// The buffer under way takes no more bytes.
+void CardModel::hand_over() {
+  open_ = false;
+  if (++unannounced_ == options_.buffers_per_interrupt) announce();
+}
+
+void CardModel::announce() {
+  const hw::DeviceTime at = transferred_ + seconds(options_.interrupt_latency_s);
+  for (auto buffer = ring_.end() - unannounced_; buffer != ring_.end(); ++buffer) {
+    buffer->announced = at;
+  }
+  unannounced_ = 0;
+}
+
+void CardModel::finish() {
+  if (open_) {
+    open_ = false;
+    ++unannounced_;
+  }
+  announce();
+}
+
+std::optional<hw::DeviceTime> CardModel::next_interrupt() const {
+  return ring_.empty() ? std::nullopt : ring_.front().announced;
+}
+
+bool CardModel::readable(hw::DeviceTime now) const {
+  const auto at = next_interrupt();
+  return at && *at <= now;
+}
+
+std::size_t CardModel::read(std::span<std::byte> buffer, hw::DeviceTime now) {
+  std::size_t done = 0;
+  while (done < buffer.size() && readable(now)) {
+    Buffer& front = ring_.front();
+    const std::size_t count = std::min(buffer.size() - done, front.bytes.size() - front.read);
+    std::copy_n(front.bytes.begin() + static_cast<std::ptrdiff_t>(front.read),
+                count,
+                buffer.begin() + static_cast<std::ptrdiff_t>(done));
+    done += count;
+    front.read += count;
+    if (front.read < front.bytes.size()) break;
+    spare_.push_back(std::move(front.bytes));
+    ring_.pop_front();
+  }
+  return done;
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,225 @@
+#include "sim/echo/iq_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/random.h"
+#include "sim/beam/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+using Complex = std::complex<float>;
+
+// Widest kernels worth their cost; wider ones occur only within a few millimetres of the face.
+constexpr int kMaxHalfLines = 8;
+constexpr int kMaxHalfFrames = 32;
+
+WOBBLEBENCH_SIMD void fill_noise(float* parts, int count, std::uint64_t key) {
+  for (int i = 0; i < count; ++i) {
+    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(i));
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    parts[at] = z.re;
+    parts[at + 1] = z.im;
+  }
+}
+
+/// target[i] += weight * source[i], over real and imaginary parts alike.
+WOBBLEBENCH_SIMD void add_scaled(float* target, const float* source, int count, float weight) {
+  for (int i = 0; i < count; ++i) target[i] += weight * source[i];
+}
+
+/// The same with a weight for each complex value.
+WOBBLEBENCH_SIMD void add_weighted(float* target,
+                                   const float* source,
+                                   const float* weights,
+                                   int count) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    target[at] += weights[i] * source[at];
+    target[at + 1] += weights[i] * source[at + 1];
+  }
+}
+
+float* parts_of(Complex* values) {
+  return reinterpret_cast<float*>(values);
+}
+
+/// Kernels across sticks, one at each range, stored tap by tap so that loops run along the stick.
+class RangeKernels {
+ public:
+  /// `sigma_in_steps(i)`: width of the kernel at range sample i.
+  template <class Sigma>
+  RangeKernels(int samples, int max_half, const Sigma& sigma_in_steps) : samples_(samples) {
+    std::vector<std::vector<float>> kernels;
+    for (int i = 0; i < samples; ++i) {
+      kernels.push_back(unit_power_gaussian(sigma_in_steps(i), max_half));
+      half_ = std::max(half_, static_cast<int>(kernels.back().size()) / 2);
+    }
+    // Kernels reach farthest near the face, where sticks are dense.
+    ends_.assign(static_cast<std::size_t>(half_) + 1, 0);
+    taps_.assign((static_cast<std::size_t>(half_) + 1) * static_cast<std::size_t>(samples), 0.0f);
+    for (int i = 0; i < samples; ++i) {
+      const auto& kernel = kernels[static_cast<std::size_t>(i)];
+      const int half = static_cast<int>(kernel.size()) / 2;
+      for (int tap = 0; tap <= half; ++tap) {
+        taps_[at(tap) + static_cast<std::size_t>(i)] = kernel[static_cast<std::size_t>(half + tap)];
+        ends_[static_cast<std::size_t>(tap)] = i + 1;
+      }
+    }
+  }
+
+  int half() const { return half_; }
+  /// Of the taps that do not vanish.
+  int end(int tap) const { return ends_[static_cast<std::size_t>(tap)]; }
+  const float* tap(int tap) const { return taps_.data() + at(tap); }
+  int samples() const { return samples_; }
+
+ private:
+  std::size_t at(int tap) const { return static_cast<std::size_t>(tap) * samples_; }
+
+  int samples_;
+  int half_ = 0;
+  std::vector<int> ends_;    ///< of each tap
+  std::vector<float> taps_;  ///< [tap][sample]
+};
+
+/// Filters `count` sticks, `stride` complex values apart. Taps beyond the ends are left out and the
+/// rest scaled up, so that the edges of the field keep their power.
+void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
+  if (kernels.half() == 0) return;
+  const auto samples = static_cast<std::size_t>(kernels.samples());
+  std::vector<Complex> before(samples * static_cast<std::size_t>(count));
+  for (int n = 0; n < count; ++n) {
+    std::copy_n(
+        values + n * stride, samples, before.begin() + static_cast<std::ptrdiff_t>(n * samples));
+  }
+  std::vector<float> power(samples);
+  for (int n = 0; n < count; ++n) {
+    Complex* target = values + n * stride;
+    std::fill_n(target, samples, Complex(0));
+    std::fill(power.begin(), power.end(), 0.0f);
+    for (int offset = -kernels.half(); offset <= kernels.half(); ++offset) {
+      const int source = n + offset;
+      if (source < 0 || source >= count) continue;
+      const int tap = std::abs(offset);
+      const float* weights = kernels.tap(tap);
+      add_weighted(parts_of(target),
+                   parts_of(before.data() + static_cast<std::size_t>(source) * samples),
+                   weights,
+                   kernels.end(tap));
+      for (int i = 0; i < kernels.end(tap); ++i) {
+        power[static_cast<std::size_t>(i)] += weights[i] * weights[i];
+      }
+    }
+    if (n >= kernels.half() && n + kernels.half() < count) continue;
+    for (std::size_t i = 0; i < samples; ++i) target[i] /= std::sqrt(power[i]);
+  }
+}
+
+}  // namespace
+
+int iq_oversampling(const hw::AcquisitionPlan& plan) {
+  const auto& acquisition = plan.acquisition();
+  const double output_rate_hz = acquisition.sound_speed_m_s / (2 * plan.sample_spacing_m());
+  const double band_hz = plan.probe().fractional_bandwidth * plan.probe().center_frequency_hz;
+  // A Gaussian pulse is 29 dB down at 2.2 times its -6 dB band.
+  return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
+}
+
+EchoField make_echo_field(const hw::AcquisitionPlan& plan) {
+  const auto& acquisition = plan.acquisition();
+  EchoField field;
+  field.frames = acquisition.frames_per_volume;
+  field.lines = acquisition.sticks_per_frame;
+  const int oversampling = iq_oversampling(plan);
+  field.samples = acquisition.samples_per_stick * oversampling;
+  field.spacing_m = plan.sample_spacing_m() / oversampling;
+  field.values.resize(static_cast<std::size_t>(plan.sticks_per_volume()) *
+                      static_cast<std::size_t>(field.samples));
+  return field;
+}
+
+void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigma_samples) {
+  const auto taps = unit_power_gaussian(pulse_sigma_samples, kMaxHalfPulse);
+  const int half = static_cast<int>(taps.size()) / 2, count = static_cast<int>(stick.size());
+  // The noise goes on beyond both ends of the stick, so that they are filtered as the rest is.
+  std::vector<Complex> noise(stick.size() + taps.size() - 1);
+  fill_noise(parts_of(noise.data()), static_cast<int>(noise.size()), key);
+  std::fill(stick.begin(), stick.end(), Complex(0));
+  for (int tap = 0; tap <= 2 * half; ++tap) {
+    add_scaled(parts_of(stick.data()),
+               parts_of(noise.data() + tap),
+               2 * count,
+               taps[static_cast<std::size_t>(tap)]);
+  }
+}
+
+void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads) {
+  const RangeKernels kernels(field.samples, kMaxHalfLines, [&](int i) {
+    const double range_m = (i + 0.5) * field.spacing_m;
+    const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
+    return step_m > 0 ? sigma_of_fwhm(lateral_fwhm_m(plan, range_m)) / step_m : 0;
+  });
+  parallel_ranges(field.frames, threads, [&](int first, int last) {
+    for (int f = first; f < last; ++f) {
+      filter_sticks(
+          field.stick(f, 0).data(), field.lines, static_cast<std::size_t>(field.samples), kernels);
+    }
+  });
+}
+
+void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads) {
+  const std::size_t frame = static_cast<std::size_t>(field.samples) * field.lines;
+  parallel_ranges(field.lines, threads, [&](int first, int last) {
+    for (int line = first; line < last; ++line) {
+      const RangeKernels kernels(field.samples, kMaxHalfFrames, [&](int i) {
+        const double range_m = (i + 0.5) * field.spacing_m;
+        const double step_m = frame_distance_m(plan, line, range_m);
+        return step_m > 0 ? sigma_of_fwhm(elevation_fwhm_m(plan, range_m)) / step_m : 0;
+      });
+      filter_sticks(field.stick(0, line).data(), field.frames, frame, kernels);
+    }
+  });
+}
+
+EchoField even_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads) {
+  EchoField field = make_echo_field(plan);
+  const double pulse_sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
+  parallel_ranges(plan.sticks_per_volume(), threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const int frame = i / field.lines, line = i % field.lines;
+      const auto key = random_key(seed,
+                                  RandomStream::speckle,
+                                  static_cast<std::uint64_t>(frame),
+                                  static_cast<std::uint64_t>(line));
+      fill_speckle(field.stick(frame, line), key, pulse_sigma);
+    }
+  });
+  filter_across_lines(field, plan, threads);
+  filter_across_frames(field, plan, threads);
+  return field;
+}
+
+void add_reflector(std::span<Complex> stick,
+                   double spacing_m,
+                   double range_m,
+                   double amplitude,
+                   const hw::AcquisitionPlan& plan) {
+  const double sigma_m = sigma_of_fwhm(axial_fwhm_m(plan));
+  const double cycles =
+      2 * range_m * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s;
+  const double phase = -2 * kPi * (cycles - std::floor(cycles));
+  const std::complex<double> echo = std::polar(amplitude, phase);
+  const int reach = static_cast<int>(std::ceil(4 * sigma_m / spacing_m));
+  const int middle = static_cast<int>(range_m / spacing_m);
+  const int last = std::min(static_cast<int>(stick.size()) - 1, middle + reach);
+  for (int i = std::max(0, middle - reach); i <= last; ++i) {
+    const double offset = ((i + 0.5) * spacing_m - range_m) / sigma_m;
+    stick[static_cast<std::size_t>(i)] += Complex(echo * std::exp(-0.5 * offset * offset));
+  }
+}
+
+}  // namespace wobblebench::sim

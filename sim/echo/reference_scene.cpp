@@ -1,0 +1,131 @@
+#include "sim/echo/reference_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <sstream>
+
+#include "base/parallel.h"
+#include "sim/beam/element_sum.h"
+#include "sim/echo/stick_echoes.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr double kAxisStep_m = 1e-3;
+/// What a term costs: one source, one frequency; measured on one core of 2 GHz.
+constexpr double kTerm_s = 1.5e-9;
+constexpr double kFrequencies = 50;  // about as many as a scatterer's echo needs
+constexpr double kLongest_s = 1800;  // of one core
+constexpr int kSampledSticks = 16;
+constexpr double kSamplesBeyond = 8;  // whose pulses are still heard in the last one
+
+ScattererModel reference_model() {
+  return {BeamShape::side_lobes, false};
+}
+
+/// Angle of a stick in the sector.
+double theta_of(const hw::AcquisitionPlan& plan, const hw::Ray& ray) {
+  return plan.geometry().to_polar(ray.at(plan.acquisition().depth_m)).theta_rad;
+}
+
+/// Value of a curve at samples (i + 1/2) * spacing.
+double at_range(std::span<const float> curve, double spacing_m, double range_m) {
+  const double place =
+      std::clamp(range_m / spacing_m - 0.5, 0.0, static_cast<double>(curve.size()) - 1);
+  const auto before = static_cast<std::size_t>(place);
+  const std::size_t behind = std::min(before + 1, curve.size() - 1);
+  const double share = place - static_cast<double>(before);
+  return (1 - share) * static_cast<double>(curve[before]) +
+         share * static_cast<double>(curve[behind]);
+}
+
+std::string minutes(double seconds) {
+  std::ostringstream text;
+  text.precision(2);
+  text << seconds / 60 << " min";
+  return text.str();
+}
+
+}  // namespace
+
+ReferenceScene::ReferenceScene(const Subject& subject,
+                               const hw::AcquisitionPlan& plan,
+                               const SimulationOptions& options)
+    : plan_(plan),
+      field_(subject, plan, options, reference_model()),
+      axis_step_m_(std::max(kAxisStep_m, plan.acquisition().depth_m / 1000)) {
+  check_cost();
+  const int count = static_cast<int>(std::ceil(plan.acquisition().depth_m / axis_step_m_)) + 1;
+  on_axis_.resize(static_cast<std::size_t>(count));
+  const ElementSum middle(plan, 0);
+  parallel_ranges(count, options.threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      on_axis_[static_cast<std::size_t>(i)] = middle.on_axis((i + 0.5) * axis_step_m_);
+    }
+  });
+}
+
+void ReferenceScene::check_cost() const {
+  const int sticks = plan_.sticks_per_volume();
+  const int sampled = std::min(sticks, kSampledSticks);
+  double scatterers = 0, terms = 0;
+  const ElementSum middle(plan_, 0);
+  for (int i = 0; i < sampled; ++i) {
+    const hw::StickIndex index =
+        plan_.index(static_cast<std::uint64_t>((i + 0.5) * sticks / sampled));
+    const Sightline line = sightline(plan_, index);
+    for (const PointEcho& point : field_.near(line, plan_.acquisition().depth_m)) {
+      scatterers += static_cast<double>(sticks) / sampled;
+      const double range_m = glm::distance(point.position_m, line.ray.origin);
+      terms += static_cast<double>(sticks) / sampled * kFrequencies *
+               static_cast<double>(middle.sources(range_m));
+    }
+  }
+  if (terms * kTerm_s <= kLongest_s) return;
+  std::ostringstream allowed;
+  allowed.precision(2);
+  allowed << scatterers << " echoes of scatterers on " << sticks << " sticks over "
+          << plan_.probe().elements << " elements would take about " << minutes(terms * kTerm_s)
+          << " of one core; at most " << minutes(kLongest_s)
+          << ": use fewer sticks, less depth or fewer scatterers_per_cell";
+  throw hw::InvalidOption("fidelity", "reference", allowed.str());
+}
+
+double ReferenceScene::on_axis(double range_m) const {
+  const double place =
+      std::clamp(range_m / axis_step_m_ - 0.5, 0.0, static_cast<double>(on_axis_.size()) - 1);
+  const auto before = static_cast<std::size_t>(place);
+  const std::size_t behind = std::min(before + 1, on_axis_.size() - 1);
+  return on_axis_[before] +
+         (place - static_cast<double>(before)) * (on_axis_[behind] - on_axis_[before]);
+}
+
+void ReferenceScene::add_echoes(const StickWay& way, std::span<std::complex<float>> iq) const {
+  if (way.left.empty()) return;
+  const double delay_m = way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back());
+  const double to_m = (static_cast<double>(way.left.size()) + kSamplesBeyond) * way.spacing_m;
+  add_points(way, field_.near(way.line, to_m - delay_m), iq);
+}
+
+void ReferenceScene::add_points(const StickWay& way,
+                                std::span<const PointEcho> points,
+                                std::span<std::complex<float>> iq) const {
+  const ElementSum sum(plan_, theta_of(plan_, way.line.ray));
+  const AcrossStick across = across_stick(way.line.ray);
+  std::vector<std::complex<double>> heard(iq.size());
+  for (const PointEcho& point : points) {
+    const glm::dvec3 from_face = point.position_m - way.line.ray.origin;
+    const glm::dvec3 at(glm::dot(from_face, way.line.ray.direction),
+                        glm::dot(from_face, across.lateral),
+                        glm::dot(from_face, across.elevation));
+    const double delay_m = way.delay_m.empty() ? 0 : at_range(way.delay_m, way.spacing_m, at.x);
+    const double left = at_range(way.left, way.spacing_m, at.x + delay_m);
+    const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(at.x);
+    sum.add({at, amplitude}, delay_m, way.spacing_m, heard);
+  }
+  for (std::size_t i = 0; i < iq.size(); ++i) iq[i] += std::complex<float>(heard[i]);
+}
+
+}  // namespace wobblebench::sim

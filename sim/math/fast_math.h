@@ -1,0 +1,85 @@
+// Elementary functions that compilers can vectorise: no branches, no tables, no calls. Errors are
+// held by tests/sim/math/fast_math_test.cpp.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+#include "sim/math/simd.h"
+
+namespace wobblebench::sim {
+
+/// log2 of a positive normal number, within 3e-7 (absolute) near 1 and 3e-7 relative elsewhere.
+WOBBLEBENCH_INLINE float fast_log2(float x) {
+  // x = 2^e m with m in [1/sqrt 2, sqrt 2): log2 m is odd in s = (m - 1) / (m + 1).
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
+  const std::int32_t e = static_cast<std::int32_t>(bits - 0x3f3504f3u) >> 23;
+  const float m = std::bit_cast<float>(bits - (static_cast<std::uint32_t>(e) << 23));
+  const float s = (m - 1.0f) / (m + 1.0f);
+  const float s2 = s * s;
+  const float series =
+      2.88539008f + s2 * (0.961796694f + s2 * (0.577078016f + s2 * (0.412198583f + s2 * 0.32f)));
+  return static_cast<float>(e) + s * series;
+}
+
+/// Rounds what is added to it: so large a sum has no digits behind the point, and its last ones are
+/// those of the whole number. 1.5 * 2^23, for numbers up to 2^22.
+inline constexpr float kRounds = 12582912.0f;
+
+/// e^x for x <= 88, within 2e-7 relative; 0 below -87.
+WOBBLEBENCH_INLINE float fast_exp(float x) {
+  const float clamped = x < -87.0f ? -87.0f : x;
+  const float t = clamped * 1.44269504f;
+  const float sum = t + kRounds;
+  const float whole = sum - kRounds;
+  const std::int32_t n = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
+  // ln 2 in two parts, so that the rest keeps its digits.
+  const float r = (clamped - whole * 0.693359375f) - whole * -2.12194440e-4f;
+  const float poly =
+      1.0f +
+      r * (1.0f + r * (0.5f + r * (0.166666667f + r * (0.0416666667f + r * (0.00833333333f +
+                                                                            r * 0.00138888889f)))));
+  const float scale = std::bit_cast<float>(static_cast<std::uint32_t>(n + 127) << 23);
+  return x < -87.0f ? 0.0f : poly * scale;
+}
+
+struct CosSin {
+  float cosine;
+  float sine;
+};
+
+/// Cosine and sine of 2 pi u for |u| <= 2^20, within 3e-7.
+WOBBLEBENCH_INLINE CosSin cos_sin_of_cycles(float u) {
+  const float quarters = u * 4.0f;
+  const float sum = quarters + kRounds;
+  const std::int32_t q = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
+  const float a = (quarters - (sum - kRounds)) * 1.57079633f;  // -pi/4 to pi/4
+  const float a2 = a * a;
+  const float s = a * (1.0f + a2 * (-0.166666667f + a2 * (0.00833333333f + a2 * -0.000198412698f)));
+  const float c =
+      1.0f + a2 * (-0.5f + a2 * (0.0416666667f + a2 * (-0.00138888889f + a2 * 2.48015873e-5f)));
+  const bool swap = (q & 1) != 0;
+  const float cosine = swap ? s : c;
+  const float sine = swap ? c : s;
+  return {((q + 1) & 2) != 0 ? -cosine : cosine, (q & 2) != 0 ? -sine : sine};
+}
+
+/// The Gaussian's density over its peak, exp(-u^2 / 2), and its distribution function at u.
+struct Gaussian {
+  float density;
+  float distribution;
+};
+
+/// Distribution within 2e-7 (Abramowitz and Stegun, 7.1.26).
+WOBBLEBENCH_INLINE Gaussian gaussian(float u) {
+  const float x = (u < 0.0f ? -u : u) * 0.707106781f;
+  const float density = fast_exp(-x * x);
+  const float t = 1.0f / (1.0f + 0.3275911f * x);
+  const float poly =
+      t * (0.254829592f +
+           t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f))));
+  const float tail = 0.5f * poly * density;
+  return {density, u < 0.0f ? tail : 1.0f - tail};
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,148 @@
+#include "sim/receive/receiver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/random.h"
+#include "sim/math/fast_math.h"
+#include "sim/receive/losses.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Output samples that are looked at together for silence.
+constexpr int kBlock = 64;
+/// Keeps the logarithm's argument a normal number; 380 dB below full scale.
+constexpr float kDarkest = 1e-19f;
+
+/// |iq + noise| of `count` IQ samples, the first of them sample `first` of its stick.
+WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
+                                     int first,
+                                     int count,
+                                     std::uint64_t key,
+                                     float noise,
+                                     float* __restrict envelope) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(first + i));
+    const float re = iq[at] + noise * z.re;
+    const float im = iq[at + 1] + noise * z.im;
+    envelope[i] = std::sqrt(re * re + im * im);
+  }
+}
+
+WOBBLEBENCH_SIMD void clean_envelope(const float* __restrict iq,
+                                     int count,
+                                     float* __restrict envelope) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    envelope[i] = std::sqrt(iq[at] * iq[at] + iq[at + 1] * iq[at + 1]);
+  }
+}
+
+/// Low-pass: the mean of `each` IQ samples for each output sample.
+WOBBLEBENCH_SIMD void average(const float* __restrict envelope,
+                              std::ptrdiff_t count,
+                              std::ptrdiff_t each,
+                              float* __restrict samples) {
+  if (each == 2) {  // of the usual probes; a loop that becomes wide
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      samples[k] = 0.5f * (envelope[2 * k] + envelope[2 * k + 1]);
+    }
+    return;
+  }
+  for (std::ptrdiff_t k = 0; k < count; ++k) {
+    float sum = 0;
+    for (std::ptrdiff_t i = k * each; i < (k + 1) * each; ++i) sum += envelope[i];
+    samples[k] = sum / static_cast<float>(each);
+  }
+}
+
+/// Without the low-pass, the middle IQ sample stands for the output sample.
+void take_middle(const float* envelope, std::ptrdiff_t count, std::ptrdiff_t each, float* samples) {
+  for (std::ptrdiff_t k = 0; k < count; ++k) samples[k] = envelope[k * each + each / 2];
+}
+
+WOBBLEBENCH_SIMD void amplify(const float* __restrict gain, int count, float* __restrict samples) {
+  for (int k = 0; k < count; ++k) samples[k] *= gain[k];
+}
+
+WOBBLEBENCH_SIMD void compress(int count, float per_octave, float* samples) {
+  for (int k = 0; k < count; ++k) {
+    const float amplitude = samples[k];
+    const float level = 1.0f + per_octave * fast_log2(amplitude < kDarkest ? kDarkest : amplitude);
+    const float floored = level < 0.0f ? 0.0f : level;
+    samples[k] = floored > 1.0f ? 1.0f : floored;
+  }
+}
+
+/// dB of a doubled amplitude.
+const double kOctave_db = 20 * std::log10(2.0);
+
+}  // namespace
+
+float log_compressed(double amplitude, const SimulationOptions& options) {
+  if (!(amplitude > 0)) return 0;
+  const double db = 20 * std::log10(amplitude) - options.full_scale_db;
+  return static_cast<float>(std::clamp(1 + db / options.dynamic_range_db, 0.0, 1.0));
+}
+
+Receiver::Receiver(const hw::AcquisitionPlan& plan,
+                   const SimulationOptions& options,
+                   int oversampling)
+    : options_(options),
+      oversampling_(oversampling),
+      noise_(options.noise_db > kSilent_db ? static_cast<float>(amplitude_of_db(options.noise_db))
+                                           : 0.0f) {
+  const int samples = plan.acquisition().samples_per_stick;
+  const double full_scale = amplitude_of_db(options.full_scale_db);
+  for (int k = 0; k < samples; ++k) {
+    gain_.push_back(
+        static_cast<float>(time_gain(plan, options, plan.sample_range_m(k)) / full_scale));
+  }
+  const bool log = options.output == hw::SampleScale::log_compressed;
+  const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));
+  while (first_noisy_ < samples &&
+         (noise_ == 0.0f ||
+          (log && noise_ * kMostNormal * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
+    ++first_noisy_;
+  }
+}
+
+void Receiver::detect(std::span<const std::complex<float>> iq,
+                      std::uint64_t noise_key,
+                      std::span<float> samples) {
+  const int count = static_cast<int>(samples.size());
+  for (int first = 0; first < count; first += kBlock) {
+    const int block = std::min(kBlock, count - first);
+    const auto from = iq.begin() + static_cast<std::ptrdiff_t>(first) * oversampling_;
+    const bool silent = first + block <= first_noisy_ &&
+                        std::all_of(from,
+                                    from + static_cast<std::ptrdiff_t>(block) * oversampling_,
+                                    [](auto z) { return z == std::complex<float>(0); });
+    if (silent) {
+      std::fill_n(samples.begin() + first, block, 0.0f);
+    } else {
+      detect_block(iq.data(), noise_key, first, block, samples.data() + first);
+    }
+  }
+}
+
+void Receiver::detect_block(
+    const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples) {
+  const int each = oversampling_, from = first * each, iq_count = count * each;
+  envelope_.resize(static_cast<std::size_t>(iq_count));
+  const auto* parts = reinterpret_cast<const float*>(iq + from);
+  if (noise_ > 0) {
+    noisy_envelope(parts, from, iq_count, noise_key, noise_, envelope_.data());
+  } else {
+    clean_envelope(parts, iq_count, envelope_.data());
+  }
+  (options_.low_pass ? average : take_middle)(envelope_.data(), count, each, samples);
+  amplify(gain_.data() + first, count, samples);
+  if (options_.output == hw::SampleScale::linear_envelope) return;
+  compress(count, static_cast<float>(kOctave_db / options_.dynamic_range_db), samples);
+}
+
+}  // namespace wobblebench::sim

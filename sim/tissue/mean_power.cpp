@@ -1,0 +1,216 @@
+#include "sim/tissue/mean_power.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "sim/beam/point_spread.h"
+#include "sim/math/fast_math.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr double kMostReach_m = 4e-3;
+/// Of the wide loops; runs of samples are padded to whole multiples.
+constexpr std::size_t kLanes = 16;
+
+double widest_sigma(const hw::AcquisitionPlan& plan, double range_m) {
+  return std::max(power_sigma(lateral_fwhm_m(plan, range_m)),
+                  power_sigma(elevation_fwhm_m(plan, range_m)));
+}
+
+/// Places of samples among a piece's nodes: the node before, and the share of the way to the next.
+/// `delay_m` may be null.
+WOBBLEBENCH_SIMD void place_samples(int first,
+                                    int count,
+                                    double spacing_m,
+                                    const float* __restrict delay_m,
+                                    double from_m,
+                                    double per_node,
+                                    double last,
+                                    std::int32_t* __restrict node,
+                                    float* __restrict share) {
+  for (int i = 0; i < count; ++i) {
+    const double delay = delay_m == nullptr ? 0.0 : static_cast<double>(delay_m[first + i]);
+    const double true_m = (static_cast<double>(first + i) + 0.5) * spacing_m - delay;
+    const double at = (true_m - from_m) * per_node;
+    const double least = at < 0.0 ? 0.0 : at;
+    const double place = least > last ? last : least;
+    node[i] = static_cast<std::int32_t>(place);
+    share[i] = static_cast<float>(place - static_cast<double>(node[i]));
+  }
+}
+
+/// Blends a surface over what was painted before.
+WOBBLEBENCH_SIMD void paint(const TissuePower::Between* __restrict between,
+                            const float* __restrict share,
+                            const float* __restrict inside,
+                            std::size_t count,
+                            float* __restrict tissue,
+                            float* __restrict sheets) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float u =
+        between[i].near.depth + share[i] * (between[i].far.depth - between[i].near.depth);
+    const float s =
+        between[i].near.sheet + share[i] * (between[i].far.sheet - between[i].near.sheet);
+    const Gaussian beam = gaussian(u);  // u > 0 is outside
+    tissue[i] = tissue[i] * beam.distribution + inside[i] * (1.0f - beam.distribution);
+    sheets[i] = sheets[i] * beam.distribution + s * beam.density;
+  }
+}
+
+WOBBLEBENCH_SIMD void add_and_weaken(const float* __restrict tissue,
+                                     const float* __restrict sheets,
+                                     const float* __restrict left,
+                                     std::size_t count,
+                                     float* __restrict power) {
+  for (std::size_t i = 0; i < count; ++i) power[i] = (tissue[i] + sheets[i]) * left[i] * left[i];
+}
+
+std::size_t padded(std::size_t count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
+
+}  // namespace
+
+double TissuePower::reach_m(const hw::AcquisitionPlan& plan) {
+  double widest = widest_sigma(plan, plan.acquisition().depth_m);
+  for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
+    widest = std::max(widest, widest_sigma(plan, plan.sample_range_m(k)));
+  }
+  return std::min(BeamNodes::kReachSigmas * widest, kMostReach_m);
+}
+
+TissuePower::TissuePower(const hw::AcquisitionPlan& plan,
+                         const SimulationOptions& options,
+                         const std::vector<phantoms::Material>& materials,
+                         double spacing_m,
+                         int samples,
+                         double reach_m)
+    : spacing_m_(spacing_m), nodes_(plan, options, materials, spacing_m, samples, reach_m) {
+  for (const auto& material : materials) {
+    const double mean = amplitude_of_db(material.backscatter_db);
+    const bool echoes = material.backscatter_db > kSilent_db;
+    material_power_.push_back(echoes ? static_cast<float>(mean_power_gain(options) * mean * mean)
+                                     : 0.0f);
+  }
+  // The last section's padding begins anywhere.
+  const std::size_t most = static_cast<std::size_t>(samples) + kLanes;
+  node_.resize(most);
+  for (auto* values : {&share_, &inside_, &tissue_, &sheet_}) values->resize(most);
+  between_.resize(most);
+}
+
+bool TissuePower::Section::clear() const {
+  return piece->layers == 0 && count >= kLanes;
+}
+
+bool TissuePower::compute(const StickTrack& track,
+                          const StickLosses& losses,
+                          std::span<float> power) {
+  const std::size_t end = losses.left().size();
+  find_pieces(track, losses);
+  const bool silent = std::ranges::all_of(sections_, [this](const Section& section) {
+    return section.piece->layers == 0 && base_power(section) == 0;
+  });
+  if (silent) {
+    std::fill(power.begin(), power.end(), 0.0f);
+    return false;
+  }
+  nodes_.compute(track, losses);
+  for (const Section& section : sections_) begin(track, section);
+  std::fill_n(sheet_.begin(), end, 0.0f);
+  paint_first_layers();
+  for (const Section& section : sections_) {
+    for (int layer = 1; layer < section.piece->layers; ++layer) paint_over(track, section, layer);
+  }
+  add_and_weaken(tissue_.data(), sheet_.data(), losses.left().data(), end, power.data());
+  std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
+  return true;
+}
+
+void TissuePower::find_pieces(const StickTrack& track, const StickLosses& losses) {
+  sections_.clear();
+  const auto end = static_cast<int>(losses.left().size());
+  const float* delay_m = losses.delay_m().empty() ? nullptr : losses.delay_m().data();
+  int first = 0;
+  for (const TrackPiece& piece : track.pieces) {
+    const bool is_last = &piece == &track.pieces.back();
+    const int next = is_last ? end : losses.samples_before(losses.apparent_m(track, piece.to_m));
+    const int count = std::min(next, end) - first;
+    if (count <= 0) continue;
+    sections_.push_back({&piece, static_cast<std::size_t>(first), static_cast<std::size_t>(count)});
+    if (piece.layers > 0) {
+      place_samples(first,
+                    count,
+                    spacing_m_,
+                    delay_m,
+                    piece.from_m,
+                    (piece.nodes - 1) / (piece.to_m - piece.from_m),
+                    static_cast<double>(piece.nodes - 1),
+                    node_.data() + first,
+                    share_.data() + first);
+    }
+    first += count;
+  }
+}
+
+void TissuePower::begin(const StickTrack& track, const Section& section) {
+  if (section.clear()) return;
+  const auto first = static_cast<std::ptrdiff_t>(section.first);
+  const float base = base_power(section);
+  std::fill_n(tissue_.begin() + first, section.count, base);
+  if (section.piece->layers > 0) {
+    set_layer(track, section, 0);
+    return;
+  }
+  std::fill_n(inside_.begin() + first, section.count, base);
+  std::fill_n(between_.begin() + first, section.count, Between());
+  std::fill_n(share_.begin() + first, section.count, 0.0f);
+}
+
+void TissuePower::set_layer(const StickTrack& track, const Section& section, int layer) {
+  const auto& surface = track.layers[static_cast<std::size_t>(section.piece->first_layer + layer)];
+  const BeamNodes::Node* nodes = nodes_.of(surface);
+  for (std::size_t i = 0; i < section.count; ++i) {
+    // Two nodes next to each other, moved together: a wide loop would read them one by one.
+    const BeamNodes::Node* near = nodes + node_[section.first + i];
+    between_[section.first + i] = {near[0], near[1]};
+  }
+  std::fill_n(inside_.begin() + static_cast<std::ptrdiff_t>(section.first),
+              section.count,
+              material_power_[static_cast<std::size_t>(surface.inside)]);
+}
+
+/// The first surface of every piece, as many pieces at once as lie side by side; few have more.
+void TissuePower::paint_first_layers() {
+  for (auto section = sections_.begin(); section != sections_.end(); ++section) {
+    const auto clear = std::find_if(section, sections_.end(), std::mem_fn(&Section::clear));
+    if (clear != section) {
+      const Section& last = clear[-1];
+      blend(section->first, padded(last.first + last.count - section->first));
+    }
+    if (clear == sections_.end()) return;
+    const auto first = static_cast<std::ptrdiff_t>(clear->first);
+    std::fill_n(tissue_.begin() + first, clear->count, base_power(*clear));
+    std::fill_n(sheet_.begin() + first, clear->count, 0.0f);
+    section = clear;
+  }
+}
+
+void TissuePower::paint_over(const StickTrack& track, const Section& section, int layer) {
+  set_layer(track, section, layer);
+  blend(section.first, section.count);
+}
+
+void TissuePower::blend(std::size_t first, std::size_t count) {
+  paint(between_.data() + first,
+        share_.data() + first,
+        inside_.data() + first,
+        count,
+        tissue_.data() + first,
+        sheet_.data() + first);
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,323 @@
+// record, inspect and run --board, as a user meets them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::ProcessLimits;
+using testing_support::ProcessResult;
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+const Words kPhantom = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
+const Words kScan = {
+    "--set", "acquisition.frames_per_volume=9", "--set", "acquisition.sticks_per_frame=16"};
+const Words kPicture = {"--set",
+                        "render.scan_conversion.slice_size=64",
+                        "--set",
+                        "render.ray_casting.image_size=64",
+                        "--set",
+                        "render.ray_casting.steps=64"};
+
+Words with(Words words, const std::vector<Words>& more) {
+  for (const Words& part : more) words.insert(words.end(), part.begin(), part.end());
+  return words;
+}
+
+ProcessResult bench(const Words& arguments,
+                    const ScratchFolder& folder,
+                    const ProcessLimits& limits = {}) {
+  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path(), limits);
+}
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return bytes.str();
+}
+
+/// A folder with rec/recording.wbst of three volumes.
+class WithRecording : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto result =
+        bench(with({"record", "--volumes", "3", "--out", "rec"}, {kPhantom, kScan}), folder_);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    ASSERT_EQ(folder_.files("rec"), (Words{"recording.wbst", "report.json"}));
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(WithRecording, InspectSaysThatItIsWhole) {
+  const auto result = bench({"inspect", "rec/recording.wbst", "--json"}, folder_);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report.at("recording").at("damaged"), false);
+  EXPECT_EQ(report.at("recording").at("complete"), true);
+  EXPECT_EQ(report.at("recording").at("volumes").size(), 3U);
+  EXPECT_EQ(report.at("board").at("emitted"), 3 * 9 * 16);
+  EXPECT_EQ(report.at("board").at("delivered"), 3 * 9 * 16);
+  for (const auto& check : report.at("checks")) EXPECT_EQ(check.at("outcome"), "passed");
+}
+
+TEST_F(WithRecording, DamagedItFailsAndIsSalvaged) {
+  std::string bytes = bytes_of(folder_.path() / "rec/recording.wbst");
+  bytes[5000] = static_cast<char>(bytes[5000] ^ 1);
+  folder_.write("damaged.wbst", bytes.substr(0, bytes.size() - 100));
+  const auto damaged =
+      bench({"inspect", "damaged.wbst", "--salvage", "saved.wbst", "--json"}, folder_);
+  EXPECT_EQ(damaged.exit_code, 1);
+  const auto report = nlohmann::json::parse(damaged.out);
+  EXPECT_EQ(report.at("recording").at("damage").size(), 2U) << "a bit, and the cut";
+  EXPECT_EQ(report.at("board").at("lost").at("corrupt"), 1);
+  const auto saved = bench({"inspect", "saved.wbst"}, folder_);
+  EXPECT_EQ(saved.exit_code, 0) << saved.out;
+  EXPECT_NE(saved.out.find("undamaged; sticks are missing that never came"), std::string::npos);
+}
+
+TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
+  const Words scene = with({}, {kPhantom, kPicture});
+  const auto live = bench(with({"run", "--out", "live"}, {scene, kScan}), folder_);
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  const auto played = bench(
+      with({"run", "--board", "file=rec/recording.wbst", "--out", "played"}, {scene}), folder_);
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  for (const char* name :
+       {"surface.png", "volume.png", "depth.exr", "truth_depth.exr", "error_depth.exr"}) {
+    EXPECT_EQ(bytes_of(folder_.path() / "live" / name), bytes_of(folder_.path() / "played" / name))
+        << name;
+  }
+  const auto of = [&](const char* run) {
+    return nlohmann::json::parse(bytes_of(folder_.path() / run / "report.json"));
+  };
+  EXPECT_EQ(of("live").at("error"), of("played").at("error"));
+  EXPECT_EQ(of("live").at("fit"), of("played").at("fit"));
+  EXPECT_EQ(of("live").at("provenance").at("board"), "simulated");
+  EXPECT_EQ(of("played").at("provenance").at("board"), "recording");
+  EXPECT_EQ(of("played").at("board").at("samples_from"), "simulated");
+  EXPECT_TRUE(of("played").at("simulation").is_null());
+}
+
+TEST_F(WithRecording, OfTooFewFramesTheTablesAreRefused) {
+  const auto result = bench({"tables", "--board", "file=rec/recording.wbst"}, folder_);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("has 9 frames a volume; the tables need 37"), std::string::npos)
+      << result.err;
+}
+
+TEST(Recording, TablesAreMeasuredOnIt) {
+  const ScratchFolder folder;
+  const Words few_sticks = {"--set", "acquisition.sticks_per_frame=8"};
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kPhantom, few_sticks}), folder).exit_code, 0);
+  const auto result = bench({"tables",
+                             "--board",
+                             "file=rec/recording.wbst",
+                             "--divisor",
+                             "8",
+                             "--repeats",
+                             "1",
+                             "--json"},
+                            folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder.files("out"), (Words{"report.json", "tables.csv", "tables.md", "tables.png"}));
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report.at("provenance").at("board"), "recording");
+  EXPECT_EQ(report.at("acquisition").at("sticks"), 37 * 8);
+  EXPECT_EQ(report.at("scene").at("acquisition").at("sticks_per_frame"), 8);
+  EXPECT_EQ(report.at("tables").size(), 4u);
+}
+
+TEST_F(WithRecording, FaultsOnTheWayAreCountedInTheReport) {
+  const auto result = bench(with({"run",
+                                  "--board",
+                                  "file=rec/recording.wbst,faults=drop:0.05+corrupt:0.05+seed:2",
+                                  "--out",
+                                  "faults",
+                                  "--json"},
+                                 {kPhantom, kPicture}),
+                            folder_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto board = nlohmann::json::parse(result.out).at("board");
+  auto accounted = board.at("delivered").get<int>();
+  for (const auto& [cause, lost] : board.at("lost").items()) accounted += lost.get<int>();
+  EXPECT_EQ(board.at("emitted"), accounted);
+  EXPECT_GT(board.at("lost").at("link"), 0);
+  EXPECT_GT(board.at("lost").at("corrupt"), 0);
+  EXPECT_GT(board.at("missing_sticks"), 0);
+}
+
+TEST_F(WithRecording, UnpluggedUnderWayItRendersWhatCameAndFails) {
+  const auto result = bench(
+      with({"run", "--board", "file=rec/recording.wbst,faults=unplug@100"}, {kPhantom, kPicture}),
+      folder_);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("the device is gone (a fault, at packet 100)"), std::string::npos);
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/surface.png"));
+}
+
+struct BadBoard {
+  std::string name;
+  Words arguments;
+  std::string message;
+};
+
+class BadBoards : public WithRecording, public testing::WithParamInterface<BadBoard> {};
+
+TEST_P(BadBoards, GiveOneLineAndExitTwo) {
+  folder_.write("empty.wbst", "");
+  folder_.write("foreign.wbst", std::string(5000, 'x'));
+  fs::create_directory(folder_.path() / "folder");
+  const auto result = bench(GetParam().arguments, folder_);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("wobblebench: "), 0U) << result.err;
+  EXPECT_NE(result.err.find(GetParam().message), std::string::npos) << result.err;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_FALSE(fs::exists(folder_.path() / "out/report.json"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each,
+    BadBoards,
+    testing::Values(
+        BadBoard{"none", {"run", "--board", "file=no.wbst"}, "no.wbst: No such file"},
+        BadBoard{"folder", {"run", "--board", "file=folder"}, "folder: is a folder"},
+        BadBoard{"empty", {"inspect", "empty.wbst"}, "empty.wbst: is empty; must be a recording"},
+        BadBoard{"foreign",
+                 {"run", "--board", "file=foreign.wbst"},
+                 "foreign.wbst: holds no packet of the wire format; must be a recording"},
+        BadBoard{"no_device", {"record", "--board", "xdma=/dev/none"}, "/dev/none: No such file"},
+        BadBoard{"device_is_a_folder", {"record", "--board", "xdma=folder"}, "folder: "},
+        BadBoard{"device_is_a_file",
+                 {"run", "--board", "xdma=rec/recording.wbst"},
+                 "a recording is opened with file="},
+        BadBoard{"no_link", {"run", "--board", "usb"}, "--board = usb: must be sim, file="},
+        BadBoard{"no_path", {"run", "--board", "file"}, "--board = file: must be file=RECORDING"},
+        BadBoard{"no_such_key",
+                 {"run", "--board", "sim,colour=red"},
+                 "--board = sim,colour=red: colour = red: no such key; sim takes pace, "},
+        BadBoard{"no_such_pace",
+                 {"run", "--board", "sim,pace=fast"},
+                 "pace = fast: must be one of asap, realtime"},
+        BadBoard{"no_such_fault",
+                 {"run", "--board", "sim,faults=rust:0.1"},
+                 "faults = rust:0.1: must be KIND:RATE or KIND@PACKET with one of drop, "},
+        BadBoard{"no_such_volume",
+                 {"run", "--board", "file=rec/recording.wbst,start_volume=9"},
+                 "start_volume = 9: no volume of rec/recording.wbst, whose last is 2"},
+        BadBoard{"another_scan",
+                 {"run",
+                  "--board",
+                  "file=rec/recording.wbst",
+                  "--set",
+                  "acquisition.frames_per_volume=10"},
+                 "acquisition.frames_per_volume = 10: --board file=rec/recording.wbst delivers 9"},
+        BadBoard{"salvage_onto_itself",
+                 {"inspect", "rec/recording.wbst", "--salvage", "rec/recording.wbst"},
+                 "--salvage = rec/recording.wbst: must be another file"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(WithRecording, InterruptedARecordingIsWholeAsFarAsItGoes) {
+  const fs::path partial = folder_.path() / "long/recording.wbst.partial";
+  ProcessLimits limits;
+  limits.interrupt_when = [&] {
+    std::error_code none;
+    const auto size = fs::file_size(partial, none);
+    return !none && size > 300000;
+  };
+  const auto result = bench({"record",
+                             "--board",
+                             "file=rec/recording.wbst,loop=true,pace=realtime",
+                             "--out",
+                             "long",
+                             "--json"},
+                            folder_,
+                            limits);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report.at("recording").at("ended_because"), "interrupted");
+  EXPECT_GT(report.at("board").at("delivered"), 100);
+  EXPECT_EQ(folder_.files("long"), (Words{"recording.wbst", "report.json"}));
+}
+
+TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
+  ProcessLimits limits;
+  limits.file_bytes = 400000;
+  const auto result = bench(
+      {"record", "--board", "file=rec/recording.wbst,loop=true", "--volumes", "9", "--out", "full"},
+      folder_,
+      limits);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("recording.wbst.partial: cannot be written: File too large; it holds 1 "
+                            "whole volumes"),
+            std::string::npos)
+      << result.err;
+  const auto salvaged =
+      bench({"inspect", "full/recording.wbst.partial", "--salvage", "s.wbst"}, folder_);
+  EXPECT_EQ(bench({"inspect", "s.wbst"}, folder_).exit_code, 0);
+}
+
+/// The card's driver, acted: on FUSE where it can be mounted, and on a FIFO anywhere.
+TEST_F(WithRecording, TheStandInsConform) {
+  const auto conformance = [&](const std::string& board) {
+    return bench(with({"conformance", "--board", board}, {kPhantom, kScan}), folder_);
+  };
+  const auto fifo = conformance("xdma=fifo-stand-in");
+  EXPECT_EQ(fifo.exit_code, 0) << fifo.out;
+  const auto fuse = conformance("xdma=stand-in");
+  if (fuse.exit_code == 2) {
+    EXPECT_NE(fuse.err.find("needs FUSE"), std::string::npos) << fuse.err;
+    GTEST_SKIP() << fuse.err;
+  }
+  EXPECT_EQ(fuse.exit_code, 0) << fuse.out;
+  EXPECT_NE(fuse.out.find("passed  unplug.card"), std::string::npos) << fuse.out;
+}
+
+/// Killed at any moment a recording holds no wrong stick, and what it holds can be saved. Starting
+/// the program takes most of the time: more often with WOBBLEBENCH_KILLS.
+TEST_F(WithRecording, KilledAtAnyMomentItCanBeSaved) {
+  const char* asked = std::getenv("WOBBLEBENCH_KILLS");
+  const int kills = asked == nullptr ? 20 : std::atoi(asked);
+  const fs::path partial = folder_.path() / "killed/recording.wbst.partial";
+  for (int kill = 0; kill < kills; ++kill) {
+    fs::remove_all(folder_.path() / "killed");
+    const auto bytes = static_cast<std::uintmax_t>(1000 + kill * 7919 % 100000);
+    ProcessLimits limits;
+    limits.signal = SIGKILL;
+    limits.interrupt_when = [&] {
+      std::error_code none;
+      const auto size = fs::file_size(partial, none);
+      return !none && size >= bytes;
+    };
+    const auto killed = bench(
+        {"record", "--board", "file=rec/recording.wbst,loop=true,pace=realtime", "--out", "killed"},
+        folder_,
+        limits);
+    ASSERT_EQ(killed.exit_code, 128 + SIGKILL);
+    ASSERT_EQ(folder_.files("killed"), Words{"recording.wbst.partial"});
+    const auto inspected = bench(
+        {"inspect", "killed/recording.wbst.partial", "--salvage", "s.wbst", "--json"}, folder_);
+    ASSERT_NE(inspected.exit_code, 2) << inspected.err;
+    const auto board = nlohmann::json::parse(inspected.out).at("board");
+    EXPECT_EQ(board.at("emitted"), board.at("delivered"));
+    const auto saved = bench({"inspect", "s.wbst", "--json"}, folder_);
+    EXPECT_EQ(saved.exit_code, 0);
+    EXPECT_EQ(nlohmann::json::parse(saved.out).at("board").at("delivered"), board.at("delivered"));
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

@@ -1,0 +1,382 @@
+#include "bench/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cli/user_error.h"
+#include "bench/scene/scene_cost.h"
+#include "phantoms/grids.h"
+
+namespace wobblebench::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SceneFile : public testing::Test {
+ protected:
+  fs::path write(const std::string& text) {
+    std::ofstream(path_) << text;
+    return path_;
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  /// The message with which a scene of this text is refused; empty if it is not.
+  std::string refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
+    try {
+      load_scene(text.empty() ? fs::path() : write(text), settings);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return {};
+  }
+  std::string file() const { return path_.string(); }
+
+ private:
+  const fs::path path_ =
+      fs::path(testing::TempDir()) /
+      (testing::UnitTest::GetInstance()->current_test_info()->name() + std::string(".toml"));
+};
+
+TEST_F(SceneFile, DefaultsAreThePapersAndAreValid) {
+  const Scene scene = load_scene({}, {});
+  EXPECT_EQ(scene.acquisition.frames_per_volume, 37);
+  EXPECT_EQ(scene.acquisition.samples_per_stick, 512);
+  EXPECT_NEAR(scene.acquisition.sector_rad, 77 * kDegree, 1e-15);
+  EXPECT_NEAR(scene.acquisition.fan_rad, 61 * kDegree, 1e-15);
+  EXPECT_EQ(scene.render.ray_casting.image_size, 512);
+  EXPECT_EQ(scene.render.ray_casting.steps, 512);
+  EXPECT_EQ(scene.render.ray_casting.kernel_3d, 3);
+  EXPECT_EQ(scene.render.ray_casting.buffer_length, 8);
+  EXPECT_EQ(scene.render.smoothing.filter_size, 9);
+}
+
+TEST_F(SceneFile, ScenesOfTheDocsAreValid) {
+  int scenes = 0;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(WOBBLEBENCH_SOURCE_DIR) / "docs/scenes")) {
+    EXPECT_NO_THROW(load_scene(entry.path(), {})) << entry.path();
+    ++scenes;
+  }
+  EXPECT_GT(scenes, 0);
+}
+
+TEST_F(SceneFile, KeysCarryTheirUnits) {
+  const Scene scene = load_scene(write("[acquisition]\ndepth_mm = 120\nsector_deg = 60.5\n"
+                                       "[render.volume_of_interest]\ncenter_mm = [1, -2.5, 90]\n"
+                                       "[simulation]\nfidelity = \"geometry\"\nspeckle = false\n"),
+                                 {"probe.center_frequency_mhz=5", "phantom.name=plane"});
+  EXPECT_NEAR(scene.acquisition.depth_m, 0.12, 1e-15);
+  EXPECT_NEAR(scene.acquisition.sector_rad, 60.5 * kDegree, 1e-15);
+  EXPECT_NEAR(scene.render.volume_of_interest.center_m.at(1), -2.5e-3, 1e-15);
+  EXPECT_EQ(scene.simulation.fidelity, sim::Rung::geometry);
+  EXPECT_FALSE(scene.simulation.speckle);
+  EXPECT_NEAR(scene.probe.center_frequency_hz, 5e6, 1e-6);
+  EXPECT_EQ(scene.phantom.name, "plane");
+  EXPECT_TRUE(scene.given.contains("render.volume_of_interest.center_mm"));
+  EXPECT_FALSE(scene.given.contains("render.volume_of_interest.size_mm"));
+}
+
+TEST_F(SceneFile, RefusalsNameFileKeyValueAndWhatIsAllowed) {
+  EXPECT_EQ(refusal("[acquisition]\ndepth_mm = 900\n"),
+            file() + ": acquisition.depth_mm = 900: must be within 1 and 400");
+  EXPECT_EQ(refusal("[acquisition]\ndepth_mm = \"deep\"\n"),
+            file() + ": acquisition.depth_mm = 'deep': must be a number");
+  EXPECT_EQ(refusal("[acquisition]\nframes_per_volume = 3.5\n"),
+            file() + ": acquisition.frames_per_volume = 3.5: must be a whole number");
+  EXPECT_EQ(refusal("[simulation]\nfidelity = \"real\"\n"),
+            file() +
+                ": simulation.fidelity = 'real': must be one of \"auto\" \"geometry\" \"field\" "
+                "\"scatterers\" \"reference\"");
+  EXPECT_EQ(refusal("[simulation]\nseed = -1\n"),
+            file() + ": simulation.seed = -1: must be a whole number, 0 or more");
+  EXPECT_EQ(refusal("[render.ray_casting]\nkernel_3d = 4\n")
+                .find(file() + ": render.ray_casting.kernel_3d = 4: "),
+            0u);
+  EXPECT_EQ(refusal("[render.volume_of_interest]\nsize_mm = [1, 2]\n"),
+            file() + ": render.volume_of_interest.size_mm = 2 numbers: takes 3 numbers");
+}
+
+TEST_F(SceneFile, NumbersThatAreNoneAreRefused) {
+  EXPECT_NE(refusal("[acquisition]\ndepth_mm = nan\n").find("acquisition.depth_mm = nan"),
+            std::string::npos);
+  EXPECT_NE(refusal("[acquisition]\ndepth_mm = inf\n").find("acquisition.depth_mm = inf"),
+            std::string::npos);
+  EXPECT_NE(refusal("[acquisition]\nvolumes = 99999999999\n").find("must be within"),
+            std::string::npos);
+}
+
+TEST_F(SceneFile, UnknownNamesAreRefusedWithThoseThatExist) {
+  const auto key = refusal("[acquisition]\ndeptn_mm = 100\n");
+  EXPECT_EQ(key.find(file() +
+                     ": acquisition.deptn_mm: unknown key; keys of [acquisition] are depth_mm, "),
+            0u)
+      << key;
+  const auto section = refusal("[aquisition]\ndepth_mm = 100\n");
+  EXPECT_EQ(section.find(file() + ": aquisition: unknown; sections are phantom, "), 0u) << section;
+  EXPECT_NE(refusal("[render.ray_castin]\nsteps = 3\n").find("render.ray_castin: unknown"),
+            std::string::npos);
+  EXPECT_NE(refusal("depth_mm = 3\n").find("depth_mm: unknown"), std::string::npos);
+  EXPECT_NE(refusal("[phantom]\nname = \"face\"\n").find("must be one of fetal_face"),
+            std::string::npos);
+}
+
+TEST_F(SceneFile, BrokenTomlNamesTheLine) {
+  EXPECT_EQ(refusal("[acquisition]\ndepth_mm = = 3\n").find(file() + ": line 2: "), 0u);
+}
+
+TEST_F(SceneFile, MissingFileIsNamed) {
+  EXPECT_THROW(
+      {
+        try {
+          load_scene("no/such/scene.toml", {});
+        } catch (const UserError& error) {
+          EXPECT_STREQ(error.what(), "no/such/scene.toml: no such file; a scene is a TOML file");
+          throw;
+        }
+      },
+      UserError);
+}
+
+TEST_F(SceneFile, WhatIsNoFileIsSaidToBeNone) {
+  const auto message = [](const fs::path& path) {
+    try {
+      load_scene(path, {});
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message("/"), "/: not a file; a scene is a TOML file");
+  const std::string long_name(300, 'a');
+  EXPECT_EQ(message(long_name), long_name + ": File name too long; a scene is a TOML file");
+}
+
+TEST_F(SceneFile, ErrorsStayOnOneLine) {
+  EXPECT_EQ(std::string(UserError("a\nb\tc\x7f").what()), "a\\nb\\x09c\\x7f");
+  EXPECT_EQ(std::string(UserError("f\xc3\xb6tus").what()), "f\xc3\xb6tus") << "UTF-8 stays";
+  EXPECT_EQ(std::string(UserError("\xc3(").what()), "\\xc3(") << "what is none does not";
+  EXPECT_EQ(refusal("[phantom]\nname = \"a\\nb\"\n").find('\n'), std::string::npos);
+}
+
+TEST_F(SceneFile, SettingsArePrintableText) {
+  EXPECT_EQ(refusal("", {"phantom.file=\xff"}),
+            "--set phantom.file=\\xff: must be UTF-8 without control characters");
+  // TOML would take this for two settings, and the second would be lost.
+  EXPECT_NE(refusal("", {"phantom.voxel_mm=1\nother=2"}), "");
+  EXPECT_EQ(load_scene({}, {"phantom.file=f\xc3\xb6tus.vdb"}).phantom.file, "f\xc3\xb6tus.vdb");
+}
+
+TEST_F(SceneFile, PhantomsAreRefusedWithFileAndSection) {
+  EXPECT_EQ(refusal("[phantom]\nname = \"sphere\"\nradius_mm = 5\nvoxel_mm = 4\n"),
+            file() + ": phantom.voxel_mm = 4: must be at most 2.5 for the phantom sphere");
+  EXPECT_EQ(refusal("[phantom]\nname = \"file\"\nfile = \"no.vdb\"\n"),
+            file() + ": phantom.file = \"no.vdb\": no such file");
+}
+
+TEST_F(SceneFile, TheTiniestNumbersAreReported) {
+  const Scene scene = load_scene({}, {"phantom.tilt_x_deg=1e-310"});
+  EXPECT_NEAR(resolved(scene)["phantom"]["tilt_x_deg"].get<double>(), 0, 1e-300);
+}
+
+phantoms::Phantom empty_phantom(const phantoms::Box& box) {
+  return {"none",
+          phantoms::material_table(),
+          0,
+          {},
+          box,
+          {0, 0, 0.1},
+          std::make_shared<phantoms::Grids>()};
+}
+
+TEST_F(SceneFile, BoxOfInterestHoldsTheTurnedBoxOfThePhantom) {
+  const auto phantom = empty_phantom({{-0.01, -0.02, -0.03}, {0.05, 0.02, 0.07}});
+  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 90, 0]"});
+  complete_from_phantom(scene, phantom);
+  // About y, z turns to x and x to -z.
+  const auto& box = scene.render.volume_of_interest;
+  const std::vector<double> size = {0.10, 0.04, 0.06}, center = {0.02, 0, 0.1 - 0.02};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(box.size_m.at(axis), size.at(axis), 1e-15);
+    EXPECT_NEAR(box.center_m.at(axis), center.at(axis), 1e-15);
+  }
+}
+
+TEST_F(SceneFile, BoxOfInterestOfATiltedPhantomHoldsItsCorners) {
+  const auto phantom = empty_phantom({{-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}});
+  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 0, 45]"});
+  complete_from_phantom(scene, phantom);
+  const auto& size = scene.render.volume_of_interest.size_m;
+  EXPECT_NEAR(size.at(0), 0.02 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(size.at(2), 0.02, 1e-15);
+}
+
+TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
+  const std::vector<std::string> small = {"acquisition.frames_per_volume=10",
+                                          "acquisition.sticks_per_frame=20",
+                                          "acquisition.samples_per_stick=100",
+                                          "render.scan_conversion.slice_size=32",
+                                          "render.scan_conversion.format=r32f"};
+  auto geometry = small;
+  geometry.push_back("simulation.fidelity=geometry");
+  // The volume on its way, and the volume put together: 4 bytes a sample each.
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 2 * 4 * 20000);
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 4 * 20000);
+  // The pulse's band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample,
+  // 8 bytes each: of even speckle, and of the echoes that it becomes.
+  const double iq = 10 * 8 * 20000, volumes = 2 * 4 * 20000;
+  EXPECT_EQ(memory_need(load_scene({}, small)).acquisition, 2 * iq);
+  // Echoes that differ from volume to volume are not kept.
+  const auto with = [&](const std::string& setting) {
+    auto settings = small;
+    settings.push_back(setting);
+    return memory_need(load_scene({}, settings)).acquisition;
+  };
+  EXPECT_EQ(with("acquisition.motor=alternating"), iq + volumes);
+  EXPECT_EQ(with("simulation.fidelity=scatterers"), iq + volumes);
+  EXPECT_EQ(with("motion.velocity_mm_s=[0,0,1]"), volumes);
+}
+
+TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
+  Scene scene = load_scene({}, {"simulation.fidelity=geometry"});
+  scene.acquisition.frames_per_volume = 1000;
+  scene.acquisition.samples_per_stick = 500;
+  const auto refused = [&](double available) {
+    try {
+      check_memory(scene, "a.toml", available);
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused(1e9), "");
+  EXPECT_EQ(refused(600e6),
+            "a.toml: acquisition.frames_per_volume = 1000, render.scan_conversion.slice_size = "
+            "512: need about 0.652 GB of memory; this machine has 0.6 GB");
+  EXPECT_EQ(refused(200e6),
+            "a.toml: acquisition.frames_per_volume = 1000, acquisition.sticks_per_frame = 64, "
+            "acquisition.samples_per_stick = 500: need about 0.256 GB of memory; this machine has "
+            "0.2 GB");
+  EXPECT_GT(machine_memory_bytes(), 1e8);
+}
+
+TEST_F(SceneFile, MotionIsReadWithItsUnits) {
+  const Scene scene = load_scene(write("[motion]\nvelocity_mm_s = [1, -2, 3.5]\n"
+                                       "breath_amplitude_mm = 4\nhead_axis = \"nod\"\n"),
+                                 {"motion.turn_rate_deg_s=[0,90,0]"});
+  EXPECT_EQ(scene.motion.velocity_m_s, (std::vector<double>{1e-3, -2e-3, 3.5e-3}));
+  EXPECT_NEAR(scene.motion.turn_rate_rad_s.at(1), 90 * kDegree, 1e-15);
+  EXPECT_NEAR(scene.motion.breath_amplitude_m, 4e-3, 1e-18);
+  EXPECT_EQ(scene.motion.head_axis, phantoms::HeadAxis::nod);
+  EXPECT_TRUE(scene.moves());
+  EXPECT_FALSE(load_scene({}, {}).moves());
+  EXPECT_TRUE(load_scene({}, {"motion.head_turn_deg=5"}).moves());
+  EXPECT_EQ(resolved(scene)["motion"]["velocity_mm_s"], (std::vector<double>{1, -2, 3.5}));
+}
+
+TEST_F(SceneFile, MotionThatCannotBeIsRefused) {
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2]\n"),
+            file() + ": motion.velocity_mm_s = 2 numbers: takes 3 numbers");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, 501]\n"),
+            file() + ": motion.velocity_mm_s = 501: must be within -500 and 500");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, nan]\n"),
+            file() + ": motion.velocity_mm_s = nan: must be within -500 and 500");
+  EXPECT_EQ(refusal("[motion]\nvelocity_mm_s = [1, 2, \"3\"]\n"),
+            file() + ": motion.velocity_mm_s = [...]: must be a list of numbers");
+  EXPECT_EQ(refusal("[motion]\nbreath_period_s = 0\n"),
+            file() + ": motion.breath_period_s = 0: must be within 0.1 and 60");
+  EXPECT_EQ(refusal("[motion]\nhead_axis = \"roll\"\n"),
+            file() + ": motion.head_axis = 'roll': must be one of \"nod\" \"shake\" \"tilt\"");
+}
+
+TEST_F(SceneFile, AHeadThatIsNotThereDoesNotTurn) {
+  const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10"});
+  const auto phantom = empty_phantom({});
+  try {
+    scene.phantom_motion(phantom);
+    FAIL() << "accepted";
+  } catch (const UserError& error) {
+    EXPECT_EQ(std::string(error.what()).find("motion.head_turn_deg = 10: "), 0U) << error.what();
+  }
+  EXPECT_TRUE(load_scene({}, {}).phantom_motion(phantom).still());
+}
+
+TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {
+  const Scene scene = load_scene(
+      write("[acquisition]\ndepth_mm = 140\n[probe]\nf_number = 3\npreset = \"c5-2v\"\n"), {});
+  EXPECT_NEAR(scene.probe.radius_m, 49.57e-3, 1e-15);
+  EXPECT_NEAR(scene.probe.center_frequency_hz, 3.57e6, 1e-6);
+  EXPECT_EQ(scene.probe.f_number, 3) << "a key beside the preset overrides it, in any order";
+  EXPECT_NEAR(scene.acquisition.sector_rad, 74.6 * kDegree, 0.05 * kDegree);
+  EXPECT_NEAR(scene.acquisition.depth_m, 0.14, 1e-15);
+  EXPECT_NEAR(load_scene({}, {"probe.preset=curvilinear-60", "acquisition.sector_deg=40"})
+                  .acquisition.sector_rad,
+              40 * kDegree,
+              1e-15);
+  EXPECT_TRUE(load_scene({}, {"probe.preset=default"}).probe ==
+              static_cast<const hw::ProbeOptions&>(load_scene({}, {}).probe));
+}
+
+TEST_F(SceneFile, AnUnknownPresetIsRefusedWithThoseThatExist) {
+  EXPECT_EQ(refusal("", {"probe.preset=c5-1"}),
+            "--set: probe.preset = 'c5-1': must be one of \"default\" \"c5-2v\" "
+            "\"curvilinear-60\"");
+  EXPECT_NE(refusal("[probe]\npreset_source = \"me\"\n").find("probe.preset_source = 'me'"),
+            std::string::npos);
+}
+
+TEST_F(SceneFile, ResolvedSceneNamesPresetAndSource) {
+  for (const std::string preset : {"default", "c5-2v", "curvilinear-60"}) {
+    const auto json = resolved(load_scene({}, {"probe.preset=" + preset}));
+    EXPECT_EQ(json["probe"]["preset"], preset);
+    EXPECT_NE(json["probe"]["preset_source"].get<std::string>().find("assumed: "),
+              std::string::npos);
+    EXPECT_TRUE(json["probe"]["radius_mm"].is_number());
+  }
+}
+
+TEST_F(SceneFile, WhatARungCannotShowIsRefused) {
+  EXPECT_EQ(refusal("", {"simulation.fidelity=field", "simulation.side_lobes=true"})
+                .find("--set: simulation.side_lobes = true: needs the rung scatterers"),
+            0u);
+}
+
+TEST_F(SceneFile, SettingsAreHeldToTheSameRules) {
+  EXPECT_EQ(refusal("", {"acquisition.depth_mm=900"}),
+            "--set: acquisition.depth_mm = 900: must be within 1 and 400");
+  EXPECT_EQ(refusal("", {"depth"}), "--set depth: must be SECTION.KEY=VALUE");
+  EXPECT_EQ(refusal("", {"acquisition.depth_mm.x=1"}).find("--set"), 0u);
+}
+
+TEST_F(SceneFile, ResolvedSceneReadsBackAsItself) {
+  const Scene scene = load_scene({},
+                                 {"acquisition.depth_mm=123.4",
+                                  "render.view.yaw_deg=-33",
+                                  "probe.preset=c5-2v",
+                                  "probe.f_number=3",
+                                  "acquisition.motor=fly_back",
+                                  "motion.velocity_mm_s=[1,2,3]"});
+  const auto json = resolved(scene);
+  EXPECT_EQ(json["acquisition"]["depth_mm"], 123.4);
+  EXPECT_EQ(json["render"]["view"]["yaw_deg"], -33);
+  std::vector<std::string> settings;
+  for (const auto& [section, options] : json.items()) {
+    for (const auto& [key, value] : options.items()) {
+      if (value.is_object()) {
+        for (const auto& [inner, v] : value.items()) {
+          settings.push_back(section + "." + key + "." + inner + "=" + v.dump());
+        }
+      } else {
+        settings.push_back(section + "." + key + "=" + value.dump());
+      }
+    }
+  }
+  EXPECT_EQ(resolved(load_scene({}, settings)), json);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

@@ -1,0 +1,312 @@
+// The link and the stand-in for its driver, against each other and through raw system calls.
+#include "hw/emulator/xdma_emulator.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+
+#include <atomic>
+#include <thread>
+
+#include "base/file_descriptor.h"
+#include "base/options.h"
+#include "hw/link/xdma_link.h"
+#include "tests/hw/support/collect.h"
+#include "tests/hw/support/memory_link.h"
+#include "tests/hw/support/streams.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::hw {
+namespace {
+
+/// A fault would hang for the driver's patience, 10 s, or for ever.
+constexpr auto kNotHanging = std::chrono::seconds(1);
+
+class XdmaStandInTest : public testing_support::FolderTest {
+ protected:
+  void SetUp() override {
+    if (!XdmaStandIn::can_mount()) GTEST_SKIP() << XdmaStandIn::why_not();
+  }
+  ~XdmaStandInTest() override { stand_in_.reset(); }
+
+  /// A card that sends the plan, then nothing.
+  void plug_in(const XdmaStandInOptions& options = {}, std::uint64_t chunk_seed = 0) {
+    const MemoryLinkOptions source = {.chunk_seed = chunk_seed, .ending = ReadStatus::timeout};
+    stand_in_ = std::make_unique<XdmaStandIn>(
+        folder_,
+        [source, bytes = stream_of(plan_)] { return std::make_unique<MemoryLink>(bytes, source); },
+        options);
+  }
+
+  std::unique_ptr<XdmaLink> link(const XdmaLinkOptions& options = {}) const {
+    return std::make_unique<XdmaLink>(stand_in_->path(), options);
+  }
+
+  FileDescriptor open_raw(int flags) const {
+    return FileDescriptor(::open(stand_in_->path().c_str(), O_RDONLY | O_CLOEXEC | flags));
+  }
+
+  /// Takes events up to the end of the plan's last volume, or one that nothing can follow.
+  Event take_all(Board& board, Collected& seen) const {
+    for (;;) {
+      Event event = board.next(patience());
+      if (!note(event, seen)) return event;
+      if (seen.ends.size() == static_cast<std::size_t>(plan_.acquisition().volumes)) return event;
+    }
+  }
+
+  void expect_all_sticks(std::unique_ptr<Link> from) const {
+    Board board(std::move(from));
+    board.start();
+    Collected seen;
+    take_all(board, seen);
+    ASSERT_EQ(seen.sticks.size(), 60U);
+    for (const Stick& stick : seen.sticks) EXPECT_TRUE(is_genuine(plan_, stick));
+    EXPECT_TRUE(seen.gaps.empty());
+    EXPECT_EQ(board.damage().places, 0U);
+  }
+
+  const AcquisitionPlan plan_ = small_plan(5);
+  const std::vector<Bytes> packets_ = packets_of(plan_);
+  std::unique_ptr<XdmaStandIn> stand_in_;
+};
+
+Bytes read_raw(const FileDescriptor& from, std::size_t length, int* error = nullptr) {
+  Bytes bytes(length);
+  const ssize_t count = ::read(from.get(), bytes.data(), length);
+  if (error != nullptr) *error = count < 0 ? errno : 0;
+  bytes.resize(count < 0 ? 0 : static_cast<std::size_t>(count));
+  return bytes;
+}
+
+int error_of_read(const FileDescriptor& from, std::size_t length) {
+  int error = 0;
+  read_raw(from, length, &error);
+  return error;
+}
+
+TEST_F(XdmaStandInTest, ABoardGetsEveryStick) {
+  plug_in();
+  auto card = link();
+  EXPECT_EQ(card->capabilities().provenance, Provenance::stand_in);
+  EXPECT_FALSE(card->capabilities().waits_for_reader);
+  expect_all_sticks(std::move(card));
+}
+
+TEST_F(XdmaStandInTest, ABoardGetsEveryStickInTransfersThatPacketsDoNotEnd) {
+  plug_in({.timeout_s = 0.02}, 3);
+  expect_all_sticks(link({.transfer_kb = 1, .end_of_packet = false}));
+}
+
+TEST_F(XdmaStandInTest, ABoardGetsEveryStickInShortReads) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    plug_in({.short_reads = true, .seed = seed}, seed);
+    expect_all_sticks(link());
+    stand_in_.reset();
+  }
+}
+
+TEST_F(XdmaStandInTest, ATransferEndsWithAPacketIfAskedTo) {
+  plug_in();
+  const FileDescriptor raw = open_raw(O_TRUNC);
+  for (const Bytes& packet : packets_) EXPECT_TRUE(read_raw(raw, 65536) == packet);
+}
+
+TEST_F(XdmaStandInTest, ATransferIsFilledOtherwise) {
+  plug_in();
+  const Bytes stream = stream_of(plan_);
+  const FileDescriptor raw = open_raw(0);
+  EXPECT_TRUE(read_raw(raw, 1000) == Bytes(stream.begin(), stream.begin() + 1000));
+  EXPECT_TRUE(read_raw(raw, 1000) == Bytes(stream.begin() + 1000, stream.begin() + 2000));
+}
+
+TEST_F(XdmaStandInTest, ASecondOpenerIsRefusedUntilTheFirstCloses) {
+  plug_in();
+  FileDescriptor raw = open_raw(0);
+  ASSERT_TRUE(raw.is_open());
+  EXPECT_FALSE(open_raw(0).is_open());
+  EXPECT_EQ(errno, EBUSY);
+  try {
+    link({.busy_patience_s = 0.03});
+    ADD_FAILURE() << "was opened twice";
+  } catch (const LinkOpenError& error) {
+    EXPECT_EQ(error.fault(), OpenFault::busy);
+    EXPECT_EQ(
+        error.what(),
+        stand_in_->path().string() + ": Device or resource busy (EBUSY); has one reader at a time");
+  }
+  std::thread closer([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    raw.close();
+  });
+  expect_all_sticks(link({.busy_patience_s = 60}));
+  closer.join();
+}
+
+TEST_F(XdmaStandInTest, AMisalignedLengthIsRefusedAndTheAlignmentCanBeAsked) {
+  plug_in({.alignment_bytes = 4096});
+  FileDescriptor raw = open_raw(O_TRUNC);
+  EXPECT_EQ(error_of_read(raw, 1000), EINVAL);
+  int alignment = 0;
+  EXPECT_EQ(::ioctl(raw.get(), _IOR('q', 6, int), &alignment), 0);
+  EXPECT_EQ(alignment, 4096);
+  EXPECT_EQ(::ioctl(raw.get(), _IOR('q', 5, int), &alignment), -1);
+  EXPECT_TRUE(read_raw(raw, 4096) == packets_[0]);
+  raw.close();
+  EXPECT_THROW(link({.transfer_kb = 2}), InvalidOption);
+  expect_all_sticks(link({.transfer_kb = 4}));
+}
+
+TEST_F(XdmaStandInTest, SilenceTimesOutAndIsNoLoss) {
+  plug_in({.timeout_s = 0.02, .stall_at_packet = 3});
+  {
+    const FileDescriptor raw = open_raw(O_TRUNC);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(error_of_read(raw, 4096), 0);
+    EXPECT_EQ(error_of_read(raw, 4096), ETIMEDOUT);
+    stand_in_->stall(false);
+    EXPECT_TRUE(read_raw(raw, 4096) == packets_[3]);
+  }
+  auto stalled = link();
+  Bytes buffer(4096);
+  std::size_t sent = packets_[0].size() + packets_[1].size() + packets_[2].size();
+  while (sent > 0) sent -= stalled->read(buffer, patience()).bytes;
+  const HostTime deadline = HostClock::now() + std::chrono::milliseconds(100);
+  EXPECT_EQ(stalled->read(buffer, deadline).status, ReadStatus::timeout);
+  stand_in_->stall(false);
+  EXPECT_EQ(stalled->read(buffer, patience()).status, ReadStatus::ok);
+}
+
+TEST_F(XdmaStandInTest, APartialTransferIsGivenAfterTheTimeout) {
+  plug_in({.timeout_s = 0.02, .stall_at_packet = 1});
+  EXPECT_TRUE(read_raw(open_raw(0), 65536) == packets_[0]);
+}
+
+TEST_F(XdmaStandInTest, UnpluggedWhileABoardWaitsTheDeviceIsLost) {
+  plug_in({.stall_at_packet = 8});
+  Board board(link());
+  board.start();
+  Collected seen;
+  while (seen.sticks.size() < 7) note(board.next(patience()), seen);
+  std::thread unplugger([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    stand_in_->unplug();
+  });
+  const Event last = board.next(patience());
+  unplugger.join();
+  ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
+  EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unplugged);
+  EXPECT_EQ(std::get<DeviceLost>(last).reason,
+            stand_in_->path().string() + ": No such device (ENODEV)");
+  EXPECT_EQ(board.state(), BoardState::lost);
+}
+
+TEST_F(XdmaStandInTest, PluggedInAgainItCanBeOpenedAgain) {
+  plug_in();
+  const FileDescriptor before = open_raw(O_TRUNC);
+  EXPECT_EQ(error_of_read(before, 4096), 0);
+  stand_in_->unplug();
+  try {
+    link();
+    ADD_FAILURE() << "was opened while unplugged";
+  } catch (const LinkOpenError& error) {
+    EXPECT_EQ(error.fault(), OpenFault::missing);
+  }
+  stand_in_->replug();
+  expect_all_sticks(link());
+  EXPECT_EQ(error_of_read(before, 4096), ENODEV);
+}
+
+TEST_F(XdmaStandInTest, UnpluggedAtAPacketAllBeforeItArrives) {
+  plug_in({.unplug_at_packet = 20});
+  Board board(link());
+  board.start();
+  Collected seen;
+  ASSERT_TRUE(std::holds_alternative<DeviceLost>(collect(board, seen)));
+  // 14 packets a volume: a configuration, 12 sticks, an end.
+  EXPECT_EQ(seen.sticks.size(), 12U + 5U);
+  EXPECT_TRUE(board.account().balanced());
+}
+
+TEST_F(XdmaStandInTest, AllOnesIsALoss) {
+  for (const bool end_of_packet : {true, false}) {
+    plug_in({.all_ones_at_packet = 20});
+    Board board(link({.end_of_packet = end_of_packet}));
+    board.start();
+    Collected seen;
+    const Event last = collect(board, seen);
+    ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
+    EXPECT_EQ(std::get<DeviceLost>(last).reason,
+              stand_in_->path().string() + ": reads all ones: the card has left the bus");
+    EXPECT_EQ(seen.sticks.size(), 12U + 5U);
+    EXPECT_EQ(board.damage().bytes_skipped, 0U);
+    stand_in_.reset();
+  }
+}
+
+TEST_F(XdmaStandInTest, ClosedInsideAReadItReturnsAtOnceAndCanBeOpenedAgain) {
+  plug_in({.timeout_s = 3});
+  stand_in_->stall(true);
+  auto first = link();
+  Bytes buffer(100);
+  const HostTime deadline = HostClock::now() + std::chrono::milliseconds(50);
+  EXPECT_EQ(first->read(buffer, deadline).status, ReadStatus::timeout);
+  const HostTime begin = HostClock::now();
+  first->close();
+  EXPECT_LT(HostClock::now() - begin, kNotHanging);
+  EXPECT_EQ(first->read(buffer, patience()).status, ReadStatus::lost);
+  // The first one's thread gives the node back when its read returns.
+  stand_in_->stall(false);
+  expect_all_sticks(link({.busy_patience_s = 60}));
+}
+
+TEST_F(XdmaStandInTest, TakenAwayUnderAReaderItUnmounts) {
+  plug_in({.stall_at_packet = 2});
+  const FileDescriptor idle = open_raw(O_TRUNC);
+  int error = 0;
+  std::thread reader([&] {
+    while (error == 0) error = error_of_read(idle, 4096);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const HostTime begin = HostClock::now();
+  stand_in_.reset();
+  reader.join();
+  EXPECT_LT(HostClock::now() - begin, kNotHanging);
+  // The kernel's own answer if it was between two reads.
+  EXPECT_TRUE(error == ENODEV || error == ENOTCONN || error == ECONNABORTED) << error;
+  EXPECT_NE(error_of_read(idle, 4096), 0);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(XdmaStandInTest, ASignalDoesNotKeepAReaderForTheTimeout) {
+  plug_in({.stall_at_packet = 0});
+  const FileDescriptor raw = open_raw(0);
+  struct sigaction quiet {};
+  quiet.sa_handler = [](int) {};
+  struct sigaction before {};
+  sigaction(SIGUSR1, &quiet, &before);
+  int error = 0;
+  std::atomic<bool> done = false;
+  std::thread reader([&] {
+    error = error_of_read(raw, 4096);
+    done = true;
+  });
+  // The first signals may come before it reads.
+  while (!done) {
+    pthread_kill(reader.native_handle(), SIGUSR1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  reader.join();
+  sigaction(SIGUSR1, &before, nullptr);
+  EXPECT_EQ(error, EINTR);
+}
+
+TEST(XdmaStandInOptions, AreChecked) {
+  EXPECT_NO_THROW(check_options(XdmaStandInOptions{}));
+  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr, {.alignment_bytes = 3}), InvalidOption);
+  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr, {.timeout_s = 0}), InvalidOption);
+  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace wobblebench::hw

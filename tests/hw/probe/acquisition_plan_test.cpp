@@ -1,0 +1,165 @@
+#include "hw/probe/acquisition_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+
+#include "base/options.h"
+#include "tests/hw/support/streams.h"
+
+namespace wobblebench::hw {
+namespace {
+
+AcquisitionPlan plan_of(const AcquisitionOptions& acquisition) {
+  return {{}, acquisition};
+}
+
+AcquisitionOptions with_frames(int frames) {
+  AcquisitionOptions acquisition;
+  acquisition.frames_per_volume = frames;
+  return acquisition;
+}
+
+TEST(AcquisitionPlan, TakesTheTimeOfThePaper) {
+  // 35 x 64 x 2 x 0.16 m / 1540 m/s = 0.46545454... s
+  EXPECT_EQ(plan_of(with_frames(35)).volume_duration().count(), 465454545);
+  EXPECT_EQ(plan_of(with_frames(37)).volume_duration().count(), 492051948);
+}
+
+TEST(AcquisitionPlan, TimesOfSticksDoNotDrift) {
+  const AcquisitionPlan plan = plan_of({});
+  // 77 sticks take 77 x 0.32 / 1540 s = 16 ms exactly.
+  for (const std::uint64_t n : {0ULL, 1ULL, 1000ULL, 1000000ULL, 1000000000ULL}) {
+    EXPECT_EQ(plan.stick_time(77 * n).time_since_epoch().count(), 16000000LL * std::int64_t(n));
+  }
+  std::int64_t before = 0;
+  for (std::uint64_t i = 1; i < 10000; ++i) {
+    const std::int64_t now = plan.stick_time(i).time_since_epoch().count();
+    EXPECT_TRUE(now - before == 207792 || now - before == 207793) << i;
+    before = now;
+  }
+}
+
+TEST(AcquisitionPlan, TimesAreRoundedOnceEvenAfterWeeks) {
+  // A stick takes 16e6 / 77 ns. Near a tie the rounding of 0.16 itself to a double may show.
+  const AcquisitionPlan plan = plan_of({});
+  for (std::uint64_t i = 0; i < 10000; ++i) {
+    const std::uint64_t sequence = hash(1, i) % 10000000000;
+    const std::uint64_t over = sequence * 16000000 % 77;
+    if (over >= 31 && over <= 46) continue;
+    const std::uint64_t nearest = sequence * 16000000 / 77 + (over > 38 ? 1 : 0);
+    ASSERT_EQ(plan.stick_time(sequence).time_since_epoch().count(), std::int64_t(nearest));
+  }
+}
+
+TEST(AcquisitionPlan, AddsDeadTimeToEveryStick) {
+  AcquisitionOptions acquisition;
+  acquisition.depth_m = 0.077;
+  acquisition.dead_time_s = 12.5e-6;
+  const AcquisitionPlan plan = plan_of(acquisition);
+  EXPECT_DOUBLE_EQ(plan.stick_period_s(), 112.5e-6);
+  EXPECT_EQ(plan.stick_time(1000001).time_since_epoch().count(), 112500112500);
+}
+
+TEST(AcquisitionPlan, TimeStaysAtTheEndOfTheClock) {
+  const DeviceTime end = plan_of({}).stick_time(std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(end.time_since_epoch(), DeviceDuration::max());
+}
+
+TEST(AcquisitionPlan, AnglesReachTheEdgesAndLieEvenly) {
+  const AcquisitionPlan plan = plan_of({});
+  EXPECT_DOUBLE_EQ(plan.theta_rad(0), -38.5 * kDegree);
+  EXPECT_DOUBLE_EQ(plan.theta_rad(63), 38.5 * kDegree);
+  EXPECT_DOUBLE_EQ(plan.frame_phi_rad(0), -30.5 * kDegree);
+  EXPECT_DOUBLE_EQ(plan.frame_phi_rad(36), 30.5 * kDegree);
+  EXPECT_NEAR(plan.frame_phi_rad(18), 0, 1e-16);
+  EXPECT_DOUBLE_EQ(plan.theta_step_rad(), 77 * kDegree / 63);
+  for (int line = 1; line < 64; ++line) {
+    EXPECT_NEAR(plan.theta_rad(line) - plan.theta_rad(line - 1), plan.theta_step_rad(), 1e-15);
+  }
+  EXPECT_EQ(plan.theta_rad(10), -plan.theta_rad(53));
+}
+
+TEST(AcquisitionPlan, LoneLineAndLoneFrameLookStraightAhead) {
+  AcquisitionOptions acquisition = with_frames(1);
+  acquisition.sticks_per_frame = 1;
+  acquisition.motor = MotorMode::continuous;
+  const AcquisitionPlan plan = plan_of(acquisition);
+  EXPECT_EQ(plan.theta_rad(0), 0);
+  EXPECT_EQ(plan.motor_angle_rad({0, 0, 0}), 0);
+  EXPECT_EQ(plan.theta_step_rad(), 0);
+  EXPECT_EQ(plan.phi_step_rad(), 0);
+}
+
+TEST(AcquisitionPlan, SamplesStandInTheMiddleOfTheirRange) {
+  const AcquisitionPlan plan = plan_of({});
+  EXPECT_DOUBLE_EQ(plan.sample_spacing_m(), 0.16 / 512);
+  EXPECT_DOUBLE_EQ(plan.sample_range_m(0), 0.08 / 512);
+  EXPECT_DOUBLE_EQ(plan.sample_range_m(511), 0.16 - 0.08 / 512);
+}
+
+/// Sets one described field just outside one of its limits, and says what must be refused.
+struct Saboteur {
+  int target;
+  bool beyond;
+  int field = 0;
+  std::string expected;
+
+  void real(std::string_view key, double& value, double unit, double min, double max) {
+    if (field++ != target) return;
+    value = (beyond ? max * 1.001 : min - 0.001) * unit;
+    remember(key, min, max);
+  }
+  void integer(std::string_view key, int& value, int min, int max) {
+    if (field++ != target) return;
+    value = beyond ? max + 1 : min - 1;
+    remember(key, min, max);
+  }
+  template <class Enum>
+  void choice(std::string_view, Enum&, std::initializer_list<std::pair<std::string_view, Enum>>) {}
+  void remember(std::string_view key, double min, double max) {
+    std::ostringstream text;
+    text << key << " = |: must be within " << min << " and " << max;
+    expected = text.str();
+  }
+};
+
+TEST(AcquisitionOptions, RefusesEveryFieldBeyondItsLimits) {
+  std::set<std::string> keys;
+  for (int target = 0; target < 10; ++target) {
+    for (const bool beyond : {false, true}) {
+      AcquisitionOptions acquisition;
+      Saboteur saboteur{target, beyond};
+      describe(acquisition, saboteur);
+      ASSERT_EQ(saboteur.field, 10);
+      try {
+        plan_of(acquisition);
+        FAIL() << "accepted, wanted: " << saboteur.expected;
+      } catch (const InvalidOption& error) {
+        const std::string said = error.what();
+        const auto bar = saboteur.expected.find('|');
+        EXPECT_TRUE(said.starts_with(saboteur.expected.substr(0, bar))) << said;
+        EXPECT_TRUE(said.ends_with(saboteur.expected.substr(bar + 1))) << said;
+        keys.insert(said.substr(0, said.find(' ')));
+      }
+    }
+  }
+  EXPECT_EQ(keys.size(), 10U);
+}
+
+TEST(AcquisitionOptions, DefaultsPassAndLimitsAreInclusive) {
+  EXPECT_NO_THROW(plan_of({}));
+  AcquisitionOptions acquisition;
+  acquisition.depth_m = 400 * kMillimetre;
+  acquisition.sector_rad = 170 * kDegree;
+  acquisition.dead_time_s = 10000 * kMicrosecond;
+  EXPECT_NO_THROW(plan_of(acquisition));
+}
+
+}  // namespace
+}  // namespace wobblebench::hw

@@ -1,0 +1,61 @@
+#include "hw/probe/polar_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/hw/support/streams.h"
+
+namespace wobblebench::hw {
+namespace {
+
+TEST(PolarVolume, IsEmptyAtFirst) {
+  const AcquisitionPlan plan = small_plan();
+  const PolarVolume volume(plan);
+  EXPECT_EQ(volume.missing_sticks(), 12);
+  ASSERT_EQ(volume.frames().size(), 3U);
+  for (int f = 0; f < 3; ++f) {
+    const PolarFrame& frame = volume.frame(f);
+    EXPECT_EQ(frame.samples, std::vector<float>(20, 0.0F));
+    EXPECT_EQ(frame.motor_angle_rad, std::vector<double>(4, plan.frame_phi_rad(f)));
+  }
+}
+
+TEST(PolarVolume, PutsEveryStickInItsPlace) {
+  const AcquisitionPlan plan = small_plan();
+  PolarVolume volume(plan, 1);
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    Stick stick = test_stick(plan, 12 + i);
+    stick.motor_angle_rad += 0.001;
+    stick.scale = SampleScale::linear_envelope;
+    volume.place(stick);
+    EXPECT_EQ(volume.missing_sticks(), 11 - static_cast<int>(i));
+    const PolarFrame& frame = volume.frame(static_cast<int>(i / 4));
+    const auto line = static_cast<std::ptrdiff_t>(i % 4);
+    EXPECT_TRUE(
+        std::equal(stick.samples.begin(), stick.samples.end(), frame.samples.begin() + 5 * line));
+    EXPECT_EQ(frame.motor_angle_rad[i % 4], stick.motor_angle_rad);
+    EXPECT_EQ(frame.arrived[i % 4], 1);
+  }
+  EXPECT_EQ(volume.scale(), SampleScale::linear_envelope);
+  EXPECT_EQ(volume.volume_index(), 1U);
+}
+
+TEST(PolarVolume, RefusesWhatDoesNotFitAndStaysAsItWas) {
+  const AcquisitionPlan plan = small_plan();
+  PolarVolume volume(plan);
+  Stick stick = test_stick(plan, 0);
+  stick.index.line = 4;
+  EXPECT_THROW(volume.place(stick), std::out_of_range);
+  stick.index = {0, 3, 0};
+  EXPECT_THROW(volume.place(stick), std::out_of_range);
+  stick.index = {1, 0, 0};
+  EXPECT_THROW(volume.place(stick), std::out_of_range) << "of another volume";
+  stick.index = {0, 0, 0};
+  stick.samples.push_back(0);
+  EXPECT_THROW(volume.place(stick), std::invalid_argument);
+  EXPECT_EQ(volume.missing_sticks(), 12);
+}
+
+}  // namespace
+}  // namespace wobblebench::hw

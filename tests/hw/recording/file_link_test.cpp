@@ -1,0 +1,120 @@
+#include "hw/recording/file_link.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/options.h"
+#include "tests/hw/support/collect.h"
+#include "tests/hw/support/streams.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::hw {
+namespace {
+
+class FileLinks : public testing_support::FolderTest {
+ protected:
+  std::filesystem::path write(const Bytes& bytes) const {
+    const auto path = file("r.wbst");
+    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
+    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
+    return path;
+  }
+};
+
+TEST_F(FileLinks, GiveTheFilesBytesAtEitherPaceDamageToo) {
+  Bytes stream = stream_of(small_plan(2));
+  stream[300] ^= std::byte{1};
+  for (std::size_t i = 0; i < 50; ++i) stream.push_back(std::byte{7});
+  const auto path = write(stream);
+  for (const Pace pace : {Pace::asap, Pace::realtime}) {
+    FileLink link(path, {.pace = pace});
+    EXPECT_EQ(all_bytes(link, 501), stream);
+    EXPECT_EQ(link.capabilities().provenance, Provenance::recording);
+  }
+}
+
+TEST_F(FileLinks, RealtimeTakesTheTimeThatTheProbeTook) {
+  const AcquisitionPlan plan = small_plan(20);
+  FileLink link(write(stream_of(plan)), {.pace = Pace::realtime});
+  const auto start = HostClock::now();
+  all_bytes(link, 65536);
+  EXPECT_GE(HostClock::now() - start,
+            plan.volume_end_time(19).time_since_epoch() - std::chrono::milliseconds(1));
+}
+
+TEST_F(FileLinks, BeginAtAVolume) {
+  const AcquisitionPlan plan = small_plan(3);
+  const auto path = write(stream_of(plan));
+  for (const Pace pace : {Pace::asap, Pace::realtime}) {
+    FileLink link(path, {.pace = pace, .start_volume = 2});
+    Decoder decoder;
+    decoder.feed(all_bytes(link, 4096));
+    const auto first = decoder.next();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(std::get<ConfigurationPacket>(*first).volume, 2U);
+  }
+  try {
+    FileLink link(path, {.start_volume = 3});
+    FAIL() << "accepted";
+  } catch (const InvalidOption& error) {
+    EXPECT_NE(std::string(error.what()).find("start_volume = 3: no volume of "), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("whose last is 2"), std::string::npos);
+  }
+}
+
+/// Looped, a recording is one stream without an end: nothing lost, numbers and times go on.
+TEST_F(FileLinks, LoopedTheyGoOnAsTheProbeWould) {
+  for (const MotorMode motor : kMotorModes) {
+    const AcquisitionPlan plan = small_plan(2, motor);
+    Board board(std::make_unique<FileLink>(write(stream_of(plan)), FileLinkOptions{.loop = true}));
+    board.start();
+    Collected seen;
+    while (seen.sticks.size() < 100) ASSERT_TRUE(note(board.next(patience()), seen));
+    EXPECT_TRUE(seen.gaps.empty());
+    EXPECT_EQ(seen.configurations.size(), 1U);
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      EXPECT_EQ(seen.sticks[i].sequence, i);
+      // The sum of two times, each rounded to a nanosecond.
+      EXPECT_LE(std::abs((seen.sticks[i].time - plan.stick_time(i)).count()), 1);
+      EXPECT_EQ(seen.sticks[i].samples, test_stick(plan, i % 24).samples);
+    }
+    EXPECT_EQ(board.account().lost.total(), 0U);
+  }
+}
+
+TEST_F(FileLinks, LoopedACutRecordingShowsWhatIsMissing) {
+  const AcquisitionPlan plan = small_plan(2);
+  Bytes stream = stream_of(plan);
+  stream.resize(stream.size() - 300);
+  Board board(std::make_unique<FileLink>(write(stream), FileLinkOptions{.loop = true}));
+  board.start();
+  Collected seen;
+  while (seen.sticks.size() < 60) ASSERT_TRUE(note(board.next(patience()), seen));
+  ASSERT_FALSE(seen.gaps.empty());
+  for (const Stick& stick : seen.sticks) {
+    EXPECT_EQ(stick.samples, test_stick(plan, stick.sequence % 24).samples);
+  }
+}
+
+TEST_F(FileLinks, LoopsThatCannotGoOnAreRefused) {
+  const auto refuse = [&](const Bytes& stream, const std::string& why) {
+    try {
+      FileLink link(write(stream), {.loop = true});
+      ADD_FAILURE() << "accepted";
+    } catch (const InvalidOption& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  };
+  refuse(stream_of(small_plan(3, MotorMode::alternating)), "an odd number of volumes");
+  Bytes two = stream_of(small_plan(1));
+  const Bytes other = stream_of(small_plan(1, MotorMode::continuous));
+  two.insert(two.end(), other.begin(), other.end());
+  refuse(two, "several acquisitions");
+  Bytes none;
+  encode(VolumeEndPacket{}, none);
+  refuse(none, "no configuration");
+}
+
+}  // namespace
+}  // namespace wobblebench::hw

@@ -1,0 +1,104 @@
+#include "tests/hw/support/streams.h"
+
+#include <cmath>
+
+namespace wobblebench::hw {
+
+std::uint64_t hash(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t z = seed * 0xD1B54A32D192ED03U + (index + 1) * 0x9E3779B97F4A7C15U;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+  return z ^ (z >> 31);
+}
+
+double uniform(std::uint64_t seed, std::uint64_t index, double low, double high) {
+  return low + (high - low) * std::ldexp(static_cast<double>(hash(seed, index) >> 11), -53);
+}
+
+AcquisitionPlan small_plan(int volumes, MotorMode motor) {
+  AcquisitionOptions acquisition;
+  acquisition.sticks_per_frame = 4;
+  acquisition.samples_per_stick = 5;
+  acquisition.frames_per_volume = 3;
+  acquisition.volumes = volumes;
+  acquisition.motor = motor;
+  return {ProbeOptions{}, acquisition};
+}
+
+Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence) {
+  Stick stick;
+  stick.sequence = sequence;
+  stick.index = plan.index(sequence);
+  stick.time = plan.stick_time(sequence);
+  stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+  stick.sweep_direction = plan.sweep_direction(stick.index.volume);
+  const int samples = plan.acquisition().samples_per_stick;
+  for (int k = 0; k < samples; ++k) {
+    const auto value = static_cast<float>(hash(sequence, static_cast<std::uint64_t>(k)) >> 40);
+    stick.samples.push_back(value / 16777216.0F);
+  }
+  return stick;
+}
+
+ConfigurationPacket configuration_of(const AcquisitionPlan& plan, std::uint32_t volume) {
+  const std::uint64_t sequence = plan.first_sequence(volume);
+  return {sequence,
+          volume,
+          plan.stick_time(sequence),
+          Provenance::simulated,
+          plan.probe(),
+          plan.acquisition()};
+}
+
+VolumeEndPacket volume_end_of(const AcquisitionPlan& plan, std::uint32_t volume) {
+  return {plan.first_sequence(volume + 1), volume, plan.volume_end_time(volume)};
+}
+
+std::vector<Bytes> packets_of(const AcquisitionPlan& plan, WireCrc crc) {
+  std::vector<Bytes> packets;
+  const auto sticks = static_cast<std::uint64_t>(plan.sticks_per_volume());
+  const auto volumes = static_cast<std::uint32_t>(plan.acquisition().volumes);
+  for (std::uint32_t volume = 0; volume < volumes; ++volume) {
+    encode(configuration_of(plan, volume), packets.emplace_back());
+    for (std::uint64_t i = 0; i < sticks; ++i) {
+      encode(test_stick(plan, volume * sticks + i), packets.emplace_back(), crc);
+    }
+    encode(volume_end_of(plan, volume), packets.emplace_back(), crc);
+  }
+  return packets;
+}
+
+Bytes join(const std::vector<Bytes>& packets) {
+  Bytes stream;
+  for (const Bytes& packet : packets) stream.insert(stream.end(), packet.begin(), packet.end());
+  return stream;
+}
+
+Bytes stream_of(const AcquisitionPlan& plan, WireCrc crc) {
+  return join(packets_of(plan, crc));
+}
+
+bool is_genuine(const AcquisitionPlan& plan, const Stick& stick) {
+  Bytes expected, actual;
+  encode(test_stick(plan, stick.sequence), expected);
+  encode(stick, actual);
+  return expected == actual;
+}
+
+std::size_t packet_index(const AcquisitionPlan& plan, std::uint64_t sequence) {
+  const auto sticks = static_cast<std::uint64_t>(plan.sticks_per_volume());
+  return static_cast<std::size_t>(sequence + 1 + 2 * (sequence / sticks));
+}
+
+std::vector<std::int64_t> owners(const AcquisitionPlan& plan) {
+  std::vector<std::int64_t> owner;
+  std::int64_t sequence = 0;
+  for (const Bytes& packet : packets_of(plan)) {
+    const bool is_stick = packet[6] == std::byte{2};
+    owner.insert(owner.end(), packet.size(), is_stick ? sequence : -1);
+    if (is_stick) ++sequence;
+  }
+  return owner;
+}
+
+}  // namespace wobblebench::hw

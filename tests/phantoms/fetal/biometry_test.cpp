@@ -1,0 +1,189 @@
+// Calipers on the grids of the fetal_face phantom, against the published means.
+#include <gtest/gtest.h>
+#include <openvdb/math/Stencils.h>
+
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+
+#include "phantoms/fetal/fetal_biometry.h"
+#include "phantoms/fetal/fetal_landmarks.h"
+#include "phantoms/grids.h"
+#include "phantoms/phantom.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+constexpr double kAllowed = 1.0 * kMm;
+
+// One level set, addressed in the head's own frame.
+class Caliper {
+ public:
+  Caliper(const Phantom& phantom, const std::string& surface, const FetalLandmarks& pose)
+      : pose_(pose), grid_(find(phantom, surface)), stencil_(*grid_) {}
+
+  double distance(const glm::dvec3& head_m) {
+    const glm::dvec3 p = pose_.head_to_phantom * head_m + pose_.head_position_m;
+    const openvdb::Vec3d index = grid_->worldToIndex({p.x, p.y, p.z});
+    stencil_.moveTo(index);
+    return stencil_.interpolation(index);
+  }
+
+  /// First place where the grid turns negative on the way, by steps and bisection.
+  glm::dvec3 meet(const glm::dvec3& from, const glm::dvec3& direction, double reach_m) {
+    const double step = 0.3 * kMm;
+    for (double t = step; t < reach_m; t += step) {
+      if (distance(from + t * direction) >= 0) continue;
+      double low = t - step, high = t;
+      for (int i = 0; i < 30; ++i) {
+        const double middle = 0.5 * (low + high);
+        (distance(from + middle * direction) < 0 ? high : low) = middle;
+      }
+      return from + high * direction;
+    }
+    ADD_FAILURE() << "nothing met";
+    return from;
+  }
+
+  /// Skin of the mid-line at height y, as seen from in front.
+  glm::dvec3 profile(double y) { return meet({0, y, -15 * kMm}, {0, 0, 1}, 60 * kMm); }
+
+  /// The profile's extreme between two heights; sign +1: deepest, -1: most prominent.
+  glm::dvec3 extreme(double from, double to, double sign) {
+    glm::dvec3 best = profile(from);
+    for (double y = from; y <= to; y += 0.05 * kMm) {
+      const glm::dvec3 here = profile(y);
+      if (sign * (here.z - best.z) > 0) best = here;
+    }
+    return best;
+  }
+
+ private:
+  static openvdb::FloatGrid::ConstPtr find(const Phantom& phantom, const std::string& name) {
+    for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+      if (phantom.surfaces()[i].name == name) return phantom.grids().signed_distance[i];
+    }
+    throw std::logic_error("no surface " + name);
+  }
+
+  FetalLandmarks pose_;
+  openvdb::FloatGrid::ConstPtr grid_;
+  openvdb::math::BoxStencil<const openvdb::FloatGrid> stencil_;
+};
+
+class Biometry : public testing::TestWithParam<double> {
+ protected:
+  void SetUp() override {
+    PhantomOptions options;
+    options.gestational_age_weeks = GetParam();
+    options.maternal_layer_m = 0;  // not what is measured
+    options.voxel_m = GetParam() == 21 ? 0.5 * kMm : 1.0 * kMm;
+    phantom_ = std::make_unique<Phantom>(make_phantom(options));
+    marks_ = fetal_landmarks(GetParam());
+    mean_ = fetal_biometry(GetParam());
+  }
+  Caliper caliper(const std::string& surface) { return {*phantom_, surface, marks_}; }
+
+  std::unique_ptr<Phantom> phantom_;
+  FetalLandmarks marks_;
+  FetalBiometry mean_{};
+};
+
+// One phantom an age serves all measures: building it is what takes time.
+TEST_P(Biometry, IsThatOfTheAge) {
+  {
+    SCOPED_TRACE("BPD and HC: outer surface of the bone in the plane of BPD and OFD");
+    Caliper skull = caliper("skull");
+    const glm::dvec3 center = marks_.skull_center_m;
+    double widest = 0, around = 0;
+    for (double z = -10 * kMm; z <= 10 * kMm; z += 0.5 * kMm) {
+      const glm::dvec3 middle = center + glm::dvec3(0, 0, z);
+      const glm::dvec3 left = skull.meet(middle - glm::dvec3(0.1, 0, 0), {1, 0, 0}, 0.1);
+      const glm::dvec3 right = skull.meet(middle + glm::dvec3(0.1, 0, 0), {-1, 0, 0}, 0.1);
+      widest = std::max(widest, glm::distance(left, right));
+    }
+    constexpr int kSteps = 360;
+    glm::dvec3 first{0}, last{0};
+    for (int i = 0; i <= kSteps; ++i) {
+      const double angle = 2 * std::acos(-1.0) * i / kSteps;
+      const glm::dvec3 outwards{std::cos(angle), 0, std::sin(angle)};
+      const glm::dvec3 here = skull.meet(center + 0.1 * outwards, -outwards, 0.1);
+      if (i > 0) around += glm::distance(last, here);
+      if (i == 0) first = here;
+      last = here;
+    }
+    EXPECT_LT(glm::distance(first, last), 1e-6);
+    EXPECT_NEAR(widest, mean_.biparietal_m, kAllowed);
+    EXPECT_NEAR(around, mean_.head_around_m, kAllowed);
+  }
+  {
+    SCOPED_TRACE("orbits: inner and outer edges");
+    Caliper eyes = caliper("eyes");
+    double inner = 1, outer = 0;
+    for (double y = -1 * kMm; y <= 1 * kMm; y += 0.25 * kMm) {
+      for (double z = -1 * kMm; z <= 1 * kMm; z += 0.25 * kMm) {
+        const glm::dvec3 level =
+            glm::dvec3(0, marks_.eye_center_m.y + y, marks_.eye_center_m.z + z);
+        const double right = eyes.meet(level, {1, 0, 0}, 0.1).x;
+        const double left = eyes.meet(level, {-1, 0, 0}, 0.1).x;
+        inner = std::min(inner, right - left);
+        const double far_right = eyes.meet(level + glm::dvec3(0.05, 0, 0), {-1, 0, 0}, 0.1).x;
+        const double far_left = eyes.meet(level - glm::dvec3(0.05, 0, 0), {1, 0, 0}, 0.1).x;
+        outer = std::max(outer, far_right - far_left);
+      }
+    }
+    EXPECT_NEAR(inner, mean_.interocular_m, kAllowed);
+    EXPECT_NEAR(outer, mean_.binocular_m, kAllowed);
+  }
+  {
+    SCOPED_TRACE("profile: base of the columella, tips of the lips, menton");
+    Caliper skin = caliper("skin");
+    const glm::dvec3 base = skin.extreme(marks_.nose_tip_m.y, marks_.upper_lip_m.y - 1 * kMm, +1);
+    const glm::dvec3 upper = skin.extreme(base.y, marks_.mouth_m.y, -1);
+    const double fold = 0.5 * (marks_.lower_lip_m.y + marks_.menton_m.y);
+    const glm::dvec3 lower = skin.extreme(marks_.mouth_m.y, fold, -1);
+    const glm::dvec3 chin = skin.extreme(fold, marks_.menton_m.y - 2 * kMm, -1);
+    glm::dvec3 menton = chin;
+    for (double back = 0; back <= 7 * kMm; back += 0.1 * kMm) {
+      const glm::dvec3 below{0, marks_.menton_m.y + 4 * kMm, chin.z + back};
+      ASSERT_GT(skin.distance(below), 0) << "the chin stands free of the neck";
+      const glm::dvec3 here = skin.meet(below, {0, -1, 0}, 0.03);
+      if (here.y > menton.y) menton = here;
+    }
+    EXPECT_NEAR(glm::distance(base, upper), mean_.philtrum_m, kAllowed);
+    EXPECT_NEAR(glm::distance(lower, menton), mean_.chin_m, kAllowed);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Weeks,
+                         Biometry,
+                         testing::Values(20, 21, 22, 22.4, 23, 24, 25, 26, 26.7, 27, 28, 29, 30));
+
+TEST(FetalBiometry, AgreesWithThePublishedTable) {
+  // Week, HC, BPD, IOD, BOD, philtrum, chin in millimetres, as printed, and OFD within 3 mm.
+  const double rows[][8] = {{20, 172, 48, 61, 12.5, 31, 5.0, 10.9},
+                            {21, 185, 52, 65, 13.0, 32, 5.3, 11.7},
+                            {24, 219, 61, 77, 14.5, 37, 6.1, 13.8},
+                            {28, 260, 74, 92, 16.6, 42, 7.0, 16.3},
+                            {30, 278, 79, 98, 17.6, 45, 7.4, 17.4}};
+  for (const auto& row : rows) {
+    const FetalBiometry b = fetal_biometry(row[0]);
+    EXPECT_NEAR(b.head_around_m / kMm, row[1], 0.6);
+    EXPECT_NEAR(b.biparietal_m / kMm, row[2], 0.6);
+    EXPECT_NEAR(b.occipitofrontal_m / kMm, row[3], 3);
+    EXPECT_NEAR(b.interocular_m / kMm, row[4], 0.06);
+    EXPECT_NEAR(b.binocular_m / kMm, row[5], 0.6);
+    EXPECT_NEAR(b.philtrum_m / kMm, row[6], 0.06);
+    EXPECT_NEAR(b.chin_m / kMm, row[7], 0.06);
+  }
+}
+
+TEST(FetalBiometry, PerimeterOfKnownEllipses) {
+  EXPECT_NEAR(ellipse_perimeter(2, 2), 2 * std::acos(-1.0), 1e-12);
+  // Half axes 2 and 1: 4 a E(e) = 9.688448220547675.
+  EXPECT_NEAR(ellipse_perimeter(4, 2), 9.688448220547675, 1e-5);
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,307 @@
+// Meshes become the bodies that they enclose; anything else is refused with one clear line.
+#include <gtest/gtest.h>
+#include <openvdb/tools/LevelSetMeasure.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include "phantoms/grids.h"
+#include "phantoms/truth.h"
+#include "tests/phantoms/io/meshes.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr double kMm = 1e-3;
+
+double volume_of(const TriangleMesh& mesh) {
+  const auto shells = shell_volumes(mesh);
+  return std::accumulate(shells.begin(), shells.end(), 0.0);
+}
+
+double volume_of(const Phantom& phantom) {
+  return openvdb::tools::levelSetVolume(*phantom.grids().signed_distance.at(0));
+}
+
+// What interpolation between voxels of 0.5 mm may round off the twelve edges of a cube.
+double edge_loss(double side_mm) {
+  return 12 * side_mm * 0.25 * std::pow(kMm, 3) * 0.7;
+}
+
+class MeshImport : public testing_support::FolderTest {
+ protected:
+  PhantomOptions options(const std::string& name) const {
+    PhantomOptions o;
+    o.name = "mesh";
+    o.file = file(name).string();
+    return o;
+  }
+  Phantom import(const std::string& name) const { return make_phantom(options(name)); }
+
+  static std::string refusal(const PhantomOptions& o) {
+    try {
+      make_phantom(o);
+    } catch (const InvalidPhantom& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  /// One line that names the file and ends in these words.
+  void expect_refusal(const PhantomOptions& o, const std::string& words) const {
+    const std::string line = refusal(o);
+    EXPECT_EQ(line.rfind("file = \"" + o.file + "\": ", 0), 0u) << line;
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  }
+  void expect_refusal(const TriangleMesh& mesh, const std::string& words) const {
+    write_obj(mesh, file("faulty.obj"));
+    expect_refusal(options("faulty.obj"), words);
+  }
+};
+
+TEST_F(MeshImport, EveryFormatHoldsTheSameBody) {
+  const TriangleMesh ball = icosphere(20, 4);
+  write_obj(ball, file("ball.obj"));
+  write_ascii_stl(ball, file("ascii.stl"));
+  write_binary_stl(ball, file("binary.stl"));
+  write_ascii_ply(ball, file("ascii.ply"));
+  write_binary_ply(ball, file("binary.PLY"));
+  const double truth = volume_of(ball) * std::pow(kMm, 3);
+  for (const char* name : {"ball.obj", "ascii.stl", "binary.stl", "ascii.ply", "binary.PLY"}) {
+    SCOPED_TRACE(name);
+    const Phantom phantom = import(name);
+    EXPECT_EQ(phantom.name(), "mesh");
+    EXPECT_NEAR(volume_of(phantom) / truth, 1, 1e-3);
+    const auto& grid = *phantom.grids().signed_distance.at(0);
+    EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
+    EXPECT_NEAR(grid.voxelSize()[0], 0.5 * kMm, 1e-12);
+    EXPECT_NEAR(grid.background(), 4 * 0.5 * kMm, 1e-9);
+  }
+}
+
+TEST_F(MeshImport, SurfaceLiesWhereItsTrianglesDo) {
+  const double radius = 20 * kMm;
+  const TriangleMesh ball = icosphere(20, 5);
+  write_binary_stl(ball, file("ball.stl"));
+  const SurfaceFinder finder(import("ball.stl"));
+  // The chords of the triangles lie up to 1 - cos(half an edge's angle) within the ball.
+  const double sagitta = radius * (1 - std::cos(0.6 * 63.4 / 32 * std::acos(-1.0) / 180));
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 3000; ++i) {
+    const glm::dvec3 way =
+        glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const auto hit = finder.first_hit(-0.1 * way, way, 0, 0.1);
+    ASSERT_TRUE(hit);
+    ASSERT_GT(hit->distance_m, 0.1 - radius - 0.02 * kMm);
+    ASSERT_LT(hit->distance_m, 0.1 - radius + sagitta + 0.02 * kMm);
+    ASSERT_GT(glm::dot(hit->normal, -way), std::cos(0.06));
+  }
+}
+
+TEST_F(MeshImport, FlatFacesStayFlat) {
+  write_ascii_ply(cube_mesh(30), file("cube.ply"));
+  write_obj(tetrahedron(40), file("tetrahedron.obj"));
+  const SurfaceFinder cube(import("cube.ply")), tetra(import("tetrahedron.obj"));
+  for (double x = -13; x <= 13; x += 2.3) {
+    const auto hit = cube.first_hit({x * kMm, 4.1 * kMm, -0.05}, {0, 0, 1}, 0, 0.1);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->distance_m, 35 * kMm, 1e-6);
+    EXPECT_LT(glm::distance(hit->normal, {0, 0, -1}), 1e-3);
+  }
+  // About its middle the tetrahedron's slanting face is x + y + z = 40 - 60 mm, seen from behind.
+  const auto hit = tetra.first_hit({-8 * kMm, -7 * kMm, 0.08}, {0, 0, -1}, 0, 0.2);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->distance_m, (80 - (-20 + 8 + 7)) * kMm, 0.02 * kMm);
+  EXPECT_LT(glm::distance(hit->normal, glm::normalize(glm::dvec3(1))), 0.01);
+}
+
+TEST_F(MeshImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
+  write_obj(moved(cube_mesh(30), {-1000, 2000, 500}), file("far.obj"));
+  const Phantom phantom = import("far.obj");
+  const SurfaceFinder finder(phantom);
+  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMm) - phantom.suggested_position_m();
+  const auto hit = finder.first_hit(face, {0, 0, 1}, 0, 0.2);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->distance_m, 65 * kMm, 0.01 * kMm);
+  const Box& box = phantom.region_of_interest();
+  EXPECT_NEAR(box.low.z, -25 * kMm, 0.01 * kMm) << "it starts in the fluid";
+  EXPECT_NEAR(box.high.x, 20 * kMm, 0.01 * kMm);
+}
+
+TEST_F(MeshImport, TakesUnitAndMaterials) {
+  write_obj(cube_mesh(3), file("centimetres.obj"));
+  PhantomOptions o = options("centimetres.obj");
+  o.unit_m = 10 * kMm;
+  o.materials = {"muscle"};
+  o.background = "water";
+  o.target = false;
+  const Phantom phantom = make_phantom(o);
+  EXPECT_NEAR(volume_of(phantom), 27e-6, edge_loss(30));
+  ASSERT_EQ(phantom.surfaces().size(), 1u);
+  EXPECT_EQ(phantom.surfaces()[0].name, "centimetres");
+  EXPECT_EQ(phantom.materials()[phantom.surfaces()[0].inside].name, "muscle");
+  EXPECT_EQ(phantom.materials()[phantom.background()].name, "water");
+  EXPECT_FALSE(phantom.surfaces()[0].is_target);
+}
+
+TEST_F(MeshImport, TakesTheMeshesOfAFileTogether) {
+  // One closed surface in two groups, each of them open.
+  const TriangleMesh cube = cube_mesh(30);
+  write_obj(cube, file("cube.obj"));
+  std::ifstream in(file("cube.obj"));
+  std::ofstream out(file("groups.obj"));
+  int faces = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line[0] == 'f' && faces++ % 6 == 0) out << "g part" << faces << "\n";
+    out << line << "\n";
+  }
+  out.close();
+  EXPECT_NEAR(volume_of(import("groups.obj")), 27e-6, edge_loss(30));
+  // Two bodies side by side.
+  write_obj(joined(cube, moved(cube, {40, 0, 0})), file("two.obj"));
+  EXPECT_NEAR(volume_of(import("two.obj")), 54e-6, 2 * edge_loss(30));
+}
+
+TEST_F(MeshImport, PolygonsAreCutIntoTriangles) {
+  std::ofstream(file("quads.obj"))
+      << "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 20\nv 20 0 20\nv 20 20 20\nv 0 20 20\n"
+      << "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  EXPECT_NEAR(volume_of(import("quads.obj")), 8e-6, edge_loss(20));
+}
+
+TEST_F(MeshImport, SameBytesAtAnyThreadCount) {
+  write_obj(icosphere(20, 3), file("ball.obj"));
+  const auto build = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return import("ball.obj");
+  };
+  const Phantom one = build(1), many = build(4);
+  const auto &a = *one.grids().signed_distance[0], &b = *many.grids().signed_distance[0];
+  ASSERT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
+  const auto other = b.getConstAccessor();
+  for (auto voxel = a.cbeginValueAll(); voxel; ++voxel) {
+    ASSERT_EQ(*voxel, other.getValue(voxel.getCoord()));
+  }
+}
+
+TEST_F(MeshImport, IsWrittenAndReadAsAPhantom) {
+  write_obj(icosphere(20, 3), file("ball.obj"));
+  const Phantom phantom = import("ball.obj");
+  write_phantom(phantom, file("ball.vdb"));
+  EXPECT_DOUBLE_EQ(volume_of(read_phantom(file("ball.vdb"))), volume_of(phantom));
+}
+
+TEST_F(MeshImport, RefusesFilesThatAreNoMesh) {
+  expect_refusal(options("missing.obj"), "no such file");
+  std::ofstream(file("empty.stl")).close();
+  expect_refusal(options("empty.stl"), "(it is empty)");
+  expect_refusal(options(""), "");
+  std::ofstream(file("picture.png")) << "some bytes that are no mesh at all";
+  expect_refusal(options("picture.png"), "must be an .obj, .stl or .ply");
+  for (const char* name : {"text.obj", "text.stl", "text.ply"}) {
+    std::ofstream(file(name)) << "Dear reader,\nthis is a letter,\nand no mesh.\n";
+    EXPECT_NE(refusal(options(name)), "accepted") << name;
+    expect_refusal(options(name), "");
+  }
+  PhantomOptions nameless = options("x");
+  nameless.file = "";
+  EXPECT_EQ(refusal(nameless), "file = \"\": must be the path of an .obj, .stl or .ply");
+}
+
+TEST_F(MeshImport, RefusesFilesCutShort) {
+  write_binary_stl(icosphere(20, 2), file("cut.stl"));
+  write_binary_ply(icosphere(20, 2), file("cut.ply"));
+  for (const char* name : {"cut.stl", "cut.ply"}) {
+    const auto whole = std::filesystem::file_size(file(name));
+    for (int tenth = 9; tenth > 0; --tenth) {
+      std::filesystem::resize_file(file(name), whole * tenth / 10);
+      EXPECT_NE(refusal(options(name)), "accepted") << name << " " << tenth;
+    }
+  }
+}
+
+TEST_F(MeshImport, RefusesWhatHasNoTriangles) {
+  std::ofstream(file("points.ply"))
+      << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      << "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+  expect_refusal(options("points.ply"), "");
+  std::ofstream(file("lines.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\nl 2 3\n";
+  expect_refusal(options("lines.obj"), "has no triangles");
+}
+
+TEST_F(MeshImport, RefusesOpenMeshesAndSaysHowManyEdges) {
+  TriangleMesh open = cube_mesh(30);
+  open.triangles.pop_back();
+  expect_refusal(open, "is not a closed surface: 3 edges are not shared by exactly two triangles");
+  // Two cubes that share an edge: four triangles meet there.
+  expect_refusal(joined(cube_mesh(30), moved(cube_mesh(30), {30, 30, 0})),
+                 "1 edges are not shared by exactly two triangles");
+}
+
+TEST_F(MeshImport, RefusesTrianglesThatFaceTheWrongWay) {
+  expect_refusal(inverted(icosphere(20, 2)),
+                 "is turned inside out: 1 of 1 shells have a negative volume");
+  TriangleMesh one = cube_mesh(30);
+  std::swap(one.triangles[4][0], one.triangles[4][1]);
+  expect_refusal(one, "has triangles that face opposite ways at 3 edges");
+  expect_refusal(joined(icosphere(20, 2), inverted(icosphere(10, 2))), "1 of 2 shells");
+}
+
+TEST_F(MeshImport, RefusesSurfacesWithinOrAcrossOneAnother) {
+  expect_refusal(joined(icosphere(20, 3), icosphere(10, 3)), "crosses itself");
+  expect_refusal(joined(icosphere(20, 3), moved(icosphere(20, 3), {15, 0, 0})), "crosses itself");
+}
+
+TEST_F(MeshImport, RefusesNumbersThatAreNotFinite) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    TriangleMesh mesh = icosphere(20, 1);
+    mesh.vertices[5].y = bad;
+    write_binary_stl(mesh, file("bad.stl"));
+    expect_refusal(options("bad.stl"), "holds a vertex that is not finite");
+    write_binary_ply(mesh, file("bad.ply"));
+    expect_refusal(options("bad.ply"), "holds a vertex that is not finite");
+  }
+}
+
+TEST_F(MeshImport, RefusesSizesBeyondSense) {
+  const TriangleMesh leaf{{{0, 0, 0}, {30, 0, 0}, {0, 30, 0}}, {{0, 1, 2}, {0, 2, 1}}};
+  expect_refusal(leaf, "encloses no volume");
+  expect_refusal(cube_mesh(501), "measures 501 x 501 x 501 mm, more than 500: is unit_mm right?");
+  expect_refusal(cube_mesh(1.5), "measures 1.5 x 1.5 x 1.5 mm, less than 4 voxels of 0.5 mm");
+}
+
+TEST_F(MeshImport, SaysTheMemoryThatAbsurdVoxelsWouldTake) {
+  write_binary_stl(icosphere(249, 5), file("large.stl"));
+  PhantomOptions o = options("large.stl");
+  o.voxel_m = 0.1 * kMm;
+  expect_refusal(o, "would take about ");
+  expect_refusal(o, " GB of memory; at most 4 GB are allowed: voxel_mm must be larger");
+}
+
+TEST_F(MeshImport, RefusesMaterialsThatNobodyKnows) {
+  write_obj(cube_mesh(30), file("cube.obj"));
+  PhantomOptions o = options("cube.obj");
+  o.materials = {"cheese"};
+  EXPECT_EQ(refusal(o).rfind("materials = \"cheese\": must be one of water, amniotic_fluid, ", 0),
+            0u);
+  o.materials = {"fat", "muscle"};
+  EXPECT_EQ(refusal(o), "materials = 2 names: takes one name for a mesh");
+  o.materials = {"fat"};
+  o.background = "vacuum";
+  EXPECT_EQ(refusal(o).rfind("background = \"vacuum\": must be one of water, ", 0), 0u);
+  o.background = "water";
+  o.unit_m = 0;
+  EXPECT_EQ(refusal(o), "unit_mm = 0: must be within 0.001 and 10000");
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,118 @@
+// The grids are what other OpenVDB tools take for level sets.
+#include "phantoms/shapes/level_set.h"
+
+#include <gtest/gtest.h>
+#include <openvdb/math/Stencils.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "phantoms/grids.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+struct Steepness {
+  double mean_deviation = 0;  // of |gradient| from 1
+  double share_beyond = 0;    // of voxels that deviate by more than 0.1
+};
+
+// Central differences over active voxels whose neighbours are active too.
+Steepness steepness(const openvdb::FloatGrid& grid) {
+  const auto tree = grid.getConstAccessor();
+  const double twice_m = 2 * grid.voxelSize()[0];
+  double deviations = 0, count = 0, beyond = 0;
+  for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
+    const openvdb::Coord at = voxel.getCoord();
+    glm::dvec3 gradient{0};
+    bool inner = true;
+    for (int axis = 0; axis < 3 && inner; ++axis) {
+      openvdb::Coord low = at, high = at;
+      low[axis] -= 1;
+      high[axis] += 1;
+      inner = tree.isValueOn(low) && tree.isValueOn(high);
+      gradient[axis] = (tree.getValue(high) - tree.getValue(low)) / twice_m;
+    }
+    if (!inner) continue;
+    const double deviation = std::abs(glm::length(gradient) - 1);
+    deviations += deviation;
+    beyond += deviation > 0.1;
+    ++count;
+  }
+  return {deviations / count, beyond / count};
+}
+
+TEST(LevelSet, FetalGridsHoldDistances) {
+  PhantomOptions options;
+  options.voxel_m = 0.5e-3;
+  const Phantom phantom = make_phantom(options);
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const openvdb::FloatGrid& grid = *phantom.grids().signed_distance[i];
+    SCOPED_TRACE(phantom.surfaces()[i].name);
+    EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
+    EXPECT_EQ(grid.getName(), phantom.surfaces()[i].name);
+    EXPECT_NEAR(grid.background(), kHalfWidthVoxels * options.voxel_m, 1e-9);
+    const Steepness steep = steepness(grid);
+    // Creases and medial axes have no gradient of 1: few, except between the strands of the cord
+    // and about the rim where the mother's tissues are cut off beside the probe.
+    const std::string& name = phantom.surfaces()[i].name;
+    const bool creased = name == "cord" || name.starts_with("maternal_");
+    EXPECT_LT(steep.mean_deviation, creased ? 0.04 : 0.02);
+    EXPECT_LT(steep.share_beyond, creased ? 0.06 : 0.03);
+  }
+}
+
+TEST(LevelSet, RenormalisedDistancesAreTrue) {
+  // A ball whose function is up to 1.4 times too steep at one pole and 0.6 times at the other.
+  constexpr double kRadius = 20e-3, kVoxel = 0.5e-3;
+  const auto distorted = [](const glm::dvec3& p) {
+    return (glm::length(p) - kRadius) * (1 + 0.4 * p.z / kRadius);
+  };
+  const Box bounds{glm::dvec3(-25e-3), glm::dvec3(25e-3)};
+  const auto grid = build_level_set("ball", distorted, bounds, kVoxel, Distances::first_order);
+  double worst_on = 0, worst_near = 0, worst = 0;
+  for (auto voxel = grid->cbeginValueOn(); voxel; ++voxel) {
+    const openvdb::Coord at = voxel.getCoord();
+    const double truth = glm::length(kVoxel * glm::dvec3(at.x(), at.y(), at.z())) - kRadius;
+    const double error = std::abs(*voxel - truth) / kVoxel;
+    worst = std::max(worst, error);
+    if (std::abs(truth) < 0.1 * kVoxel) worst_on = std::max(worst_on, error);
+    if (std::abs(truth) < kVoxel) worst_near = std::max(worst_near, error);
+  }
+  EXPECT_LT(worst_on, 0.02) << "solving must not move the surface";
+  EXPECT_LT(worst_near, 0.2);
+  EXPECT_LT(worst, 0.3);
+}
+
+TEST(LevelSet, InsideIsNegativeBeyondTheBand) {
+  PhantomOptions options;
+  options.name = "sphere";
+  const Phantom phantom = make_phantom(options);
+  const auto tree = phantom.grids().signed_distance[0]->getConstAccessor();
+  EXPECT_FLOAT_EQ(tree.getValue({0, 0, 0}), -4 * 0.5e-3f);
+  EXPECT_FLOAT_EQ(tree.getValue({200, 0, 0}), 4 * 0.5e-3f);
+}
+
+TEST(LevelSet, SameBytesAtAnyThreadCount) {
+  PhantomOptions options;
+  options.voxel_m = 1e-3;
+  const auto build = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return make_phantom(options);
+  };
+  const Phantom one = build(1), many = build(4);
+  for (std::size_t i = 0; i < one.surfaces().size(); ++i) {
+    const auto& a = *one.grids().signed_distance[i];
+    const auto& b = *many.grids().signed_distance[i];
+    ASSERT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
+    auto other = b.cbeginValueOn();
+    for (auto voxel = a.cbeginValueOn(); voxel; ++voxel, ++other) {
+      ASSERT_EQ(voxel.getCoord(), other.getCoord());
+      ASSERT_EQ(*voxel, *other);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms

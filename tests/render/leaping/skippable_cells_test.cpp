@@ -1,0 +1,163 @@
+// What rays may leap over, from bounds of the slices; no GL.
+#include "render/leaping/skippable_cells.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/render/support/synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+/// The part of the small scene's slices inside the cone, so that no cell lies on its border.
+struct Fixture {
+  hw::AcquisitionPlan plan = testing::small_plan();
+  RenderOptions options = testing::small_options();
+  SliceGeometry geometry{plan, options.scan_conversion.slice_size};
+
+  Fixture() {
+    options.ray_casting.mode = RenderMode::surface;
+    options.volume_of_interest.center_m = {0, 0, 0.12};
+    options.volume_of_interest.size_m = {0.05, 0.05, 0.04};
+  }
+  QuietCells cells() const {
+    return QuietCells(
+        plan, geometry, options, pixels_within(geometry, options.volume_of_interest, 0));
+  }
+};
+
+int count_sampled(const std::vector<std::uint8_t>& distances) {
+  return static_cast<int>(std::count(distances.begin(), distances.end(), 0));
+}
+
+std::vector<CellBounds> flat(const CellLattice& lattice, float value) {
+  return std::vector<CellBounds>(static_cast<std::size_t>(lattice.columns * lattice.rows),
+                                 CellBounds{value, value, {}, {}});
+}
+
+/// Place of a cell among distances().
+std::size_t at(const CellLattice& l, int interval, int row, int column) {
+  return static_cast<std::size_t>((interval * l.rows + row) * l.columns + column);
+}
+
+TEST(QuietCells, FlatSlicesAreQuietThroughout) {
+  const Fixture fixture;
+  QuietCells cells = fixture.cells();
+  ASSERT_TRUE(cells.can_leap());
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 1));
+  const auto distances = cells.distances();
+  EXPECT_EQ(count_sampled(distances), 0);
+  EXPECT_EQ(*std::min_element(distances.begin(), distances.end()), kFarthestCell);
+}
+
+TEST(QuietCells, DistancesCountCellsAlongTheFarthestAxis) {
+  const Fixture fixture;
+  QuietCells cells = fixture.cells();
+  const CellLattice& l = cells.lattice();
+  std::mt19937 random(3);
+  for (int k = 0; k < 20; ++k) {
+    auto bounds = flat(l, 0.5f);
+    bounds[random() % bounds.size()].depth.rise = 0.9f;
+    cells.set_bounds(k, bounds);
+  }
+  const auto distances = cells.distances();
+  ASSERT_GT(count_sampled(distances), 20);
+  for (int trial = 0; trial < 300; ++trial) {
+    const int k = int(random() % unsigned(l.intervals)), j = int(random() % unsigned(l.rows)),
+              i = int(random() % unsigned(l.columns));
+    int nearest = kFarthestCell;
+    for (int z = 0; z < l.intervals; ++z) {
+      for (int y = 0; y < l.rows; ++y) {
+        for (int x = 0; x < l.columns; ++x) {
+          if (distances[at(l, z, y, x)] != 0) continue;
+          nearest =
+              std::min(nearest, std::max({std::abs(z - k), std::abs(y - j), std::abs(x - i)}));
+        }
+      }
+    }
+    EXPECT_EQ(distances[at(l, k, j, i)], nearest);
+  }
+}
+
+TEST(QuietCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
+  const Fixture fixture;
+  QuietCells cells = fixture.cells();
+  const CellLattice& l = cells.lattice();
+  const int interval = 9, row = l.rows / 2, column = l.columns / 2;  // rays lean towards interval 0
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(l, 0.5f));
+  auto bounds = flat(l, 0.5f);
+  bounds[static_cast<std::size_t>(row * l.columns + column)].depth.rise = 0.9f;
+  cells.set_bounds(interval, bounds);
+  const auto distances = cells.distances();
+  EXPECT_EQ(distances[at(l, interval, row, column)], 0);
+  EXPECT_EQ(distances[at(l, interval, row + 1, column)], 0);  // downstream: rays run along depth
+  EXPECT_NE(distances[at(l, interval, row - 1, column)], 0);  // upstream the edge is yet to come
+  EXPECT_NE(distances[at(l, interval, row, column + 1)], 0);  // rays do not run along x
+  EXPECT_NE(distances[at(l, interval + 3, row, column)], 0);
+}
+
+TEST(QuietCells, AnEdgeOfTheOtherSignIsQuiet) {
+  Fixture fixture;
+  for (EdgeSign edge : {EdgeSign::rising, EdgeSign::falling}) {
+    fixture.options.ray_casting.edge = edge;
+    QuietCells cells = fixture.cells();
+    auto bounds = flat(cells.lattice(), 0.5f);
+    for (CellBounds& b : bounds) b.depth.fall = 0.9f;
+    for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
+    EXPECT_EQ(count_sampled(cells.distances()) > 0, edge == EdgeSign::falling);
+  }
+}
+
+TEST(QuietCells, SlopesBelowTheThresholdAreQuietAndAboveItAreNot) {
+  const Fixture fixture;
+  QuietCells cells = fixture.cells();
+  const RayCastingOptions& o = fixture.options.ray_casting;
+  // Difference of a ramp: (n / 2)^2 steps of slope.
+  const double pixel_m = fixture.geometry.pixel_depth_m(1) - fixture.geometry.pixel_depth_m(0);
+  const double step = fixture.options.volume_of_interest.size_m[2] / o.steps;
+  const double firing_rise =
+      o.threshold / (0.25 * o.buffer_length * o.buffer_length * step) * pixel_m;
+  for (const double share : {0.9, 1.05}) {
+    auto bounds = flat(cells.lattice(), 0.5f);
+    for (CellBounds& b : bounds) b.depth.rise = static_cast<float>(share * firing_rise);
+    for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
+    EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
+  }
+}
+
+TEST(QuietCells, WhatIsVisibleIsSampled) {
+  Fixture fixture;
+  fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
+  QuietCells cells = fixture.cells();
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.19f));
+  EXPECT_EQ(count_sampled(cells.distances()), 0);
+  cells.set_bounds(5, flat(cells.lattice(), 0.21f));
+  EXPECT_EQ(count_sampled(cells.distances()), cells.lattice().columns * cells.lattice().rows);
+}
+
+TEST(QuietCells, TheConesBorderIsSampled) {
+  Fixture fixture;
+  fixture.options.volume_of_interest.size_m = {0.3, 0.3, 0.3};
+  QuietCells cells = fixture.cells();
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.5f));
+  const auto distances = cells.distances();
+  EXPECT_GT(count_sampled(distances), 0);
+  EXPECT_LT(count_sampled(distances), int(distances.size()) / 2);
+}
+
+TEST(QuietCells, EverythingIsSampledWhereFramesAreNoNeighbours) {
+  Fixture fixture;
+  hw::AcquisitionOptions lone = fixture.plan.acquisition();
+  lone.frames_per_volume = 1;
+  fixture.plan = hw::AcquisitionPlan(hw::ProbeOptions{}, lone);
+  fixture.geometry = SliceGeometry(fixture.plan, 128);
+  EXPECT_FALSE(fixture.cells().can_leap());
+  const auto distances = fixture.cells().distances();
+  EXPECT_EQ(count_sampled(distances), int(distances.size()));
+}
+
+}  // namespace
+}  // namespace wobblebench::render

@@ -1,0 +1,71 @@
+// Volumes made from a formula, sampled exactly where each stick's samples lie.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <string>
+#include <tuple>
+
+#include "hw/probe/polar_volume.h"
+#include "render/options.h"
+#include "render/picture.h"
+
+namespace wobblebench::render::testing {
+
+/// Brightness at a place of the probe frame.
+using Field = std::function<double(const glm::dvec3&)>;
+
+/// `volume`: its index in the stream.
+hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
+                             const Field& field,
+                             std::uint32_t volume = 0);
+
+/// Brightness of a body with a signed distance, negative inside: `inside` and `outside`, with a
+/// linear ramp of this width across the surface (0: a hard step).
+double soft_step(double distance_m, double inside, double outside, double ramp_m);
+
+Field sphere(const glm::dvec3& center_m, double radius_m, double ramp_m);
+/// The half space beyond `point`, `normal` looking towards the probe.
+Field plane(const glm::dvec3& point_m, const glm::dvec3& normal, double ramp_m);
+/// The same field with noise of this amplitude, a hash of the place: the same on every call.
+Field noisy(Field field, double amplitude, std::uint64_t seed);
+
+/// A small acquisition, dense enough for its field of view, and settings that render it quickly.
+hw::AcquisitionPlan small_plan();
+RenderOptions small_options();
+
+/// A volume that has everything: a noisy soft sphere in front of a tilted plane.
+const hw::PolarVolume& noisy_scene();
+
+/// Names of tests over (case with a name, mode).
+struct NamedByCaseAndMode {
+  template <class Info>
+  std::string operator()(const Info& info) const {
+    const bool fast = std::get<1>(info.param) == PipelineMode::fast;
+    return std::string(std::get<0>(info.param).name) + (fast ? "_fast" : "_plain");
+  }
+};
+
+inline constexpr double kInside = 0.9, kOutside = 0.1;
+
+/// How two depth images differ.
+struct DepthDifference {
+  double rms_m = 0;
+  double largest_m = 0;
+  double changed_share = 0;  ///< of pixels: surface in one only
+  int both = 0;              ///< pixels with a surface in both
+};
+DepthDifference compare(const Image<float>& a, const Image<float>& b);
+
+/// How two pictures differ: the largest difference of a channel, and the share of pixels where it
+/// is above `tolerance`.
+struct ColorDifference {
+  double largest = 0;
+  double failing_share = 0;
+};
+ColorDifference compare(const Image<glm::vec3>& a, const Image<glm::vec3>& b, double tolerance);
+
+int hits(const Image<float>& depth_m);
+
+}  // namespace wobblebench::render::testing

@@ -1,0 +1,261 @@
+// The simulator's bytes: what arrives is what the plan says, and the same for a seed on any run.
+#include "sim/card/sim_link.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "hw/board/volume_assembly.h"
+#include "hw/wire/decoder.h"
+#include "hw/wire/packet.h"
+
+namespace wobblebench::sim {
+namespace {
+
+hw::AcquisitionPlan small_plan(int volumes = 1, hw::MotorMode motor = hw::MotorMode::stepped) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.sticks_per_frame = 16;
+  acquisition.frames_per_volume = 9;
+  acquisition.samples_per_stick = 128;
+  acquisition.volumes = volumes;
+  acquisition.motor = motor;
+  return {{}, acquisition};
+}
+
+std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan,
+                                 const SimulationOptions& options) {
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  SimLink link(
+      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options}));
+  std::vector<std::byte> bytes, chunk(777);
+  for (;;) {
+    const auto result = link.read(chunk, hw::HostTime::max());
+    if (result.status != hw::ReadStatus::ok) return bytes;
+    bytes.insert(
+        bytes.end(), chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(result.bytes));
+  }
+}
+
+TEST(SimLink, BytesDoNotDependOnThreadsOrRuns) {
+  for (const Rung rung : {Rung::geometry, Rung::field}) {
+    SimulationOptions options;
+    options.fidelity = rung;
+    options.threads = 1;
+    const auto one = all_bytes(small_plan(), options);
+    EXPECT_EQ(one, all_bytes(small_plan(), options)) << "a second run differs";
+    options.threads = 2;
+    EXPECT_EQ(one, all_bytes(small_plan(), options)) << "two threads differ from one";
+    options.threads = 4;
+    EXPECT_EQ(one, all_bytes(small_plan(), options)) << "four threads differ from one";
+  }
+}
+
+TEST(SimLink, AnotherSeedIsAnotherSpeckle) {
+  SimulationOptions a, b;
+  b.seed = a.seed + 1;
+  EXPECT_NE(all_bytes(small_plan(), a), all_bytes(small_plan(), b));
+}
+
+TEST(SimLink, EveryStickCarriesItsOwnTimeAndAngle) {
+  const auto plan = small_plan(2, hw::MotorMode::continuous);
+  hw::Decoder decoder;
+  decoder.feed(all_bytes(plan, {}));
+  std::uint64_t sticks = 0, configurations = 0, ends = 0;
+  while (const auto packet = decoder.next()) {
+    configurations += std::holds_alternative<hw::ConfigurationPacket>(*packet);
+    ends += std::holds_alternative<hw::VolumeEndPacket>(*packet);
+    const auto* found = std::get_if<hw::StickPacket>(&*packet);
+    if (!found) continue;
+    const hw::Stick& stick = found->stick;
+    ASSERT_EQ(stick.sequence, sticks);
+    EXPECT_EQ(stick.time, plan.stick_time(sticks));
+    EXPECT_EQ(stick.motor_angle_rad, plan.motor_angle_rad(stick.index));
+    for (float sample : stick.samples) ASSERT_TRUE(sample >= 0 && sample <= 1);
+    ++sticks;
+  }
+  EXPECT_EQ(sticks, 2u * 16 * 9);
+  EXPECT_EQ(configurations, 2u);
+  EXPECT_EQ(ends, 2u);
+  EXPECT_EQ(decoder.damage().bytes_skipped, 0u);
+}
+
+TEST(SimLink, AStillPhantomKeepsItsSpeckleAndChangesItsNoise) {
+  const auto plan = small_plan(2);
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  SimulationOptions options;
+  options.noise_db = kSilent_db;
+  const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
+  const ProbeSimulator silent(phantom, placement, plan, options);
+  EXPECT_EQ(silent.volume(0), silent.volume(1));
+  options.noise_db = -60;
+  const ProbeSimulator noisy(phantom, placement, plan, options);
+  EXPECT_NE(noisy.volume(0), noisy.volume(1));
+}
+
+TEST(SimLink, ArrivesWholeThroughTheBoard) {
+  const auto plan = small_plan(3);
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  const ProbeSimulator simulator(
+      phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, {});
+  hw::Board board(std::make_unique<SimLink>(stick_source(simulator)), {.ring_slots = 8});
+  board.start();
+  hw::VolumeAssembly assembly(board);
+  for (std::uint32_t v = 0; v < 3; ++v) {
+    const auto volume = assembly.next(hw::HostTime::max());
+    ASSERT_TRUE(volume);
+    EXPECT_EQ(volume->missing_sticks(), 0);
+    VolumeSamples samples;
+    for (const auto& frame : volume->frames()) {
+      samples.insert(samples.end(), frame.samples.begin(), frame.samples.end());
+    }
+    EXPECT_EQ(samples, simulator.volume(v));
+  }
+  EXPECT_FALSE(assembly.next(hw::HostTime::max()));
+  EXPECT_TRUE(assembly.ended());
+  EXPECT_EQ(board.account().emitted, 3u * 16 * 9);
+  EXPECT_EQ(board.account().delivered, 3u * 16 * 9);
+  EXPECT_TRUE(board.account().balanced());
+}
+
+TEST(SimLink, CancelAndCloseEndReading) {
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  SimLink link(
+      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, small_plan(), {}}));
+  std::vector<std::byte> buffer(64);
+  link.cancel();
+  EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::cancelled);
+  link.resume();
+  EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
+  link.close();
+  EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::lost);
+}
+
+/// Host time as a test sets it.
+class SetTime : public hw::HostTimeSource {
+ public:
+  hw::HostTime now() const override { return now_; }
+  void pass(hw::HostClock::duration duration) { now_ += duration; }
+
+ private:
+  hw::HostTime now_{};
+};
+
+/// Sticks that cost nothing.
+StickSource blank_sticks(const hw::AcquisitionPlan& plan) {
+  return {plan, hw::SampleScale::log_compressed, [plan](std::uint32_t) {
+            return VolumeSamples(static_cast<std::size_t>(plan.sticks_per_volume()) *
+                                 static_cast<std::size_t>(plan.acquisition().samples_per_stick));
+          }};
+}
+
+TEST(SimLink, RealtimeGivesAStickWhenItsEchoHasCome) {
+  const auto plan = small_plan();
+  SetTime time;
+  SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = 0};
+  options.card.buffer_bytes = 64;  // an interrupt for every few bytes
+  options.card.buffers = 1 << 16;
+  SimLink link(blank_sticks(plan), options, {}, &time);
+  hw::Decoder decoder;
+  std::vector<std::byte> buffer(1 << 16);
+  std::uint64_t sticks = 0;
+  for (int step = 0; step < 400; ++step) {
+    const auto result = link.read(buffer, hw::HostTime::min());
+    decoder.feed(std::span(buffer).first(result.bytes));
+    while (const auto packet = decoder.next()) sticks += packet->index() == 1;
+    // After t, as many sticks as have taken their period, but for one whose end waits in a buffer
+    // for the next, and one on its way.
+    const double elapsed_s = std::chrono::duration<double>(time.now().time_since_epoch()).count();
+    const auto due = static_cast<std::uint64_t>(elapsed_s / plan.stick_period_s());
+    EXPECT_LE(sticks, due);
+    EXPECT_GE(sticks + 2, std::min<std::uint64_t>(due, 16 * 9));
+    time.pass(std::chrono::microseconds(100));
+  }
+  EXPECT_EQ(sticks, 16u * 9);
+}
+
+TEST(SimLink, RealtimeOverrunsWhenNobodyReadsAndSaysSo) {
+  const auto plan = small_plan(4);
+  SetTime time;
+  const auto figures = std::make_shared<SimLinkFigures>();
+  SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = 0};
+  options.card.buffers = 4;
+  hw::Board board(std::make_unique<SimLink>(blank_sticks(plan), options, figures, &time),
+                  {.reader = hw::ReaderMode::stepped});
+  board.start();
+  board.step();
+  time.pass(std::chrono::seconds(1));
+  while (board.step()) {
+  }
+  EXPECT_GT(figures->packets_dropped, 500u) << "4 x 8 KiB of 4 x 144 sticks of 576 bytes";
+  EXPECT_EQ(figures->sticks_emitted, 4u * 16 * 9);
+  EXPECT_TRUE(board.account().balanced());
+  EXPECT_LE(board.account().emitted, 4u * 16 * 9);
+  EXPECT_LT(board.account().delivered, 60u);
+  EXPECT_GT(board.account().delivered, 40u);
+}
+
+TEST(SimLink, TheFirstReadStartsTheProbe) {
+  const auto plan = small_plan();
+  SetTime time;
+  time.pass(std::chrono::hours(1));
+  SimLink link(blank_sticks(plan), {.pace = hw::Pace::realtime, .volumes_ahead = 0}, {}, &time);
+  std::vector<std::byte> buffer(64);
+  EXPECT_EQ(link.read(buffer, hw::HostTime::min()).status, hw::ReadStatus::timeout);
+  time.pass(std::chrono::seconds(1));
+  EXPECT_EQ(link.read(buffer, hw::HostTime::min()).status, hw::ReadStatus::ok);
+}
+
+TEST(SimLink, ACancelDoesNotWaitForAVolumeThatIsBeingMade) {
+  const auto plan = small_plan();
+  StickSource slow = blank_sticks(plan);
+  slow.volume = [make = slow.volume](std::uint32_t volume) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    return make(volume);
+  };
+  SimLink link(std::move(slow));
+  std::vector<std::byte> buffer(64);
+  const auto start = hw::HostClock::now();
+  std::thread canceller([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    link.cancel();
+  });
+  EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::cancelled);
+  EXPECT_LT(hw::HostClock::now() - start, std::chrono::milliseconds(400));
+  canceller.join();
+  link.resume();
+  EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
+}
+
+TEST(SimLink, ASimulationThatFailsIsALossWithItsReason) {
+  StickSource failing = blank_sticks(small_plan());
+  failing.volume = [](std::uint32_t) -> VolumeSamples { throw std::runtime_error("no tissue"); };
+  for (const int ahead : {0, 1}) {
+    SimLink link(failing, {.volumes_ahead = ahead});
+    std::vector<std::byte> buffer(64);
+    EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::lost);
+    EXPECT_EQ(link.loss(), "the simulation failed: no tissue");
+  }
+}
+
+TEST(SimLink, AVolumesEndIsWhenItsLastStickIsCompleteAlsoBeforeAFlyBack) {
+  const auto plan = small_plan(2, hw::MotorMode::fly_back);
+  SimLink link(blank_sticks(plan));
+  hw::Decoder decoder;
+  std::vector<std::byte> buffer(1 << 20);
+  std::vector<hw::DeviceTime> ends;
+  for (;;) {
+    const auto result = link.read(buffer, hw::HostTime::max());
+    if (result.status != hw::ReadStatus::ok) break;
+    decoder.feed(std::span(buffer).first(result.bytes));
+    while (const auto packet = decoder.next()) {
+      if (const auto* end = std::get_if<hw::VolumeEndPacket>(&*packet)) ends.push_back(end->time);
+    }
+  }
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_EQ(ends[0], plan.volume_end_time(0));
+  EXPECT_EQ(ends[1], plan.volume_end_time(1));
+}
+
+}  // namespace
+}  // namespace wobblebench::sim

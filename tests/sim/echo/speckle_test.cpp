@@ -1,0 +1,172 @@
+// Fully developed speckle: published statistics of its envelope (docs/references.md [7]).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "sim/beam/point_spread.h"
+#include "sim/echo/iq_field.h"
+#include "sim/probe_simulator.h"
+
+namespace wobblebench::sim {
+namespace {
+
+SimulationOptions linear() {
+  SimulationOptions options;
+  options.output = hw::SampleScale::linear_envelope;
+  options.noise_db = kSilent_db;
+  options.low_pass = false;
+  return options;
+}
+
+ProbeSimulator speckle_block(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
+  const auto phantom = phantoms::make_phantom({.name = "speckle_block"});
+  return {phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options};
+}
+
+/// mean / sigma over all sticks at each range, averaged over the ranges: attenuation and time gain
+/// change the mean with range, not the ratio.
+double speckle_snr(const VolumeSamples& samples, int per_stick) {
+  double sum = 0;
+  int rows = 0;
+  const std::size_t sticks = samples.size() / static_cast<std::size_t>(per_stick);
+  for (int k = 100; k < per_stick; ++k, ++rows) {
+    double mean = 0, square = 0;
+    for (std::size_t s = 0; s < sticks; ++s) {
+      const double value =
+          static_cast<double>(samples[s * static_cast<std::size_t>(per_stick) + k]);
+      mean += value / static_cast<double>(sticks);
+      square += value * value / static_cast<double>(sticks);
+    }
+    sum += mean / std::sqrt(square - mean * mean);
+  }
+  return sum / rows;
+}
+
+/// Correlation of two Rayleigh envelopes whose IQ signals correlate by rho:
+/// (F(-1/2, -1/2; 1; rho^2) - 1) / (4 / pi - 1).
+double envelope_correlation(double rho) {
+  double term = 1, series = 1;
+  for (int n = 0; n < 60; ++n) {
+    term *= (n - 0.5) * (n - 0.5) / ((n + 1.0) * (n + 1.0)) * rho * rho;
+    series += term;
+  }
+  return (series - 1) / (4 / kPi - 1);
+}
+
+const double kRayleighSnr = std::sqrt(kPi / (4 - kPi));  // 1.913
+
+TEST(Speckle, EnvelopeMeanOverSigmaIsRayleigh) {
+  const hw::AcquisitionPlan plan({}, {});
+  const auto samples = speckle_block(linear(), plan).volume(0);
+  EXPECT_NEAR(speckle_snr(samples, plan.acquisition().samples_per_stick), kRayleighSnr, 0.03);
+}
+
+TEST(Speckle, LowPassRaisesItAsItsCorrelationPredicts) {
+  const hw::AcquisitionPlan plan({}, {});
+  ASSERT_EQ(iq_oversampling(plan), 2);
+  auto options = linear();
+  options.low_pass = true;
+  const auto samples = speckle_block(options, plan).volume(0);
+  // Noise filtered by a Gaussian pulse correlates over one IQ sample by exp(-(step / 2 sigma)^2).
+  const double step = plan.sample_spacing_m() / 2 / sigma_of_fwhm(axial_fwhm_m(plan));
+  const double rho = std::exp(-step * step / 4);
+  const double expected = kRayleighSnr / std::sqrt((1 + envelope_correlation(rho)) / 2);
+  EXPECT_NEAR(speckle_snr(samples, plan.acquisition().samples_per_stick), expected, 0.03);
+}
+
+TEST(Speckle, AxialCorrelationFollowsThePulse) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.samples_per_stick = 4096;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  EchoField field = make_echo_field(plan);
+  const double sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
+  std::vector<std::complex<double>> correlation(12);
+  for (int line = 0; line < 64; ++line) {
+    const auto stick = field.stick(0, line);
+    fill_speckle(stick, static_cast<std::uint64_t>(line), sigma);
+    for (std::size_t lag = 0; lag < correlation.size(); ++lag) {
+      for (std::size_t i = 50; i + 50 < stick.size(); ++i) {
+        correlation[lag] +=
+            std::complex<double>(stick[i]) * std::conj(std::complex<double>(stick[i + lag]));
+      }
+    }
+  }
+  for (std::size_t lag = 1; lag < correlation.size(); ++lag) {
+    const double n = static_cast<double>(lag);
+    EXPECT_NEAR(correlation[lag].real() / correlation[0].real(),
+                std::exp(-n * n / (4 * sigma * sigma)),
+                0.03)
+        << "lag " << lag;
+  }
+}
+
+TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.sticks_per_frame = 512;  // 0.3 mm apart at 115 mm from the centre of curvature
+  acquisition.frames_per_volume = 8;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  EchoField field = make_echo_field(plan);
+  for (int i = 0; i < field.frames * field.lines; ++i) {
+    fill_speckle(field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0);
+  }
+  filter_across_lines(field, plan, 0);
+  const double range_m = 75e-3;
+  const int sample = static_cast<int>(range_m / field.spacing_m);
+  const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
+  const double sigma_m = sigma_of_fwhm(lateral_fwhm_m(plan, range_m));
+  for (int lag : {1, 2, 4}) {
+    std::complex<double> cross = 0;
+    double power = 0;
+    for (int f = 0; f < field.frames; ++f) {
+      for (int line = 20; line + 24 < field.lines; ++line) {
+        for (int i = sample - 20; i < sample + 20; ++i) {
+          const std::complex<double> a = field.stick(f, line)[static_cast<std::size_t>(i)];
+          const std::complex<double> b = field.stick(f, line + lag)[static_cast<std::size_t>(i)];
+          cross += a * std::conj(b);
+          power += std::norm(a);
+        }
+      }
+    }
+    const double steps = lag * step_m / (2 * sigma_m);
+    EXPECT_NEAR(cross.real() / power, std::exp(-steps * steps), 0.03) << "lag " << lag;
+  }
+}
+
+TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
+  const hw::AcquisitionPlan plan({}, {});
+  EchoField field = make_echo_field(plan);
+  for (int i = 0; i < field.frames * field.lines; ++i) {
+    fill_speckle(
+        field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0.88);
+  }
+  filter_across_lines(field, plan, 0);
+  filter_across_frames(field, plan, 0);
+  double power = 0;
+  for (const auto& value : field.values) power += static_cast<double>(std::norm(value));
+  EXPECT_NEAR(power / static_cast<double>(field.values.size()), 1, 0.02);
+}
+
+TEST(Speckle, ReflectorIsAPulseOfItsAmplitudeAndWidth) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.samples_per_stick = 4096;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  EchoField field = make_echo_field(plan);
+  const auto stick = field.stick(0, 0);
+  const double range_m = 60e-3;
+  add_reflector(stick, field.spacing_m, range_m, 0.5, plan);
+  double area = 0;
+  float peak = 0;
+  for (const auto& value : stick) {
+    area += static_cast<double>(std::abs(value)) * field.spacing_m;
+    peak = std::max(peak, std::abs(value));
+  }
+  const double off = field.spacing_m / 2 / sigma_of_fwhm(axial_fwhm_m(plan));  // sampling, at worst
+  EXPECT_LE(peak, 0.5f);
+  EXPECT_GE(peak, 0.5 * std::exp(-0.5 * off * off) - 1e-6);
+  // A Gaussian's area is peak * FWHM * sqrt(pi / (4 ln 2)).
+  EXPECT_NEAR(area / 0.5, axial_fwhm_m(plan) * 1.0645, 1e-6);
+}
+
+}  // namespace
+}  // namespace wobblebench::sim

@@ -1,0 +1,122 @@
+#include "sim/receive/receiver.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "sim/receive/losses.h"
+
+namespace wobblebench::sim {
+namespace {
+
+using Complex = std::complex<float>;
+
+hw::AcquisitionPlan plan_of(int samples) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.samples_per_stick = samples;
+  return {{}, acquisition};
+}
+
+std::vector<float> detected(const std::vector<Complex>& iq,
+                            int samples,
+                            const SimulationOptions& options,
+                            std::uint64_t noise_key = 1) {
+  std::vector<float> result(static_cast<std::size_t>(samples));
+  Receiver receiver(plan_of(samples), options, static_cast<int>(iq.size()) / samples);
+  receiver.detect(iq, noise_key, result);
+  return result;
+}
+
+SimulationOptions quiet_linear() {
+  SimulationOptions options;
+  options.noise_db = kSilent_db;
+  options.tgc_db_per_cm_mhz = 0;
+  options.output = hw::SampleScale::linear_envelope;
+  options.full_scale_db = 0;
+  return options;
+}
+
+TEST(Receive, LogCompressionMapsTheDynamicRangeToUnity) {
+  SimulationOptions options;
+  options.full_scale_db = -20;
+  options.dynamic_range_db = 60;
+  EXPECT_FLOAT_EQ(log_compressed(0.1, options), 1);
+  EXPECT_FLOAT_EQ(log_compressed(0.1 * std::pow(10, -1.5), options), 0.5);
+  EXPECT_EQ(log_compressed(1e-9, options), 0);
+  EXPECT_EQ(log_compressed(1e9, options), 1);
+  EXPECT_EQ(log_compressed(0, options), 0);
+  EXPECT_EQ(log_compressed(std::numeric_limits<double>::quiet_NaN(), options), 0);
+}
+
+TEST(Receive, EnvelopeIgnoresPhase) {
+  const auto samples = detected({{3, 4}, {-5, 0}, {0, 5}, {4, -3}}, 2, quiet_linear());
+  EXPECT_FLOAT_EQ(samples[0], 5);
+  EXPECT_FLOAT_EQ(samples[1], 5);
+}
+
+TEST(Receive, LowPassAveragesAndItsAbsencePicks) {
+  const std::vector<Complex> two_each = {{1, 0}, {3, 0}, {0, 2}, {0, 6}};
+  const std::vector<Complex> three_each = {{1, 0}, {2, 0}, {6, 0}, {0, 2}, {0, 1}, {0, 6}};
+  auto options = quiet_linear();
+  EXPECT_EQ(detected(two_each, 2, options), (std::vector<float>{2, 4}));
+  EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{3, 3}));
+  options.low_pass = false;
+  EXPECT_EQ(detected(two_each, 2, options), (std::vector<float>{3, 6}));
+  EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{2, 1}));
+}
+
+TEST(Receive, LogOutputIsThatOfTheFormula) {
+  SimulationOptions options;
+  options.noise_db = kSilent_db;
+  std::vector<Complex> iq;
+  for (int i = 0; i < 2000; ++i)
+    iq.emplace_back(std::pow(10.0f, -0.0025f * static_cast<float>(i)), 0.0f);
+  const auto plan = plan_of(2000);
+  const auto samples = detected(iq, 2000, options);
+  for (int k = 0; k < 2000; ++k) {
+    const double gained = static_cast<double>(std::abs(iq[static_cast<std::size_t>(k)])) *
+                          time_gain(plan, options, plan.sample_range_m(k));
+    EXPECT_NEAR(samples[static_cast<std::size_t>(k)], log_compressed(gained, options), 1e-6);
+  }
+}
+
+TEST(Receive, NoiseHasItsLevelAndIsItsSticksOwn) {
+  auto options = quiet_linear();
+  options.noise_db = -40;
+  const std::vector<Complex> silence(8192);
+  const auto a = detected(silence, 4096, options, 1), b = detected(silence, 4096, options, 2);
+  EXPECT_NE(a, b);
+  double mean = 0;
+  for (float value : a) mean += static_cast<double>(value) / 4096;
+  EXPECT_NEAR(mean, 0.01 * std::sqrt(kPi) / 2, 2e-4) << "Rayleigh mean of RMS 0.01";
+}
+
+TEST(Receive, SkippingSilenceChangesNothing) {
+  // Noise that time gain lifts into sight half way down; one echo in the silent part.
+  SimulationOptions options;
+  std::vector<Complex> iq(1024);
+  iq[100] = {1e-3f, 0};
+  const auto samples = detected(iq, 512, options);
+  const auto plan = plan_of(512);
+  int shown = 0;
+  for (int k = 0; k < 512; ++k) {
+    const bool silent = samples[static_cast<std::size_t>(k)] == 0.0f;
+    shown += silent ? 0 : 1;
+    // The noise's RMS, gained, against the darkest that shows.
+    const double noise_db =
+        options.noise_db + 20 * std::log10(time_gain(plan, options, plan.sample_range_m(k)));
+    const double floor_db = options.full_scale_db - options.dynamic_range_db;
+    if (k != 50 && noise_db < floor_db - 14) {
+      EXPECT_TRUE(silent) << k;
+    } else if (noise_db > floor_db + 13) {
+      EXPECT_FALSE(silent) << k;
+    }
+  }
+  EXPECT_GT(samples[50], 0);
+  EXPECT_GT(shown, 10);
+}
+
+}  // namespace
+}  // namespace wobblebench::sim

@@ -1,0 +1,240 @@
+// Scatterers as hashes of tissue cells: their density, their echoes, and what octaves leave as it
+// is. Statistics of whole scans are in tests/bench/studies/studies_test.cpp.
+#include "sim/scatterers/scatterer_field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <string>
+
+#include "sim/echo/iq_field.h"
+#include "sim/echo/stick_echoes.h"
+#include "sim/receive/losses.h"
+#include "sim/scatterers/scatterer_cells.h"
+#include "sim/scatterers/scatterer_scene.h"
+
+namespace wobblebench::sim {
+namespace {
+
+using Stick = std::vector<std::complex<float>>;
+
+/// Sticks so far apart that they share no scatterers.
+const hw::AcquisitionPlan& plan() {
+  static const hw::AcquisitionPlan shared(
+      {},
+      {.depth_m = 0.15, .fan_rad = 100 * kDegree, .sticks_per_frame = 16, .frames_per_volume = 16});
+  return shared;
+}
+
+/// Made once for each name.
+Subject subject_of(const std::string& name, const phantoms::Motion& motion = {}) {
+  static std::map<std::string, Subject> known;
+  auto& subject = known[name];
+  if (!subject.map) {
+    const auto phantom = phantoms::make_phantom({.name = name, .voxel_m = 1e-3});
+    subject = {std::make_shared<const TissueMap>(phantom, 2e-3, 0),
+               phantom.materials(),
+               {glm::dmat3(1.0), phantom.suggested_position_m()},
+               {}};
+  }
+  Subject moving = subject;
+  moving.motion = motion;
+  return moving;
+}
+
+SimulationOptions options_of(std::uint64_t seed = 1) {
+  SimulationOptions options;
+  options.fidelity = Rung::scatterers;
+  options.seed = seed;
+  return options;
+}
+
+struct Grid {
+  int samples;
+  double spacing_m;
+  std::vector<float> left;
+
+  Grid() {
+    const auto field = make_echo_field(plan());
+    samples = field.samples;
+    spacing_m = field.spacing_m;
+    left.assign(static_cast<std::size_t>(samples), 1.0f);
+  }
+};
+
+const Grid& grid() {
+  static const Grid shared;
+  return shared;
+}
+
+StickWay way_of(const hw::StickIndex& index) {
+  return {sightline(plan(), index), grid().spacing_m, grid().left, {}};
+}
+
+Stick echoes(const ScattererField& field, const hw::StickIndex& index) {
+  Stick iq(grid().left.size());
+  field.add_echoes(way_of(index), iq);
+  return iq;
+}
+
+/// Of two sticks from a range on, over the first one's RMS there.
+double difference(const Stick& a, const Stick& b, double from_m = 0) {
+  double apart = 0, power = 0;
+  for (auto i = static_cast<std::size_t>(from_m / grid().spacing_m); i < a.size(); ++i) {
+    apart += static_cast<double>(std::norm(a[i] - b[i]));
+    power += static_cast<double>(std::norm(a[i]));
+  }
+  return std::sqrt(apart / power);
+}
+
+TEST(ScattererCells, HoldTheDensityAskedFor) {
+  for (double widest : {1.0, 1.9, 4.5, 40.0, 1e4}) {
+    const ScattererCells cells(9e9, widest, 1);
+    double sum = 0;
+    for (const Octave& octave : cells.octaves) sum += octave.per_m3;
+    EXPECT_NEAR(sum / 9e9, 1, 1e-12) << widest;
+  }
+}
+
+TEST(ScattererCells, AsManyAreHeardAsAreNeededAndHardlyMore) {
+  const ScattererCells cells(9e9, 32, 1);
+  const int count = static_cast<int>(cells.octaves.size());
+  EXPECT_EQ(count, 6);
+  for (int step = 0; step < 67; ++step) {
+    const double needed = 9e9 * std::pow(1.07, -step);
+    double power = 0, square = 0, heard = 0;
+    for (int i = 0; i < count; ++i) {
+      const double each = cells.octaves[static_cast<std::size_t>(i)].per_m3 / kScatterersInCell;
+      for (int scatterer = 0; scatterer < kScatterersInCell; ++scatterer) {
+        const double left = scatterer_power(cells.share(i, needed), scatterer);
+        power += each * left;
+        square += each * left * left;
+        heard += left > 0 ? each : 0;
+      }
+    }
+    EXPECT_NEAR(power / needed, 1, 1e-9);
+    EXPECT_GE(power * power / square, 0.999999 * needed);
+    // Of the octave that fades one in a cell is heard in part.
+    if (cells.share(1, needed) > 0) {
+      EXPECT_LT(heard / needed, 1.1) << needed;
+    }
+  }
+}
+
+TEST(ScattererCells, OffsetsFillTheCell) {
+  glm::dvec3 mean(0), square(0);
+  constexpr int kCells = 20000;
+  for (std::uint32_t cell = 0; cell < kCells; ++cell) {
+    const std::uint32_t key = hash_cell_key(77, cell);
+    for (std::uint32_t i = 0; i < kScatterersInCell; ++i) {
+      const glm::dvec3 share = scatterer_place(key, i);
+      mean += share / (1.0 * kCells * kScatterersInCell);
+      square += share * share / (1.0 * kCells * kScatterersInCell);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(mean[axis], 0.5, 3e-3);
+    EXPECT_NEAR(square[axis] - mean[axis] * mean[axis], 1.0 / 12, 1e-3);
+  }
+}
+
+/// The wide loops against a search in double precision, scatterer by scatterer.
+TEST(Scatterers, EchoesAreThoseOfTheScatterersThatAreNear) {
+  for (const char* name : {"speckle_block", "cyst", "sphere"}) {
+    const auto subject = subject_of(name);
+    const ScattererField field(subject, plan(), options_of());
+    for (const hw::StickIndex& index : {hw::StickIndex{0, 8, 8}, hw::StickIndex{0, 7, 6}}) {
+      Stick one_by_one(grid().left.size());
+      const auto near = field.near(sightline(plan(), index), plan().acquisition().depth_m + 5e-3);
+      ASSERT_GT(near.size(), 500u) << name;
+      field.add_points(way_of(index), near, one_by_one);
+      // Cells take the row of the beam at their middle, points at their own place. Near the face
+      // the beam changes most from row to row, and cells are largest.
+      const Stick together = echoes(field, index);
+      EXPECT_LT(difference(one_by_one, together), 0.25) << name;
+      EXPECT_LT(difference(one_by_one, together, 60e-3), 0.08) << name;
+    }
+  }
+}
+
+TEST(Scatterers, FluidHasNone) {
+  const auto subject = subject_of("sphere");
+  const ScattererField field(subject, plan(), options_of());
+  // The outermost stick passes the sphere by.
+  std::uint64_t seen = 0;
+  Stick iq(grid().left.size());
+  field.add_echoes(way_of({0, 0, 0}), iq, &seen);
+  EXPECT_EQ(seen, 0u);
+  EXPECT_TRUE(field.near(sightline(plan(), {0, 0, 0}), 0.15).empty());
+}
+
+/// Mean intensity over all sticks of a few seeds about some ranges, over the material's.
+std::vector<double> mean_power(bool all_octaves, const std::vector<double>& ranges_m) {
+  const auto subject = subject_of("speckle_block");
+  const double mean = amplitude_of_db(phantoms::material("soft_tissue").backscatter_db);
+  std::vector<double> sums(ranges_m.size(), 0.0);
+  double count = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    ScattererModel model;
+    model.all_octaves = all_octaves;
+    const ScattererField field(subject, plan(), options_of(seed), model);
+    for (std::uint32_t f = 3; f < 13; ++f) {
+      for (std::uint32_t l = 3; l < 13; ++l) {
+        const Stick iq = echoes(field, {0, f, l});
+        for (std::size_t r = 0; r < ranges_m.size(); ++r) {
+          const int middle = static_cast<int>(ranges_m[r] / grid().spacing_m);
+          for (int k = middle - 20; k <= middle + 20; k += 4) {
+            sums[r] += static_cast<double>(std::norm(iq[static_cast<std::size_t>(k)]));
+            count += r == 0;
+          }
+        }
+      }
+    }
+  }
+  for (double& sum : sums) sum /= count * 4 / kPi * mean * mean;
+  return sums;
+}
+
+TEST(Scatterers, OctavesKeepTheMeanEcho) {
+  // In the block, in the focus and where the beam is four times as wide.
+  const std::vector<double> ranges_m = {75e-3, 95e-3, 105e-3};
+  const auto few = mean_power(false, ranges_m), all = mean_power(true, ranges_m);
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
+    EXPECT_NEAR(few[i], 1, 0.1) << ranges_m[i];
+    EXPECT_NEAR(all[i], 1, 0.1) << ranges_m[i];
+  }
+}
+
+TEST(Scatterers, AreTheSeedsOwn) {
+  const auto subject = subject_of("speckle_block");
+  const ScattererField first(subject, plan(), options_of(1)), again(subject, plan(), options_of(1)),
+      other(subject, plan(), options_of(2));
+  const hw::StickIndex index{0, 8, 8};
+  EXPECT_EQ(echoes(first, index), echoes(again, index));
+  EXPECT_GT(difference(echoes(first, index), echoes(other, index)), 1);
+}
+
+TEST(Scatterers, GoWhereTheTissueGoes) {
+  phantoms::MotionOptions moving;
+  moving.velocity_m_s = {0.01, -0.02, 0.03};
+  const auto still = subject_of("speckle_block");
+  const auto moved = subject_of("speckle_block", {moving, {}});
+  const ScattererField here(still, plan(), options_of()), there(moved, plan(), options_of());
+  Sightline line = sightline(plan(), {0, 8, 8});
+  line.time_s = 0.1;
+  // The same line of sight as the moved tissue sees it.
+  const glm::dvec3 way_m(0.001, -0.002, 0.003);
+  Sightline back = line;
+  back.ray.origin -= way_m;
+  const auto a = there.near(line, 0.12), b = here.near(back, 0.12);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); i += 97) {
+    EXPECT_LT(glm::distance(a[i].position_m, b[i].position_m + way_m), 1e-9);
+    EXPECT_NEAR(a[i].amplitude, b[i].amplitude, 1e-5f);
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::sim
