@@ -5,7 +5,7 @@
 
 #include <utility>
 
-namespace wobblebench::hw {
+namespace wobblebench {
 
 /// Movable. Negative: none. Not thread-safe.
 class FileDescriptor {
@@ -29,4 +29,4 @@ class FileDescriptor {
   int number_;
 };
 
-}  // namespace wobblebench::hw
+}  // namespace wobblebench

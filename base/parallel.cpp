@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace wobblebench::sim {
+namespace wobblebench {
 
 void parallel_ranges(int count, int threads, const std::function<void(int, int)>& body) {
   // More threads than cores are allowed: a test of independence from their number asks for them.
@@ -23,4 +23,8 @@ void parallel_ranges(int count, int threads, const std::function<void(int, int)>
   });
 }
 
-}  // namespace wobblebench::sim
+void parallel_rows(int rows, const std::function<void(int)>& body) {
+  tbb::parallel_for(0, rows, body);
+}
+
+}  // namespace wobblebench

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace wobblebench::bench {
+namespace wobblebench {
 
 struct Spread {
   double median = 0;
@@ -46,4 +46,4 @@ inline Quartiles paired_ratio(std::vector<double> values, const std::vector<doub
   return quartiles_of(values);
 }
 
-}  // namespace wobblebench::bench
+}  // namespace wobblebench

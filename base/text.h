@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace wobblebench::phantoms {
+namespace wobblebench {
 
 /// ASCII control characters.
 inline bool is_control(char c) {
@@ -45,4 +45,4 @@ inline bool is_printable(std::string_view text) {
   return is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
 }
 
-}  // namespace wobblebench::phantoms
+}  // namespace wobblebench

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace wobblebench::bench {
+namespace wobblebench {
 
 namespace {
 
@@ -40,4 +40,4 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   if (failure != 0 || closing != 0) refuse(failure != 0 ? failure : closing);
 }
 
-}  // namespace wobblebench::bench
+}  // namespace wobblebench

@@ -3,9 +3,9 @@
 #include <numeric>
 #include <sstream>
 
+#include "phantoms/invalid_phantom.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/phantom.h"
-#include "phantoms/range_check.h"
 #include "phantoms/shapes/builders.h"
 
 namespace wobblebench::phantoms {

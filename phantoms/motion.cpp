@@ -1,33 +1,29 @@
 #include "phantoms/motion.h"
+#include "base/units.h"
+#include "phantoms/invalid_phantom.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
-#include <numbers>
 
 #include "phantoms/phantom.h"
-#include "phantoms/range_check.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kBeatShare = 0.3;  // of the heartbeat's period; the rest of it is still
 
-glm::dvec3 to_vec3(const std::vector<double>& v) {
-  return {v.at(0), v.at(1), v.at(2)};
-}
-
 double sine(double time_s, double period_s) {
-  return std::sin(2 * std::numbers::pi * time_s / period_s);
+  return std::sin(2 * kPi * time_s / period_s);
 }
 
 double beat(double time_s, double period_s) {
   const double cycles = time_s / period_s;
   const double share = cycles - std::floor(cycles);
   if (share >= kBeatShare) return 0;
-  const double root = std::sin(std::numbers::pi * share / kBeatShare);
+  const double root = std::sin(kPi * share / kBeatShare);
   return root * root;
 }
 
@@ -61,10 +57,6 @@ glm::dmat3 turn_about(int axis, double angle_rad) {
   glm::dmat3 turn(1.0);
   for (int i = 0; i < 3; ++i) turn[i] = turned(turn[i], axis, angle_rad);
   return turn;
-}
-
-bool is_zero(const std::vector<double>& list) {
-  return std::all_of(list.begin(), list.end(), [](double x) { return x == 0; });
 }
 
 }  // namespace
@@ -140,7 +132,7 @@ Motion::Motion(const MotionOptions& options, const std::optional<Joint>& joint)
   validate(options);
   if (options.head_turn_rad != 0 && !joint) {
     throw refusal("head_turn_deg",
-                  options.head_turn_rad * 180 / std::numbers::pi,
+                  options.head_turn_rad * 180 / kPi,
                   "this phantom has no head that turns; it must be 0");
   }
 }
@@ -150,8 +142,9 @@ bool Motion::rigid() const {
 }
 
 bool Motion::still() const {
-  return rigid() && is_zero(options_.velocity_m_s) && is_zero(options_.turn_rate_rad_s) &&
-         options_.breath_amplitude_m == 0 && options_.heartbeat_amplitude_m == 0;
+  return rigid() && options_.velocity_m_s == glm::dvec3(0) &&
+         options_.turn_rate_rad_s == glm::dvec3(0) && options_.breath_amplitude_m == 0 &&
+         options_.heartbeat_amplitude_m == 0;
 }
 
 Moment Motion::at(double time_s) const {
@@ -168,9 +161,9 @@ Moment Motion::at(double time_s) const {
   if (o.heartbeat_amplitude_m != 0) {
     moment.pulse_m_.z = o.heartbeat_amplitude_m * beat(time_s, o.heartbeat_period_s);
   }
-  moment.turns_ = !is_zero(o.turn_rate_rad_s);
-  if (moment.turns_) moment.turn_ = rotation_xyz(time_s * to_vec3(o.turn_rate_rad_s));
-  moment.path_m_ = time_s * to_vec3(o.velocity_m_s);
+  moment.turns_ = o.turn_rate_rad_s != glm::dvec3(0);
+  if (moment.turns_) moment.turn_ = rotation_xyz(time_s * o.turn_rate_rad_s);
+  moment.path_m_ = time_s * o.velocity_m_s;
   return moment;
 }
 

@@ -5,7 +5,9 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <vector>
+
+#include "base/options.h"
+#include "base/units.h"
 
 namespace wobblebench::phantoms {
 
@@ -34,9 +36,9 @@ enum class HeadAxis {
 ///   path       p += velocity t
 /// A place at rest goes through them in this order: head, breath and heartbeat, turning, path.
 struct MotionOptions {
-  std::vector<double> velocity_m_s = {0, 0, 0};     ///< of the whole phantom from time 0
-  std::vector<double> turn_rate_rad_s = {0, 0, 0};  ///< about the phantom's origin, x then y then z
-  double breath_amplitude_m = 0;                    ///< peak displacement along y, a sine
+  glm::dvec3 velocity_m_s{0, 0, 0};     ///< of the whole phantom from time 0
+  glm::dvec3 turn_rate_rad_s{0, 0, 0};  ///< about the phantom's origin, x then y then z
+  double breath_amplitude_m = 0;        ///< peak displacement along y, a sine
   double breath_period_s = 4;
   double heartbeat_amplitude_m = 0;  ///< peak displacement along z, a short beat each period
   double heartbeat_period_s = 0.43;  ///< 140 a minute, a fetus
@@ -45,16 +47,15 @@ struct MotionOptions {
   HeadAxis head_axis = HeadAxis::shake;
 };
 
-template <class Visitor>
-void describe(MotionOptions& o, Visitor& v) {
-  constexpr double kMm = 1e-3, kDeg = 3.14159265358979323846 / 180;
-  v.reals("velocity_mm_s", o.velocity_m_s, kMm, -500, 500, 3);
-  v.reals("turn_rate_deg_s", o.turn_rate_rad_s, kDeg, -360, 360, 3);
-  v.real("breath_amplitude_mm", o.breath_amplitude_m, kMm, 0, 50);
+template <OptionsOf<MotionOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.vec3("velocity_mm_s", o.velocity_m_s, kMillimetre, -500, 500);
+  v.vec3("turn_rate_deg_s", o.turn_rate_rad_s, kDegree, -360, 360);
+  v.real("breath_amplitude_mm", o.breath_amplitude_m, kMillimetre, 0, 50);
   v.real("breath_period_s", o.breath_period_s, 1, 0.1, 60);
-  v.real("heartbeat_amplitude_mm", o.heartbeat_amplitude_m, kMm, 0, 10);
+  v.real("heartbeat_amplitude_mm", o.heartbeat_amplitude_m, kMillimetre, 0, 10);
   v.real("heartbeat_period_s", o.heartbeat_period_s, 1, 0.1, 10);
-  v.real("head_turn_deg", o.head_turn_rad, kDeg, 0, 40);
+  v.real("head_turn_deg", o.head_turn_rad, kDegree, 0, 40);
   v.real("head_turn_period_s", o.head_turn_period_s, 1, 0.1, 60);
   v.choice("head_axis",
            o.head_axis,

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/options.h"
+#include "base/units.h"
 #include "phantoms/invalid_phantom.h"
 
 namespace wobblebench::phantoms {
@@ -35,20 +37,19 @@ struct PhantomOptions {
   std::vector<std::string> targets;  ///< … vdb: for which of the grids; none: all
 };
 
-template <class Visitor>
-void describe(PhantomOptions& o, Visitor& v) {
-  constexpr double kMm = 1e-3, kDeg = 3.14159265358979323846 / 180;
+template <OptionsOf<PhantomOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.text("name", o.name);
   v.text("file", o.file);
-  v.real("voxel_mm", o.voxel_m, kMm, 0.1, 5);
+  v.real("voxel_mm", o.voxel_m, kMillimetre, 0.1, 5);
   v.real("gestational_age_weeks", o.gestational_age_weeks, 1, 20, 30);
-  v.real("maternal_layer_mm", o.maternal_layer_m, kMm, 0, 60);
-  v.real("radius_mm", o.radius_m, kMm, 1, 100);
-  v.reals("step_heights_mm", o.step_heights_m, kMm, 0.1, 20, 0);
-  v.real("thickness_mm", o.thickness_m, kMm, 0.5, 20);
-  v.real("tilt_x_deg", o.tilt_x_rad, kDeg, -60, 60);
-  v.real("tilt_y_deg", o.tilt_y_rad, kDeg, -60, 60);
-  v.real("unit_mm", o.unit_m, kMm, 1e-3, 1e4);
+  v.real("maternal_layer_mm", o.maternal_layer_m, kMillimetre, 0, 60);
+  v.real("radius_mm", o.radius_m, kMillimetre, 1, 100);
+  v.reals("step_heights_mm", o.step_heights_m, kMillimetre, 0.1, 20);
+  v.real("thickness_mm", o.thickness_m, kMillimetre, 0.5, 20);
+  v.real("tilt_x_deg", o.tilt_x_rad, kDegree, -60, 60);
+  v.real("tilt_y_deg", o.tilt_y_rad, kDegree, -60, 60);
+  v.real("unit_mm", o.unit_m, kMillimetre, 1e-3, 1e4);
   v.texts("grids", o.grids);
   v.texts("materials", o.materials);
   v.text("background", o.background);

@@ -8,10 +8,6 @@
 namespace wobblebench::render {
 namespace {
 
-glm::dvec3 vec3(const std::vector<double>& numbers) {
-  return {numbers.at(0), numbers.at(1), numbers.at(2)};
-}
-
 /// Turns two axes of a right-handed frame by an angle, `a` towards `b`.
 void turn(glm::dvec3& a, glm::dvec3& b, double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
@@ -45,10 +41,10 @@ PicturePoint Camera::project(const glm::dvec3& position_m) const {
 }
 
 Camera make_camera(const RenderOptions& options) {
-  const glm::dvec3 size = vec3(options.volume_of_interest.size_m);
+  const glm::dvec3 size = options.volume_of_interest.size_m;
   Camera camera;
   camera.projection = options.view.projection;
-  camera.center = vec3(options.volume_of_interest.center_m);
+  camera.center = options.volume_of_interest.center_m;
   turn(camera.right, camera.forward, options.view.yaw_rad);
   turn(camera.forward, camera.down, options.view.pitch_rad);
   turn(camera.right, camera.down, options.view.roll_rad);
@@ -60,7 +56,7 @@ Camera make_camera(const RenderOptions& options) {
 }
 
 Span clip_to_box(const hw::Ray& ray, const VolumeOfInterest& box) {
-  const glm::dvec3 center = vec3(box.center_m), half = 0.5 * vec3(box.size_m);
+  const glm::dvec3 center = box.center_m, half = 0.5 * box.size_m;
   double from_m = 0, to_m = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     const double offset = ray.origin[axis] - center[axis], slope = ray.direction[axis];
@@ -76,7 +72,7 @@ Span clip_to_box(const hw::Ray& ray, const VolumeOfInterest& box) {
 }
 
 double step_m(const RenderOptions& options) {
-  return options.volume_of_interest.size_m.at(2) / options.ray_casting.steps;
+  return options.volume_of_interest.size_m.z / options.ray_casting.steps;
 }
 
 }  // namespace wobblebench::render

@@ -21,8 +21,8 @@ struct PipelineOptions {
   bool mid_volume = false;
 };
 
-template <class Visitor>
-void describe(PipelineOptions& o, Visitor& v) {
+template <OptionsOf<PipelineOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.choice("mode", o.mode, {{"fast", PipelineMode::fast}, {"plain", PipelineMode::plain}});
   v.flag("mid_volume", o.mid_volume);
 }
@@ -38,8 +38,8 @@ struct ScanConversionOptions {
   TextureFormat format = TextureFormat::r16;
 };
 
-template <class Visitor>
-void describe(ScanConversionOptions& o, Visitor& v) {
+template <OptionsOf<ScanConversionOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("slice_size", o.slice_size, 16, 2048);
   v.integer("filter_size", o.filter_size, 1, 15);
   v.choice("format",
@@ -59,14 +59,14 @@ enum class KernelSpace { slice, ray };
 
 /// The box of interest in the probe frame.
 struct VolumeOfInterest {
-  std::vector<double> center_m = {0, 0, 0.120};
-  std::vector<double> size_m = {0.100, 0.100, 0.080};
+  glm::dvec3 center_m{0, 0, 0.120};
+  glm::dvec3 size_m{0.100, 0.100, 0.080};
 };
 
-template <class Visitor>
-void describe(VolumeOfInterest& o, Visitor& v) {
-  v.reals("center_mm", o.center_m, kMillimetre, -1000, 1000, 3);
-  v.reals("size_mm", o.size_m, kMillimetre, 1, 1000, 3);
+template <OptionsOf<VolumeOfInterest> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.vec3("center_mm", o.center_m, kMillimetre, -1000, 1000);
+  v.vec3("size_mm", o.size_m, kMillimetre, 1, 1000);
 }
 
 /// Where the picture is seen from. At rest the viewer looks along +z of the probe frame with x to
@@ -79,8 +79,8 @@ struct ViewOptions {
   double eye_distance_m = 0.4;  ///< perspective: eye to centre of the volume of interest
 };
 
-template <class Visitor>
-void describe(ViewOptions& o, Visitor& v) {
+template <OptionsOf<ViewOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.real("yaw_deg", o.yaw_rad, kDegree, -180, 180);
   v.real("pitch_deg", o.pitch_rad, kDegree, -180, 180);
   v.real("roll_deg", o.roll_rad, kDegree, -180, 180);
@@ -118,8 +118,8 @@ struct RayCastingOptions {
   std::vector<double> transfer_grey = {0.0, 0.2, 0.6, 1.0};
 };
 
-template <class Visitor>
-void describe(RayCastingOptions& o, Visitor& v) {
+template <OptionsOf<RayCastingOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.choice("mode",
            o.mode,
            {{"surface", RenderMode::surface},
@@ -138,9 +138,9 @@ void describe(RayCastingOptions& o, Visitor& v) {
   v.flag("stop_at_box", o.stop_at_box);
   v.flag("stop_on_leaving_cone", o.stop_on_leaving_cone);
   v.real("opacity_limit", o.opacity_limit, 1, 0, 2);
-  v.reals("transfer_values", o.transfer_values, 1, 0, 1, 0);
-  v.reals("transfer_opacity_per_mm", o.transfer_opacity_per_mm, 1, 0, 1, 0);
-  v.reals("transfer_grey", o.transfer_grey, 1, 0, 1, 0);
+  v.reals("transfer_values", o.transfer_values, 1, 0, 1);
+  v.reals("transfer_opacity_per_mm", o.transfer_opacity_per_mm, 1, 0, 1);
+  v.reals("transfer_grey", o.transfer_grey, 1, 0, 1);
 }
 
 enum class Light { point, directional };
@@ -158,14 +158,14 @@ struct ShadingOptions {
   double diffuse = 0.75;
   double specular = 0.2;
   double shininess = 20;
-  std::vector<double> base_rgb = {0.96, 0.74, 0.55};  ///< what ambient and diffuse light fall on
+  glm::dvec3 base_rgb{0.96, 0.74, 0.55};  ///< what ambient and diffuse light fall on
   bool shadows = true;
   double shadow_coefficient = 0.6;  ///< a shadowed pixel is multiplied by this
   double shadow_bias_m = 0.8e-3;    ///< how far above the ray the map must be to cast a shadow
 };
 
-template <class Visitor>
-void describe(ShadingOptions& o, Visitor& v) {
+template <OptionsOf<ShadingOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("depth_filter_size", o.depth_filter_size, 1, 15);
   v.choice("light", o.light, {{"point", Light::point}, {"directional", Light::directional}});
   v.real("light_left_deg", o.light_left_rad, kDegree, -89, 89);
@@ -175,7 +175,7 @@ void describe(ShadingOptions& o, Visitor& v) {
   v.real("diffuse", o.diffuse, 1, 0, 1);
   v.real("specular", o.specular, 1, 0, 1);
   v.real("shininess", o.shininess, 1, 1, 1000);
-  v.reals("base_rgb", o.base_rgb, 1, 0, 1, 3);
+  v.vec3("base_rgb", o.base_rgb, 1, 0, 1);
   v.flag("shadows", o.shadows);
   v.real("shadow_coefficient", o.shadow_coefficient, 1, 0, 1);
   v.real("shadow_bias_mm", o.shadow_bias_m, kMillimetre, 0, 100);
@@ -194,8 +194,8 @@ struct SmoothingOptions {
   double range_sigma = 0.1;
 };
 
-template <class Visitor>
-void describe(SmoothingOptions& o, Visitor& v) {
+template <OptionsOf<SmoothingOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.choice("filter",
            o.filter,
            {{"box", SmoothingFilter::box},
@@ -215,7 +215,7 @@ struct RenderOptions {
   SmoothingOptions smoothing;
 };
 
-/// Throws hw::InvalidOption, its key led by the section: "ray_casting.kernel_3d = 4: must be odd".
+/// Throws InvalidOption, its key led by the section: "ray_casting.kernel_3d = 4: must be odd".
 void validate(const RenderOptions& options);
 
 }  // namespace wobblebench::render

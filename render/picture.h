@@ -1,37 +1,14 @@
 // What the renderer hands out.
 #pragma once
 
-#include <cstddef>
 #include <glm/vec3.hpp>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "base/image.h"
 #include "render/gl/texture_fetch.h"
 
 namespace wobblebench::render {
-
-/// Row-major picture; row 0 is the top.
-template <class Pixel>
-struct Image {
-  int width = 0;
-  int height = 0;
-  std::vector<Pixel> pixels;
-
-  Image() = default;
-  Image(int w, int h, Pixel fill = {})
-      : width(w),
-        height(h),
-        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
-  Pixel& at(int column, int row) {
-    return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                  static_cast<std::size_t>(column)];
-  }
-  const Pixel& at(int column, int row) const { return const_cast<Image*>(this)->at(column, row); }
-};
-
-/// Depth of a pixel where no surface was found.
-inline constexpr float kNoSurface = std::numeric_limits<float>::quiet_NaN();
 
 /// One pass's cost. `ms` is wall time between glFinish calls; `gpu_ms` is the driver's timer query
 /// (negative where there is none).

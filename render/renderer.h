@@ -18,7 +18,7 @@ namespace wobblebench::render {
 /// frame as soon as update() has seen it, beside those of the volume before.
 class Renderer {
  public:
-  /// Throws hw::InvalidOption; std::runtime_error when the driver cannot (names limit and need).
+  /// Throws InvalidOption; std::runtime_error when the driver cannot (names limit and need).
   Renderer(GlContext& context, const hw::AcquisitionPlan& plan, const RenderOptions& options);
   ~Renderer();
   Renderer(const Renderer&) = delete;
@@ -39,7 +39,7 @@ class Renderer {
   /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture.
   Picture render();
 
-  /// The volume, seen from elsewhere. Throws hw::InvalidOption.
+  /// The volume, seen from elsewhere. Throws InvalidOption.
   void look(const ViewOptions& view);
 
  private:

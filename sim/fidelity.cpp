@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/random.h"
+#include "sim/math/random.h"
 #include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
@@ -107,7 +107,7 @@ Fidelity choose_fidelity(const SimulationOptions& options,
     choice.reason = "asked for";
   }
   const auto refuse = [&](const char* key, const std::string& needs) {
-    throw hw::InvalidOption(
+    throw InvalidOption(
         key, "true", needs + "; simulation.fidelity is \"" + to_string(choice.rung) + '"');
   };
   if (options.side_lobes && choice.rung < Rung::scatterers) {

@@ -24,7 +24,7 @@ struct Fidelity {
 std::string to_string(Rung rung);
 
 /// Takes the lowest rung that shows all effects that the options ask for; a rung that is asked for
-/// by name is taken. `moving`: tissue moves during the acquisition. Throws hw::InvalidOption where
+/// by name is taken. `moving`: tissue moves during the acquisition. Throws InvalidOption where
 /// the rung that is asked for cannot show an effect that is asked for.
 Fidelity choose_fidelity(const SimulationOptions& options,
                          const hw::AcquisitionPlan& plan,

@@ -54,8 +54,8 @@ struct SimulationOptions {
   hw::SampleScale output = hw::SampleScale::log_compressed;
 };
 
-template <class Visitor>
-void describe(SimulationOptions& o, Visitor& v) {
+template <OptionsOf<SimulationOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.choice("fidelity",
            o.fidelity,
            {{"auto", Rung::automatic},

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "hw/probe/clock.h"
 #include "sim/echo/stick_echoes.h"
+#include "sim/math/random.h"
 #include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
@@ -30,7 +30,7 @@ ProbeSimulator::ProbeSimulator(const phantoms::Phantom& phantom,
                                const SimulationOptions& options,
                                const phantoms::Motion& motion)
     : plan_(plan), options_(options) {
-  hw::check_options(options);
+  check_options(options);
   fidelity_ = choose_fidelity(options, plan, !motion.still());
   const auto begin = hw::HostClock::now();
   subject_ = {std::make_shared<const TissueMap>(

@@ -28,7 +28,7 @@ using VolumeSamples = std::vector<float>;
 /// volume, echoes are made once, at construction, and volumes differ in their noise alone.
 class ProbeSimulator {
  public:
-  /// Throws hw::InvalidOption.
+  /// Throws InvalidOption.
   ProbeSimulator(const phantoms::Phantom& phantom,
                  const phantoms::Placement& placement,
                  const hw::AcquisitionPlan& plan,

@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
     return dispatch(argc, argv);
   } catch (const UserError& error) {
     return report_error(error.what(), kBadInput);
-  } catch (const wobblebench::hw::InvalidOption& error) {
+  } catch (const wobblebench::InvalidOption& error) {
     // What the scene's own check cannot know: a scan too large for its rung.
     return report_error(std::string("simulation.") + error.what(), kBadInput);
   } catch (const wobblebench::phantoms::InvalidPhantom& error) {

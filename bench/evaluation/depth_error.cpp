@@ -42,7 +42,7 @@ DepthStatistics statistics(std::vector<double> errors) {
 }
 
 /// Normal of the found surface, towards the viewer; none at the rim of a surface.
-std::optional<glm::dvec3> found_normal(const render::Image<float>& depth_m,
+std::optional<glm::dvec3> found_normal(const Image<float>& depth_m,
                                        const render::Camera& camera,
                                        int column,
                                        int row) {
@@ -61,13 +61,13 @@ std::optional<glm::dvec3> found_normal(const render::Image<float>& depth_m,
 
 }  // namespace
 
-DepthError measure_depth_error(const render::Image<float>& depth_m,
+DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,
                                const render::RenderOptions& options) {
   const render::Camera camera = render::make_camera(options);
   DepthError result;
   result.pixels = depth_m.width * depth_m.height;
-  result.map_m = {depth_m.width, depth_m.height, render::kNoSurface};
+  result.map_m = {depth_m.width, depth_m.height, kNoSurface};
   std::vector<double> errors, angles;
   for (int row = 0; row < depth_m.height; ++row) {
     for (int column = 0; column < depth_m.width; ++column) {

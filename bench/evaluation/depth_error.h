@@ -31,14 +31,14 @@ struct DepthError {
   int false_surface = 0;
   int outside_field = 0;
   int pixels = 0;
-  render::Image<float> map_m;  ///< signed error; NaN where either surface is absent
+  Image<float> map_m;  ///< signed error; NaN where either surface is absent
 
   double missed_percent() const { return 100.0 * missed / pixels; }
   double false_percent() const { return 100.0 * false_surface / pixels; }
 };
 
 /// Compares found depths with the truth. Normals come from central differences of `depth_m`.
-DepthError measure_depth_error(const render::Image<float>& depth_m,
+DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,
                                const render::RenderOptions& options);
 

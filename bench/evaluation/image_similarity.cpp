@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kWindow = 11;
 
-cv::Mat luminance(const render::Image<glm::vec3>& image) {
+cv::Mat luminance(const Image<glm::vec3>& image) {
   cv::Mat1d grey(image.height, image.width);
   for (int row = 0; row < image.height; ++row) {
     for (int column = 0; column < image.width; ++column) {
@@ -30,8 +30,7 @@ cv::Mat windowed(const cv::Mat& image) {
 
 }  // namespace
 
-ImageSimilarity compare_images(const render::Image<glm::vec3>& a,
-                               const render::Image<glm::vec3>& b) {
+ImageSimilarity compare_images(const Image<glm::vec3>& a, const Image<glm::vec3>& b) {
   if (a.width != b.width || a.height != b.height || std::min(a.width, a.height) < kWindow) {
     throw std::invalid_argument(
         "compare_images: pictures must be of one size, 11 pixels a side or more");

@@ -14,7 +14,6 @@ struct ImageSimilarity {
   double psnr_db = 0;  ///< infinite for equal pictures
 };
 
-ImageSimilarity compare_images(const render::Image<glm::vec3>& a,
-                               const render::Image<glm::vec3>& b);
+ImageSimilarity compare_images(const Image<glm::vec3>& a, const Image<glm::vec3>& b);
 
 }  // namespace wobblebench::bench

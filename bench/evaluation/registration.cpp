@@ -74,7 +74,7 @@ struct SurfaceResidual {
   }
 };
 
-std::vector<DetectedPoint> detected_points(const render::Image<float>& depth_m,
+std::vector<DetectedPoint> detected_points(const Image<float>& depth_m,
                                            const hw::AcquisitionPlan& plan,
                                            const render::RenderOptions& options,
                                            const ScannedSurfaces& target,
@@ -216,7 +216,7 @@ const std::array<std::string, kRegistrationParameters>& registration_names() {
   return names;
 }
 
-Registration register_surface(const render::Image<float>& depth_m,
+Registration register_surface(const Image<float>& depth_m,
                               const phantoms::Phantom& phantom,
                               const phantoms::Placement& placement,
                               const phantoms::Motion& motion,

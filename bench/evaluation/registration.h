@@ -58,7 +58,7 @@ const std::array<std::string, kRegistrationParameters>& registration_names();
 /// pose with the signed distance's own gradient. Where the phantom moves, each point is compared
 /// with it as it stood when the point's stick was fired. Fewer than 20 points near a surface: not
 /// converged.
-Registration register_surface(const render::Image<float>& depth_m,
+Registration register_surface(const Image<float>& depth_m,
                               const phantoms::Phantom& phantom,
                               const phantoms::Placement& placement,
                               const phantoms::Motion& motion,

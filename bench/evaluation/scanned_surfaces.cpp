@@ -24,9 +24,8 @@ phantoms::Box in_phantom(const render::VolumeOfInterest& places,
   for (int corner = 0; corner < 8; ++corner) {
     glm::dvec3 at;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
       const double side = (corner >> axis & 1) == 0 ? -0.5 : 0.5;
-      at[axis] = places.center_m.at(a) + side * places.size_m.at(a);
+      at[axis] = places.center_m[axis] + side * places.size_m[axis];
     }
     const glm::dvec3 p = placement.to_phantom(at);
     box = {glm::min(box.low, p), glm::max(box.high, p)};

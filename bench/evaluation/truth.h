@@ -19,9 +19,9 @@ enum class TruthKind : std::uint8_t {
 
 /// One value a pixel, in the picture's own geometry.
 struct Truth {
-  render::Image<float> depth_m;     ///< render::kNoSurface where kind is not `surface`
-  render::Image<glm::vec3> normal;  ///< unit, out of the tissue, probe frame
-  render::Image<TruthKind> kind;
+  Image<float> depth_m;     ///< kNoSurface where kind is not `surface`
+  Image<glm::vec3> normal;  ///< unit, out of the tissue, probe frame
+  Image<TruthKind> kind;
 };
 
 /// First crossing, within the box of interest, from fluid into tissue (or, for EdgeSign::falling,

@@ -27,7 +27,7 @@ template <class Body>
 auto of_board(const std::string& text, const Body& body) {
   try {
     return body();
-  } catch (const hw::InvalidOption& error) {
+  } catch (const InvalidOption& error) {
     throw board_refusal(text, error.what());
   } catch (const hw::LinkOpenError& error) {
     throw board_refusal(text, error.what());
@@ -37,7 +37,7 @@ auto of_board(const std::string& text, const Body& body) {
 /// Takes the text apart, whatever link it names. Throws UserError.
 BoardArguments split_board(const std::string& text);
 
-/// The options of the link that the arguments name. Throws hw::InvalidOption.
+/// The options of the link that the arguments name. Throws InvalidOption.
 template <class Options>
 Options read_link_options(const BoardArguments& board) {
   hw::LinkSettings settings(board.link);

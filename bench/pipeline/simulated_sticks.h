@@ -7,7 +7,7 @@
 namespace wobblebench::bench {
 
 /// Builds phantom and simulator once; each call gives a source that begins with volume 0. Throws
-/// UserError, hw::InvalidOption.
+/// UserError, InvalidOption.
 MakeSticks simulated_sticks(Scene scene);
 
 }  // namespace wobblebench::bench

@@ -29,7 +29,7 @@ void write(const std::filesystem::path& path,
 
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const render::Image<glm::vec3>& image) {
+void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image) {
   std::vector<float> values;
   values.reserve(image.pixels.size() * 3);
   for (const glm::vec3& rgb : image.pixels) values.insert(values.end(), {rgb.r, rgb.g, rgb.b});

@@ -12,11 +12,11 @@
 namespace wobblebench::bench {
 
 /// 8-bit RGB PNG; values are display values in [0, 1]. Throws std::runtime_error "PATH: reason".
-void write_png(const std::filesystem::path& path, const render::Image<glm::vec3>& image);
+void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image);
 
 /// Float EXR with one named channel a map; lengths are converted from metres to millimetres, pixels
 /// without a value are NaN. Throws std::runtime_error "PATH: reason".
-using NamedMap = std::pair<std::string, const render::Image<float>*>;
+using NamedMap = std::pair<std::string, const Image<float>*>;
 void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m);
 
 }  // namespace wobblebench::bench

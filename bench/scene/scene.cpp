@@ -53,7 +53,7 @@ toml::table parse_value(const std::string& text) {
 
 /// Puts "a.b.c=value" into the table of section a.b.
 void apply_setting(toml::table& scene, const std::string& setting) {
-  if (!phantoms::is_printable(setting)) {
+  if (!is_printable(setting)) {
     throw UserError("--set " + setting + ": must be UTF-8 without control characters");
   }
   const auto equals = setting.find('=');
@@ -133,8 +133,8 @@ void read_sections(Scene& scene, toml::table& table, const std::string& source) 
       scene.given.insert(reader.given_keys().begin(), reader.given_keys().end());
     }
     try {
-      hw::check_options(options);
-    } catch (const hw::InvalidOption& error) {
+      check_options(options);
+    } catch (const InvalidOption& error) {
       throw UserError(source + ": " + section + "." + error.what());
     }
   });
@@ -146,7 +146,7 @@ void validate(const Scene& scene, const std::string& source) {
   const auto check = [&](const std::string& section, const auto& rule) {
     try {
       rule();
-    } catch (const hw::InvalidOption& error) {
+    } catch (const InvalidOption& error) {
       throw UserError(source + ": " + section + "." + error.what());
     } catch (const phantoms::InvalidPhantom& error) {
       throw UserError(source + ": " + section + "." + error.what());
@@ -158,14 +158,6 @@ void validate(const Scene& scene, const std::string& source) {
   check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
   check("render", [&] { render::validate(scene.render); });
   check_memory(scene, source, machine_memory_bytes());
-}
-
-glm::dvec3 to_vec3(const std::vector<double>& v) {
-  return {v.at(0), v.at(1), v.at(2)};
-}
-
-std::vector<double> to_list(const glm::dvec3& v) {
-  return {v.x, v.y, v.z};
 }
 
 /// The upright box in the probe frame that holds `box` of the phantom, however that is turned.
@@ -186,7 +178,7 @@ phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placem
 }  // namespace
 
 phantoms::Placement Scene::phantom_placement() const {
-  return {phantoms::rotation_xyz(to_vec3(placement.rotation_rad)), to_vec3(placement.position_m)};
+  return {phantoms::rotation_xyz(placement.rotation_rad), placement.position_m};
 }
 
 bool Scene::moves() const {
@@ -217,22 +209,20 @@ void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
   if (!scene.given.contains("placement.position_mm")) {
     // The suggestion is for the default face; another radius moves the face along z.
     const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
-    scene.placement.position_m =
-        to_list(phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m));
+    scene.placement.position_m = phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m);
   }
   const phantoms::Box box = placed(phantom.region_of_interest(), scene.phantom_placement());
   if (!scene.given.contains("render.volume_of_interest.center_mm")) {
-    scene.render.volume_of_interest.center_m = to_list(0.5 * (box.low + box.high));
+    scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
   }
   if (!scene.given.contains("render.volume_of_interest.size_mm")) {
-    scene.render.volume_of_interest.size_m = to_list(box.high - box.low);
+    scene.render.volume_of_interest.size_m = box.high - box.low;
   }
 }
 
 nlohmann::ordered_json resolved(const Scene& scene) {
   nlohmann::ordered_json json;
-  Scene copy = scene;
-  for_each_section(copy, [&](const std::string& section, auto& options) {
+  for_each_section(scene, [&](const std::string& section, const auto& options) {
     JsonWriter writer;
     describe(options, writer);
     const auto dot = section.find('.');

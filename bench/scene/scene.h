@@ -20,14 +20,14 @@ namespace wobblebench::bench {
 
 /// Where the phantom stands in the probe frame; the phantom's own suggestion unless given.
 struct PlacementOptions {
-  std::vector<double> position_m = {0, 0, 0.11};
-  std::vector<double> rotation_rad = {0, 0, 0};  ///< about x, then y, then z
+  glm::dvec3 position_m{0, 0, 0.11};
+  glm::dvec3 rotation_rad{0, 0, 0};  ///< about x, then y, then z
 };
 
-template <class Visitor>
-void describe(PlacementOptions& o, Visitor& v) {
-  v.reals("position_mm", o.position_m, kMillimetre, -500, 500, 3);
-  v.reals("rotation_deg", o.rotation_rad, kDegree, -180, 180, 3);
+template <OptionsOf<PlacementOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.vec3("position_mm", o.position_m, kMillimetre, -500, 500);
+  v.vec3("rotation_deg", o.rotation_rad, kDegree, -180, 180);
 }
 
 struct Scene {
@@ -49,8 +49,8 @@ struct Scene {
 };
 
 /// Calls body(name, options) for each section of a scene.
-template <class Body>
-void for_each_section(Scene& scene, const Body& body) {
+template <OptionsOf<Scene> S, class Body>
+void for_each_section(S& scene, const Body& body) {
   body("phantom", scene.phantom);
   body("placement", scene.placement);
   body("motion", scene.motion);

@@ -96,15 +96,19 @@ class TomlReader {
       return false;
     });
   }
-  void reals(
-      std::string_view key, std::vector<double>& values, double unit, double, double, std::size_t) {
+  void reals(std::string_view key, std::vector<double>& values, double unit, double, double) {
     take(key, "a list of numbers", [&](const toml::node& node) {
-      if (!node.is_array()) return false;
+      return read_numbers(node, values, unit);
+    });
+  }
+  void vec3(std::string_view key, glm::dvec3& value, double unit, double, double) {
+    take(key, "a list of numbers", [&](const toml::node& node) {
       std::vector<double> read;
-      for (const toml::node& element : *node.as_array()) {
-        if (!read_number(element, read.emplace_back(), unit)) return false;
+      if (!read_numbers(node, read, unit)) return false;
+      if (read.size() != 3) {
+        fail(key, std::to_string(read.size()) + " numbers", "takes 3 numbers");
       }
-      values = std::move(read);
+      value = {read[0], read[1], read[2]};
       return true;
     });
   }
@@ -123,11 +127,17 @@ class TomlReader {
         value << (toml::is_array<decltype(concrete)> ? "[...]" : "{...}");
       }
     });
-    throw UserError(source_ + ": " + section_ + "." + std::string(key) + " = " + value.str() +
-                    ": " + allowed);
+    fail(key, value.str(), allowed);
   }
 
  private:
+  [[noreturn]] void fail(std::string_view key,
+                         const std::string& value,
+                         const std::string& allowed) const {
+    throw UserError(source_ + ": " + section_ + "." + std::string(key) + " = " + value + ": " +
+                    allowed);
+  }
+
   template <class Read>
   void take(std::string_view key, const std::string& allowed, const Read& read) {
     known_.emplace_back(key);
@@ -146,6 +156,16 @@ class TomlReader {
     } else {
       return false;
     }
+    return true;
+  }
+
+  static bool read_numbers(const toml::node& node, std::vector<double>& values, double unit) {
+    if (!node.is_array()) return false;
+    std::vector<double> read;
+    for (const toml::node& element : *node.as_array()) {
+      if (!read_number(element, read.emplace_back(), unit)) return false;
+    }
+    values = std::move(read);
     return true;
   }
 
@@ -180,14 +200,12 @@ class JsonWriter {
       if (candidate == value) json_[std::string(key)] = name;
     }
   }
-  void reals(std::string_view key,
-             const std::vector<double>& values,
-             double unit,
-             double,
-             double,
-             std::size_t) {
+  void reals(std::string_view key, const std::vector<double>& values, double unit, double, double) {
     auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
-    for (double value : values) list.push_back(in_unit(value, unit));
+    for (const double value : values) list.push_back(in_unit(value, unit));
+  }
+  void vec3(std::string_view key, const glm::dvec3& value, double unit, double min, double max) {
+    reals(key, {value.x, value.y, value.z}, unit, min, max);
   }
   const nlohmann::ordered_json& json() const { return json_; }
 

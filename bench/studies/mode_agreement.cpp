@@ -15,9 +15,7 @@ bool DepthAgreement::same() const {
   return rms_steps <= kMostRmsSteps && changed_percent() <= kMostChangedPercent;
 }
 
-DepthAgreement compare_depths(const render::Image<float>& one,
-                              const render::Image<float>& other,
-                              double step_m) {
+DepthAgreement compare_depths(const Image<float>& one, const Image<float>& other, double step_m) {
   if (one.width != other.width || one.height != other.height) {
     throw std::invalid_argument("two pictures of different sizes");
   }

@@ -38,9 +38,7 @@ inline constexpr double kMostRmsSteps = 0.1;
 inline constexpr double kMostChangedPercent = 0.1;
 
 /// `step_m`: render::step_m() of both. Throws std::invalid_argument for pictures of two sizes.
-DepthAgreement compare_depths(const render::Image<float>& one,
-                              const render::Image<float>& other,
-                              double step_m);
+DepthAgreement compare_depths(const Image<float>& one, const Image<float>& other, double step_m);
 
 struct Direction {
   std::string name;

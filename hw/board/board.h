@@ -39,8 +39,8 @@ struct BoardOptions {
   ReaderMode reader = ReaderMode::thread;
 };
 
-template <class Visitor>
-void describe(BoardOptions& o, Visitor& v) {
+template <OptionsOf<BoardOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("ring_slots", o.ring_slots, 1, kMaxRingSlots);
 }
 

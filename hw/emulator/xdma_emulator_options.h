@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "base/options.h"
 #include "base/units.h"
 
 namespace wobblebench::hw {
@@ -20,8 +21,8 @@ struct XdmaStandInOptions {
   int all_ones_at_packet = -1;  ///< reads give 0xFF from here on
 };
 
-template <class Visitor>
-void describe(XdmaStandInOptions& o, Visitor& v) {
+template <OptionsOf<XdmaStandInOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   constexpr int kAnyPacket = 1'000'000'000;
   v.integer("alignment_bytes", o.alignment_bytes, 1, 4096);
   v.real("timeout_ms", o.timeout_s, kMillisecond, 1, 60000);

@@ -1,7 +1,7 @@
 // How fast a link that has all its bytes hands them out.
 #pragma once
 
-#include <string_view>
+#include "base/options.h"
 
 namespace wobblebench::hw {
 
@@ -10,8 +10,8 @@ enum class Pace {
   realtime,  ///< when the device would have sent them, by the host's clock
 };
 
-template <class Visitor>
-void describe_pace(Pace& pace, Visitor& v) {
+template <OptionsOf<Pace> P, class Visitor>
+void describe_pace(P& pace, Visitor& v) {
   v.choice("pace", pace, {{"asap", Pace::asap}, {"realtime", Pace::realtime}});
 }
 

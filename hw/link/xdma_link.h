@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "base/options.h"
 #include "base/units.h"
 #include "hw/link/link.h"
 
@@ -26,8 +27,8 @@ struct XdmaLinkOptions {
   double busy_patience_s = 1;
 };
 
-template <class Visitor>
-void describe(XdmaLinkOptions& o, Visitor& v) {
+template <OptionsOf<XdmaLinkOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("transfer_kb", o.transfer_kb, 1, 16384);
   v.flag("end_of_packet", o.end_of_packet);
   v.real("busy_patience_ms", o.busy_patience_s, kMillisecond, 0, 60000);

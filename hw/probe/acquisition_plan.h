@@ -36,8 +36,8 @@ struct AcquisitionOptions {
   friend bool operator==(const AcquisitionOptions&, const AcquisitionOptions&) = default;
 };
 
-template <class Visitor>
-void describe(AcquisitionOptions& o, Visitor& v) {
+template <OptionsOf<AcquisitionOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.real("depth_mm", o.depth_m, kMillimetre, 1, 400);
   v.real("sector_deg", o.sector_rad, kDegree, 0.1, 170);
   v.real("fan_deg", o.fan_rad, kDegree, 0.1, 170);

@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "base/options.h"
 #include "base/units.h"
 
 namespace wobblebench::hw {
@@ -30,8 +31,8 @@ struct ProbeOptions {
   friend bool operator==(const ProbeOptions&, const ProbeOptions&) = default;
 };
 
-template <class Visitor>
-void describe(ProbeOptions& o, Visitor& v) {
+template <OptionsOf<ProbeOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.real("radius_mm", o.radius_m, kMillimetre, 1, 200);
   v.real("wobble_radius_mm", o.wobble_radius_m, kMillimetre, 0, 200);
   v.real("center_frequency_mhz", o.center_frequency_hz, kMegahertz, 0.5, 20);

@@ -29,17 +29,20 @@ struct NamedProbeOptions : ProbeOptions {
   ProbePreset preset = ProbePreset::standard;
 };
 
-template <class Visitor>
-void describe(NamedProbeOptions& o, Visitor& v) {
-  const ProbePreset before = o.preset;
+template <OptionsOf<NamedProbeOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  [[maybe_unused]] const ProbePreset before = o.preset;
   v.choice("preset",
            o.preset,
            {{"default", ProbePreset::standard},
             {"c5-2v", ProbePreset::c5_2v},
             {"curvilinear-60", ProbePreset::curvilinear_60}});
-  if (o.preset != before) static_cast<ProbeOptions&>(o) = probe_preset(o.preset).probe;
+  if constexpr (!std::is_const_v<O>) {
+    if (o.preset != before) static_cast<ProbeOptions&>(o) = probe_preset(o.preset).probe;
+  }
   v.constant("preset_source", probe_preset(o.preset).source);
-  describe(static_cast<ProbeOptions&>(o), v);
+  using Base = std::conditional_t<std::is_const_v<O>, const ProbeOptions, ProbeOptions>;
+  describe(static_cast<Base&>(o), v);
 }
 
 }  // namespace wobblebench::hw

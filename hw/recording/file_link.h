@@ -20,8 +20,8 @@ struct FileLinkOptions {
   int start_volume = 0;  ///< begin at this volume's configuration
 };
 
-template <class Visitor>
-void describe(FileLinkOptions& o, Visitor& v) {
+template <OptionsOf<FileLinkOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   describe_pace(o.pace, v);
   v.flag("loop", o.loop);
   v.integer("start_volume", o.start_volume, 0, 1 << 30);

@@ -16,8 +16,8 @@ struct RecorderOptions {
   int volumes = 0;  ///< stop after this many volume ends; 0: when the link ends
 };
 
-template <class Visitor>
-void describe(RecorderOptions& o, Visitor& v) {
+template <OptionsOf<RecorderOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("volumes", o.volumes, 0, 1 << 30);
 }
 

@@ -5,6 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <memory>
 
+#include "base/units.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
 #include "phantoms/fetal/maternal_layer.h"
@@ -15,9 +16,8 @@
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-constexpr double kFaceOfProbe_m = 40 * kMm;    // z in the default probe's frame
-constexpr double kThinnestUterus_m = 5 * kMm;  // of its wall on the axis; assumed
+constexpr double kFaceOfProbe_m = 40 * kMillimetre;    // z in the default probe's frame
+constexpr double kThinnestUterus_m = 5 * kMillimetre;  // of its wall on the axis; assumed
 
 double face_scale(const FetalBiometry& biometry) {
   return biometry.binocular_m / fetal_biometry(21).binocular_m;
@@ -29,7 +29,7 @@ FetalHead posed_head(double weeks) {
   // A fetus seldom faces the probe squarely.
   head.landmarks.head_to_phantom =
       rotation_xyz({glm::radians(-4.0), glm::radians(8.0), glm::radians(-5.0)});
-  head.landmarks.head_position_m = face_scale(biometry) * kMm * glm::dvec3(0, -5, 2);
+  head.landmarks.head_position_m = face_scale(biometry) * kMillimetre * glm::dvec3(0, -5, 2);
   return head;
 }
 
@@ -48,7 +48,8 @@ double cavity_front_m(double scale, double x, double y) {
 // fetus lies deeper, which leaves some 23 to 29 mm to the fluid (mean 29 mm, at least 17 mm: Carson
 // 1989); deeper still where the mother's tissue needs more.
 glm::dvec3 position_for(double scale, double maternal_layer_m) {
-  const double y = 6 * kMm * scale, usual_z = 105 * kMm + 20 * kMm * (scale - 1);
+  const double y = 6 * kMillimetre * scale,
+               usual_z = 105 * kMillimetre + 20 * kMillimetre * (scale - 1);
   const double room = maternal_layer_m > 0 ? maternal_layer_m + kThinnestUterus_m : 0;
   return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
 }
@@ -74,8 +75,8 @@ class FetalScene {
   double cord(const glm::dvec3& p) const { return cord_.distance(p); }
   double skin(const glm::dvec3& p) const {
     const double trunk =
-        smooth_union(head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMm * scale_);
-    return smooth_union(trunk, hand_.distance(p), 1 * kMm * scale_);
+        smooth_union(head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMillimetre * scale_);
+    return smooth_union(trunk, hand_.distance(p), 1 * kMillimetre * scale_);
   }
   double skull(const glm::dvec3& p) const { return head_.skull.distance(in_head(p)); }
   double brain(const glm::dvec3& p) const { return head_.brain.distance(in_head(p)); }
@@ -93,8 +94,8 @@ class FetalScene {
   /// From the fluid before the nose to behind the ears, from above the crown to the upper chest.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
-    return {{-40 * kMm * scale_, crown - 3 * kMm, -18 * kMm * scale_},
-            scale_ * kMm * glm::dvec3(40, 43, 42)};
+    return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, -18 * kMillimetre * scale_},
+            scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
   /// The smallest ball that holds the skull (measured on the grids, 20 to 30 weeks), and a reach
@@ -105,7 +106,7 @@ class FetalScene {
     const FetalLandmarks& pose = head_.landmarks;
     return {pose.head_to_phantom * in_head + pose.head_position_m,
             0.612 * biometry_.occipitofrontal_m,
-            50 * kMm * scale_};
+            50 * kMillimetre * scale_};
   }
 
  private:

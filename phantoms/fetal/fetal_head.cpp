@@ -1,4 +1,5 @@
 #include "phantoms/fetal/fetal_head.h"
+#include "base/units.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -7,11 +8,11 @@
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-constexpr double kSkullThicknessM = 1.5 * kMm;  // fetal bone and periosteum, as a beam sees them
+constexpr double kSkullThicknessM =
+    1.5 * kMillimetre;  // fetal bone and periosteum, as a beam sees them
 
 // The lips of the 21-week face, below the tip of the upper lip.
-constexpr double kMouthM = 2.1 * kMm, kLowerLipM = 4.4 * kMm;
+constexpr double kMouthM = 2.1 * kMillimetre, kLowerLipM = 4.4 * kMillimetre;
 
 // Heights of the mid-line features, metres below the origin.
 struct FaceHeights {
@@ -38,7 +39,7 @@ class HeadSculptor {
   }
 
  private:
-  double mm(double value) const { return value * kMm * scale_; }
+  double mm(double value) const { return value * kMillimetre * scale_; }
   glm::dvec3 at(double x, double y, double z) const { return {mm(x), mm(y), mm(z)}; }
   TubePoint ball(double x, double y, double z, double radius) const {
     return {at(x, y, z), mm(radius)};
@@ -192,10 +193,10 @@ class Profile {
 
   // Depth at which a line of sight at height y meets the skin.
   double depth(double y) const {
-    double z = -20 * kMm;
+    double z = -20 * kMillimetre;
     for (int step = 0; step < 200; ++step) {
       const double gap = skin_.distance({0, y, z});
-      if (gap < 1e-7 || z > 50 * kMm) break;
+      if (gap < 1e-7 || z > 50 * kMillimetre) break;
       z += 0.8 * gap;
     }
     return z;
@@ -217,7 +218,7 @@ class Profile {
   glm::dvec3 lowest(const glm::dvec3& front, double reach) const {
     glm::dvec3 best = front;
     for (int step = 0; step <= 60; ++step) {
-      glm::dvec3 below{0, front.y + 20 * kMm, front.z + reach * step / 60};
+      glm::dvec3 below{0, front.y + 20 * kMillimetre, front.z + reach * step / 60};
       for (int move = 0; move < 200; ++move) {
         const double gap = skin_.distance(below);
         if (gap < 1e-7) break;
@@ -240,8 +241,8 @@ void find_landmarks(const Sculpture& skin, const FaceHeights& heights, FetalLand
   found.upper_lip_m = profile.extreme(found.subnasale_m.y, found.mouth_m.y, -1);
   const double fold = 0.5 * (heights.lower_lip + heights.menton);
   found.lower_lip_m = profile.extreme(found.mouth_m.y, fold, -1);
-  const glm::dvec3 chin = profile.extreme(fold, heights.menton - 2 * kMm, -1);
-  found.menton_m = profile.lowest(chin, 7 * kMm);
+  const glm::dvec3 chin = profile.extreme(fold, heights.menton - 2 * kMillimetre, -1);
+  found.menton_m = profile.lowest(chin, 7 * kMillimetre);
 }
 
 }  // namespace
@@ -249,7 +250,7 @@ void find_landmarks(const Sculpture& skin, const FaceHeights& heights, FetalLand
 FetalHead sculpt_head(const FetalBiometry& biometry) {
   const double scale = biometry.binocular_m / fetal_biometry(21).binocular_m;
   FaceHeights heights{};
-  heights.subnasale = 11.6 * kMm * scale;
+  heights.subnasale = 11.6 * kMillimetre * scale;
   heights.upper_lip = heights.subnasale + biometry.philtrum_m;
   heights.menton = heights.upper_lip + kLowerLipM * scale + biometry.chin_m;
   // Fillets shift the extremes of the profile; each round takes out what the last one measured.

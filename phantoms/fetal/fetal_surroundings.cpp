@@ -1,23 +1,21 @@
 #include "phantoms/fetal/fetal_surroundings.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
-#include <numbers>
 
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-
 TubePoint ball(double scale, double x, double y, double z, double radius) {
-  return {scale * kMm * glm::dvec3(x, y, z), scale * kMm * radius};
+  return {scale * kMillimetre * glm::dvec3(x, y, z), scale * kMillimetre * radius};
 }
 
 Ellipsoid lump(double scale, glm::dvec3 center, glm::dvec3 radii) {
-  return {scale * kMm * center, scale * kMm * radii};
+  return {scale * kMillimetre * center, scale * kMillimetre * radii};
 }
 
 }  // namespace
@@ -25,9 +23,9 @@ Ellipsoid lump(double scale, glm::dvec3 center, glm::dvec3 radii) {
 Sculpture sculpt_body(double s) {
   Sculpture body;
   body.add(Tube{{ball(s, 0, 6, 44, 13), ball(s, 0, 34, 42, 14)}}, 0);
-  body.add(lump(s, {0, 56, 38}, {25, 27, 21}), 8 * s * kMm);
+  body.add(lump(s, {0, 56, 38}, {25, 27, 21}), 8 * s * kMillimetre);
   const Tube shoulder{{ball(s, 12, 37, 44, 9), ball(s, 26, 40, 40, 8.5), ball(s, 34, 62, 34, 7)}};
-  body.add_pair(shoulder, 6 * s * kMm);
+  body.add_pair(shoulder, 6 * s * kMillimetre);
   return body;
 }
 
@@ -35,7 +33,7 @@ Sculpture sculpt_hand(double s) {
   Sculpture hand;
   hand.add(Tube{{ball(s, 34, 62, 34, 7), ball(s, 37, 55, 12, 5.4), ball(s, 28.5, 32, 6, 4.2)}}, 0);
   // Back of the hand, then the fingers curled towards the palm, index to little finger.
-  hand.add(lump(s, {25.5, 24, 4}, {6, 7, 4.2}), 3.5 * s * kMm);
+  hand.add(lump(s, {25.5, 24, 4}, {6, 7, 4.2}), 3.5 * s * kMillimetre);
   const glm::dvec2 knuckle[] = {{19.8, 20.2}, {23.0, 17.8}, {26.5, 17.4}, {29.6, 19.2}};
   const double length[] = {0.95, 1.05, 1.0, 0.82};
   for (int finger = 0; finger < 4; ++finger) {
@@ -45,13 +43,13 @@ Sculpture sculpt_hand(double s) {
                                           ball(s, x - 0.4, y - 0.5 * l, -4.6 * l, 1.9),
                                           ball(s, x - 0.8, y + 4.6 * l, -5.2 * l, 1.75),
                                           ball(s, x - 0.6, y + 6.0 * l, -2.5, 1.6)};
-    hand.add(smooth_tube(bones, 4), 0.6 * s * kMm);
+    hand.add(smooth_tube(bones, 4), 0.6 * s * kMillimetre);
   }
   const std::vector<TubePoint> thumb = {ball(s, 24, 30, 2, 2.6),
                                         ball(s, 19.2, 28, -2.0, 2.3),
                                         ball(s, 18.0, 24.1, -4.4, 2.0),
                                         ball(s, 20.2, 21.6, -6.0, 1.7)};
-  hand.add(smooth_tube(thumb, 4), 0.9 * s * kMm);
+  hand.add(smooth_tube(thumb, 4), 0.9 * s * kMillimetre);
   return hand;
 }
 
@@ -76,7 +74,8 @@ UmbilicalCord::UmbilicalCord(double s) {
                                  ball(s, -56, 4, 44, 1)},
                                 8);
   constexpr int kStrands = 3;
-  const double pitch = 17 * s * kMm, offset = 2.5 * s * kMm, radius = 2.8 * s * kMm;
+  const double pitch = 17 * s * kMillimetre, offset = 2.5 * s * kMillimetre,
+               radius = 2.8 * s * kMillimetre;
   std::vector<Tube> wound(kStrands);
   double along = 0;
   for (std::size_t i = 0; i < path.points.size(); ++i) {
@@ -87,7 +86,7 @@ UmbilicalCord::UmbilicalCord(double s) {
     const glm::dvec3 side = glm::normalize(glm::cross(tangent, glm::dvec3(0.3, 0.2, -1)));
     const glm::dvec3 up = glm::cross(tangent, side);
     for (int strand = 0; strand < kStrands; ++strand) {
-      const double turn = 2 * std::numbers::pi * (along / pitch + double(strand) / kStrands);
+      const double turn = 2 * kPi * (along / pitch + double(strand) / kStrands);
       wound[strand].points.push_back(
           {here + offset * (std::cos(turn) * side + std::sin(turn) * up), radius});
     }
@@ -109,16 +108,16 @@ double UmbilicalCord::strand_distance(const Strand& strand, const glm::dvec3& po
 
 double UmbilicalCord::distance(const glm::dvec3& position) const {
   const double at_least = glm::distance(position, bound_.center) - bound_.radius_m;
-  if (at_least > 10 * kMm) return at_least;
+  if (at_least > 10 * kMillimetre) return at_least;
   double cord = strand_distance(strands_[0], position);
   for (std::size_t i = 1; i < strands_.size(); ++i) {
-    cord = smooth_union(cord, strand_distance(strands_[i], position), 1.0 * kMm);
+    cord = smooth_union(cord, strand_distance(strands_[i], position), 1.0 * kMillimetre);
   }
   return cord;
 }
 
 CavitySize cavity_size(double s) {
-  return {s * kMm * glm::dvec3(0, 12, 28), s * kMm * glm::dvec3(68, 86, 64)};
+  return {s * kMillimetre * glm::dvec3(0, 12, 28), s * kMillimetre * glm::dvec3(68, 86, 64)};
 }
 
 double cavity_distance(const glm::dvec3& position, double s) {
@@ -127,7 +126,7 @@ double cavity_distance(const glm::dvec3& position, double s) {
   // Wall: (x/a)^4 + (y/b)^4 + (z/c)^4 = 1 swollen by slow waves along x and y.
   const glm::dvec3 u = p / size.radii_m, cubes = u * u * u;
   const double norm = std::sqrt(std::sqrt(glm::dot(cubes, u)));
-  const double unit = s * kMm, kx = 1 / (27 * unit), ky = 1 / (30 * unit);
+  const double unit = s * kMillimetre, kx = 1 / (27 * unit), ky = 1 / (30 * unit);
   const double wave_x = kx * p.x + 0.4, wave_y = ky * p.y - 0.7;
   const double height = 0.03;
   const double level = norm - 1 - height * std::sin(wave_x) * std::cos(wave_y);

@@ -1,6 +1,7 @@
 #include "phantoms/io/imports.h"
 
 #include <unistd.h>
+#include "phantoms/invalid_phantom.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -10,7 +11,6 @@
 #include <system_error>
 
 #include "phantoms/io/mesh_file.h"
-#include "phantoms/range_check.h"
 #include "phantoms/shapes/calibration.h"
 
 namespace wobblebench::phantoms {

@@ -10,9 +10,9 @@
 #include <stdexcept>
 
 #include "base/text.h"
+#include "phantoms/invalid_phantom.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/mesh_file.h"
-#include "phantoms/range_check.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 

@@ -9,10 +9,10 @@
 
 #include "base/text.h"
 #include "phantoms/grids.h"
+#include "phantoms/invalid_phantom.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/io/vdb_metadata.h"
-#include "phantoms/range_check.h"
 
 namespace wobblebench::phantoms {
 namespace {

@@ -1,5 +1,6 @@
 // Bodies in fluid whose truth has a closed form.
 #include "phantoms/shapes/calibration.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +11,11 @@
 #include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
-namespace {
-
-constexpr double kMm = 1e-3;
-
-}  // namespace
+namespace {}  // namespace
 
 Phantom make_plane(const PhantomOptions& options) {
   // The slab is wider than the field of the default probe at any tilt that options allow.
-  const glm::dvec3 half{120 * kMm, 120 * kMm, 20 * kMm};
+  const glm::dvec3 half{120 * kMillimetre, 120 * kMillimetre, 20 * kMillimetre};
   const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
   const auto distance = [=](const glm::dvec3& position) {
     return box_distance(position * turn - glm::dvec3(0, 0, half.z), half);
@@ -29,7 +26,7 @@ Phantom make_plane(const PhantomOptions& options) {
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"slab", material_index("soft_tissue"), true}},
-                 box_from(-kBoxDepth_m / 2, 35 * kMm),
+                 box_from(-kBoxDepth_m / 2, 35 * kMillimetre),
                  kCalibrationPosition,
                  only(grid));
 }
@@ -43,18 +40,19 @@ Phantom make_sphere(const PhantomOptions& options) {
                               options.voxel_m,
                               Distances::exact);
   // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
-  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, radius + 80 * kMm)};
+  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, radius + 80 * kMillimetre)};
   return Phantom("sphere",
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"ball", material_index("soft_tissue"), true}},
-                 box_from(-radius - 10 * kMm, std::clamp(1.5 * radius, 30 * kMm, 40 * kMm)),
+                 box_from(-radius - 10 * kMillimetre,
+                          std::clamp(1.5 * radius, 30 * kMillimetre, 40 * kMillimetre)),
                  position,
                  only(grid));
 }
 
 Phantom make_points(const PhantomOptions& options) {
-  const double radius = 1 * kMm, pitch = 15 * kMm, depth_step = 25 * kMm;
+  const double radius = 1 * kMillimetre, pitch = 15 * kMillimetre, depth_step = 25 * kMillimetre;
   const auto distance = [=](const glm::dvec3& position) {
     const auto nearest = [](double x, double step, int count) {
       return step * std::clamp(std::round(x / step), double(-count), double(count));
@@ -64,7 +62,8 @@ Phantom make_points(const PhantomOptions& options) {
                             nearest(position.z, depth_step, 1)};
     return glm::length(position - center) - radius;
   };
-  const glm::dvec3 reach{2 * pitch + 5 * kMm, pitch + 5 * kMm, depth_step + 5 * kMm};
+  const glm::dvec3 reach{
+      2 * pitch + 5 * kMillimetre, pitch + 5 * kMillimetre, depth_step + 5 * kMillimetre};
   auto grid =
       build_level_set("points", distance, {-reach, reach}, options.voxel_m, Distances::exact);
   return Phantom("points",

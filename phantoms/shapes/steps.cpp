@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/units.h"
 #include "phantoms/shapes/builders.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
@@ -13,9 +14,8 @@
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-constexpr double kBack_m = 20 * kMm;        // z of the body's back
-constexpr double kHalfWidth_m = 120 * kMm;  // wider than the field of the default probe
+constexpr double kBack_m = 20 * kMillimetre;        // z of the body's back
+constexpr double kHalfWidth_m = 120 * kMillimetre;  // wider than the field of the default probe
 
 using Polygon = std::vector<glm::dvec2>;
 
@@ -68,12 +68,12 @@ Phantom make_steps(const PhantomOptions& options) {
                    half + glm::dvec3(margin) + glm::dvec3(0, 0, kBack_m)};
   auto grid = build_level_set("stairs", distance, bounds, options.voxel_m, Distances::exact);
   // However high they are, 40 mm of fluid stay between the stairs and the probe.
-  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, total + 80 * kMm)};
+  const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, total + 80 * kMillimetre)};
   return Phantom("steps",
                  material_table(),
                  material_index("amniotic_fluid"),
                  {{"stairs", material_index("soft_tissue"), true}},
-                 box_from(-total - 10 * kMm, 35 * kMm),
+                 box_from(-total - 10 * kMillimetre, 35 * kMillimetre),
                  position,
                  only(grid));
 }

@@ -2,28 +2,25 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "base/units.h"
 #include "phantoms/shapes/builders.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 #include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
-namespace {
-
-constexpr double kMm = 1e-3;
-
-}  // namespace
+namespace {}  // namespace
 
 Phantom make_speckle_block(const PhantomOptions& options) {
-  const glm::dvec3 half{150 * kMm, 150 * kMm, 120 * kMm};
+  const glm::dvec3 half{150 * kMillimetre, 150 * kMillimetre, 120 * kMillimetre};
   const auto distance = [=](const glm::dvec3& position) { return box_distance(position, half); };
-  auto grid =
-      build_level_set("block", distance, cube(160 * kMm), options.voxel_m, Distances::exact);
+  auto grid = build_level_set(
+      "block", distance, cube(160 * kMillimetre), options.voxel_m, Distances::exact);
   return Phantom("speckle_block",
                  material_table(),
                  material_index("soft_tissue"),
                  {{"block", material_index("soft_tissue"), false}},
-                 cube(35 * kMm),
+                 cube(35 * kMillimetre),
                  kCalibrationPosition,
                  only(grid));
 }
@@ -45,13 +42,13 @@ Phantom make_cyst(const PhantomOptions& options) {
                  material_index("soft_tissue"),
                  {{"cyst", material_index("amniotic_fluid"), true}},
                  box_from(0, half),
-                 {0, 0, radius + 70 * kMm},
+                 {0, 0, radius + 70 * kMillimetre},
                  only(grid));
 }
 
 Phantom make_bone_plate(const PhantomOptions& options) {
   // Narrower than the field, so that tissue in its shadow lies beside tissue that is not.
-  const glm::dvec3 half{15 * kMm, 15 * kMm, options.thickness_m / 2};
+  const glm::dvec3 half{15 * kMillimetre, 15 * kMillimetre, options.thickness_m / 2};
   const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
   const auto distance = [=](const glm::dvec3& position) {
     return box_distance(position * turn - glm::dvec3(0, 0, half.z), half);
@@ -67,8 +64,8 @@ Phantom make_bone_plate(const PhantomOptions& options) {
                  material_table(),
                  material_index("soft_tissue"),
                  {{"plate", material_index("cortical_bone"), false}},
-                 box_from(-15 * kMm, 35 * kMm),
-                 {0, 0, 80 * kMm},
+                 box_from(-15 * kMillimetre, 35 * kMillimetre),
+                 {0, 0, 80 * kMillimetre},
                  only(grid));
 }
 

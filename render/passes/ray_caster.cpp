@@ -80,10 +80,6 @@ FragmentProgram make_program(const Defines& defines, bool fast) {
                          defines);
 }
 
-glm::dvec3 vec3(const std::vector<double>& numbers) {
-  return {numbers.at(0), numbers.at(1), numbers.at(2)};
-}
-
 }  // namespace
 
 RayCaster::RayCaster(const SliceGeometry& geometry,
@@ -127,10 +123,10 @@ void RayCaster::look(const RenderOptions& options) {
 void RayCaster::set_box(const RenderOptions& options) {
   const VolumeOfInterest box = options.volume_of_interest;
   const VolumeOfInterest end = options.ray_casting.stop_at_box ? box : field_box(geometry_);
-  ray_cast_.set("start_center_m", vec3(box.center_m))
-      .set("start_half_m", 0.5 * vec3(box.size_m))
-      .set("end_center_m", vec3(end.center_m))
-      .set("end_half_m", 0.5 * vec3(end.size_m));
+  ray_cast_.set("start_center_m", box.center_m)
+      .set("start_half_m", 0.5 * box.size_m)
+      .set("end_center_m", end.center_m)
+      .set("end_half_m", 0.5 * end.size_m);
 }
 
 void RayCaster::set_cone(const Region& pixels) {

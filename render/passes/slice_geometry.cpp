@@ -124,14 +124,14 @@ PixelRange pixel_range(double low, double high, int size) {
 }  // namespace
 
 Region pixels_within(const SliceGeometry& g, const VolumeOfInterest& box, double margin_m) {
-  const auto low = [&](std::size_t i) { return box.center_m[i] - box.size_m[i] / 2 - margin_m; };
-  const auto high = [&](std::size_t i) { return box.center_m[i] + box.size_m[i] / 2 + margin_m; };
+  const auto low = [&](int i) { return box.center_m[i] - box.size_m[i] / 2 - margin_m; };
+  const auto high = [&](int i) { return box.center_m[i] + box.size_m[i] / 2 + margin_m; };
   const PixelRange columns = pixel_range(g.column(low(0)), g.column(high(0)), g.slice_size());
   // Depths are distances from the wobble axis: of the box's nearest and farthest place.
-  const auto nearest = [&](std::size_t i, double axis) {
+  const auto nearest = [&](int i, double axis) {
     return std::max({low(i) - axis, axis - high(i), 0.0});
   };
-  const auto farthest = [&](std::size_t i, double axis) {
+  const auto farthest = [&](int i, double axis) {
     return std::max(std::abs(low(i) - axis), std::abs(high(i) - axis));
   };
   const double near_m = std::hypot(nearest(1, 0), nearest(2, g.axis_z_m()));

@@ -39,7 +39,7 @@ void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
       .set("eye_distance_m", camera.eye_distance_m)
       .set("light_position_m", light_position_m(o, camera))
       .set("light_direction", light_direction(o))
-      .set("base_rgb", glm::dvec3(o.base_rgb.at(0), o.base_rgb.at(1), o.base_rgb.at(2)))
+      .set("base_rgb", o.base_rgb)
       .set("ambient", o.ambient)
       .set("diffuse", o.diffuse)
       .set("specular", o.specular)

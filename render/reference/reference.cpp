@@ -44,10 +44,10 @@ Picture shade_depth(const Image<float>& depth_m, const RenderOptions& options) {
   validate(options);
   const int size = options.ray_casting.image_size;
   if (depth_m.width != size || depth_m.height != size) {
-    throw hw::InvalidOption("ray_casting.image_size",
-                            std::to_string(size),
-                            "the depth image is " + std::to_string(depth_m.width) + " x " +
-                                std::to_string(depth_m.height));
+    throw InvalidOption("ray_casting.image_size",
+                        std::to_string(size),
+                        "the depth image is " + std::to_string(depth_m.width) + " x " +
+                            std::to_string(depth_m.height));
   }
   Picture picture;
   picture.volume = Image<glm::vec3>(size, size);

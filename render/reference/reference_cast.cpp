@@ -4,10 +4,10 @@
 #include <numeric>
 #include <optional>
 
+#include "base/parallel.h"
 #include "render/passes/ray_sampling.h"
 #include "render/passes/slice_kernel.h"
 #include "render/reference/reference_passes.h"
-#include "render/rows.h"
 
 namespace wobblebench::render::reference {
 namespace {
@@ -181,7 +181,7 @@ Cast cast_rays(const SliceStack& slices, const RenderOptions& options) {
   const int size = options.ray_casting.image_size;
   const RayTracer tracer(slices, options);
   Cast cast{Image<double>(size, size), Image<glm::dvec3>(size, size)};
-  for_each_row(size, [&](int row) {
+  parallel_rows(size, [&](int row) {
     for (int column = 0; column < size; ++column) {
       const auto pixel = tracer.trace(column, row);
       cast.depth_m.at(column, row) = pixel.depth_m;

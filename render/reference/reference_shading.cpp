@@ -3,10 +3,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "base/parallel.h"
 #include "render/passes/lighting.h"
 #include "render/passes/smoother.h"
 #include "render/reference/reference_passes.h"
-#include "render/rows.h"
 
 namespace wobblebench::render::reference {
 namespace {
@@ -127,7 +127,7 @@ glm::dvec3 HeightMap::shaded(int column, int row) const {
   const glm::dvec3 surface_normal = normal(column, row);
   const Lighting light = light_at(place, to_viewer);
   const double facing = glm::dot(surface_normal, light.direction);
-  const glm::dvec3 base(o_.base_rgb.at(0), o_.base_rgb.at(1), o_.base_rgb.at(2));
+  const glm::dvec3 base = o_.base_rgb;
   glm::dvec3 color = base * (o_.ambient + o_.diffuse * std::max(facing, 0.0));
   if (facing > 0) {
     const glm::dvec3 halfway = light.direction + to_viewer;
@@ -170,12 +170,12 @@ GuidedWindow guided_window(const Image<glm::dvec3>& picture,
 Image<glm::dvec3> smooth_guided(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
   Image<GuidedWindow> windows(picture.width, picture.height);
   Image<glm::dvec3> smoothed(picture.width, picture.height);
-  for_each_row(picture.height, [&](int row) {
+  parallel_rows(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {
       windows.at(column, row) = guided_window(picture, column, row, options);
     }
   });
-  for_each_row(picture.height, [&](int row) {
+  parallel_rows(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {
       glm::dvec3 sum(0);
       double count = 0;
@@ -202,7 +202,7 @@ double weight(const glm::dvec3& change, int right, int down, const SmoothingOpti
 
 Image<double> filter_depth(const Image<double>& depth_m, int filter_size) {
   Image<double> filtered(depth_m.width, depth_m.height, kNoSurface);
-  for_each_row(depth_m.height, [&](int row) {
+  parallel_rows(depth_m.height, [&](int row) {
     for (int column = 0; column < depth_m.width; ++column) {
       if (std::isnan(depth_m.at(column, row))) continue;
       double sum = 0, count = 0;
@@ -220,7 +220,7 @@ Image<double> filter_depth(const Image<double>& depth_m, int filter_size) {
 Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& options) {
   const HeightMap map(depth_m, options);
   Image<glm::dvec3> picture(depth_m.width, depth_m.height);
-  for_each_row(picture.height, [&](int row) {
+  parallel_rows(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {
       picture.at(column, row) = map.shaded(column, row);
     }
@@ -231,7 +231,7 @@ Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& optio
 Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
   if (options.filter == SmoothingFilter::guided) return smooth_guided(picture, options);
   Image<glm::dvec3> smoothed(picture.width, picture.height);
-  for_each_row(picture.height, [&](int row) {
+  parallel_rows(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {
       const glm::dvec3 center = picture.at(column, row);
       glm::dvec3 sum(0);

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "render/passes/frame_store.h"
 #include "render/passes/slice_kernel.h"
 #include "render/reference/reference_passes.h"
-#include "render/rows.h"
 
 namespace wobblebench::render::reference {
 namespace {
@@ -124,12 +124,12 @@ SliceStack::SliceStack(const hw::PolarVolume& volume, const RenderOptions& optio
       sweep_(volume.plan().sweep_direction(volume.volume_index())),
       slices_(volume.frames().size()) {
   std::vector<Image<double>> filtered(slices_.size());
-  for_each_row(geometry_.frames(), [&](int frame) {
+  parallel_rows(geometry_.frames(), [&](int frame) {
     filtered[static_cast<std::size_t>(frame)] =
         filter(scan_convert(volume.frame(frame), volume.plan().acquisition(), geometry_),
                slice_weights(options));
   });
-  for_each_row(geometry_.frames(), [&](int frame) {
+  parallel_rows(geometry_.frames(), [&](int frame) {
     slices_[static_cast<std::size_t>(frame)] =
         across_frames(filtered, frame, frame_weights(options.ray_casting));
   });

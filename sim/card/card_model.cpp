@@ -16,11 +16,11 @@ hw::DeviceDuration seconds(double value) {
 }  // namespace
 
 CardModel::CardModel(const CardOptions& options) : options_(options) {
-  hw::check_options(options);
+  check_options(options);
   if (options.buffers_per_interrupt > options.buffers) {
-    throw hw::InvalidOption("buffers_per_interrupt",
-                            std::to_string(options.buffers_per_interrupt),
-                            "must be at most buffers = " + std::to_string(options.buffers));
+    throw InvalidOption("buffers_per_interrupt",
+                        std::to_string(options.buffers_per_interrupt),
+                        "must be at most buffers = " + std::to_string(options.buffers));
   }
 }
 

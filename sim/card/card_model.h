@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "base/options.h"
 #include "base/units.h"
 #include "hw/probe/clock.h"
 
@@ -26,8 +27,8 @@ struct CardOptions {
   double interrupt_latency_s = 0;  ///< from the last buffer's end to the program's waking
 };
 
-template <class Visitor>
-void describe(CardOptions& o, Visitor& v) {
+template <OptionsOf<CardOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   v.integer("buffer_bytes", o.buffer_bytes, 64, 1 << 24);
   v.integer("buffers", o.buffers, 2, 1 << 16);
   v.integer("buffers_per_interrupt", o.buffers_per_interrupt, 1, 1 << 16);

@@ -51,7 +51,7 @@ SimLink::SimLink(StickSource source,
             options.volumes_ahead,
             [this] { waiting_.wake(); }),
       stick_period_(std::llround(source_.plan.stick_period_s() * 1e9)) {
-  hw::check_options(options_);
+  check_options(options_);
 }
 
 hw::LinkCapabilities SimLink::capabilities() const {

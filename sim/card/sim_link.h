@@ -24,8 +24,8 @@ struct SimLinkOptions {
   int volumes_ahead = 1;
 };
 
-template <class Visitor>
-void describe(SimLinkOptions& o, Visitor& v) {
+template <OptionsOf<SimLinkOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
   hw::describe_pace(o.pace, v);
   v.integer("volumes_ahead", o.volumes_ahead, 0, 16);
   describe(o.card, v);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "base/random.h"
 #include "sim/beam/point_spread.h"
+#include "sim/math/random.h"
 
 namespace wobblebench::sim {
 

@@ -90,7 +90,7 @@ void ReferenceScene::check_cost() const {
           << plan_.probe().elements << " elements would take about " << minutes(terms * kTerm_s)
           << " of one core; at most " << minutes(kLongest_s)
           << ": use fewer sticks, less depth or fewer scatterers_per_cell";
-  throw hw::InvalidOption("fidelity", "reference", allowed.str());
+  throw InvalidOption("fidelity", "reference", allowed.str());
 }
 
 double ReferenceScene::on_axis(double range_m) const {

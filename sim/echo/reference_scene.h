@@ -16,7 +16,7 @@ namespace wobblebench::sim {
 /// Const functions may be called from several threads.
 class ReferenceScene {
  public:
-  /// Throws hw::InvalidOption "fidelity = reference: ..." before any echo is made if all sticks of
+  /// Throws InvalidOption "fidelity = reference: ..." before any echo is made if all sticks of
   /// a volume would take too long.
   ReferenceScene(const Subject& subject,
                  const hw::AcquisitionPlan& plan,

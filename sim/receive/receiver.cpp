@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
 #include "sim/math/fast_math.h"
+#include "sim/math/random.h"
 #include "sim/receive/losses.h"
 
 namespace wobblebench::sim {

@@ -13,7 +13,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "base/random.h"
+#include "sim/math/random.h"
 
 namespace wobblebench::sim {
 

@@ -58,7 +58,7 @@ void loop(const std::string& path) {
     hw::FileLink link(path, {.loop = true});
     std::vector<std::byte> buffer(4096);
     for (int i = 0; i < 20; ++i) link.read(buffer, hw::HostTime::min());
-  } catch (const hw::InvalidOption&) {
+  } catch (const InvalidOption&) {
     // A loop that cannot go on.
   } catch (const hw::UnsupportedWireVersion&) {
     // Later in the file.

@@ -23,7 +23,7 @@ TEST_P(RenderOptionsRefusal, NamesKeyValueAndWhatIsAllowed) {
   try {
     validate(options);
     FAIL() << "accepted";
-  } catch (const hw::InvalidOption& refusal) {
+  } catch (const InvalidOption& refusal) {
     EXPECT_STREQ(refusal.what(), GetParam().message);
   }
 }
@@ -37,9 +37,9 @@ const Refusal kRefusals[] = {
      "scan_conversion.filter_size = 4: must be odd"},
     {"box_size",
      [](RenderOptions& o) {
-       o.volume_of_interest.size_m = {0.1, 0.1};
+       o.volume_of_interest.size_m = {0.1, 0.1, 0};
      },
-     "volume_of_interest.size_mm = 2 numbers: takes 3 numbers"},
+     "volume_of_interest.size_mm = 0: must be within 1 and 1000"},
     {"kernel_3d",
      [](RenderOptions& o) { o.ray_casting.kernel_3d = 4; },
      "ray_casting.kernel_3d = 4: must be odd"},

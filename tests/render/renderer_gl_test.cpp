@@ -275,7 +275,7 @@ TEST(Renderer, RefusesWhatTheDriverCannotHold) {
 TEST(Renderer, RefusesBadOptions) {
   RenderOptions options;
   options.ray_casting.kernel_3d = 2;
-  EXPECT_THROW(Renderer(gl_context(), testing::small_plan(), options), hw::InvalidOption);
+  EXPECT_THROW(Renderer(gl_context(), testing::small_plan(), options), InvalidOption);
 }
 
 struct Extreme {

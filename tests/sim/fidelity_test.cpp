@@ -39,7 +39,7 @@ TEST(Fidelity, SideLobesAskForScatterers) {
   options.side_lobes = true;
   EXPECT_EQ(choose_fidelity(options, plan(), false).rung, Rung::scatterers);
   options.fidelity = Rung::field;
-  EXPECT_THROW(choose_fidelity(options, plan(), false), hw::InvalidOption);
+  EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
 TEST(Fidelity, GeometryIsEnoughWhereNothingElseIsAsked) {
@@ -51,7 +51,7 @@ TEST(Fidelity, GeometryIsEnoughWhereNothingElseIsAsked) {
   EXPECT_EQ(choose_fidelity(options, plan(), false).rung, Rung::geometry);
   options.fidelity = Rung::geometry;
   options.tissue_sound_speed = true;
-  EXPECT_THROW(choose_fidelity(options, plan(), false), hw::InvalidOption);
+  EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
 TEST(Fidelity, NoiseThatNeverShowsIsLeftOutAndSaysSo) {

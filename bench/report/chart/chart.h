@@ -11,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-using Picture3 = render::Image<glm::vec3>;
+using Picture3 = Image<glm::vec3>;
 
 struct Series {
   std::string name;  ///< in the legend; empty: not in it
@@ -62,7 +62,7 @@ struct BarChart {
 /// Grey pictures beside each other, all of one size.
 struct GreyPanel {
   std::string title;
-  render::Image<float> values;  ///< in [0, 1]
+  Image<float> values;  ///< in [0, 1]
 };
 
 struct PictureSize {

@@ -1,4 +1,5 @@
 #include "bench/report/chart/chart_canvas.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <array>
@@ -63,7 +64,7 @@ std::vector<std::vector<Place>> dashes(const std::vector<Place>& places, double 
 std::vector<Place> ring_of(Place center, double radius, int corners, double turn) {
   std::vector<Place> ring;
   for (int i = 0; i < corners; ++i) {
-    const double angle = turn + 2 * 3.14159265358979 * i / corners;
+    const double angle = turn + 2 * kPi * i / corners;
     ring.push_back(center + radius * Place(std::sin(angle), -std::cos(angle)));
   }
   return ring;
@@ -199,7 +200,7 @@ void Canvas::text(Place place, const std::string& text, const TextStyle& style) 
   cv::add(ink, paper, target);
 }
 
-void Canvas::picture(const Box2& box, const render::Image<float>& values) {
+void Canvas::picture(const Box2& box, const Image<float>& values) {
   cv::Mat grey(values.height, values.width, CV_32F);
   std::copy(values.pixels.begin(), values.pixels.end(), grey.begin<float>());
   cv::Mat bytes, rgb;
@@ -214,10 +215,10 @@ double Canvas::text_width(const std::string& text, double size) {
   return text_extent(text, size).width / static_cast<double>(kFiner);
 }
 
-render::Image<glm::vec3> Canvas::finish() const {
+Image<glm::vec3> Canvas::finish() const {
   cv::Mat small;
   cv::resize(sheet_->whole, small, sheet_->whole.size() / kFiner, 0, 0, cv::INTER_AREA);
-  render::Image<glm::vec3> image(small.cols, small.rows);
+  Image<glm::vec3> image(small.cols, small.rows);
   for (int row = 0; row < small.rows; ++row) {
     for (int column = 0; column < small.cols; ++column) {
       const auto& pixel = small.at<cv::Vec3b>(row, column);

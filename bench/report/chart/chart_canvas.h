@@ -59,12 +59,12 @@ class Canvas {
   void mark(Place place, Mark mark, Colour colour, double size);
   void text(Place place, const std::string& text, const TextStyle& style = {});
   /// Grey values in [0, 1], stretched over the box.
-  void picture(const Box2& box, const render::Image<float>& values);
+  void picture(const Box2& box, const Image<float>& values);
 
   /// Length of a text, pixels.
   static double text_width(const std::string& text, double size);
 
-  render::Image<glm::vec3> finish() const;
+  Image<glm::vec3> finish() const;
 
  private:
   struct Sheet;

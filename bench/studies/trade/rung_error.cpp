@@ -1,4 +1,5 @@
 #include "bench/studies/trade/rung_error.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@ namespace {
 
 /// Of the mean of three samples, as displayed.
 constexpr double kSurfaceLevel = 0.3;
-constexpr double kMm = 1e-3;
 const double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A stick in the phantom's frame, and where its search for a surface begins.
@@ -92,7 +92,7 @@ DepthSpread spread(const std::vector<double>& found, const std::vector<double>& 
       ++missed;
       continue;
     }
-    signed_mm.push_back((found[i] - wanted[i]) / kMm);
+    signed_mm.push_back((found[i] - wanted[i]) / kMillimetre);
     size_mm.push_back(std::abs(signed_mm.back()));
   }
   DepthSpread result;

@@ -1,4 +1,5 @@
 #include "bench/studies/trade/rung_growth.h"
+#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kMm = 1e-3;
 /// A block wider and deeper than the field.
 const glm::dvec3 kHalf_m{0.14, 0.13, 0.11};
 constexpr double kVoxel_m = 4e-3;  // flat faces lose nothing by it
@@ -21,7 +21,7 @@ TradeScene scene_with(const phantoms::Phantom& body,
                       const hw::AcquisitionOptions& acquisition,
                       const sim::SimulationOptions& options) {
   const hw::AcquisitionPlan plan({}, acquisition);
-  const double middle_m = plan.probe().radius_m + front_mm * kMm + kHalf_m.z;
+  const double middle_m = plan.probe().radius_m + front_mm * kMillimetre + kHalf_m.z;
   return {body, placed_at({0, 0, middle_m}), plan, options};
 }
 

@@ -55,16 +55,16 @@ double floor_ms(sim::Rung rung, const RungTradeResults& results) {
   return 0;
 }
 
-render::Image<float> frame_picture(const hw::AcquisitionPlan& plan,
-                                   const std::vector<float>& volume,
-                                   int frame,
-                                   int width) {
+Image<float> frame_picture(const hw::AcquisitionPlan& plan,
+                           const std::vector<float>& volume,
+                           int frame,
+                           int width) {
   const auto& a = plan.acquisition();
   const double radius_m = plan.probe().radius_m, reach_m = radius_m + a.depth_m;
   const double half_m = reach_m * std::sin(0.5 * a.sector_rad);
   const double top_m = radius_m * std::cos(0.5 * a.sector_rad);
   const int height = static_cast<int>(width * (reach_m - top_m) / (2 * half_m));
-  render::Image<float> picture(width, height, 1.0f);
+  Image<float> picture(width, height, 1.0f);
   const float* frame_begin = volume.data() + static_cast<std::size_t>(frame) *
                                                  static_cast<std::size_t>(a.sticks_per_frame) *
                                                  static_cast<std::size_t>(a.samples_per_stick);

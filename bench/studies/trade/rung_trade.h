@@ -51,10 +51,10 @@ inline constexpr int kSmallRepeats = 3;
 double floor_ms(sim::Rung rung, const RungTradeResults& results);
 
 /// One frame as a picture: the sector in its plane, grey as displayed.
-render::Image<float> frame_picture(const hw::AcquisitionPlan& plan,
-                                   const std::vector<float>& volume,
-                                   int frame,
-                                   int width);
+Image<float> frame_picture(const hw::AcquisitionPlan& plan,
+                           const std::vector<float>& volume,
+                           int frame,
+                           int width);
 
 std::vector<Figure> trade_figures(const RungTradeResults& results);
 std::string trade_page(const RungTradeResults& results, const Provenance& provenance);

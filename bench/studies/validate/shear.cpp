@@ -26,7 +26,7 @@ struct Case {
 std::vector<Case> cases() {
   const glm::dvec3 velocity{6e-3, -8e-3, 10e-3};
   phantoms::MotionOptions path;
-  path.velocity_m_s = {velocity.x, velocity.y, velocity.z};
+  path.velocity_m_s = velocity;
   const auto along_path = [=](double t) { return velocity * t; };
   phantoms::MotionOptions breath;
   breath.breath_amplitude_m = 5e-3;

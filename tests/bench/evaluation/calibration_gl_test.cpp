@@ -103,7 +103,7 @@ struct Agreement {
   double rms_m;
 };
 
-Agreement agreement(const render::Image<float>& a, const render::Image<float>& b) {
+Agreement agreement(const Image<float>& a, const Image<float>& b) {
   int changed = 0, both = 0;
   double squares = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
@@ -127,7 +127,7 @@ TEST_P(GlAgainstReference, DepthAgreesToATenthOfAStep) {
         run_chain({"phantom.name=" + GetParam(), "simulation.fidelity=" + rung}, 48, 128);
     const auto reference = render::render_reference(chain.acquisition.volume, chain.scene.render);
     const double step_m =
-        chain.scene.render.volume_of_interest.size_m.at(2) / chain.scene.render.ray_casting.steps;
+        chain.scene.render.volume_of_interest.size_m.z / chain.scene.render.ray_casting.steps;
     const Agreement found = agreement(chain.picture.depth_m, reference.depth_m);
     std::printf("%s %s: z RMS %.4f steps, hit/miss changed %.4f %%\n",
                 GetParam().c_str(),

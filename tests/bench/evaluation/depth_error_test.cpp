@@ -38,7 +38,7 @@ TEST(DepthError, OfThePerfectPictureIsZero) {
 
 TEST(DepthError, StatisticsOfAKnownDistribution) {
   const Truth truth = flat_truth();
-  render::Image<float> depth(kSize, kSize);
+  Image<float> depth(kSize, kSize);
   // Errors 0, 1, … 399 um.
   for (int i = 0; i < kSize * kSize; ++i)
     depth.pixels[static_cast<std::size_t>(i)] = 0.1f + 1e-6f * static_cast<float>(i);
@@ -52,7 +52,7 @@ TEST(DepthError, StatisticsOfAKnownDistribution) {
 
 TEST(DepthError, SignIsFoundMinusTrue) {
   const Truth truth = flat_truth();
-  const render::Image<float> deeper(kSize, kSize, 0.102f);
+  const Image<float> deeper(kSize, kSize, 0.102f);
   EXPECT_NEAR(measure_depth_error(deeper, truth, small_options()).depth.bias_m, 2e-3, 1e-8);
 }
 
@@ -61,9 +61,9 @@ TEST(DepthError, MissedFalseAndUnseenAreCountedApart) {
   truth.kind.at(0, 0) = TruthKind::none;
   truth.kind.at(1, 0) = TruthKind::none;
   truth.kind.at(2, 0) = TruthKind::outside_field;
-  render::Image<float> depth(kSize, kSize, 0.1f);
-  depth.at(1, 0) = render::kNoSurface;  // rightly nothing
-  for (int row = 3; row < 8; ++row) depth.at(5, row) = render::kNoSurface;
+  Image<float> depth(kSize, kSize, 0.1f);
+  depth.at(1, 0) = kNoSurface;  // rightly nothing
+  for (int row = 3; row < 8; ++row) depth.at(5, row) = kNoSurface;
   const DepthError error = measure_depth_error(depth, truth, small_options());
   EXPECT_EQ(error.missed, 5);
   EXPECT_EQ(error.false_surface, 1);
@@ -78,7 +78,7 @@ TEST(DepthError, NormalErrorIsTheTilt) {
   Truth truth = flat_truth();
   const auto options = small_options();
   const double pixel_m = render::make_camera(options).pixel_m();
-  render::Image<float> tilted(kSize, kSize);
+  Image<float> tilted(kSize, kSize);
   for (int row = 0; row < kSize; ++row) {
     for (int column = 0; column < kSize; ++column) {
       tilted.at(column, row) = static_cast<float>(0.1 + column * pixel_m * std::tan(10 * kDegree));
@@ -96,7 +96,7 @@ TEST(DepthError, NormalErrorIsTheTilt) {
 
 TEST(DepthError, OfNothingFoundIsUnset) {
   const DepthError error =
-      measure_depth_error({kSize, kSize, render::kNoSurface}, flat_truth(), small_options());
+      measure_depth_error({kSize, kSize, kNoSurface}, flat_truth(), small_options());
   EXPECT_EQ(error.depth.n, 0);
   EXPECT_TRUE(std::isnan(error.depth.bias_m));
   EXPECT_TRUE(std::isnan(error.normal.mean_rad));

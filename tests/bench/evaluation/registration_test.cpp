@@ -147,7 +147,7 @@ TEST(Registration, OfNothingDoesNotConverge) {
   scene.render.ray_casting.image_size = 32;
   const auto phantom = phantoms::make_phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  const render::Image<float> nothing(32, 32, render::kNoSurface);
+  const Image<float> nothing(32, 32, kNoSurface);
   const auto fit = register_surface(
       nothing, phantom, scene.phantom_placement(), phantoms::Motion(), scene.plan(), scene.render);
   EXPECT_FALSE(fit.converged);

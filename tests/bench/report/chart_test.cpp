@@ -147,8 +147,8 @@ TEST(BarChart, LengthsAreInProportion) {
 }
 
 TEST(GreyPanels, StandBesideEachOtherWithTheirGreys) {
-  GreyPanel dark{"dark", render::Image<float>(40, 30, 0.2f)};
-  GreyPanel light{"light", render::Image<float>(40, 30, 0.7f)};
+  GreyPanel dark{"dark", Image<float>(40, 30, 0.2f)};
+  GreyPanel light{"light", Image<float>(40, 30, 0.7f)};
   const auto picture = draw({dark, light}, "what they show", 120);
   EXPECT_NEAR(count_of(picture, Colour(0.2f)), 120 * 90, 400);
   EXPECT_NEAR(count_of(picture, Colour(0.7f)), 120 * 90, 400);

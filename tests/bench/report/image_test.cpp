@@ -13,8 +13,8 @@
 namespace wobblebench::bench {
 namespace {
 
-render::Image<glm::vec3> ramp(int size) {
-  render::Image<glm::vec3> image(size, size);
+Image<glm::vec3> ramp(int size) {
+  Image<glm::vec3> image(size, size);
   for (int row = 0; row < size; ++row) {
     for (int column = 0; column < size; ++column) {
       image.at(column, row) = glm::vec3(static_cast<float>(column) / static_cast<float>(size));
@@ -28,7 +28,7 @@ std::filesystem::path temporary(const std::string& name) {
 }
 
 TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
-  render::Image<glm::vec3> image(7, 5);
+  Image<glm::vec3> image(7, 5);
   image.at(6, 0) = {1, 0, 0};
   image.at(0, 4) = {0, 0.5f, 1};
   const auto path = temporary("pixels.png");
@@ -46,8 +46,8 @@ TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
 }
 
 TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
-  render::Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
-  depth.at(2, 1) = render::kNoSurface;
+  Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
+  depth.at(2, 1) = kNoSurface;
   const auto path = temporary("maps.exr");
   write_exr_mm(path, {{"Z", &depth}, {"Z_filtered", &other}});
   const auto input = OIIO::ImageInput::open(path.string());
@@ -89,7 +89,7 @@ TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
   for (const int size : {4, 64, 200}) {
     expect_full_disk_is_said(scratch.path() / "a.png",
                              [&](const auto& path) { write_png(path, ramp(size)); });
-    const render::Image<float> depth(size, size, 0.1f);
+    const Image<float> depth(size, size, 0.1f);
     expect_full_disk_is_said(scratch.path() / "a.exr", [&](const auto& path) {
       write_exr_mm(path, {{"Z", &depth}});
     });
@@ -103,7 +103,7 @@ TEST(ImageSimilarity, OfEqualPicturesIsPerfect) {
 }
 
 TEST(ImageSimilarity, OfAConstantOffsetFollowsItsFormulas) {
-  render::Image<glm::vec3> a(24, 24, glm::vec3(0.4f)), b(24, 24, glm::vec3(0.6f));
+  Image<glm::vec3> a(24, 24, glm::vec3(0.4f)), b(24, 24, glm::vec3(0.6f));
   const auto result = compare_images(a, b);
   EXPECT_NEAR(result.psnr_db, -20 * std::log10(0.2), 1e-5);
   // No structure: the luminance term alone, (2 mx my + C1) / (mx^2 + my^2 + C1).

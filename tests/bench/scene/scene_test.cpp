@@ -72,7 +72,7 @@ TEST_F(SceneFile, KeysCarryTheirUnits) {
                                  {"probe.center_frequency_mhz=5", "phantom.name=plane"});
   EXPECT_NEAR(scene.acquisition.depth_m, 0.12, 1e-15);
   EXPECT_NEAR(scene.acquisition.sector_rad, 60.5 * kDegree, 1e-15);
-  EXPECT_NEAR(scene.render.volume_of_interest.center_m.at(1), -2.5e-3, 1e-15);
+  EXPECT_NEAR(scene.render.volume_of_interest.center_m.y, -2.5e-3, 1e-15);
   EXPECT_EQ(scene.simulation.fidelity, sim::Rung::geometry);
   EXPECT_FALSE(scene.simulation.speckle);
   EXPECT_NEAR(scene.probe.center_frequency_hz, 5e6, 1e-6);
@@ -199,10 +199,10 @@ TEST_F(SceneFile, BoxOfInterestHoldsTheTurnedBoxOfThePhantom) {
   complete_from_phantom(scene, phantom);
   // About y, z turns to x and x to -z.
   const auto& box = scene.render.volume_of_interest;
-  const std::vector<double> size = {0.10, 0.04, 0.06}, center = {0.02, 0, 0.1 - 0.02};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(box.size_m.at(axis), size.at(axis), 1e-15);
-    EXPECT_NEAR(box.center_m.at(axis), center.at(axis), 1e-15);
+  const glm::dvec3 size(0.10, 0.04, 0.06), center(0.02, 0, 0.1 - 0.02);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(box.size_m[axis], size[axis], 1e-15);
+    EXPECT_NEAR(box.center_m[axis], center[axis], 1e-15);
   }
 }
 
@@ -268,8 +268,8 @@ TEST_F(SceneFile, MotionIsReadWithItsUnits) {
   const Scene scene = load_scene(write("[motion]\nvelocity_mm_s = [1, -2, 3.5]\n"
                                        "breath_amplitude_mm = 4\nhead_axis = \"nod\"\n"),
                                  {"motion.turn_rate_deg_s=[0,90,0]"});
-  EXPECT_EQ(scene.motion.velocity_m_s, (std::vector<double>{1e-3, -2e-3, 3.5e-3}));
-  EXPECT_NEAR(scene.motion.turn_rate_rad_s.at(1), 90 * kDegree, 1e-15);
+  EXPECT_EQ(scene.motion.velocity_m_s, glm::dvec3(1e-3, -2e-3, 3.5e-3));
+  EXPECT_NEAR(scene.motion.turn_rate_rad_s.y, 90 * kDegree, 1e-15);
   EXPECT_NEAR(scene.motion.breath_amplitude_m, 4e-3, 1e-18);
   EXPECT_EQ(scene.motion.head_axis, phantoms::HeadAxis::nod);
   EXPECT_TRUE(scene.moves());

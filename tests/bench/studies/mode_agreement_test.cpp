@@ -9,10 +9,10 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kStep_m = 1e-4;
-constexpr float kNone = render::kNoSurface;
+constexpr float kNone = kNoSurface;
 
-render::Image<float> picture(const std::vector<float>& depths_m) {
-  render::Image<float> image(static_cast<int>(depths_m.size()), 1);
+Image<float> picture(const std::vector<float>& depths_m) {
+  Image<float> image(static_cast<int>(depths_m.size()), 1);
   image.pixels = depths_m;
   return image;
 }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
 #include "bench/studies/validate/scatterer_density.h"
 #include "bench/studies/validate/statistics.h"
+#include "sim/math/random.h"
 
 namespace wobblebench::bench {
 namespace {

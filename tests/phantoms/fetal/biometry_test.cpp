@@ -6,6 +6,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
+#include "base/units.h"
 #include "phantoms/fetal/fetal_biometry.h"
 #include "phantoms/fetal/fetal_landmarks.h"
 #include "phantoms/grids.h"
@@ -14,8 +15,7 @@
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-constexpr double kAllowed = 1.0 * kMm;
+constexpr double kAllowed = 1.0 * kMillimetre;
 
 // One level set, addressed in the head's own frame.
 class Caliper {
@@ -32,7 +32,7 @@ class Caliper {
 
   /// First place where the grid turns negative on the way, by steps and bisection.
   glm::dvec3 meet(const glm::dvec3& from, const glm::dvec3& direction, double reach_m) {
-    const double step = 0.3 * kMm;
+    const double step = 0.3 * kMillimetre;
     for (double t = step; t < reach_m; t += step) {
       if (distance(from + t * direction) >= 0) continue;
       double low = t - step, high = t;
@@ -47,12 +47,14 @@ class Caliper {
   }
 
   /// Skin of the mid-line at height y, as seen from in front.
-  glm::dvec3 profile(double y) { return meet({0, y, -15 * kMm}, {0, 0, 1}, 60 * kMm); }
+  glm::dvec3 profile(double y) {
+    return meet({0, y, -15 * kMillimetre}, {0, 0, 1}, 60 * kMillimetre);
+  }
 
   /// The profile's extreme between two heights; sign +1: deepest, -1: most prominent.
   glm::dvec3 extreme(double from, double to, double sign) {
     glm::dvec3 best = profile(from);
-    for (double y = from; y <= to; y += 0.05 * kMm) {
+    for (double y = from; y <= to; y += 0.05 * kMillimetre) {
       const glm::dvec3 here = profile(y);
       if (sign * (here.z - best.z) > 0) best = here;
     }
@@ -78,7 +80,7 @@ class Biometry : public testing::TestWithParam<double> {
     PhantomOptions options;
     options.gestational_age_weeks = GetParam();
     options.maternal_layer_m = 0;  // not what is measured
-    options.voxel_m = GetParam() == 21 ? 0.5 * kMm : 1.0 * kMm;
+    options.voxel_m = GetParam() == 21 ? 0.5 * kMillimetre : 1.0 * kMillimetre;
     phantom_ = std::make_unique<Phantom>(make_phantom(options));
     marks_ = fetal_landmarks(GetParam());
     mean_ = fetal_biometry(GetParam());
@@ -97,7 +99,7 @@ TEST_P(Biometry, IsThatOfTheAge) {
     Caliper skull = caliper("skull");
     const glm::dvec3 center = marks_.skull_center_m;
     double widest = 0, around = 0;
-    for (double z = -10 * kMm; z <= 10 * kMm; z += 0.5 * kMm) {
+    for (double z = -10 * kMillimetre; z <= 10 * kMillimetre; z += 0.5 * kMillimetre) {
       const glm::dvec3 middle = center + glm::dvec3(0, 0, z);
       const glm::dvec3 left = skull.meet(middle - glm::dvec3(0.1, 0, 0), {1, 0, 0}, 0.1);
       const glm::dvec3 right = skull.meet(middle + glm::dvec3(0.1, 0, 0), {-1, 0, 0}, 0.1);
@@ -121,8 +123,8 @@ TEST_P(Biometry, IsThatOfTheAge) {
     SCOPED_TRACE("orbits: inner and outer edges");
     Caliper eyes = caliper("eyes");
     double inner = 1, outer = 0;
-    for (double y = -1 * kMm; y <= 1 * kMm; y += 0.25 * kMm) {
-      for (double z = -1 * kMm; z <= 1 * kMm; z += 0.25 * kMm) {
+    for (double y = -1 * kMillimetre; y <= 1 * kMillimetre; y += 0.25 * kMillimetre) {
+      for (double z = -1 * kMillimetre; z <= 1 * kMillimetre; z += 0.25 * kMillimetre) {
         const glm::dvec3 level =
             glm::dvec3(0, marks_.eye_center_m.y + y, marks_.eye_center_m.z + z);
         const double right = eyes.meet(level, {1, 0, 0}, 0.1).x;
@@ -139,14 +141,15 @@ TEST_P(Biometry, IsThatOfTheAge) {
   {
     SCOPED_TRACE("profile: base of the columella, tips of the lips, menton");
     Caliper skin = caliper("skin");
-    const glm::dvec3 base = skin.extreme(marks_.nose_tip_m.y, marks_.upper_lip_m.y - 1 * kMm, +1);
+    const glm::dvec3 base =
+        skin.extreme(marks_.nose_tip_m.y, marks_.upper_lip_m.y - 1 * kMillimetre, +1);
     const glm::dvec3 upper = skin.extreme(base.y, marks_.mouth_m.y, -1);
     const double fold = 0.5 * (marks_.lower_lip_m.y + marks_.menton_m.y);
     const glm::dvec3 lower = skin.extreme(marks_.mouth_m.y, fold, -1);
-    const glm::dvec3 chin = skin.extreme(fold, marks_.menton_m.y - 2 * kMm, -1);
+    const glm::dvec3 chin = skin.extreme(fold, marks_.menton_m.y - 2 * kMillimetre, -1);
     glm::dvec3 menton = chin;
-    for (double back = 0; back <= 7 * kMm; back += 0.1 * kMm) {
-      const glm::dvec3 below{0, marks_.menton_m.y + 4 * kMm, chin.z + back};
+    for (double back = 0; back <= 7 * kMillimetre; back += 0.1 * kMillimetre) {
+      const glm::dvec3 below{0, marks_.menton_m.y + 4 * kMillimetre, chin.z + back};
       ASSERT_GT(skin.distance(below), 0) << "the chin stands free of the neck";
       const glm::dvec3 here = skin.meet(below, {0, -1, 0}, 0.03);
       if (here.y > menton.y) menton = here;
@@ -169,13 +172,13 @@ TEST(FetalBiometry, AgreesWithThePublishedTable) {
                             {30, 278, 79, 98, 17.6, 45, 7.4, 17.4}};
   for (const auto& row : rows) {
     const FetalBiometry b = fetal_biometry(row[0]);
-    EXPECT_NEAR(b.head_around_m / kMm, row[1], 0.6);
-    EXPECT_NEAR(b.biparietal_m / kMm, row[2], 0.6);
-    EXPECT_NEAR(b.occipitofrontal_m / kMm, row[3], 3);
-    EXPECT_NEAR(b.interocular_m / kMm, row[4], 0.06);
-    EXPECT_NEAR(b.binocular_m / kMm, row[5], 0.6);
-    EXPECT_NEAR(b.philtrum_m / kMm, row[6], 0.06);
-    EXPECT_NEAR(b.chin_m / kMm, row[7], 0.06);
+    EXPECT_NEAR(b.head_around_m / kMillimetre, row[1], 0.6);
+    EXPECT_NEAR(b.biparietal_m / kMillimetre, row[2], 0.6);
+    EXPECT_NEAR(b.occipitofrontal_m / kMillimetre, row[3], 3);
+    EXPECT_NEAR(b.interocular_m / kMillimetre, row[4], 0.06);
+    EXPECT_NEAR(b.binocular_m / kMillimetre, row[5], 0.6);
+    EXPECT_NEAR(b.philtrum_m / kMillimetre, row[6], 0.06);
+    EXPECT_NEAR(b.chin_m / kMillimetre, row[7], 0.06);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <random>
 
+#include "base/units.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/phantoms/io/meshes.h"
@@ -18,8 +19,6 @@
 
 namespace wobblebench::phantoms {
 namespace {
-
-constexpr double kMm = 1e-3;
 
 double volume_of(const TriangleMesh& mesh) {
   const auto shells = shell_volumes(mesh);
@@ -32,7 +31,7 @@ double volume_of(const Phantom& phantom) {
 
 // What interpolation between voxels of 0.5 mm may round off the twelve edges of a cube.
 double edge_loss(double side_mm) {
-  return 12 * side_mm * 0.25 * std::pow(kMm, 3) * 0.7;
+  return 12 * side_mm * 0.25 * std::pow(kMillimetre, 3) * 0.7;
 }
 
 class MeshImport : public testing_support::FolderTest {
@@ -73,7 +72,7 @@ TEST_F(MeshImport, EveryFormatHoldsTheSameBody) {
   write_binary_stl(ball, file("binary.stl"));
   write_ascii_ply(ball, file("ascii.ply"));
   write_binary_ply(ball, file("binary.PLY"));
-  const double truth = volume_of(ball) * std::pow(kMm, 3);
+  const double truth = volume_of(ball) * std::pow(kMillimetre, 3);
   for (const char* name : {"ball.obj", "ascii.stl", "binary.stl", "ascii.ply", "binary.PLY"}) {
     SCOPED_TRACE(name);
     const Phantom phantom = import(name);
@@ -81,13 +80,13 @@ TEST_F(MeshImport, EveryFormatHoldsTheSameBody) {
     EXPECT_NEAR(volume_of(phantom) / truth, 1, 1e-3);
     const auto& grid = *phantom.grids().signed_distance.at(0);
     EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
-    EXPECT_NEAR(grid.voxelSize()[0], 0.5 * kMm, 1e-12);
-    EXPECT_NEAR(grid.background(), 4 * 0.5 * kMm, 1e-9);
+    EXPECT_NEAR(grid.voxelSize()[0], 0.5 * kMillimetre, 1e-12);
+    EXPECT_NEAR(grid.background(), 4 * 0.5 * kMillimetre, 1e-9);
   }
 }
 
 TEST_F(MeshImport, SurfaceLiesWhereItsTrianglesDo) {
-  const double radius = 20 * kMm;
+  const double radius = 20 * kMillimetre;
   const TriangleMesh ball = icosphere(20, 5);
   write_binary_stl(ball, file("ball.stl"));
   const SurfaceFinder finder(import("ball.stl"));
@@ -100,8 +99,8 @@ TEST_F(MeshImport, SurfaceLiesWhereItsTrianglesDo) {
         glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
     const auto hit = finder.first_hit(-0.1 * way, way, 0, 0.1);
     ASSERT_TRUE(hit);
-    ASSERT_GT(hit->distance_m, 0.1 - radius - 0.02 * kMm);
-    ASSERT_LT(hit->distance_m, 0.1 - radius + sagitta + 0.02 * kMm);
+    ASSERT_GT(hit->distance_m, 0.1 - radius - 0.02 * kMillimetre);
+    ASSERT_LT(hit->distance_m, 0.1 - radius + sagitta + 0.02 * kMillimetre);
     ASSERT_GT(glm::dot(hit->normal, -way), std::cos(0.06));
   }
 }
@@ -111,15 +110,15 @@ TEST_F(MeshImport, FlatFacesStayFlat) {
   write_obj(tetrahedron(40), file("tetrahedron.obj"));
   const SurfaceFinder cube(import("cube.ply")), tetra(import("tetrahedron.obj"));
   for (double x = -13; x <= 13; x += 2.3) {
-    const auto hit = cube.first_hit({x * kMm, 4.1 * kMm, -0.05}, {0, 0, 1}, 0, 0.1);
+    const auto hit = cube.first_hit({x * kMillimetre, 4.1 * kMillimetre, -0.05}, {0, 0, 1}, 0, 0.1);
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->distance_m, 35 * kMm, 1e-6);
+    EXPECT_NEAR(hit->distance_m, 35 * kMillimetre, 1e-6);
     EXPECT_LT(glm::distance(hit->normal, {0, 0, -1}), 1e-3);
   }
   // About its middle the tetrahedron's slanting face is x + y + z = 40 - 60 mm, seen from behind.
-  const auto hit = tetra.first_hit({-8 * kMm, -7 * kMm, 0.08}, {0, 0, -1}, 0, 0.2);
+  const auto hit = tetra.first_hit({-8 * kMillimetre, -7 * kMillimetre, 0.08}, {0, 0, -1}, 0, 0.2);
   ASSERT_TRUE(hit);
-  EXPECT_NEAR(hit->distance_m, (80 - (-20 + 8 + 7)) * kMm, 0.02 * kMm);
+  EXPECT_NEAR(hit->distance_m, (80 - (-20 + 8 + 7)) * kMillimetre, 0.02 * kMillimetre);
   EXPECT_LT(glm::distance(hit->normal, glm::normalize(glm::dvec3(1))), 0.01);
 }
 
@@ -127,19 +126,19 @@ TEST_F(MeshImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
   write_obj(moved(cube_mesh(30), {-1000, 2000, 500}), file("far.obj"));
   const Phantom phantom = import("far.obj");
   const SurfaceFinder finder(phantom);
-  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMm) - phantom.suggested_position_m();
+  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMillimetre) - phantom.suggested_position_m();
   const auto hit = finder.first_hit(face, {0, 0, 1}, 0, 0.2);
   ASSERT_TRUE(hit);
-  EXPECT_NEAR(hit->distance_m, 65 * kMm, 0.01 * kMm);
+  EXPECT_NEAR(hit->distance_m, 65 * kMillimetre, 0.01 * kMillimetre);
   const Box& box = phantom.region_of_interest();
-  EXPECT_NEAR(box.low.z, -25 * kMm, 0.01 * kMm) << "it starts in the fluid";
-  EXPECT_NEAR(box.high.x, 20 * kMm, 0.01 * kMm);
+  EXPECT_NEAR(box.low.z, -25 * kMillimetre, 0.01 * kMillimetre) << "it starts in the fluid";
+  EXPECT_NEAR(box.high.x, 20 * kMillimetre, 0.01 * kMillimetre);
 }
 
 TEST_F(MeshImport, TakesUnitAndMaterials) {
   write_obj(cube_mesh(3), file("centimetres.obj"));
   PhantomOptions o = options("centimetres.obj");
-  o.unit_m = 10 * kMm;
+  o.unit_m = 10 * kMillimetre;
   o.materials = {"muscle"};
   o.background = "water";
   o.target = false;
@@ -282,7 +281,7 @@ TEST_F(MeshImport, RefusesSizesBeyondSense) {
 TEST_F(MeshImport, SaysTheMemoryThatAbsurdVoxelsWouldTake) {
   write_binary_stl(icosphere(249, 5), file("large.stl"));
   PhantomOptions o = options("large.stl");
-  o.voxel_m = 0.1 * kMm;
+  o.voxel_m = 0.1 * kMillimetre;
   expect_refusal(o, "would take about ");
   expect_refusal(o, " GB of memory; at most 4 GB are allowed: voxel_mm must be larger");
 }

@@ -12,14 +12,13 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/units.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
-
-constexpr double kMm = 1e-3;
 
 using Grid = openvdb::FloatGrid;
 
@@ -90,24 +89,24 @@ TEST_F(VdbImport, TakesEveryLevelSetInMetres) {
   const auto& grids = phantom.grids().signed_distance;
   EXPECT_NEAR(
       openvdb::tools::levelSetVolume(*grids[0]) / (4 * std::acos(-1.0) / 3 * 8e-6), 1, 2e-3);
-  EXPECT_NEAR(grids[0]->background(), 1.5 * kMm, 1e-9);
-  EXPECT_NEAR(grids[0]->voxelSize()[0], 0.5 * kMm, 1e-12);
+  EXPECT_NEAR(grids[0]->background(), 1.5 * kMillimetre, 1e-9);
+  EXPECT_NEAR(grids[0]->voxelSize()[0], 0.5 * kMillimetre, 1e-12);
 }
 
 TEST_F(VdbImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
   write({ball("ball", 20, {100, -50, 300})});
   const Phantom phantom = make_phantom(options());
   const SurfaceFinder finder(phantom);
-  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMm) - phantom.suggested_position_m();
+  const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMillimetre) - phantom.suggested_position_m();
   const auto hit = finder.first_hit(face, {0, 0, 1}, 0, 0.2);
   ASSERT_TRUE(hit);
   // The box that holds the negative voxels ends up to a voxel within the ball.
-  EXPECT_NEAR(hit->distance_m, 65 * kMm, 0.501 * kMm);
+  EXPECT_NEAR(hit->distance_m, 65 * kMillimetre, 0.501 * kMillimetre);
   for (double x = -15; x <= 15; x += 3.1) {
-    const auto there = finder.first_hit({x * kMm, 0, -0.05}, {0, 0, 1}, 0, 0.1);
+    const auto there = finder.first_hit({x * kMillimetre, 0, -0.05}, {0, 0, 1}, 0, 0.1);
     ASSERT_TRUE(there);
     const double half = std::sqrt(400 - x * x);
-    EXPECT_NEAR(there->distance_m, (50 - half) * kMm, 0.06 * kMm * 20 / half);
+    EXPECT_NEAR(there->distance_m, (50 - half) * kMillimetre, 0.06 * kMillimetre * 20 / half);
   }
 }
 

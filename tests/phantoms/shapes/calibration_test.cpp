@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "base/units.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "phantoms/truth.h"
@@ -14,12 +15,10 @@
 namespace wobblebench::phantoms {
 namespace {
 
-constexpr double kMm = 1e-3;
-
 PhantomOptions named(const std::string& name, double voxel_mm = 0.5) {
   PhantomOptions options;
   options.name = name;
-  options.voxel_m = voxel_mm * kMm;
+  options.voxel_m = voxel_mm * kMillimetre;
   return options;
 }
 
@@ -41,10 +40,10 @@ TEST(Steps, LieWhereTheirHeightsSay) {
     for (double across = 1; across <= 10; across += 1.5) {
       for (double y : {-30.0, 3.3, 28.0}) {
         const double x = -33 + 11 * tread + across;
-        const glm::dvec3 eye{x * kMm, y * kMm, -60 * kMm};
+        const glm::dvec3 eye{x * kMillimetre, y * kMillimetre, -60 * kMillimetre};
         const auto hit = finder.first_hit(eye, {0, 0, 1}, 0, 0.2);
         ASSERT_TRUE(hit);
-        ASSERT_NEAR(hit->distance_m, (60 - heights_mm[tread]) * kMm, 1e-6) << x;
+        ASSERT_NEAR(hit->distance_m, (60 - heights_mm[tread]) * kMillimetre, 1e-6) << x;
         ASSERT_LT(glm::distance(hit->normal, {0, 0, -1}), 1e-3);
       }
     }
@@ -55,42 +54,43 @@ TEST(Steps, RisersStandUpright) {
   const Phantom phantom = make_phantom(named("steps"));
   const SurfaceFinder finder(phantom);
   // Along +x, 4 mm above the fifth tread (z = -11 mm): the last riser at x = 22 mm.
-  const auto hit = finder.first_hit({0, 0, -15 * kMm}, {1, 0, 0}, 0, 0.1);
+  const auto hit = finder.first_hit({0, 0, -15 * kMillimetre}, {1, 0, 0}, 0, 0.1);
   ASSERT_TRUE(hit);
-  EXPECT_NEAR(hit->distance_m, 22 * kMm, 1e-6);
+  EXPECT_NEAR(hit->distance_m, 22 * kMillimetre, 1e-6);
   EXPECT_LT(glm::distance(hit->normal, {-1, 0, 0}), 1e-3);
 }
 
 TEST(Steps, TakeOtherHeights) {
   PhantomOptions options = named("steps");
-  options.step_heights_m = {0.7 * kMm, 12 * kMm};
+  options.step_heights_m = {0.7 * kMillimetre, 12 * kMillimetre};
   const Phantom phantom = make_phantom(options);
   const SurfaceFinder finder(phantom);
   const double heights_mm[] = {0, 0.7, 12.7};
   for (int tread = 0; tread < 3; ++tread) {
-    const auto hit = finder.first_hit({(-22 + 22 * tread) * kMm, 0, -0.05}, {0, 0, 1}, 0, 0.2);
+    const auto hit =
+        finder.first_hit({(-22 + 22 * tread) * kMillimetre, 0, -0.05}, {0, 0, 1}, 0, 0.2);
     ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->distance_m, (50 - heights_mm[tread]) * kMm, 1e-6);
+    EXPECT_NEAR(hit->distance_m, (50 - heights_mm[tread]) * kMillimetre, 1e-6);
   }
-  EXPECT_LT(phantom.region_of_interest().low.z, -12.7 * kMm);
+  EXPECT_LT(phantom.region_of_interest().low.z, -12.7 * kMillimetre);
 }
 
 TEST(Steps, RefuseWhatIsNoStaircase) {
   PhantomOptions options = named("steps");
   options.step_heights_m = {};
   EXPECT_EQ(refusal(options), "step_heights_mm = 0 numbers: takes 1 to 20 numbers");
-  options.step_heights_m.assign(5, 17 * kMm);
+  options.step_heights_m.assign(5, 17 * kMillimetre);
   EXPECT_EQ(refusal(options), "step_heights_mm = 85 in all: must be at most 80 in all");
-  options.step_heights_m = {-1 * kMm};
+  options.step_heights_m = {-1 * kMillimetre};
   EXPECT_EQ(refusal(options), "step_heights_mm = -1: must be within 0.1 and 20");
-  options.step_heights_m.assign(20, 1 * kMm);
-  options.voxel_m = 1 * kMm;
+  options.step_heights_m.assign(20, 1 * kMillimetre);
+  options.voxel_m = 1 * kMillimetre;
   EXPECT_EQ(refusal(options), "voxel_mm = 1: must be at most 0.785714 for the phantom steps");
 }
 
 TEST(Cyst, IsABallOfFluidInTissue) {
   PhantomOptions options = named("cyst");
-  options.radius_m = 15 * kMm;
+  options.radius_m = 15 * kMillimetre;
   const Phantom phantom = make_phantom(options);
   EXPECT_EQ(phantom.materials()[phantom.background()].name, "soft_tissue");
   ASSERT_EQ(phantom.surfaces().size(), 1u);
@@ -100,12 +100,12 @@ TEST(Cyst, IsABallOfFluidInTissue) {
     for (double y = -8; y <= 8; y += 4) {
       const double half = std::sqrt(225 - x * x - y * y);
       const double allowed = 0.05 * options.voxel_m * 15 / half;
-      const glm::dvec3 eye{x * kMm, y * kMm, -40 * kMm};
+      const glm::dvec3 eye{x * kMillimetre, y * kMillimetre, -40 * kMillimetre};
       const auto front = finder.first_hit(eye, {0, 0, 1}, 0, 0.1);
-      const auto back = finder.first_hit(eye, {0, 0, 1}, 40 * kMm, 0.1);
+      const auto back = finder.first_hit(eye, {0, 0, 1}, 40 * kMillimetre, 0.1);
       ASSERT_TRUE(front && back);
-      EXPECT_NEAR(front->distance_m, (40 - half) * kMm, allowed);
-      EXPECT_NEAR(back->distance_m, (40 + half) * kMm, allowed);
+      EXPECT_NEAR(front->distance_m, (40 - half) * kMillimetre, allowed);
+      EXPECT_NEAR(back->distance_m, (40 + half) * kMillimetre, allowed);
     }
   }
 }
@@ -113,13 +113,13 @@ TEST(Cyst, IsABallOfFluidInTissue) {
 TEST(Cyst, PictureStartsInItsFluid) {
   for (double radius_mm : {2.0, 20.0, 60.0}) {
     PhantomOptions options = named("cyst");
-    options.radius_m = radius_mm * kMm;
+    options.radius_m = radius_mm * kMillimetre;
     const Phantom phantom = make_phantom(options);
     const Box& box = phantom.region_of_interest();
     EXPECT_LT(glm::length(box.low), options.radius_m);
     EXPECT_LT(glm::length(glm::dvec3(box.high.x, box.high.y, box.low.z)), options.radius_m);
     // 30 mm of tissue between the face (40 mm) and the cyst.
-    EXPECT_NEAR(phantom.suggested_position_m().z - options.radius_m, 70 * kMm, 1e-12);
+    EXPECT_NEAR(phantom.suggested_position_m().z - options.radius_m, 70 * kMillimetre, 1e-12);
   }
 }
 
@@ -136,7 +136,7 @@ class BonePlate : public testing::TestWithParam<double> {};
 
 TEST_P(BonePlate, IsAsThickAndAsTiltedAsAsked) {
   PhantomOptions options = named("bone_plate", 0.25);
-  options.thickness_m = 4 * kMm;
+  options.thickness_m = 4 * kMillimetre;
   options.tilt_x_rad = GetParam();
   const Phantom phantom = make_phantom(options);
   EXPECT_EQ(phantom.materials()[phantom.background()].name, "soft_tissue");
@@ -147,17 +147,18 @@ TEST_P(BonePlate, IsAsThickAndAsTiltedAsAsked) {
   const glm::dvec3 normal{0, std::sin(a), -std::cos(a)}, along{0, std::cos(a), std::sin(a)};
   for (double x : {-12.0, 0.0, 9.0}) {
     for (double s : {-11.0, 0.0, 12.0}) {
-      const glm::dvec3 on_front = kMm * glm::dvec3(x, 0, 0) + s * kMm * along;
+      const glm::dvec3 on_front = kMillimetre * glm::dvec3(x, 0, 0) + s * kMillimetre * along;
       for (double outwards_mm : {0.6, 0.3, 0.0, -0.3, -0.6}) {
-        const glm::dvec3 p = on_front + outwards_mm * kMm * normal;
-        ASSERT_NEAR(distance_at(phantom, p), outwards_mm * kMm, 1e-6) << outwards_mm;
-        const glm::dvec3 q = on_front - (4 + outwards_mm) * kMm * normal;
-        ASSERT_NEAR(distance_at(phantom, q), outwards_mm * kMm, 1e-6) << "back " << outwards_mm;
+        const glm::dvec3 p = on_front + outwards_mm * kMillimetre * normal;
+        ASSERT_NEAR(distance_at(phantom, p), outwards_mm * kMillimetre, 1e-6) << outwards_mm;
+        const glm::dvec3 q = on_front - (4 + outwards_mm) * kMillimetre * normal;
+        ASSERT_NEAR(distance_at(phantom, q), outwards_mm * kMillimetre, 1e-6)
+            << "back " << outwards_mm;
       }
     }
   }
   // Half of its width is 15 mm.
-  const glm::dvec3 edge = kMm * glm::dvec3(15, 0, 0) - 2 * kMm * normal;
+  const glm::dvec3 edge = kMillimetre * glm::dvec3(15, 0, 0) - 2 * kMillimetre * normal;
   EXPECT_NEAR(distance_at(phantom, edge), 0, 1e-6);
 }
 

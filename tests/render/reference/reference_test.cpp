@@ -104,7 +104,7 @@ TEST(ShadeDepth, IsBlackWithoutASurface) {
 }
 
 TEST(ShadeDepth, RefusesAPictureOfAnotherSize) {
-  EXPECT_THROW(shade_depth(Image<float>(32, 64), bare_options()), hw::InvalidOption);
+  EXPECT_THROW(shade_depth(Image<float>(32, 64), bare_options()), InvalidOption);
 }
 
 TEST(ShadeDepth, FiltersKeepWhatIsConstant) {

@@ -99,8 +99,8 @@ TEST(CardModel, APartlyReadBufferIsNotFree) {
 }
 
 TEST(CardModel, RefusesRingsThatNeverInterrupt) {
-  EXPECT_THROW(CardModel({.buffers = 4, .buffers_per_interrupt = 5}), hw::InvalidOption);
-  EXPECT_THROW(CardModel({.buffer_bytes = 8}), hw::InvalidOption);
+  EXPECT_THROW(CardModel({.buffers = 4, .buffers_per_interrupt = 5}), InvalidOption);
+  EXPECT_THROW(CardModel({.buffer_bytes = 8}), InvalidOption);
   EXPECT_NO_THROW(CardModel(CardOptions{}));
 }
 

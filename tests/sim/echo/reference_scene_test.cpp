@@ -172,7 +172,7 @@ TEST(Reference, RefusesWhatWouldTakeForEver) {
                         block.materials(),
                         {glm::dmat3(1.0), block.suggested_position_m()},
                         {}};
-  EXPECT_THROW(ReferenceScene(subject, whole, by_elements()), hw::InvalidOption);
+  EXPECT_THROW(ReferenceScene(subject, whole, by_elements()), InvalidOption);
 }
 
 }  // namespace

@@ -133,16 +133,16 @@ TEST(Rungs, RefusesOptionsOutOfRange) {
       {
         try {
           scan_sphere(options);
-        } catch (const hw::InvalidOption& error) {
+        } catch (const InvalidOption& error) {
           EXPECT_STREQ(error.what(), "dynamic_range_db = 5: must be within 10 and 200");
           throw;
         }
       },
-      hw::InvalidOption);
+      InvalidOption);
 }
 
 TEST(Rungs, DefaultsAreValid) {
-  EXPECT_NO_THROW(hw::check_options(SimulationOptions{}));
+  EXPECT_NO_THROW(check_options(SimulationOptions{}));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "base/random.h"
+#include "sim/math/random.h"
 
 #include <gtest/gtest.h>
 

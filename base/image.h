@@ -1,0 +1,32 @@
+// Pictures and maps in memory.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace wobblebench {
+
+/// Row-major picture; row 0 is the top.
+template <class Pixel>
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<Pixel> pixels;
+
+  Image() = default;
+  Image(int w, int h, Pixel fill = {})
+      : width(w),
+        height(h),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
+  Pixel& at(int column, int row) {
+    return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(column)];
+  }
+  const Pixel& at(int column, int row) const { return const_cast<Image*>(this)->at(column, row); }
+};
+
+/// Depth of a pixel where no surface was found.
+inline constexpr float kNoSurface = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace wobblebench
