@@ -4,7 +4,7 @@
 
 namespace wobblebench::phantoms {
 
-GridFacts grid_facts(const Phantom& phantom, std::size_t surface) {
+GridMemory grid_memory(const Phantom& phantom, std::size_t surface) {
   const openvdb::FloatGrid& grid = *phantom.grids().signed_distance.at(surface);
   return {grid.voxelSize()[0], grid.activeVoxelCount(), grid.memUsage()};
 }

@@ -8,13 +8,13 @@
 
 namespace wobblebench::phantoms {
 
-struct GridFacts {
+struct GridMemory {
   double voxel_m = 0;
   std::uint64_t voxels = 0;  ///< active: within the narrow band
   std::uint64_t bytes = 0;   ///< in memory
 };
 
 /// Of the grid of Phantom::surfaces()[surface].
-GridFacts grid_facts(const Phantom& phantom, std::size_t surface);
+GridMemory grid_memory(const Phantom& phantom, std::size_t surface);
 
 }  // namespace wobblebench::phantoms

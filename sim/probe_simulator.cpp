@@ -50,7 +50,7 @@ void ProbeSimulator::prepare_echoes() {
   same_in_each_volume_ =
       subject_.motion.still() && plan_.acquisition().motor != hw::MotorMode::alternating;
   if (!same_in_each_volume_) return;
-  echoes_ = make_echo_field(plan_);
+  echoes_ = make_iq_field(plan_);
   parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
     auto worker = source_->make_worker();
     for (int place = first; place < last; ++place) {

@@ -55,10 +55,10 @@ class ProbeSimulator {
   hw::AcquisitionPlan plan_;
   SimulationOptions options_;
   Fidelity fidelity_;
-  Subject subject_;
+  ScannedTissue subject_;
   std::shared_ptr<const StickEchoes> source_;
   std::optional<Receiver> fresh_receiver_;  ///< what a thread begins with: gains over the range
-  EchoField echoes_;  ///< noiseless IQ of every stick, where it is the same in each volume
+  IqField echoes_;  ///< noiseless IQ of every stick, where it is the same in each volume
   bool same_in_each_volume_ = false;
   double map_ms_ = 0;
   double once_ms_ = 0;

@@ -28,7 +28,7 @@ double in_mb(std::uint64_t bytes) {
 
 Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
   const auto& surface = phantom.surfaces()[index];
-  const auto facts = phantoms::grid_facts(phantom, index);
+  const auto facts = phantoms::grid_memory(phantom, index);
   return {{"name", surface.name},
           {"inside", phantom.materials().at(static_cast<std::size_t>(surface.inside)).name},
           {"target", surface.is_target},
@@ -69,7 +69,7 @@ Json phantom_json(const phantoms::Phantom& phantom) {
   Json surfaces = Json::array();
   std::uint64_t voxels = 0, bytes = 0;
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const auto facts = phantoms::grid_facts(phantom, i);
+    const auto facts = phantoms::grid_memory(phantom, i);
     voxels += facts.voxels;
     bytes += facts.bytes;
     surfaces.push_back(surface_json(phantom, i));

@@ -91,7 +91,7 @@ Json to_report(const hw::RecordingProgress& progress,
     static_cast<hw::ProbeOptions&>(scene.probe) = progress.configuration->plan.probe();
   }
   Provenance provenance = provenance_of_this_machine();
-  provenance.board = hw::to_string(link.provenance);
+  provenance.board = hw::to_string(link.origin);
   Json report = report_head("record", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
   report["board"] = account_json(progress.account);

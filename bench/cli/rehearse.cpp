@@ -6,8 +6,8 @@
 #include <iomanip>
 #include <iostream>
 
-#include "bench/checks/simulation/oracle.h"
-#include "bench/checks/simulation/simulation_run.h"
+#include "bench/checks/fault_simulation/fault_simulation.h"
+#include "bench/checks/fault_simulation/oracle.h"
 #include "bench/cli/commands.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
@@ -16,8 +16,8 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Rehearsals {
-  std::vector<RehearsalResult> failed;
+struct FaultSimulation {
+  std::vector<FaultSimulationResult> failed;
   std::uint64_t hash = 0;  ///< of all hashes, in the order of the seeds
   double device_time_s = 0;
   double acquired_s = 0;
@@ -37,16 +37,16 @@ void add(hw::BoardAccount& sum, const hw::BoardAccount& account) {
   sum.duplicates += account.duplicates;
 }
 
-Rehearsals rehearse_all(const CommandArguments& arguments) {
+FaultSimulation rehearse_all(const CommandArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<RehearsalResult> results(static_cast<std::size_t>(arguments.seeds));
+  std::vector<FaultSimulationResult> results(static_cast<std::size_t>(arguments.seeds));
   tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
-    results[i] = rehearse(arguments.first_seed + i);
+    results[i] = simulate_faults(arguments.first_seed + i);
   });
-  Rehearsals all;
+  FaultSimulation all;
   all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   EventHash hash;
-  for (RehearsalResult& result : results) {
+  for (FaultSimulationResult& result : results) {
     hash.add(result.hash);
     all.device_time_s += result.device_time_s;
     all.acquired_s += result.acquired_s;
@@ -69,7 +69,7 @@ std::string replay_command(std::uint64_t seed) {
   return "wobblebench rehearse --first-seed " + std::to_string(seed) + " --seeds 1 --trace";
 }
 
-Json to_report(const Rehearsals& all, const CommandArguments& arguments) {
+Json to_report(const FaultSimulation& all, const CommandArguments& arguments) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
   provenance.seed = arguments.first_seed;
@@ -102,7 +102,7 @@ Json to_report(const Rehearsals& all, const CommandArguments& arguments) {
             {"failures", failures}}}};
 }
 
-void print(const Rehearsals& all, const CommandArguments& arguments) {
+void print(const FaultSimulation& all, const CommandArguments& arguments) {
   const auto& lost = all.account.lost;
   std::cout << "rehearsed   seeds " << arguments.first_seed << " to "
             << arguments.first_seed + static_cast<std::uint64_t>(arguments.seeds) - 1 << ", "
@@ -128,11 +128,11 @@ int rehearse_command(const CommandArguments& arguments) {
   OutputFolder out(arguments.out);
   if (arguments.trace) {
     for (int i = 0; i < arguments.seeds; ++i) {
-      rehearse(arguments.first_seed + static_cast<std::uint64_t>(i),
-               [](const std::string& line) { std::cerr << line << "\n"; });
+      simulate_faults(arguments.first_seed + static_cast<std::uint64_t>(i),
+                      [](const std::string& line) { std::cerr << line << "\n"; });
     }
   }
-  const Rehearsals all = rehearse_all(arguments);
+  const FaultSimulation all = rehearse_all(arguments);
   const Json report = to_report(all, arguments);
   out.write_text("report.json", report.dump(2) + "\n");
   out.commit();

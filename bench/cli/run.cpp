@@ -71,7 +71,7 @@ Json to_report(const RunResult& result, const Scene& scene, const Progress& prog
   Provenance provenance = provenance_of_this_machine();
   provenance.gl_backend = result.gl_backend;
   provenance.gl_renderer = result.gl_renderer;
-  provenance.board = hw::to_string(result.acquisition.link.provenance);
+  provenance.board = hw::to_string(result.acquisition.link.origin);
   Json report = report_head("run", provenance, scene);
   const auto& simulated = result.acquisition.simulated;
   if (simulated) report["effects"] = simulated->effects;
@@ -203,7 +203,7 @@ int run_command(const CommandArguments& arguments) {
       return renderer.render();
     });
     std::optional<Comparison> comparison;
-    if (acquisition.source == hw::Provenance::simulated) {
+    if (acquisition.source == hw::StreamOrigin::simulated) {
       comparison = compare(picture, phantom, scene, progress);
     }
     return RunResult{std::move(acquisition),

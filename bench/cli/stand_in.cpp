@@ -38,14 +38,14 @@ int stand_in_command(const CommandArguments& arguments) {
   if (!std::filesystem::is_directory(arguments.folder)) {
     throw UserError("FOLDER = " + arguments.folder.string() + ": must be a folder that is there");
   }
-  if (!hw::XdmaStandIn::can_mount()) {
-    throw std::runtime_error("stand-in: FUSE cannot be mounted: " + hw::XdmaStandIn::why_not());
+  if (!hw::XdmaEmulator::can_mount()) {
+    throw std::runtime_error("stand-in: FUSE cannot be mounted: " + hw::XdmaEmulator::why_not());
   }
   const MakeSticks sticks = is_simulated(board) ? simulated_sticks(scene) : MakeSticks{};
   // What cannot be opened is said now, not to the first reader.
   open_board_link(board, sticks);
   const UntilInterrupted until;
-  const hw::XdmaStandIn card(arguments.folder, [&] { return open_board_link(board, sticks); });
+  const hw::XdmaEmulator card(arguments.folder, [&] { return open_board_link(board, sticks); });
   std::cout << "stand-in    " << card.path().string() << ", until Ctrl-C" << std::endl;
   until.wait();
   return 0;

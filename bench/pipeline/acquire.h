@@ -32,7 +32,7 @@ struct Acquisition {
   hw::BoardAccount account;
   hw::WireDamage damage;
   hw::LinkCapabilities link;
-  hw::Provenance source;                     ///< what made the samples
+  hw::StreamOrigin source;                   ///< what made the samples
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from outside
   double transport_ms = 0;                   ///< encode, link, decode, ring, assembly
   std::string ending;                        ///< why the stream broke off; empty: it did not

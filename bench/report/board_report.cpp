@@ -16,7 +16,7 @@ Json account_json(const hw::BoardAccount& account) {
 }
 
 Json link_json(const hw::LinkCapabilities& link) {
-  return {{"provenance", hw::to_string(link.provenance)},
+  return {{"provenance", hw::to_string(link.origin)},
           {"copy_in", link.copy_in},
           {"waits_for_reader", link.waits_for_reader},
           {"buffer_bytes", link.buffer_bytes},

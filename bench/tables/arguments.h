@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bench/tables/setting.h"
+#include "bench/tables/variant.h"
 
 namespace CLI {
 class App;

@@ -6,7 +6,10 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr Way kWays[] = {Way::plain, Way::fast, Way::plain_slice, Way::fast_ray};
+constexpr PipelineVariant kVariants[] = {PipelineVariant::plain,
+                                         PipelineVariant::fast,
+                                         PipelineVariant::plain_slice,
+                                         PipelineVariant::fast_ray};
 
 void put_spread(std::ostream& text, const Spread& spread) {
   text << "," << spread.median << "," << spread.min << "," << spread.max;
@@ -14,14 +17,14 @@ void put_spread(std::ostream& text, const Spread& spread) {
 
 void put_head(std::ostream& text, const TableResults& results) {
   text << "table,setting,side,frames,kernel_3d,kernel_2d,paper_ms,paper_ratio";
-  for (const Way way : kWays) {
-    const std::string name = to_string(way);
+  for (const PipelineVariant variant : kVariants) {
+    const std::string name = to_string(variant);
     text << "," << name << "_ms," << name << "_min_ms," << name << "_max_ms," << name << "_ratio";
   }
   text << ",speed_up,acquisition_ms";
-  for (const Way way : {Way::plain, Way::fast}) {
-    for (const auto& pass : results.reference.timings.at(way).passes) {
-      text << "," << to_string(way) << "_" << pass.name << "_ms";
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+    for (const auto& pass : results.reference.timings.at(variant).passes) {
+      text << "," << to_string(variant) << "_" << pass.name << "_ms";
     }
   }
   text << "\n";
@@ -31,8 +34,8 @@ void put_row(std::ostream& text, const std::string& table, const MeasuredRow& ro
   text << table << "," << row.row.setting << "," << row.row.side / divisor << "," << row.row.frames
        << "," << row.row.kernel_3d << "," << row.row.kernel_2d << "," << row.row.paper_ms << ","
        << row.paper_ratio;
-  for (const Way way : kWays) {
-    const auto timing = row.timings.find(way);
+  for (const PipelineVariant variant : kVariants) {
+    const auto timing = row.timings.find(variant);
     if (timing == row.timings.end()) {
       text << ",,,,";
       continue;
@@ -41,8 +44,8 @@ void put_row(std::ostream& text, const std::string& table, const MeasuredRow& ro
     text << "," << timing->second.ratio.median;
   }
   text << "," << row.speed_up() << ",";
-  for (const Way way : {Way::plain, Way::fast}) {
-    for (const auto& pass : row.timings.at(way).passes) text << "," << pass.ms;
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+    for (const auto& pass : row.timings.at(variant).passes) text << "," << pass.ms;
   }
   text << "\n";
 }
@@ -53,8 +56,8 @@ void put_arrival(std::ostream& text,
                  Spread Arrival::*spread,
                  const TableRun& run) {
   const TableRow& row = reference_row();
-  const Spread& plain = results.arrival(Way::plain).*spread;
-  const Spread& fast = results.arrival(Way::fast).*spread;
+  const Spread& plain = results.arrival(PipelineVariant::plain).*spread;
+  const Spread& fast = results.arrival(PipelineVariant::fast).*spread;
   text << "arrival," << what << "," << row.side / run.divisor << "," << row.frames << ","
        << row.kernel_3d << "," << row.kernel_2d << ",,";
   put_spread(text, plain);
@@ -63,8 +66,8 @@ void put_arrival(std::ostream& text,
   text << ",,,,,,,,,"
        << "," << plain.median / fast.median << ",";
   if (spread == &Arrival::add_frame_ms) text << results.frame_acquisition_ms;
-  for (const Way way : {Way::plain, Way::fast}) {
-    text << std::string(results.reference.timings.at(way).passes.size(), ',');
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+    text << std::string(results.reference.timings.at(variant).passes.size(), ',');
   }
   text << "\n";
 }

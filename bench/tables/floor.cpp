@@ -28,7 +28,7 @@ std::int64_t PassFloor::total() const {
   return all;
 }
 
-std::string to_string(const render::FetchKind& kind) {
+std::string to_string(const render::TextureFetch& kind) {
   constexpr std::array kSamplers = {"sampler2D", "sampler3D", "sampler2DArray"};
   constexpr std::array kFormats = {
       "r8", "r16", "r32f", "rg8", "rg16", "rg32f", "rgba8", "rgba16", "rgb32f", "rgba32f"};
@@ -39,12 +39,12 @@ std::string to_string(const render::FetchKind& kind) {
 }
 
 Floors measure_floors(const hw::PolarVolume& volume,
-                      const std::map<Way, render::RenderOptions>& ways,
+                      const std::map<PipelineVariant, render::RenderOptions>& variants,
                       render::GlContext& context) {
   context.make_current();
   Floors floors;
-  for (const auto& [way, options] : ways) {
-    auto& passes = floors.passes[way] = count_fetches(volume, options, context);
+  for (const auto& [variant, options] : variants) {
+    auto& passes = floors.passes[variant] = count_fetches(volume, options, context);
     for (PassFloor& pass : passes) {
       for (const auto& [kind, count] : pass.fetches) {
         if (!floors.rates_per_us.contains(kind)) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/tables/setting.h"
+#include "bench/tables/variant.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
 #include "render/gl/texture_fetch.h"
@@ -22,17 +22,17 @@ struct PassFloor {
 };
 
 struct Floors {
-  std::map<render::FetchKind, double> rates_per_us;  ///< millions a second
-  std::map<Way, std::vector<PassFloor>> passes;      ///< in the renderer's order
+  std::map<render::TextureFetch, double> rates_per_us;       ///< millions a second
+  std::map<PipelineVariant, std::vector<PassFloor>> passes;  ///< in the renderer's order
 };
 
 /// "sampler2DArray rg16 linear".
-std::string to_string(const render::FetchKind& kind);
+std::string to_string(const render::TextureFetch& kind);
 
-/// Counts what one frame of each way fetches, and measures the rates of what was fetched. Throws as
-/// render::Renderer does.
+/// Counts what one frame of each variant fetches, and measures the rates of what was fetched.
+/// Throws as render::Renderer does.
 Floors measure_floors(const hw::PolarVolume& volume,
-                      const std::map<Way, render::RenderOptions>& ways,
+                      const std::map<PipelineVariant, render::RenderOptions>& variants,
                       render::GlContext& context);
 
 }  // namespace wobblebench::bench

@@ -8,8 +8,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-void put_timing(Json& row, Way way, const Timing& timing) {
-  const std::string name = to_string(way);
+void put_timing(Json& row, PipelineVariant variant, const Timing& timing) {
+  const std::string name = to_string(variant);
   row[name + "_ms"] = timing.frame_ms.median;
   row[name + "_min_ms"] = timing.frame_ms.min;
   row[name + "_max_ms"] = timing.frame_ms.max;
@@ -24,10 +24,10 @@ Json row_json(const MeasuredRow& measured) {
   Json row = {{"setting", measured.row.setting},
               {"paper_ms", measured.row.paper_ms},
               {"paper_ratio", measured.paper_ratio}};
-  for (const auto& [way, timing] : measured.timings) put_timing(row, way, timing);
+  for (const auto& [variant, timing] : measured.timings) put_timing(row, variant, timing);
   row["speed_up"] = measured.speed_up();
   row["pass_speed_up"] = Json::object();
-  for (const PassTiming& pass : measured.timings.at(Way::fast).passes) {
+  for (const PassTiming& pass : measured.timings.at(PipelineVariant::fast).passes) {
     const auto times = measured.pass_speed_up(pass.name);
     row["pass_speed_up"][pass.name] = times ? Json(*times) : Json(nullptr);
   }
@@ -51,11 +51,11 @@ Json spread_json(const Spread& spread) {
 
 Json arrival_json(const TableResults& results) {
   Json json = {{"frame_acquisition_ms", results.frame_acquisition_ms}};
-  for (const auto& [way, arrival] : results.arrivals) {
-    json[to_string(way)] = {{"add_frame_ms", spread_json(arrival.add_frame_ms)},
-                            {"times_acquisition", results.times_acquisition(way)},
-                            {"new_volume_ms", spread_json(arrival.new_volume_ms)},
-                            {"new_view_ms", spread_json(arrival.new_view_ms)}};
+  for (const auto& [variant, arrival] : results.arrivals) {
+    json[to_string(variant)] = {{"add_frame_ms", spread_json(arrival.add_frame_ms)},
+                                {"times_acquisition", results.times_acquisition(variant)},
+                                {"new_volume_ms", spread_json(arrival.new_volume_ms)},
+                                {"new_view_ms", spread_json(arrival.new_view_ms)}};
   }
   return json;
 }
@@ -65,15 +65,15 @@ Json floors_json(const TableResults& results) {
   for (const auto& [kind, rate] : results.floors.rates_per_us) {
     json["fetches_per_us"][to_string(kind)] = rate;
   }
-  for (const auto& [way, passes] : results.floors.passes) {
+  for (const auto& [variant, passes] : results.floors.passes) {
     for (const PassFloor& floor : passes) {
       Json fetches = Json::object();
       for (const auto& [kind, count] : floor.fetches) fetches[to_string(kind)] = count;
-      json[to_string(way)].push_back(
+      json[to_string(variant)].push_back(
           {{"name", floor.pass},
            {"fetches", fetches},
            {"floor_ms", floor.floor_ms},
-           {"ms", pass_ms(results.reference.timings.at(way), floor.pass)}});
+           {"ms", pass_ms(results.reference.timings.at(variant), floor.pass)}});
     }
   }
   return json;

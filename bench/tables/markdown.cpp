@@ -59,8 +59,8 @@ std::string times_of(const MeasuredTable& table) {
                            "plain ratio",
                            "fast ratio"});
   for (const MeasuredRow& row : table.rows) {
-    const Timing& plain = row.timings.at(Way::plain);
-    const Timing& fast = row.timings.at(Way::fast);
+    const Timing& plain = row.timings.at(PipelineVariant::plain);
+    const Timing& fast = row.timings.at(PipelineVariant::fast);
     text += line({row.row.setting,
                   ms_text(row.row.paper_ms),
                   ms_text(plain.frame_ms.median),
@@ -75,18 +75,18 @@ std::string times_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Columns: the passes of the fast way. A pass of plain alone shows in the frame's time.
+/// Columns: the passes of the fast variant. A pass of plain alone shows in the frame's time.
 std::string passes_of(const MeasuredTable& table) {
   std::vector<std::string> names = {"plain / fast, ms"};
-  for (const auto& pass : table.rows.front().timings.at(Way::fast).passes) {
+  for (const auto& pass : table.rows.front().timings.at(PipelineVariant::fast).passes) {
     names.push_back(pass.name);
   }
   std::string text = head(names);
   for (const MeasuredRow& row : table.rows) {
     std::vector<std::string> cells = {row.row.setting};
-    for (const auto& fast : row.timings.at(Way::fast).passes) {
+    for (const auto& fast : row.timings.at(PipelineVariant::fast).passes) {
       std::string plain_ms = "none";
-      for (const auto& plain : row.timings.at(Way::plain).passes) {
+      for (const auto& plain : row.timings.at(PipelineVariant::plain).passes) {
         if (plain.name == fast.name) plain_ms = ms_text(plain.ms);
       }
       const auto times = row.pass_speed_up(fast.name);
@@ -98,20 +98,20 @@ std::string passes_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Every way with its spread, where there are more than two.
+/// Every variant with its spread, where there are more than two.
 std::string ways_in_full(const MeasuredTable& table) {
-  const auto ways = ways_of(table.table);
-  if (ways.size() < 3) return "";
+  const auto variants = variants_of(table.table);
+  if (variants.size() < 3) return "";
   std::vector<std::string> names = {"taps of the kernel in the slices, or along the ray"};
-  for (const Way way : ways) {
-    names.push_back(to_string(way) + " ms");
+  for (const PipelineVariant variant : variants) {
+    names.push_back(to_string(variant) + " ms");
     names.emplace_back("ratio");
   }
   std::string text = "\n" + head(names);
   for (const MeasuredRow& row : table.rows) {
     std::vector<std::string> cells = {row.row.setting};
-    for (const Way way : ways) {
-      const Timing& timing = row.timings.at(way);
+    for (const PipelineVariant variant : variants) {
+      const Timing& timing = row.timings.at(variant);
       cells.push_back(ms_text(timing.frame_ms.median) + " (" + spread_text(timing.frame_ms) + ")");
       cells.push_back(ratio_text(timing.ratio));
     }
@@ -144,11 +144,11 @@ std::string arrival_of(const TableResults& results) {
             "min – max",
             "new view ms",
             "min – max"});
-  for (const auto& [way, arrival] : results.arrivals) {
-    text += line({to_string(way),
+  for (const auto& [variant, arrival] : results.arrivals) {
+    text += line({to_string(variant),
                   ms_text(arrival.add_frame_ms.median),
                   spread_text(arrival.add_frame_ms),
-                  times_text(results.times_acquisition(way)),
+                  times_text(results.times_acquisition(variant)),
                   ms_text(arrival.new_volume_ms.median),
                   spread_text(arrival.new_volume_ms),
                   ms_text(arrival.new_view_ms.median),
@@ -167,10 +167,10 @@ std::string floor_of(const TableResults& results) {
       "too: "
       "arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
       head({"pipeline", "pass", "fetches, millions", "floor ms", "measured ms", "of the floor"});
-  for (const auto& [way, passes] : results.floors.passes) {
+  for (const auto& [variant, passes] : results.floors.passes) {
     for (const PassFloor& floor : passes) {
-      const double ms = pass_ms(results.reference.timings.at(way), floor.pass);
-      text += line({to_string(way),
+      const double ms = pass_ms(results.reference.timings.at(variant), floor.pass);
+      text += line({to_string(variant),
                     floor.pass,
                     fixed(1e-6 * static_cast<double>(floor.total()), 2),
                     ms_text(floor.floor_ms),
@@ -181,7 +181,7 @@ std::string floor_of(const TableResults& results) {
   text += "\n" + head({"fetch", "millions a second", "plain, millions", "fast, millions"});
   for (const auto& [kind, rate] : results.floors.rates_per_us) {
     std::vector<std::string> cells = {to_string(kind), fixed(rate, 0)};
-    for (const auto& [way, passes] : results.floors.passes) {
+    for (const auto& [variant, passes] : results.floors.passes) {
       std::int64_t count = 0;
       for (const PassFloor& floor : passes) {
         const auto found = floor.fetches.find(kind);

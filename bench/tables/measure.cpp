@@ -13,13 +13,13 @@ namespace wobblebench::bench {
 namespace {
 
 /// What tells two measurements apart; equal ones are made once.
-auto key_of(const TableRow& row, Way way) {
-  return std::tuple(row.frames, row.side, row.kernel_3d, row.kernel_2d, way);
+auto key_of(const TableRow& row, PipelineVariant variant) {
+  return std::tuple(row.frames, row.side, row.kernel_3d, row.kernel_2d, variant);
 }
-using Key = decltype(key_of(TableRow{}, Way::plain));
+using Key = decltype(key_of(TableRow{}, PipelineVariant::plain));
 
 /// One setting under measurement: its renderer lives through all repeats.
-struct Subject {
+struct ScannedTissue {
   const hw::PolarVolume* volume = nullptr;
   std::unique_ptr<render::Renderer> renderer;
   int repeats = 0;
@@ -55,7 +55,7 @@ struct Subject {
   }
 };
 
-using Subjects = std::map<Key, Subject>;
+using Subjects = std::map<Key, ScannedTissue>;
 
 Subjects make_subjects(const TableVolumes& volumes,
                        const render::RenderOptions& base,
@@ -64,13 +64,15 @@ Subjects make_subjects(const TableVolumes& volumes,
   Subjects subjects;
   for (const Table& table : paper_tables()) {
     for (const TableRow& row : table.rows) {
-      for (const Way way : ways_of(table)) {
-        Subject& subject = subjects[key_of(row, way)];
+      for (const PipelineVariant variant : variants_of(table)) {
+        ScannedTissue& subject = subjects[key_of(row, variant)];
         if (subject.renderer) continue;
         subject.volume = &volumes.by_frames.at(row.frames);
-        subject.repeats = run.repeats_of(way);
+        subject.repeats = run.repeats_of(variant);
         subject.renderer = std::make_unique<render::Renderer>(
-            context, subject.volume->plan(), rendered(way, settings_of(row, base, run.divisor)));
+            context,
+            subject.volume->plan(),
+            rendered(variant, settings_of(row, base, run.divisor)));
       }
     }
   }
@@ -79,11 +81,11 @@ Subjects make_subjects(const TableVolumes& volumes,
 
 MeasuredRow measured_row(const TableRow& row, const Table& table, const Subjects& subjects) {
   MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
-  for (const Way way : ways_of(table)) {
-    Timing timing = subjects.at(key_of(row, way)).timing();
-    timing.ratio = paired_ratio(subjects.at(key_of(row, way)).frame_ms,
-                                subjects.at(key_of(reference_row(), way)).frame_ms);
-    measured.timings.emplace(way, std::move(timing));
+  for (const PipelineVariant variant : variants_of(table)) {
+    Timing timing = subjects.at(key_of(row, variant)).timing();
+    timing.ratio = paired_ratio(subjects.at(key_of(row, variant)).frame_ms,
+                                subjects.at(key_of(reference_row(), variant)).frame_ms);
+    measured.timings.emplace(variant, std::move(timing));
   }
   return measured;
 }
@@ -93,8 +95,8 @@ std::optional<Exponents> exponents_of(const std::vector<MeasuredRow>& rows) {
   for (const MeasuredRow& row : rows) {
     side.push_back(row.row.side);
     paper.push_back(row.row.paper_ms);
-    plain.push_back(row.ms(Way::plain));
-    fast.push_back(row.ms(Way::fast));
+    plain.push_back(row.ms(PipelineVariant::plain));
+    fast.push_back(row.ms(PipelineVariant::fast));
   }
   if (std::all_of(side.begin(), side.end(), [&](double s) { return s == side.front(); })) return {};
   return Exponents{power_of(side, paper), power_of(side, plain), power_of(side, fast)};
@@ -120,8 +122,8 @@ double pass_ms(const Timing& timing, const std::string& pass) {
 }
 
 std::optional<double> MeasuredRow::pass_speed_up(const std::string& pass) const {
-  const double plain = pass_ms(timings.at(Way::plain), pass);
-  const double fast = pass_ms(timings.at(Way::fast), pass);
+  const double plain = pass_ms(timings.at(PipelineVariant::plain), pass);
+  const double fast = pass_ms(timings.at(PipelineVariant::fast), pass);
   if (plain <= 0 || fast <= 0) return {};
   return plain / fast;
 }
@@ -149,13 +151,14 @@ TableResults measure_tables(const TableVolumes& volumes,
   results.reference = measured_row(reference_row(), paper_tables().front(), subjects);
   subjects.clear();
   const auto options = settings_of(reference_row(), base, run.divisor);
-  results.floors = measure_floors(
-      volume,
-      {{Way::plain, rendered(Way::plain, options)}, {Way::fast, rendered(Way::fast, options)}},
-      context);
-  for (const Way way : {Way::plain, Way::fast}) {
-    results.arrivals[way] =
-        measure_arrival(volume, rendered(way, options), context, run.repeats_of(way));
+  results.floors =
+      measure_floors(volume,
+                     {{PipelineVariant::plain, rendered(PipelineVariant::plain, options)},
+                      {PipelineVariant::fast, rendered(PipelineVariant::fast, options)}},
+                     context);
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+    results.arrivals[variant] =
+        measure_arrival(volume, rendered(variant, options), context, run.repeats_of(variant));
   }
   return results;
 }

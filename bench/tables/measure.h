@@ -9,7 +9,7 @@
 #include "base/statistics.h"
 #include "bench/tables/floor.h"
 #include "bench/tables/paper.h"
-#include "bench/tables/setting.h"
+#include "bench/tables/variant.h"
 #include "bench/tables/volumes.h"
 #include "render/gl/context.h"
 
@@ -20,21 +20,21 @@ struct PassTiming {
   double ms = 0;  ///< median
 };
 
-/// A row rendered in one way.
+/// A row rendered in one variant.
 struct Timing {
   Spread frame_ms;                 ///< all four passes, all frames, upload included
   std::vector<PassTiming> passes;  ///< in the renderer's order
-  Quartiles ratio;                 ///< to the reference row's in the same repeat, in the same way
+  Quartiles ratio;  ///< to the reference row's in the same repeat, in the same variant
 };
 
 struct MeasuredRow {
   TableRow row;
-  double paper_ratio = 0;         ///< to the paper's reference row
-  std::map<Way, Timing> timings;  ///< in ways_of() the table
+  double paper_ratio = 0;                     ///< to the paper's reference row
+  std::map<PipelineVariant, Timing> timings;  ///< in variants_of() the table
 
-  double ms(Way way) const { return timings.at(way).frame_ms.median; }
+  double ms(PipelineVariant variant) const { return timings.at(variant).frame_ms.median; }
   /// How many times faster than plain, by medians: the frame, and a pass (none: only one has it).
-  double speed_up() const { return ms(Way::plain) / ms(Way::fast); }
+  double speed_up() const { return ms(PipelineVariant::plain) / ms(PipelineVariant::fast); }
   std::optional<double> pass_speed_up(const std::string& pass) const;
 };
 
@@ -61,31 +61,32 @@ struct Arrival {
 struct TableResults {
   std::vector<MeasuredTable> tables;
   MeasuredRow reference;
-  std::map<Way, Arrival> arrivals;  ///< plain and fast
-  Floors floors;                    ///< of the reference row, plain and fast
-  double frame_acquisition_ms = 0;  ///< of the reference row: volume time / frames
+  std::map<PipelineVariant, Arrival> arrivals;  ///< plain and fast
+  Floors floors;                                ///< of the reference row, plain and fast
+  double frame_acquisition_ms = 0;              ///< of the reference row: volume time / frames
 
-  const Arrival& arrival(Way way) const { return arrivals.at(way); }
+  const Arrival& arrival(PipelineVariant variant) const { return arrivals.at(variant); }
   /// How many times faster a frame is taken in than acquired, by the median.
-  double times_acquisition(Way way) const {
-    return frame_acquisition_ms / arrival(way).add_frame_ms.median;
+  double times_acquisition(PipelineVariant variant) const {
+    return frame_acquisition_ms / arrival(variant).add_frame_ms.median;
   }
 };
 
-/// Renders every row in turn, all rows and ways in each repeat, so that a drift of the machine's
-/// speed touches all alike. `base`: what the rows leave open. Throws as render::Renderer does.
+/// Renders every row in turn, all rows and variants in each repeat, so that a drift of the
+/// machine's speed touches all alike. `base`: what the rows leave open. Throws as render::Renderer
+/// does.
 TableResults measure_tables(const TableVolumes& volumes,
                             const render::RenderOptions& base,
                             render::GlContext& context,
                             const TableRun& run);
 
-/// One way of the reference row, frame by frame.
+/// One variant of the reference row, frame by frame.
 Arrival measure_arrival(const hw::PolarVolume& volume,
                         const render::RenderOptions& options,
                         render::GlContext& context,
                         int repeats);
 
-/// Median of the pass; 0 where this way has none of that name.
+/// Median of the pass; 0 where this variant has none of that name.
 double pass_ms(const Timing& timing, const std::string& pass);
 
 /// Of least squares of log y on log x; at least two different x, all positive.

@@ -34,7 +34,7 @@ TableVolumes scan_table_volumes(const Scene& scene,
     Scene varied = scene;
     varied.acquisition.frames_per_volume = frames;
     Acquisition acquisition = BoardConnection(board).acquire(varied, phantom);
-    volumes.board = hw::to_string(acquisition.link.provenance);
+    volumes.board = hw::to_string(acquisition.link.origin);
     volumes.effects = acquisition.simulated.value().effects;
     volumes.by_frames.emplace(frames, std::move(acquisition.volume));
   }

@@ -5,7 +5,7 @@
 
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
-#include "bench/tables/setting.h"
+#include "bench/tables/variant.h"
 #include "bench/tables/volumes.h"
 #include "phantoms/phantom.h"
 

@@ -61,17 +61,17 @@ std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& ref
   const auto value = varied_in(table.table).value;
   const std::string paper_text = reference_text("paper", reference.row.paper_ms);
   Series paper{paper_text, {}, {}, Stroke::dashed, Mark::diamond, 6};
-  Series plain{reference_text("plain", reference.ms(Way::plain)), {}, {}};
+  Series plain{reference_text("plain", reference.ms(PipelineVariant::plain)), {}, {}};
   plain.mark = Mark::square;
   plain.colour = 0;
-  Series fast{reference_text("fast", reference.ms(Way::fast)), {}, {}};
+  Series fast{reference_text("fast", reference.ms(PipelineVariant::fast)), {}, {}};
   fast.mark = Mark::disc;
   fast.colour = 2;
   for (const MeasuredRow& row : in_order(table, value)) {
     for (Series* series : {&paper, &plain, &fast}) series->x.push_back(row.row.*value);
     paper.y.push_back(row.paper_ratio);
-    plain.y.push_back(row.timings.at(Way::plain).ratio.median);
-    fast.y.push_back(row.timings.at(Way::fast).ratio.median);
+    plain.y.push_back(row.timings.at(PipelineVariant::plain).ratio.median);
+    fast.y.push_back(row.timings.at(PipelineVariant::fast).ratio.median);
   }
   return {paper, plain, fast};
 }

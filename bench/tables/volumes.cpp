@@ -76,7 +76,7 @@ hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count) {
 
 TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string& board) {
   TableVolumes volumes;
-  volumes.board = hw::to_string(link->capabilities().provenance);
+  volumes.board = hw::to_string(link->capabilities().origin);
   const hw::PolarVolume volume = [&] {
     try {
       return take_volume(std::move(link), board);

@@ -30,7 +30,7 @@ void block_broken_pipe() {
 
 }  // namespace
 
-FifoStandIn::FifoStandIn(const std::filesystem::path& folder, std::unique_ptr<Link> source)
+FifoEmulator::FifoEmulator(const std::filesystem::path& folder, std::unique_ptr<Link> source)
     : path_(folder / kNodeName), source_(std::move(source)) {
   if (::mkfifo(path_.c_str(), 0666) != 0) {
     throw std::system_error(errno, std::generic_category(), path_.string());
@@ -38,14 +38,14 @@ FifoStandIn::FifoStandIn(const std::filesystem::path& folder, std::unique_ptr<Li
   thread_ = std::thread([this] { feed(); });
 }
 
-FifoStandIn::~FifoStandIn() {
+FifoEmulator::~FifoEmulator() {
   unplug();
   thread_.join();
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
 }
 
-void FifoStandIn::feed() {
+void FifoEmulator::feed() {
   block_broken_pipe();
   FileDescriptor fifo;
   while (!fifo.is_open() && !unplugged_) {
@@ -62,7 +62,7 @@ void FifoStandIn::feed() {
   }
 }
 
-bool FifoStandIn::write(int fifo, std::span<const std::byte> bytes) const {
+bool FifoEmulator::write(int fifo, std::span<const std::byte> bytes) const {
   while (!bytes.empty()) {
     if (unplugged_) return false;
     pollfd watched{fifo, POLLOUT, 0};

@@ -11,15 +11,15 @@
 
 namespace wobblebench::hw {
 
-class FifoStandIn {
+class FifoEmulator {
  public:
   /// Makes FOLDER/xdma0_c2h_0, and writes `source` into it once, for the first reader. The FIFO
   /// ends where the source does. Throws std::system_error.
-  FifoStandIn(const std::filesystem::path& folder, std::unique_ptr<Link> source);
+  FifoEmulator(const std::filesystem::path& folder, std::unique_ptr<Link> source);
   /// Unplugs, and removes the FIFO.
-  ~FifoStandIn();
-  FifoStandIn(const FifoStandIn&) = delete;
-  FifoStandIn& operator=(const FifoStandIn&) = delete;
+  ~FifoEmulator();
+  FifoEmulator(const FifoEmulator&) = delete;
+  FifoEmulator& operator=(const FifoEmulator&) = delete;
 
   std::filesystem::path path() const { return path_; }
 

@@ -24,7 +24,7 @@ std::uint64_t draw(std::uint64_t seed, std::uint64_t index) {
   return z ^ (z >> 31U);
 }
 
-const XdmaStandInOptions& checked(const XdmaStandInOptions& options) {
+const XdmaEmulatorOptions& checked(const XdmaEmulatorOptions& options) {
   check_options(options);
   if (!std::has_single_bit(static_cast<unsigned>(options.alignment_bytes))) {
     throw InvalidOption(
@@ -45,7 +45,7 @@ struct XdmaCard::Transfer {
   std::size_t filled = 0;
 };
 
-XdmaCard::XdmaCard(LinkSource source, const XdmaStandInOptions& options)
+XdmaCard::XdmaCard(LinkSource source, const XdmaEmulatorOptions& options)
     : source_(std::move(source)), options_(checked(options)) {}
 
 int XdmaCard::open(bool end_of_packet, std::uint64_t& handle) {

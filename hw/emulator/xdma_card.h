@@ -23,7 +23,7 @@ using LinkSource = std::function<std::unique_ptr<Link>()>;
 /// called from any thread.
 class XdmaCard {
  public:
-  XdmaCard(LinkSource source, const XdmaStandInOptions& options);
+  XdmaCard(LinkSource source, const XdmaEmulatorOptions& options);
 
   /// EBUSY while another has it open, ENODEV while unplugged. `handle` names the opening.
   int open(bool end_of_packet, std::uint64_t& handle);
@@ -43,7 +43,7 @@ class XdmaCard {
   /// Nothing comes, or comes again.
   void stall(bool stalled);
 
-  const XdmaStandInOptions& options() const { return options_; }
+  const XdmaEmulatorOptions& options() const { return options_; }
 
  private:
   /// From an open() to its release().
@@ -67,7 +67,7 @@ class XdmaCard {
   bool fill(Transfer& transfer, HostTime until);
 
   const LinkSource source_;
-  const XdmaStandInOptions options_;
+  const XdmaEmulatorOptions options_;
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;

@@ -25,7 +25,7 @@ std::string try_to_mount() {
   if (::mkdtemp(folder.data()) == nullptr) return folder + ": " + error_text(errno);
   std::string why;
   try {
-    const XdmaStandIn stand_in(folder, [] { return nullptr; });
+    const XdmaEmulator stand_in(folder, [] { return nullptr; });
   } catch (const std::runtime_error& error) {
     why = error.what();
   }
@@ -36,40 +36,40 @@ std::string try_to_mount() {
 
 }  // namespace
 
-XdmaStandIn::XdmaStandIn(const std::filesystem::path& folder,
-                         Source source,
-                         const XdmaStandInOptions& options)
+XdmaEmulator::XdmaEmulator(const std::filesystem::path& folder,
+                           Source source,
+                           const XdmaEmulatorOptions& options)
     : folder_(std::filesystem::absolute(folder)),
       card_(std::make_unique<XdmaCard>(std::move(source), options)),
       session_(std::make_unique<FuseSession>(folder_, *card_)) {}
 
-XdmaStandIn::~XdmaStandIn() {
+XdmaEmulator::~XdmaEmulator() {
   card_->unplug();
   session_.reset();
 }
 
-std::filesystem::path XdmaStandIn::path() const {
+std::filesystem::path XdmaEmulator::path() const {
   return folder_ / kNodeName;
 }
 
-void XdmaStandIn::unplug() {
+void XdmaEmulator::unplug() {
   card_->unplug();
 }
 
-void XdmaStandIn::replug() {
+void XdmaEmulator::replug() {
   card_->replug();
 }
 
-void XdmaStandIn::stall(bool stalled) {
+void XdmaEmulator::stall(bool stalled) {
   card_->stall(stalled);
 }
 
-std::string XdmaStandIn::why_not() {
+std::string XdmaEmulator::why_not() {
   static const std::string why = try_to_mount();
   return why;
 }
 
-bool XdmaStandIn::can_mount() {
+bool XdmaEmulator::can_mount() {
   return why_not().empty();
 }
 

@@ -27,18 +27,18 @@ class FuseSession;
 class XdmaCard;
 
 /// All functions may be called from any thread.
-class XdmaStandIn {
+class XdmaEmulator {
  public:
   /// Opens what the card sends; called at every opening of the node, on a thread of the stand-in.
   using Source = std::function<std::unique_ptr<Link>()>;
 
   /// Mounts on `folder`, which must exist. Throws std::runtime_error where that cannot be done,
   /// InvalidOption.
-  XdmaStandIn(const std::filesystem::path& folder,
-              Source source,
-              const XdmaStandInOptions& options = {});
+  XdmaEmulator(const std::filesystem::path& folder,
+               Source source,
+               const XdmaEmulatorOptions& options = {});
   /// Ends reads with ENODEV, and unmounts. Whoever still has the node open gets ENOTCONN.
-  ~XdmaStandIn();
+  ~XdmaEmulator();
 
   /// FOLDER/xdma0_c2h_0.
   std::filesystem::path path() const;

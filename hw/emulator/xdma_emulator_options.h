@@ -9,7 +9,7 @@
 namespace wobblebench::hw {
 
 /// Packets are counted from 0 at every opening of the node; −1: never.
-struct XdmaStandInOptions {
+struct XdmaEmulatorOptions {
   /// The length of a read is a multiple of it, bytes; a power of two.
   int alignment_bytes = 1;
   /// After it a read gives what it has, or ETIMEDOUT, s. The driver's default.
@@ -21,7 +21,7 @@ struct XdmaStandInOptions {
   int all_ones_at_packet = -1;  ///< reads give 0xFF from here on
 };
 
-template <OptionsOf<XdmaStandInOptions> O, class Visitor>
+template <OptionsOf<XdmaEmulatorOptions> O, class Visitor>
 void describe(O& o, Visitor& v) {
   constexpr int kAnyPacket = 1'000'000'000;
   v.integer("alignment_bytes", o.alignment_bytes, 1, 4096);

@@ -9,11 +9,11 @@
 namespace wobblebench::hw {
 
 /// No packet holds a longer run of 0xFF: a header, and samples that are all not-a-number.
-inline constexpr std::size_t kLongestSoundOnes = kWireHeaderBytes + 4 * kWireMaxSamples;
+inline constexpr std::size_t kLongestValidOnes = kWireHeaderBytes + 4 * kWireMaxSamples;
 
 /// Looks at transfers one after the other. What is nothing but ones is held back, until it shows
 /// to be samples or the card to be gone. Not thread-safe.
-class AllOnesWatch {
+class DeviceGoneDetector {
  public:
   struct Verdict {
     std::size_t held_back = 0;  ///< bytes of 0xFF of earlier transfers, to hand on first

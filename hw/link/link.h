@@ -27,7 +27,7 @@ struct ReadResult {
 
 /// What a link is. Sizes are 0 where the link has no such thing.
 struct LinkCapabilities {
-  Provenance provenance = Provenance::simulated;
+  StreamOrigin origin = StreamOrigin::simulated;
   bool copy_in = true;  ///< read() copies; false: the bytes lie in memory shared with the device
   /// True: the source waits for its reader, nothing is lost by reading slowly (a file).
   /// False: the source keeps its own pace and overruns (a card).

@@ -67,8 +67,8 @@ void XdmaLink::close() {
 
 LinkCapabilities XdmaLink::capabilities() const {
   LinkCapabilities capabilities;
-  capabilities.provenance =
-      kind_ == XdmaNodeKind::card ? Provenance::hardware : Provenance::stand_in;
+  capabilities.origin =
+      kind_ == XdmaNodeKind::card ? StreamOrigin::hardware : StreamOrigin::emulator;
   capabilities.waits_for_reader = kind_ == XdmaNodeKind::fifo;
   capabilities.buffer_bytes = transfer_bytes_;
   capabilities.buffers = static_cast<int>(puller_->queued_transfers());

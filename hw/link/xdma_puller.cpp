@@ -49,7 +49,7 @@ XdmaPuller::XdmaPuller(XdmaNode node, std::string name, std::size_t transfer_byt
       transfer_bytes_(transfer_bytes),
       queued_transfers_(std::max(kLeastQueuedTransfers, kQueueBytes / transfer_bytes)),
       transfer_(aligned_bytes(transfer_bytes, node_.alignment)),
-      queue_(queued_transfers_ * transfer_bytes + kLongestSoundOnes) {}
+      queue_(queued_transfers_ * transfer_bytes + kLongestValidOnes) {}
 
 void XdmaPuller::run() {
   block_signals();
@@ -64,7 +64,7 @@ void XdmaPuller::run() {
 bool XdmaPuller::wait_for_room() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock,
-                [&] { return closed_ || queue_.room() >= transfer_bytes_ + kLongestSoundOnes; });
+                [&] { return closed_ || queue_.room() >= transfer_bytes_ + kLongestValidOnes; });
   return !closed_;
 }
 
@@ -85,7 +85,7 @@ bool XdmaPuller::wait_for_fifo() const {
 }
 
 bool XdmaPuller::accept(std::span<const std::byte> transfer) {
-  const AllOnesWatch::Verdict verdict = ones_.look_at(transfer);
+  const DeviceGoneDetector::Verdict verdict = ones_.look_at(transfer);
   {
     std::lock_guard lock(mutex_);
     queue_.push(verdict.held_back, std::byte{0xFF});

@@ -59,7 +59,7 @@ class XdmaPuller {
   const std::size_t transfer_bytes_;
   const std::size_t queued_transfers_;
   const std::unique_ptr<std::byte, Free> transfer_;  ///< aligned; only the thread
-  AllOnesWatch ones_;                                ///< only the thread
+  DeviceGoneDetector ones_;                          ///< only the thread
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;

@@ -33,7 +33,7 @@ FileLink::FileLink(const std::filesystem::path& path, const FileLinkOptions& opt
 }
 
 LinkCapabilities FileLink::capabilities() const {
-  return {.provenance = Provenance::recording, .copy_in = true, .waits_for_reader = true};
+  return {.origin = StreamOrigin::recording, .copy_in = true, .waits_for_reader = true};
 }
 
 std::uint64_t FileLink::find_volume(std::uint32_t volume) const {

@@ -17,8 +17,8 @@ std::optional<Packet> parse_configuration(Bytes packet) {
   const auto motor = get<std::uint32_t>(payload, kMotorModeAt);
   const auto source = get<std::uint32_t>(payload, kSourceAt);
   if (motor > static_cast<std::uint32_t>(MotorMode::fly_back)) return {};
-  if (source < static_cast<std::uint32_t>(Provenance::simulated) ||
-      source > static_cast<std::uint32_t>(Provenance::hardware)) {
+  if (source < static_cast<std::uint32_t>(StreamOrigin::simulated) ||
+      source > static_cast<std::uint32_t>(StreamOrigin::hardware)) {
     return {};
   }
   ConfigurationPacket parsed;
@@ -26,7 +26,7 @@ std::optional<Packet> parse_configuration(Bytes packet) {
   parsed.sequence = stamp.sequence;
   parsed.volume = stamp.volume;
   parsed.time = stamp.time;
-  parsed.source = static_cast<Provenance>(source);
+  parsed.source = static_cast<StreamOrigin>(source);
   parsed.acquisition.motor = static_cast<MotorMode>(motor);
   visit_configuration(parsed, [&](std::size_t offset, auto& value) {
     value = get<std::remove_reference_t<decltype(value)>>(payload, offset);

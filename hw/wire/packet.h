@@ -39,7 +39,7 @@ struct ConfigurationPacket {
   std::uint64_t sequence = 0;  ///< of the stick that comes next
   std::uint32_t volume = 0;    ///< of the stick that comes next
   DeviceTime time{};
-  Provenance source = Provenance::simulated;  ///< what made the samples, also in a recording
+  StreamOrigin source = StreamOrigin::simulated;  ///< what made the samples, also in a recording
   ProbeOptions probe;
   AcquisitionOptions acquisition;
 };

@@ -16,7 +16,7 @@ namespace wobblebench::hw {
 /// The plan that the following sticks belong to: once at the start, and when it changes.
 struct Configuration {
   AcquisitionPlan plan;
-  Provenance source;  ///< what made the samples
+  StreamOrigin source;  ///< what made the samples
 };
 
 /// What one packet showed.

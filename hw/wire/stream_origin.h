@@ -7,23 +7,23 @@
 namespace wobblebench::hw {
 
 /// On the wire as its number.
-enum class Provenance : std::uint32_t {
+enum class StreamOrigin : std::uint32_t {
   simulated = 1,  ///< a synthetic probe
   recording = 2,  ///< a file, whatever filled it
-  stand_in = 3,   ///< something that behaves like the card's driver
+  emulator = 3,   ///< something that behaves like the card's driver
   hardware = 4,   ///< a card
 };
 
 /// "simulated", "recording", "stand-in" or "hardware", as reports say it.
-constexpr std::string_view to_string(Provenance provenance) {
-  switch (provenance) {
-    case Provenance::simulated:
+constexpr std::string_view to_string(StreamOrigin origin) {
+  switch (origin) {
+    case StreamOrigin::simulated:
       return "simulated";
-    case Provenance::recording:
+    case StreamOrigin::recording:
       return "recording";
-    case Provenance::stand_in:
+    case StreamOrigin::emulator:
       return "stand-in";
-    case Provenance::hardware:
+    case StreamOrigin::hardware:
       return "hardware";
   }
   return "unknown";

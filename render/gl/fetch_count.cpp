@@ -21,8 +21,8 @@ constexpr int kSlot = 7;
 
 }  // namespace
 
-FetchKind kind_of(const Texture& texture) {
-  using Sampler = FetchKind::Sampler;
+TextureFetch kind_of(const Texture& texture) {
+  using Sampler = TextureFetch::Sampler;
   const Extent& extent = texture.extent();
   const Sampler layered = extent.array ? Sampler::layers : Sampler::volume;
   return {extent.depth ? layered : Sampler::plane, texture.format(), texture.filter()};
@@ -51,7 +51,7 @@ void FetchCounter::begin_draw(const Framebuffer& target) {
 }
 
 void FetchCounter::end_draw(const Framebuffer& target,
-                            const std::array<FetchKind, kSamplers>& kinds) {
+                            const std::array<TextureFetch, kSamplers>& kinds) {
   const std::vector<float> pixels = fetches_.download();
   target.attach(kSlot, nullptr);
   std::array<std::int64_t, kSamplers> totals{};
@@ -63,10 +63,10 @@ void FetchCounter::end_draw(const Framebuffer& target,
   }
 }
 
-double fetch_rate_per_us(const FetchKind& kind) {
+double fetch_rate_per_us(const TextureFetch& kind) {
   constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
-  const bool is_plane = kind.sampler == FetchKind::Sampler::plane;
-  const bool is_array = kind.sampler == FetchKind::Sampler::layers;
+  const bool is_plane = kind.sampler == TextureFetch::Sampler::plane;
+  const bool is_array = kind.sampler == TextureFetch::Sampler::layers;
   const Texture fetched(
       "fetched", kind.format, {kSide, kSide, is_plane ? 0 : kLayers, is_array}, kind.filter);
   const Texture sums("sums", TexelFormat::r32f, {kSide, kSide}, TextureFilter::nearest);

@@ -11,7 +11,7 @@ namespace wobblebench::render {
 
 inline constexpr std::size_t kSamplers = 3;
 
-FetchKind kind_of(const Texture& texture);
+TextureFetch kind_of(const Texture& texture);
 
 /// While one lives, programs that are made count their fetches (shaders/fetch_count.glsl), which
 /// slows them. One at a time; it must outlive those programs.
@@ -31,7 +31,7 @@ class FetchCounter {
   /// Around one draw, `kinds`: of the textures that it reads, by Sampler. Where it reads two
   /// textures through samplers of one type, both count as the first.
   void begin_draw(const Framebuffer& target);
-  void end_draw(const Framebuffer& target, const std::array<FetchKind, kSamplers>& kinds);
+  void end_draw(const Framebuffer& target, const std::array<TextureFetch, kSamplers>& kinds);
 
  private:
   Texture fetches_;  ///< of each pixel of a draw, by Sampler
@@ -40,6 +40,6 @@ class FetchCounter {
 
 /// Millions of fetches a second, at best: 64 a pixel in a loop over a picture, neighbouring pixels
 /// reading neighbouring places, as rays do; the fastest of several draws.
-double fetch_rate_per_us(const FetchKind& kind);
+double fetch_rate_per_us(const TextureFetch& kind);
 
 }  // namespace wobblebench::render

@@ -183,10 +183,10 @@ void FragmentProgram::bind(const Framebuffer& target,
 
 void FragmentProgram::count(const Framebuffer& target,
                             std::initializer_list<Binding> bindings) const {
-  std::array<FetchKind, kSamplers> kinds{};
+  std::array<TextureFetch, kSamplers> kinds{};
   std::array<bool, kSamplers> known{};
   for (const auto& [unit, texture] : bindings) {
-    const FetchKind kind = kind_of(*texture);
+    const TextureFetch kind = kind_of(*texture);
     const auto sampler = static_cast<std::size_t>(kind.sampler);
     if (!std::exchange(known[sampler], true)) kinds[sampler] = kind;
   }

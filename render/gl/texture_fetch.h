@@ -10,19 +10,19 @@
 namespace wobblebench::render {
 
 /// A texelFetch counts as a nearest one.
-struct FetchKind {
+struct TextureFetch {
   enum class Sampler { plane, volume, layers };  ///< sampler2D, sampler3D, sampler2DArray
   Sampler sampler = Sampler::plane;
   TexelFormat format = TexelFormat::r32f;
   TextureFilter filter = TextureFilter::nearest;
 
-  bool operator==(const FetchKind&) const = default;
-  bool operator<(const FetchKind& other) const {
+  bool operator==(const TextureFetch&) const = default;
+  bool operator<(const TextureFetch& other) const {
     return std::tie(sampler, format, filter) < std::tie(other.sampler, other.format, other.filter);
   }
 };
 
 /// How many of each kind.
-using FetchCounts = std::map<FetchKind, std::int64_t>;
+using FetchCounts = std::map<TextureFetch, std::int64_t>;
 
 }  // namespace wobblebench::render

@@ -8,9 +8,9 @@ namespace {
 
 enum Bindings { kSlices };
 
-std::vector<CellBounds> to_bounds(const std::vector<float>& values_and_x,
-                                  const std::vector<float>& depth_and_frame) {
-  std::vector<CellBounds> bounds(values_and_x.size() / 4);
+std::vector<MacrocellBounds> to_bounds(const std::vector<float>& values_and_x,
+                                       const std::vector<float>& depth_and_frame) {
+  std::vector<MacrocellBounds> bounds(values_and_x.size() / 4);
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     const float* v = values_and_x.data() + 4 * i;
     const float* d = depth_and_frame.data() + 4 * i;
@@ -21,8 +21,8 @@ std::vector<CellBounds> to_bounds(const std::vector<float>& values_and_x,
 
 }  // namespace
 
-EmptySpace::EmptySpace(QuietCells cells) : cells_(std::move(cells)) {
-  const CellLattice& l = cells_.lattice();
+EmptySpace::EmptySpace(SkippableCells cells) : cells_(std::move(cells)) {
+  const MacrocellGrid& l = cells_.lattice();
   distances_ = Texture(
       "empty space", TexelFormat::r8, {l.columns, l.rows, l.intervals}, TextureFilter::nearest);
   const Extent extent = {l.columns, l.rows, l.intervals};

@@ -13,7 +13,7 @@ namespace wobblebench::render {
 /// when it is asked for.
 class EmptySpace {
  public:
-  explicit EmptySpace(QuietCells cells);
+  explicit EmptySpace(SkippableCells cells);
 
   /// These pairs of slices have changed: see GroupDone.
   void bound(const Texture& slices, int index, const LayerGroup& layers);
@@ -22,10 +22,10 @@ class EmptySpace {
   /// Distances in cells over 255; columns, rows and intervals of the lattice.
   const Texture& distances();
 
-  const QuietCells& cells() const { return cells_; }
+  const SkippableCells& cells() const { return cells_; }
 
  private:
-  QuietCells cells_;
+  SkippableCells cells_;
   Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, a layer for each interval
   Texture distances_;
   FragmentProgram bound_;

@@ -20,7 +20,7 @@ void widen(CellBits& words, std::size_t count, std::size_t stride) {
 }
 
 /// The set and all cells next to it.
-CellBits widened(CellBits set, const CellLattice& lattice) {
+CellBits widened(CellBits set, const MacrocellGrid& lattice) {
   for (std::uint64_t& word : set) word = carried(word, 1, 1) & all_columns(lattice);
   const auto rows = static_cast<std::size_t>(lattice.rows);
   widen(set, rows, 1);
@@ -30,9 +30,9 @@ CellBits widened(CellBits set, const CellLattice& lattice) {
 
 }  // namespace
 
-CellLattice make_cell_lattice(const SliceGeometry& geometry, const Region& pixels) {
+MacrocellGrid make_macrocell_grid(const SliceGeometry& geometry, const Region& pixels) {
   const auto cells = [](int count, int side) { return (count + side - 1) / side; };
-  CellLattice l;
+  MacrocellGrid l;
   l.pixels = pixels;
   l.cell_pixels = std::max(kSmallestCellPixels, cells(pixels.columns, kMostColumns));
   l.columns = cells(pixels.columns, l.cell_pixels);
@@ -41,7 +41,7 @@ CellLattice make_cell_lattice(const SliceGeometry& geometry, const Region& pixel
   return l;
 }
 
-std::uint64_t all_columns(const CellLattice& lattice) {
+std::uint64_t all_columns(const MacrocellGrid& lattice) {
   return ~std::uint64_t{0} >> (kMostColumns - lattice.columns);
 }
 
@@ -52,7 +52,7 @@ std::uint64_t carried(std::uint64_t bits, int down, int up) {
   return all;
 }
 
-std::vector<std::uint8_t> cell_distances(const CellBits& set, const CellLattice& lattice) {
+std::vector<std::uint8_t> cell_distances(const CellBits& set, const MacrocellGrid& lattice) {
   const auto columns = static_cast<std::size_t>(lattice.columns);
   std::vector<std::uint8_t> distances(columns * set.size(), kFarthestCell);
   const auto mark = [&](std::size_t word, std::uint64_t bits, int distance) {

@@ -87,12 +87,12 @@ int whole_cells(double cells) {
 
 }  // namespace
 
-QuietCells::QuietCells(const hw::AcquisitionPlan& plan,
-                       const SliceGeometry& geometry,
-                       const RenderOptions& options,
-                       const Region& pixels)
+SkippableCells::SkippableCells(const hw::AcquisitionPlan& plan,
+                               const SliceGeometry& geometry,
+                               const RenderOptions& options,
+                               const Region& pixels)
     : geometry_(geometry),
-      lattice_(make_cell_lattice(geometry, pixels)),
+      lattice_(make_macrocell_grid(geometry, pixels)),
       pixel_x_m_(geometry.pixel_x_m(1) - geometry.pixel_x_m(0)),
       pixel_depth_m_(geometry.pixel_depth_m(1) - geometry.pixel_depth_m(0)),
       phi_step_rad_(plan.phi_step_rad()),
@@ -105,7 +105,7 @@ QuietCells::QuietCells(const hw::AcquisitionPlan& plan,
       kernel_{0, kernel_reach_m(options)} {
   const auto cells =
       static_cast<std::size_t>(lattice_.columns) * static_cast<std::size_t>(lattice_.rows);
-  bounds_.assign(static_cast<std::size_t>(lattice_.intervals), std::vector<CellBounds>(cells));
+  bounds_.assign(static_cast<std::size_t>(lattice_.intervals), std::vector<MacrocellBounds>(cells));
   for (int row = 0; row < lattice_.rows; ++row) {
     for (int column = 0; column < lattice_.columns; ++column) {
       places_.push_back(place_of(column, row));
@@ -115,12 +115,12 @@ QuietCells::QuietCells(const hw::AcquisitionPlan& plan,
 }
 
 /// Distance from the wobble axis to the row's near side.
-double QuietCells::arm_m(int row) const {
+double SkippableCells::arm_m(int row) const {
   const double first_pixel = lattice_.pixels.row + row * lattice_.cell_pixels - 0.5;
   return geometry_.pixel_depth_m(first_pixel) - geometry_.axis_z_m();
 }
 
-QuietCells::Place QuietCells::place_of(int column, int row) const {
+SkippableCells::Place SkippableCells::place_of(int column, int row) const {
   const double rounding = 1e-3;  // of a pixel
   const double left = lattice_.pixels.column + column * lattice_.cell_pixels - 0.5 - rounding;
   const double top = lattice_.pixels.row + row * lattice_.cell_pixels - 0.5 - rounding;
@@ -140,11 +140,11 @@ QuietCells::Place QuietCells::place_of(int column, int row) const {
   return inside ? Place::inside : Place::border;
 }
 
-void QuietCells::set_bounds(int interval, std::vector<CellBounds> bounds) {
+void SkippableCells::set_bounds(int interval, std::vector<MacrocellBounds> bounds) {
   bounds_.at(static_cast<std::size_t>(interval)) = std::move(bounds);
 }
 
-void QuietCells::look(const RenderOptions& options) {
+void SkippableCells::look(const RenderOptions& options) {
   const Camera camera = make_camera(options);
   forward_ = camera.forward;
   const bool perspective = camera.projection == Projection::perspective;
@@ -153,7 +153,7 @@ void QuietCells::look(const RenderOptions& options) {
 }
 
 /// Within an interval, and this angle beyond it.
-QuietCells::Directions QuietCells::directions(int interval, double margin_rad) const {
+SkippableCells::Directions SkippableCells::directions(int interval, double margin_rad) const {
   const double phi_rad = (interval + 0.5 - geometry_.frame_at(0)) * phi_step_rad_;
   const double half_rad = (geometry_.is_skewed() ? 1.0 : 0.5) * phi_step_rad_;
   const double spread = spread_ + half_rad + margin_rad;
@@ -166,9 +166,9 @@ QuietCells::Directions QuietCells::directions(int interval, double margin_rad) c
 }
 
 /// How steeply an edge of the wanted sign can rise along a ray in a cell.
-double QuietCells::steepest_per_m(const CellBounds& bounds,
-                                  const Directions& along,
-                                  double arm_m) const {
+double SkippableCells::steepest_per_m(const MacrocellBounds& bounds,
+                                      const Directions& along,
+                                      double arm_m) const {
   const auto steepest = [&](const Range& part, const Steps& steps) {
     return rising_ ? greatest_product(part.low, part.high, steps.fall, steps.rise)
                    : greatest_product(part.low, part.high, steps.rise, steps.fall);
@@ -181,7 +181,7 @@ double QuietCells::steepest_per_m(const CellBounds& bounds,
          steepest(about, bounds.frame) / frame_m;
 }
 
-bool QuietCells::is_visible(float low, float high) const {
+bool SkippableCells::is_visible(float low, float high) const {
   const float rounding = 1.0f / kTransferTableSize;
   return next_visible_[static_cast<std::size_t>(clamped_entry(low - rounding))] <=
          clamped_entry(high + rounding) + 1;
@@ -189,7 +189,7 @@ bool QuietCells::is_visible(float low, float high) const {
 
 /// Cells whose samples depend on one of `bits`: those downstream of it by what counts behind a
 /// sample, and around it.
-CellBits QuietCells::dilated(const CellBits& bits, const Reach& reach) const {
+CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const {
   const int rows = lattice_.rows, intervals = lattice_.intervals;
   const double cell_x_m = pixel_x_m_ * lattice_.cell_pixels;
   const double cell_depth_m = pixel_depth_m_ * lattice_.cell_pixels;
@@ -227,7 +227,7 @@ CellBits QuietCells::dilated(const CellBits& bits, const Reach& reach) const {
   return carried_on;
 }
 
-CellBits QuietCells::to_sample() const {
+CellBits SkippableCells::to_sample() const {
   const std::size_t words =
       static_cast<std::size_t>(lattice_.rows) * static_cast<std::size_t>(lattice_.intervals);
   CellBits steep(words, 0), visible(words, 0), border(words, 0);
@@ -238,12 +238,13 @@ CellBits QuietCells::to_sample() const {
     const bool outermost = interval == 0 || interval == lattice_.intervals - 1;
     const auto row_begin =
         static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice_.columns);
-    const CellBounds* row_bounds = bounds_[static_cast<std::size_t>(interval)].data() + row_begin;
+    const MacrocellBounds* row_bounds =
+        bounds_[static_cast<std::size_t>(interval)].data() + row_begin;
     for (int column = 0; column < lattice_.columns; ++column) {
       const std::uint64_t bit = std::uint64_t{1} << column;
       const Place place = places_[row_begin + static_cast<std::size_t>(column)];
       if (place == Place::outside) continue;
-      const CellBounds& cell = row_bounds[column];
+      const MacrocellBounds& cell = row_bounds[column];
       if (place == Place::border) border[word] |= bit;
       // Where some of a kernel's taps lie outside the cone, its mean may change faster than they
       // do.
@@ -261,7 +262,7 @@ CellBits QuietCells::to_sample() const {
   return border;
 }
 
-std::vector<std::uint8_t> QuietCells::distances() const {
+std::vector<std::uint8_t> SkippableCells::distances() const {
   const auto cells = static_cast<std::size_t>(lattice_.columns) *
                      static_cast<std::size_t>(lattice_.rows) *
                      static_cast<std::size_t>(lattice_.intervals);

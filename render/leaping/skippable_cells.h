@@ -18,7 +18,7 @@ struct Steps {
 
 /// What a cell between two frames holds: its pixels in both slices, and those that a fetch in it
 /// reads besides.
-struct CellBounds {
+struct MacrocellBounds {
   float low = 0, high = 0;  ///< least and greatest value
   Steps x, depth;           ///< within a slice
   Steps frame;              ///< from the first slice to the second
@@ -34,16 +34,16 @@ struct CellBounds {
 ///
 /// A ray must sample everything where there is a lone frame, or the wobble axis lies in the field:
 /// what follows takes neighbouring frames to be neighbours in space.
-class QuietCells {
+class SkippableCells {
  public:
   /// `pixels`: those that rays read.
-  QuietCells(const hw::AcquisitionPlan& plan,
-             const SliceGeometry& geometry,
-             const RenderOptions& options,
-             const Region& pixels);
+  SkippableCells(const hw::AcquisitionPlan& plan,
+                 const SliceGeometry& geometry,
+                 const RenderOptions& options,
+                 const Region& pixels);
 
   /// [row][column] of one interval. One never given counts as zeros.
-  void set_bounds(int interval, std::vector<CellBounds> bounds);
+  void set_bounds(int interval, std::vector<MacrocellBounds> bounds);
   /// Where the picture is seen from: what is steep, and where the buffer reaches, depends on where
   /// rays run.
   void look(const RenderOptions& options);
@@ -53,7 +53,7 @@ class QuietCells {
   /// border must be sampled, so that a ray notices when it leaves.
   std::vector<std::uint8_t> distances() const;
 
-  const CellLattice& lattice() const { return lattice_; }
+  const MacrocellGrid& lattice() const { return lattice_; }
   /// False where every cell must be sampled, whatever the slices hold.
   bool can_leap() const { return can_leap_; }
 
@@ -75,21 +75,21 @@ class QuietCells {
   Place place_of(int column, int row) const;
   double arm_m(int row) const;
   Directions directions(int interval, double margin_rad) const;
-  double steepest_per_m(const CellBounds& bounds, const Directions& along, double arm_m) const;
+  double steepest_per_m(const MacrocellBounds& bounds, const Directions& along, double arm_m) const;
   bool is_visible(float low, float high) const;
   CellBits to_sample() const;
   CellBits dilated(const CellBits& bits, const Reach& reach) const;
 
   SliceGeometry geometry_;
-  CellLattice lattice_;
+  MacrocellGrid lattice_;
   double pixel_x_m_, pixel_depth_m_, phi_step_rad_;
   bool can_leap_;
   bool detects_, rising_;
   double steepest_quiet_per_m_;    ///< slope along a ray below which no edge fires
   std::vector<int> next_visible_;  ///< entry of the transfer table at or after this one
   Reach buffer_, kernel_;
-  std::vector<Place> places_;                    ///< [row][column]
-  std::vector<std::vector<CellBounds>> bounds_;  ///< [interval][row][column]
+  std::vector<Place> places_;                         ///< [row][column]
+  std::vector<std::vector<MacrocellBounds>> bounds_;  ///< [interval][row][column]
   glm::dvec3 forward_{0, 0, 1};
   double spread_ = 0;  ///< how far rays' unit directions lie from `forward_`
 };

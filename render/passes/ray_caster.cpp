@@ -96,7 +96,7 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
       "transfer function", TexelFormat::rg32f, {kTransferTableSize, 1}, TextureFilter::linear);
   transfer_.upload(
       TransferFunction(options.ray_casting, step_m(options)).table(kTransferTableSize));
-  const QuietCells* cells = volume.cells();
+  const SkippableCells* cells = volume.cells();
   const bool leaps = cells && cells->can_leap();
   ray_cast_ = make_program(defines(geometry, options, leaps), is_fast(options));
   look(options);
@@ -166,9 +166,9 @@ void RayCaster::set_fan() {
   }
 }
 
-void RayCaster::set_leaps(const QuietCells& cells) {
+void RayCaster::set_leaps(const SkippableCells& cells) {
   const SliceGeometry& g = geometry_;
-  const CellLattice& lattice = cells.lattice();
+  const MacrocellGrid& lattice = cells.lattice();
   // Inward normals of the fan's sides, over (y, z - axis): phi = atan(-y / (z - axis)).
   const double rounding_rad = 1e-5;
   const double first = g.phi_min_rad() - rounding_rad, last = g.phi_max_rad() + rounding_rad;

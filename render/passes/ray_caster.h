@@ -38,7 +38,7 @@ class RayCaster {
   void set_cone(const Region& pixels);
   void set_motion_table();
   void set_fan();
-  void set_leaps(const QuietCells& cells);
+  void set_leaps(const SkippableCells& cells);
   void set_sampling(const RenderOptions& options);
 
   SliceGeometry geometry_;

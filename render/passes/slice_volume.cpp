@@ -36,7 +36,7 @@ class FastVolume : public SliceVolume {
              const RenderOptions& options)
       : converter_(converter),
         slices_(geometry, options),
-        empty_space_(QuietCells(plan, geometry, options, slices_.region())) {}
+        empty_space_(SkippableCells(plan, geometry, options, slices_.region())) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
     converter_.convert(
@@ -46,7 +46,7 @@ class FastVolume : public SliceVolume {
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override { return slices_.region(); }
-  const QuietCells* cells() const override { return &empty_space_.cells(); }
+  const SkippableCells* cells() const override { return &empty_space_.cells(); }
   const Texture* distances() override { return &empty_space_.distances(); }
   void look(const RenderOptions& options) override { empty_space_.look(options); }
 

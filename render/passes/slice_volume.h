@@ -25,7 +25,7 @@ class SliceVolume {
   virtual Region pixels() const = 0;
 
   /// Empty space, in mode fast; else null.
-  virtual const QuietCells* cells() const { return nullptr; }
+  virtual const SkippableCells* cells() const { return nullptr; }
   virtual const Texture* distances() { return nullptr; }
   /// Empty space depends on where the picture is seen from.
   virtual void look(const RenderOptions&) {}

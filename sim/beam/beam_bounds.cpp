@@ -21,7 +21,7 @@ double half_extent(const glm::dmat3& turn, int row, double side_m) {
 }
 
 /// Does a body at `center`, with these half extents, touch the tube at its range?
-bool touches(const BeamTube::Reach& reach,
+bool touches(const BeamBounds::Reach& reach,
              const glm::dvec3& center,
              double half_lateral_m,
              double half_elevation_m) {
@@ -35,7 +35,7 @@ bool touches(const BeamTube::Reach& reach,
 /// Parcels of one map, layer by layer across the axis of the lattice that the stick is nearest to.
 class LayerWalk {
  public:
-  LayerWalk(const StickView& view, const BeamTube& tube, const ParcelLattice& lattice, double end_m)
+  LayerWalk(const StickView& view, const BeamBounds& tube, const ParcelGrid& lattice, double end_m)
       : map_(view.map()), tube_(tube), lattice_(lattice), end_m_(end_m) {
     begin_ = view.to_rest(glm::dvec3(0));
     direction_ = view.to_rest(glm::dvec3(1, 0, 0)) - begin_;
@@ -68,7 +68,7 @@ class LayerWalk {
     double second_m;
   };
 
-  Extent extent(const BeamTube::Reach& reach) const {
+  Extent extent(const BeamBounds::Reach& reach) const {
     // A place of the layer is aside by (u, v) = M (first, second).
     const auto& t = map_.turn;
     const double determinant = t[first_][1] * t[second_][2] - t[second_][1] * t[first_][2];
@@ -81,13 +81,13 @@ class LayerWalk {
     return static_cast<int>(std::floor((place_m - lattice_.origin_m[axis]) / lattice_.side_m));
   }
 
-  BeamTube::Reach widest_near(double range_m) const {
+  BeamBounds::Reach widest_near(double range_m) const {
     const double from = std::max(0.0, range_m - aside_m_),
                  to = std::min(end_m_, range_m + aside_m_);
-    BeamTube::Reach widest = tube_.reach(to);
+    BeamBounds::Reach widest = tube_.reach(to);
     const int steps = static_cast<int>(std::ceil((to - from) / kStep_m));
     for (int i = 0; i < steps; ++i) {
-      const BeamTube::Reach& here = tube_.reach(from + i * kStep_m);
+      const BeamBounds::Reach& here = tube_.reach(from + i * kStep_m);
       widest.lateral_m = std::max(widest.lateral_m, here.lateral_m);
       widest.elevation_m = std::max(widest.elevation_m, here.elevation_m);
     }
@@ -126,8 +126,8 @@ class LayerWalk {
   }
 
   RestToBeam map_;
-  const BeamTube& tube_;
-  const ParcelLattice& lattice_;
+  const BeamBounds& tube_;
+  const ParcelGrid& lattice_;
   double end_m_;
   glm::dvec3 begin_;
   glm::dvec3 direction_;
@@ -142,7 +142,7 @@ class LayerWalk {
 /// that holds its centre.
 class SlabWalk {
  public:
-  SlabWalk(const StickView& view, const BeamTube& tube, const ParcelLattice& lattice, double end_m)
+  SlabWalk(const StickView& view, const BeamBounds& tube, const ParcelGrid& lattice, double end_m)
       : view_(view),
         tube_(tube),
         lattice_(lattice),
@@ -179,7 +179,7 @@ class SlabWalk {
               turn == Turn::bends ? view_.to_beam(rest_m) : view_.whole(turn)(rest_m);
           if (center.x < from_m || center.x >= to_m) continue;
           if (center.x > end_m_ + half_m_) continue;
-          const BeamTube::Reach& half = half_[static_cast<std::size_t>(turn)];
+          const BeamBounds::Reach& half = half_[static_cast<std::size_t>(turn)];
           if (touches(tube_.reach(center.x), center, half.lateral_m, half.elevation_m)) {
             touched.push_back({index, center});
           }
@@ -195,8 +195,8 @@ class SlabWalk {
 
   /// Of what lies in a slab, found at points no farther apart than two parcels.
   Bounds bounds(double from_m, double to_m) const {
-    const BeamTube::Reach& a = tube_.reach(from_m);
-    const BeamTube::Reach& b = tube_.reach(to_m);
+    const BeamBounds::Reach& a = tube_.reach(from_m);
+    const BeamBounds::Reach& b = tube_.reach(to_m);
     const double lateral = std::max(a.lateral_m, b.lateral_m) + half_m_;
     const double elevation = std::max(a.elevation_m, b.elevation_m) + half_m_;
     const double step = 2 * lattice_.side_m;
@@ -221,16 +221,16 @@ class SlabWalk {
   }
 
   const StickView& view_;
-  const BeamTube& tube_;
-  const ParcelLattice& lattice_;
+  const BeamBounds& tube_;
+  const ParcelGrid& lattice_;
   double end_m_;
   double half_m_;
-  BeamTube::Reach half_[3];  ///< half extents of a parcel across the stick, by how it moves
+  BeamBounds::Reach half_[3];  ///< half extents of a parcel across the stick, by how it moves
 };
 
 }  // namespace
 
-StickView::StickView(const Subject& subject, const Sightline& line)
+StickView::StickView(const ScannedTissue& subject, const Sightline& line)
     : subject_(subject),
       ray_(line.ray),
       across_(across_stick(line.ray)),
@@ -273,7 +273,8 @@ RestToBeam StickView::map_near(const glm::dvec3& rest_m) const {
   return seen(moment_.tangent(rest_m), rest_m);
 }
 
-BeamTube::BeamTube(const BeamTable& table, double depth_m, double margin_m) : per_m_(1 / kStep_m) {
+BeamBounds::BeamBounds(const BeamTable& table, double depth_m, double margin_m)
+    : per_m_(1 / kStep_m) {
   const int count = static_cast<int>(std::ceil(depth_m * per_m_)) + 1;
   const int window = static_cast<int>(std::ceil(margin_m * per_m_)) + 1;
   for (int i = 0; i < count; ++i) {
@@ -289,14 +290,14 @@ BeamTube::BeamTube(const BeamTable& table, double depth_m, double margin_m) : pe
   }
 }
 
-const BeamTube::Reach& BeamTube::reach(double range_m) const {
+const BeamBounds::Reach& BeamBounds::reach(double range_m) const {
   const int i = static_cast<int>(range_m * per_m_);
   return reach_[static_cast<std::size_t>(std::clamp(i, 0, static_cast<int>(reach_.size()) - 1))];
 }
 
 void find_touched(const StickView& view,
-                  const BeamTube& tube,
-                  const ParcelLattice& lattice,
+                  const BeamBounds& tube,
+                  const ParcelGrid& lattice,
                   double end_m,
                   std::vector<TouchedParcel>& touched) {
   touched.clear();

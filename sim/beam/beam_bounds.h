@@ -24,7 +24,7 @@ struct RestToBeam {
 /// Tissue as one stick sees it.
 class StickView {
  public:
-  StickView(const Subject& subject, const Sightline& line);
+  StickView(const ScannedTissue& subject, const Sightline& line);
 
   /// Where a place at rest is now, in beam coordinates, and back.
   glm::dvec3 to_beam(const glm::dvec3& rest_m) const;
@@ -44,7 +44,7 @@ class StickView {
   RestToBeam map_near(const glm::dvec3& rest_m) const;
 
  private:
-  const Subject& subject_;
+  const ScannedTissue& subject_;
   hw::Ray ray_;
   AcrossStick across_;
   phantoms::Moment moment_;
@@ -55,10 +55,10 @@ class StickView {
 };
 
 /// Widths of the tube along the stick, each the largest within a distance.
-class BeamTube {
+class BeamBounds {
  public:
   /// `margin_m`: half the diagonal of the parcels that will be asked for.
-  BeamTube(const BeamTable& table, double depth_m, double margin_m);
+  BeamBounds(const BeamTable& table, double depth_m, double margin_m);
 
   struct Reach {
     double lateral_m;
@@ -76,7 +76,7 @@ class BeamTube {
 };
 
 /// A lattice of parcels at rest.
-struct ParcelLattice {
+struct ParcelGrid {
   glm::dvec3 origin_m{0};
   double side_m = 0;
   glm::ivec3 first{0};  ///< parcels beyond these two are never touched
@@ -94,8 +94,8 @@ struct TouchedParcel {
   glm::dvec3 center{0};
 };
 void find_touched(const StickView& view,
-                  const BeamTube& tube,
-                  const ParcelLattice& lattice,
+                  const BeamBounds& tube,
+                  const ParcelGrid& lattice,
                   double end_m,
                   std::vector<TouchedParcel>& touched);
 

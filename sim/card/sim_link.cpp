@@ -55,7 +55,7 @@ SimLink::SimLink(StickSource source,
 }
 
 hw::LinkCapabilities SimLink::capabilities() const {
-  return {.provenance = hw::Provenance::simulated,
+  return {.origin = hw::StreamOrigin::simulated,
           .copy_in = true,
           .waits_for_reader = options_.pace == hw::Pace::asap,
           .buffer_bytes = static_cast<std::size_t>(options_.card.buffer_bytes),
@@ -128,7 +128,7 @@ bool SimLink::next_volume() {
   hw::encode(hw::ConfigurationPacket{.sequence = sequence_,
                                      .volume = plan.index(sequence_).volume,
                                      .time = begin,
-                                     .source = hw::Provenance::simulated,
+                                     .source = hw::StreamOrigin::simulated,
                                      .probe = plan.probe(),
                                      .acquisition = plan.acquisition()},
              bytes_);

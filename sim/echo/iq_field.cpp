@@ -129,9 +129,9 @@ int iq_oversampling(const hw::AcquisitionPlan& plan) {
   return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
 }
 
-EchoField make_echo_field(const hw::AcquisitionPlan& plan) {
+IqField make_iq_field(const hw::AcquisitionPlan& plan) {
   const auto& acquisition = plan.acquisition();
-  EchoField field;
+  IqField field;
   field.frames = acquisition.frames_per_volume;
   field.lines = acquisition.sticks_per_frame;
   const int oversampling = iq_oversampling(plan);
@@ -157,7 +157,7 @@ void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigm
   }
 }
 
-void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads) {
+void filter_across_lines(IqField& field, const hw::AcquisitionPlan& plan, int threads) {
   const RangeKernels kernels(field.samples, kMaxHalfLines, [&](int i) {
     const double range_m = (i + 0.5) * field.spacing_m;
     const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
@@ -171,7 +171,7 @@ void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int 
   });
 }
 
-void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads) {
+void filter_across_frames(IqField& field, const hw::AcquisitionPlan& plan, int threads) {
   const std::size_t frame = static_cast<std::size_t>(field.samples) * field.lines;
   parallel_ranges(field.lines, threads, [&](int first, int last) {
     for (int line = first; line < last; ++line) {
@@ -185,8 +185,8 @@ void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int
   });
 }
 
-EchoField even_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads) {
-  EchoField field = make_echo_field(plan);
+IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads) {
+  IqField field = make_iq_field(plan);
   const double pulse_sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
   parallel_ranges(plan.sticks_per_volume(), threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {

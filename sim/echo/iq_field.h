@@ -13,7 +13,7 @@
 namespace wobblebench::sim {
 
 /// frames x lines x samples, sample fastest. A sample's middle lies at (i + 1/2) * spacing_m.
-struct EchoField {
+struct IqField {
   int frames = 0;
   int lines = 0;
   int samples = 0;
@@ -39,7 +39,7 @@ inline constexpr int kMaxHalfPulse = 1024;
 /// IQ samples for each output sample, so that the two-sided band of the pulse fits the rate.
 int iq_oversampling(const hw::AcquisitionPlan& plan);
 
-EchoField make_echo_field(const hw::AcquisitionPlan& plan);
+IqField make_iq_field(const hw::AcquisitionPlan& plan);
 
 /// White circular noise of unit power, filtered by the pulse to unit power again.
 void fill_speckle(std::span<std::complex<float>> stick,
@@ -48,11 +48,11 @@ void fill_speckle(std::span<std::complex<float>> stick,
 
 /// Filters each range across the lines of a frame, then across frames, by the beam's width there,
 /// keeping the power.
-void filter_across_lines(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
-void filter_across_frames(EchoField& field, const hw::AcquisitionPlan& plan, int threads);
+void filter_across_lines(IqField& field, const hw::AcquisitionPlan& plan, int threads);
+void filter_across_frames(IqField& field, const hw::AcquisitionPlan& plan, int threads);
 
 /// Speckle of unit power on the whole grid, filtered in all three directions.
-EchoField even_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads);
+IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads);
 
 /// Adds the echo of a single reflector: a pulse of peak `amplitude` at a range, with its phase.
 void add_reflector(std::span<std::complex<float>> stick,

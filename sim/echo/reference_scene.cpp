@@ -50,7 +50,7 @@ std::string minutes(double seconds) {
 
 }  // namespace
 
-ReferenceScene::ReferenceScene(const Subject& subject,
+ReferenceScene::ReferenceScene(const ScannedTissue& subject,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options)
     : plan_(plan),
@@ -102,14 +102,14 @@ double ReferenceScene::on_axis(double range_m) const {
          (place - static_cast<double>(before)) * (on_axis_[behind] - on_axis_[before]);
 }
 
-void ReferenceScene::add_echoes(const StickWay& way, std::span<std::complex<float>> iq) const {
+void ReferenceScene::add_echoes(const StickPath& way, std::span<std::complex<float>> iq) const {
   if (way.left.empty()) return;
   const double delay_m = way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back());
   const double to_m = (static_cast<double>(way.left.size()) + kSamplesBeyond) * way.spacing_m;
   add_points(way, field_.near(way.line, to_m - delay_m), iq);
 }
 
-void ReferenceScene::add_points(const StickWay& way,
+void ReferenceScene::add_points(const StickPath& way,
                                 std::span<const PointEcho> points,
                                 std::span<std::complex<float>> iq) const {
   const ElementSum sum(plan_, theta_of(plan_, way.line.ray));

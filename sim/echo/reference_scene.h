@@ -18,15 +18,15 @@ class ReferenceScene {
  public:
   /// Throws InvalidOption "fidelity = reference: ..." before any echo is made if all sticks of
   /// a volume would take too long.
-  ReferenceScene(const Subject& subject,
+  ReferenceScene(const ScannedTissue& subject,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options);
 
   /// Adds the echoes of the scatterers that the rung `scatterers` would use with side lobes, each
   /// with the amplitude that it has there: a lone scatterer on the axis echoes as strongly in both.
-  void add_echoes(const StickWay& way, std::span<std::complex<float>> iq) const;
+  void add_echoes(const StickPath& way, std::span<std::complex<float>> iq) const;
   /// The same for given scatterers in place of the tissue's.
-  void add_points(const StickWay& way,
+  void add_points(const StickPath& way,
                   std::span<const PointEcho> points,
                   std::span<std::complex<float>> iq) const;
 

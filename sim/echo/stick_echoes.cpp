@@ -14,7 +14,7 @@ namespace {
 /// Half the diagonal of a hash cell of scatterers, at most, and what its sheets are thick.
 constexpr double kScattererReach_m = 2e-3;
 
-double fastest_ratio(const Subject& subject, const hw::AcquisitionPlan& plan) {
+double fastest_ratio(const ScannedTissue& subject, const hw::AcquisitionPlan& plan) {
   double ratio = 1;
   for (const auto& material : subject.materials) {
     ratio = std::max(ratio, material.sound_speed_m_s / plan.acquisition().sound_speed_m_s);
@@ -45,10 +45,10 @@ Sightline sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index
 
 double StickEchoes::reach_m(const hw::AcquisitionPlan& plan, Rung rung) {
   if (rung == Rung::geometry) return 0;
-  return rung == Rung::field ? TissuePower::reach_m(plan) : kScattererReach_m;
+  return rung == Rung::field ? MeanPower::reach_m(plan) : kScattererReach_m;
 }
 
-StickEchoes::StickEchoes(const Subject& subject,
+StickEchoes::StickEchoes(const ScannedTissue& subject,
                          const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options,
                          Rung rung)
@@ -61,13 +61,13 @@ StickEchoes::StickEchoes(const Subject& subject,
       faintest_(lost_amplitude(plan, options)),
       fresh_{{},
              StickLosses(plan, options, subject_.materials, spacing_m_, samples_),
-             TissuePower(
+             MeanPower(
                  plan, options, subject_.materials, spacing_m_, samples_, subject.map->reach_m()),
              std::vector<float>(static_cast<std::size_t>(samples_))} {
   depth_m_ = plan.acquisition().depth_m;
   if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(subject, plan);
   if (rung == Rung::field) {
-    if (options.speckle) speckle_ = even_speckle(plan, options.seed, options.threads);
+    if (options.speckle) speckle_ = homogeneous_speckle(plan, options.seed, options.threads);
   } else if (rung == Rung::scatterers) {
     scatterers_ = std::make_unique<ScattererField>(subject_, plan, options);
   } else {
@@ -87,7 +87,7 @@ void StickEchoes::make(const hw::StickIndex& index,
     modulate_speckle(index, worker, iq);
   } else {
     std::fill(iq.begin(), iq.end(), std::complex<float>(0));
-    const StickWay way{line, spacing_m_, worker.losses.left(), worker.losses.delay_m()};
+    const StickPath way{line, spacing_m_, worker.losses.left(), worker.losses.delay_m()};
     if (scatterers_) scatterers_->add_echoes(way, iq);
     if (reference_) reference_->add_echoes(way, iq);
   }

@@ -20,7 +20,7 @@ class ReferenceScene;
 /// Worker.
 class StickEchoes {
  public:
-  StickEchoes(const Subject& subject,
+  StickEchoes(const ScannedTissue& subject,
               const hw::AcquisitionPlan& plan,
               const SimulationOptions& options,
               Rung rung);
@@ -30,7 +30,7 @@ class StickEchoes {
   struct Worker {
     StickTrack track;
     StickLosses losses;
-    TissuePower power;
+    MeanPower power;
     std::vector<float> mean_power;
   };
   Worker make_worker() const { return fresh_; }
@@ -55,16 +55,16 @@ class StickEchoes {
                         std::span<std::complex<float>> iq) const;
   void add_specular(const Worker& worker, std::span<std::complex<float>> iq) const;
 
-  Subject subject_;
+  ScannedTissue subject_;
   hw::AcquisitionPlan plan_;
   SimulationOptions options_;
   Rung rung_;
   int samples_;
   double spacing_m_;
-  double faintest_;    ///< amplitude of a specular echo that still shows
-  double depth_m_;     ///< true range that the last sample can come from
-  Worker fresh_;       ///< what a worker begins with: tables over the range
-  EchoField speckle_;  ///< rung `field`: even speckle
+  double faintest_;  ///< amplitude of a specular echo that still shows
+  double depth_m_;   ///< true range that the last sample can come from
+  Worker fresh_;     ///< what a worker begins with: tables over the range
+  IqField speckle_;  ///< rung `field`: even speckle
   std::unique_ptr<const ScattererField> scatterers_;  ///< rung `scatterers`
   std::unique_ptr<const ReferenceScene> reference_;   ///< rung `reference`
 };

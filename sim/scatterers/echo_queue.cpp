@@ -14,14 +14,14 @@ constexpr std::size_t kPending = 1024;
 
 }  // namespace
 
-HeardRange::HeardRange(const ScattererScene& scene, const StickWay& way) {
+HeardRange::HeardRange(const ScattererScene& scene, const StickPath& way) {
   // A pulse whose middle lies beyond the last sample is still heard there.
   const double samples = static_cast<double>(way.left.size()) + scene.taps.beside();
   apparent_m = samples * way.spacing_m;
   true_m = apparent_m - (way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back()));
 }
 
-void EchoQueue::begin(const ScattererScene& scene, const StickWay& way) {
+void EchoQueue::begin(const ScattererScene& scene, const StickPath& way) {
   scene_ = &scene;
   way_ = &way;
   pending_ = 0;

@@ -17,14 +17,14 @@ struct HeardRange {
   double apparent_m;
   double true_m;
 
-  HeardRange(const ScattererScene& scene, const StickWay& way);
+  HeardRange(const ScattererScene& scene, const StickPath& way);
 };
 
 /// Working memory of one thread.
 class EchoQueue {
  public:
   /// What is given must outlive finish().
-  void begin(const ScattererScene& scene, const StickWay& way);
+  void begin(const ScattererScene& scene, const StickPath& way);
   /// Where the next go: room for so many, and kFlagsTogether more.
   SeenScatterers room_for(std::size_t scatterers);
   /// Takes so many of what has been written there. Echoes are made as soon as there are enough.
@@ -38,12 +38,12 @@ class EchoQueue {
   void delay_paths();
 
   const ScattererScene* scene_ = nullptr;
-  const StickWay* way_ = nullptr;
+  const StickPath* way_ = nullptr;
   std::vector<float> path_m_;
   std::vector<std::uint32_t> places_;
   std::vector<float> amplitude_;
   std::vector<float> delay_m_;  ///< by true range, a sample apart; empty: none
-  EchoBins bins_;
+  RangeBins bins_;
   std::size_t pending_ = 0;
   std::uint64_t total_ = 0;
 };

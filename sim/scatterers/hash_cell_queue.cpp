@@ -60,7 +60,7 @@ void CellGrid::fill(const RestToBeam& map, double side_m, int divisions) {
   }
 }
 
-TouchedHashCells CellBatch::next(std::size_t more) {
+TouchedHashCells HashCellQueue::next(std::size_t more) {
   const std::size_t needed = count + more + kFlagsTogether;
   if (origin_.size() < needed) {
     origin_.resize(2 * needed);
@@ -72,7 +72,7 @@ TouchedHashCells CellBatch::next(std::size_t more) {
   return cells().from(count);
 }
 
-TouchedHashCells CellBatch::cells() {
+TouchedHashCells HashCellQueue::cells() {
   return {origin_.data(), seed_.data(), amplitude_.data()};
 }
 

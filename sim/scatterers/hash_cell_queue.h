@@ -35,7 +35,7 @@ struct CellGrid {
 };
 
 /// Hash cells that are looked at together.
-class CellBatch {
+class HashCellQueue {
  public:
   /// Where the next cells go, and room for some more of them.
   TouchedHashCells next(std::size_t more);
@@ -55,7 +55,7 @@ class CellBatch {
 /// An octave's cells in tissue of one map, and those that wait to be looked at.
 struct OctaveCells {
   CellGrid grid;
-  CellBatch even, mixed;
+  HashCellQueue even, mixed;
 };
 
 }  // namespace wobblebench::sim

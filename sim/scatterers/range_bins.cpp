@@ -52,16 +52,16 @@ PulseTaps::PulseTaps(const hw::AcquisitionPlan& plan, double spacing_m) : spacin
   }
 }
 
-void EchoBins::begin(const PulseTaps& taps, double end_m) {
+void RangeBins::begin(const PulseTaps& taps, double end_m) {
   last_bin_ = static_cast<std::int32_t>(std::ceil(end_m / taps.bin_m())) + 1;
   bins_.assign(static_cast<std::size_t>(last_bin_) + 1, BinShare{0, 0, 0, 0});
 }
 
-void EchoBins::add(const BinShare* shares, const std::int32_t* at, int count) {
+void RangeBins::add(const BinShare* shares, const std::int32_t* at, int count) {
   deposit(shares, at, count, bins_.data());
 }
 
-void EchoBins::spread(const PulseTaps& taps, std::span<const float> left, int samples) {
+void RangeBins::spread(const PulseTaps& taps, std::span<const float> left, int samples) {
   const int bins = taps.bins_per_sample();
   const int room = samples + 2 * taps.beside() + 1;
   // Ends of bins beyond the last sample are heard in it.
@@ -89,9 +89,9 @@ void EchoBins::spread(const PulseTaps& taps, std::span<const float> left, int sa
   }
 }
 
-void EchoBins::finish(const PulseTaps& taps,
-                      std::span<const float> left,
-                      std::span<std::complex<float>> iq) {
+void RangeBins::finish(const PulseTaps& taps,
+                       std::span<const float> left,
+                       std::span<std::complex<float>> iq) {
   if (left.empty()) return;
   bins_.front() = {0, 0, 0, 0};  // what came from before the face
   const int samples = static_cast<int>(iq.size());

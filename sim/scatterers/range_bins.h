@@ -36,7 +36,7 @@ class PulseTaps {
 };
 
 /// The bins of one stick; working memory of one thread.
-class EchoBins {
+class RangeBins {
  public:
   /// Clears bins up to `end_m`; echoes from beyond are lost.
   void begin(const PulseTaps& taps, double end_m);

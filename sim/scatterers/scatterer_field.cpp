@@ -86,7 +86,7 @@ class ParcelSearch {
 
 }  // namespace
 
-ScattererField::ScattererField(const Subject& subject,
+ScattererField::ScattererField(const ScannedTissue& subject,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
                                const ScattererModel& model)
@@ -102,7 +102,7 @@ ScanBuffers& buffers_of_thread() {
 
 }  // namespace
 
-void ScattererField::add_echoes(const StickWay& way,
+void ScattererField::add_echoes(const StickPath& way,
                                 std::span<std::complex<float>> iq,
                                 std::uint64_t* seen) const {
   if (way.left.empty()) return;
@@ -110,7 +110,7 @@ void ScattererField::add_echoes(const StickWay& way,
   if (seen != nullptr) *seen += found;
 }
 
-void ScattererField::add_points(const StickWay& way,
+void ScattererField::add_points(const StickPath& way,
                                 std::span<const PointEcho> points,
                                 std::span<std::complex<float>> iq) const {
   if (way.left.empty()) return;

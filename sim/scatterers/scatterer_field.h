@@ -24,7 +24,7 @@ namespace wobblebench::sim {
 
 /// What a stick knows of its way before scatterers are asked for. One value an IQ sample; sample i
 /// lies at apparent range (i + 1/2) * spacing_m.
-struct StickWay {
+struct StickPath {
   Sightline line;
   double spacing_m = 0;  ///< of the plan's IQ samples (sim/echo/iq_field.h)
   /// Two-way amplitude left at the sample, on the axis; samples from left.size() on are lost.
@@ -42,23 +42,23 @@ struct PointEcho {
 /// Const functions may be called from several threads.
 class ScattererField {
  public:
-  ScattererField(const Subject& subject,
+  ScattererField(const ScannedTissue& subject,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options)
       : ScattererField(subject, plan, options, ScattererModel::of(options)) {}
-  ScattererField(const Subject& subject,
+  ScattererField(const ScannedTissue& subject,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,
                  const ScattererModel& model);
 
   /// Adds the echoes of all scatterers that the stick's beam reaches. `iq` is one stick at the IQ
   /// rate. `seen`, if given, is increased by the number of scatterers that contributed.
-  void add_echoes(const StickWay& way,
+  void add_echoes(const StickPath& way,
                   std::span<std::complex<float>> iq,
                   std::uint64_t* seen = nullptr) const;
 
   /// The same for given scatterers in place of the tissue's.
-  void add_points(const StickWay& way,
+  void add_points(const StickPath& way,
                   std::span<const PointEcho> points,
                   std::span<std::complex<float>> iq) const;
 

@@ -72,7 +72,7 @@ Line line_around(const BeamTable& table, int row, const Value& value) {
 
 }  // namespace
 
-ScattererScene::ScattererScene(const Subject& scanned,
+ScattererScene::ScattererScene(const ScannedTissue& scanned,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
                                const ScattererModel& model)

@@ -28,7 +28,7 @@ struct ScattererModel {
 
 /// Immutable after construction.
 struct ScattererScene {
-  ScattererScene(const Subject& subject,
+  ScattererScene(const ScannedTissue& subject,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,
                  const ScattererModel& model);
@@ -43,7 +43,7 @@ struct ScattererScene {
     float end_m = 0;
   };
 
-  Subject subject;
+  ScannedTissue subject;
   BeamTable table;
   double per_m3;   ///< scatterers, all octaves
   double pulse_m;  ///< length of a pulse of even power that has the same energy
@@ -51,7 +51,7 @@ struct ScattererScene {
   TissueParcels parcels;
   std::vector<OctaveGain> gains;
   std::vector<BeamAtRow> rows;
-  BeamTube tube;
+  BeamBounds tube;
   std::vector<ParcelReach> reaches;  ///< by the row of a parcel's middle
   BeamRim rim;
   PulseTaps taps;
@@ -66,7 +66,7 @@ struct ScattererScene {
             static_cast<float>(table.rows_per_m()),
             rim};
   }
-  ParcelLattice lattice() const {
+  ParcelGrid lattice() const {
     return {parcels.origin_m(), parcels.side_m(), parcels.first(), parcels.last()};
   }
 

@@ -34,7 +34,7 @@ glm::vec3 direction_of(const RestToBeam& map) {
 
 }  // namespace
 
-StickScan::StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffers& buffers)
+StickScan::StickScan(const ScattererScene& scene, const StickPath& way, ScanBuffers& buffers)
     : scene_(scene),
       way_(way),
       buffers_(buffers),
@@ -82,7 +82,7 @@ void StickScan::scan(const TouchedParcel& touched, const TissueParcels::Parcel& 
   if (!begun_) begin();
   Parcel parcel;
   parcel.tissue = tissue;
-  const ParcelLattice lattice = scene_.lattice();
+  const ParcelGrid lattice = scene_.lattice();
   const glm::dvec3 center = lattice.center(touched.index);
   parcel.corner = center - 0.5 * lattice.side_m;
   std::vector<OctaveCells>& octaves = place_parcel(center, parcel);
@@ -181,7 +181,7 @@ int StickScan::list_near(const Parcel& parcel, int octave, int count, CellKind w
 void StickScan::take_even_cells(const Parcel& parcel, int octave, OctaveCells& cells) {
   const TissueParcels& parcels = scene_.parcels;
   const CellGrid& grid = cells.grid;
-  CellBatch& batch = cells.even;
+  HashCellQueue& batch = cells.even;
   const int taken = list_near(parcel, octave, grid.count(), CellKind::even);
   const TouchedHashCells to = batch.next(static_cast<std::size_t>(taken));
   place_cells(parcel, grid, taken, to);
@@ -197,7 +197,7 @@ void StickScan::take_even_cells(const Parcel& parcel, int octave, OctaveCells& c
 void StickScan::take_mixed_cells(const Parcel& parcel, int octave, OctaveCells& cells) {
   const std::int16_t* codes = scene_.parcels.codes(parcel.tissue, octave);
   const CellGrid& grid = cells.grid;
-  CellBatch& batch = cells.mixed;
+  HashCellQueue& batch = cells.mixed;
   const int taken = list_near(parcel, octave, grid.count(), CellKind::mixed);
   const TouchedHashCells to = batch.next(static_cast<std::size_t>(taken));
   place_cells(parcel, grid, taken, to);
@@ -218,7 +218,7 @@ void StickScan::take_bent_cells(const Parcel& parcel, OctaveCells& cells, int oc
     const int code = parcels.code(parcel.tissue, octave, number);
     const float amplitude = code >= 0 ? parcels.amplitude(code) : 1.0f;
     if (amplitude == 0) continue;
-    CellBatch& batch = code >= 0 ? cells.even : cells.mixed;
+    HashCellQueue& batch = code >= 0 ? cells.even : cells.mixed;
     const TouchedHashCells cell = batch.next(1);
     cell.seed[0] = hash_cell_seed(parcel.key, static_cast<std::uint32_t>(number));
     cell.amplitude[0] = amplitude;
@@ -246,7 +246,7 @@ HashAxes StickScan::place_bent(const Parcel& parcel,
   return hash_axes(map, cell_m);
 }
 
-void StickScan::see_even(CellBatch& batch, const HashAxes& axes, int octave) {
+void StickScan::see_even(HashCellQueue& batch, const HashAxes& axes, int octave) {
   EchoQueue& echoes = buffers_.echoes;
   echoes.take(see_scatterers(batch.cells(),
                              static_cast<int>(batch.count),
@@ -256,7 +256,7 @@ void StickScan::see_even(CellBatch& batch, const HashAxes& axes, int octave) {
   batch.count = 0;
 }
 
-void StickScan::see_mixed(CellBatch& batch,
+void StickScan::see_mixed(HashCellQueue& batch,
                           const HashAxes& axes,
                           int octave,
                           const glm::vec3& direction) {

@@ -29,7 +29,7 @@ struct ScanBuffers {
 
 class StickScan {
  public:
-  StickScan(const ScattererScene& scene, const StickWay& way, ScanBuffers& buffers);
+  StickScan(const ScattererScene& scene, const StickPath& way, ScanBuffers& buffers);
 
   /// Adds the stick's echoes to `iq`. Returns how many scatterers contributed.
   std::uint64_t run(std::span<std::complex<float>> iq);
@@ -70,12 +70,15 @@ class StickScan {
   void take_bent_cells(const Parcel& parcel, OctaveCells& cells, int octave);
   HashAxes place_bent(const Parcel& parcel, int octave, int number, CellOrigin& origin) const;
   /// Looks at the scatterers of the cells that wait. `direction`: of the sound, at rest.
-  void see_even(CellBatch& batch, const HashAxes& axes, int octave);
-  void see_mixed(CellBatch& batch, const HashAxes& axes, int octave, const glm::vec3& direction);
+  void see_even(HashCellQueue& batch, const HashAxes& axes, int octave);
+  void see_mixed(HashCellQueue& batch,
+                 const HashAxes& axes,
+                 int octave,
+                 const glm::vec3& direction);
   void see_rest();
 
   const ScattererScene& scene_;
-  const StickWay& way_;
+  const StickPath& way_;
   ScanBuffers& buffers_;
   StickView view_;
   double end_m_;            ///< true range of the farthest echo

@@ -53,12 +53,12 @@ float GridReader::at(const openvdb::Vec3d& place_m) {
   return openvdb::tools::BoxSampler::sample(accessor_, grid_->worldToIndex(place_m));
 }
 
-WideDistance::WideDistance(Grid::ConstPtr fine, double step_m, double reach_m)
+ExtendedDistance::ExtendedDistance(Grid::ConstPtr fine, double step_m, double reach_m)
     : fine_(std::move(fine)), step_m_(step_m), band_m_(static_cast<double>(fine_->background())) {
   if (!fine_->empty() && band_m_ < reach_m) widen(reach_m);
 }
 
-void WideDistance::widen(double reach_m) {
+void ExtendedDistance::widen(double reach_m) {
   const double coarse_m = 2 * step_m_, voxel_m = fine_->voxelSize()[0];
   auto coarse = Grid::create(static_cast<float>(band_m_));
   coarse->setTransform(openvdb::math::Transform::createLinearTransform(coarse_m));
@@ -78,14 +78,14 @@ void WideDistance::widen(double reach_m) {
   wide_ = openvdb::tools::dilateSdf(*coarse, layers);
 }
 
-WideDistance::Reader::Reader(const WideDistance& source)
+ExtendedDistance::Reader::Reader(const ExtendedDistance& source)
     : trusted_m_(static_cast<float>(kTrusted * source.band_m_)),
       step_m_(source.step_m_),
       fine_(*source.fine_, source.step_m_) {
   if (source.wide_) wide_.emplace(*source.wide_, 2 * source.step_m_);
 }
 
-float WideDistance::Reader::at(const openvdb::Coord& node) {
+float ExtendedDistance::Reader::at(const openvdb::Coord& node) {
   const float near = fine_.at_node(node);
   if (!wide_ || std::abs(near) < trusted_m_) return near;
   const bool shared = ((node.x() | node.y() | node.z()) & 1) == 0;

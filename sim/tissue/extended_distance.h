@@ -29,15 +29,15 @@ class GridReader {
 /// One surface, near and a little farther: the phantom's own narrow band, and a coarser level set
 /// that knows distances up to the reach (first order, by fast sweeping). The coarser one has every
 /// second point of the lattice.
-class WideDistance {
+class ExtendedDistance {
  public:
-  WideDistance() = default;
-  WideDistance(openvdb::FloatGrid::ConstPtr fine, double step_m, double reach_m);
+  ExtendedDistance() = default;
+  ExtendedDistance(openvdb::FloatGrid::ConstPtr fine, double step_m, double reach_m);
 
   /// Access for one thread.
   class Reader {
    public:
-    explicit Reader(const WideDistance& source);
+    explicit Reader(const ExtendedDistance& source);
     /// Signed distance, exact within the reach; beyond it only its sign counts.
     float at(const openvdb::Coord& node);
 

@@ -9,15 +9,15 @@
 
 namespace wobblebench::sim {
 
-class CellWalk {
+class GridDda {
  public:
   /// From `origin`, reached at `from_m`, by `direction` (rest metres for a metre of range) to
   /// `to_m`.
-  CellWalk(const TissueMap& map,
-           const glm::dvec3& origin,
-           const glm::dvec3& direction,
-           double from_m,
-           double to_m)
+  GridDda(const TissueMap& map,
+          const glm::dvec3& origin,
+          const glm::dvec3& direction,
+          double from_m,
+          double to_m)
       : cell_(map.cell_at(origin)), range_m_(from_m), end_m_(to_m) {
     for (int axis = 0; axis < 3; ++axis) {
       const double speed = direction[axis];

@@ -43,7 +43,7 @@ WOBBLEBENCH_SIMD void place_samples(int first,
 }
 
 /// Blends a surface over what was painted before.
-WOBBLEBENCH_SIMD void paint(const TissuePower::Between* __restrict between,
+WOBBLEBENCH_SIMD void paint(const MeanPower::Between* __restrict between,
                             const float* __restrict share,
                             const float* __restrict inside,
                             std::size_t count,
@@ -74,7 +74,7 @@ std::size_t padded(std::size_t count) {
 
 }  // namespace
 
-double TissuePower::reach_m(const hw::AcquisitionPlan& plan) {
+double MeanPower::reach_m(const hw::AcquisitionPlan& plan) {
   double widest = widest_sigma(plan, plan.acquisition().depth_m);
   for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
     widest = std::max(widest, widest_sigma(plan, plan.sample_range_m(k)));
@@ -82,12 +82,12 @@ double TissuePower::reach_m(const hw::AcquisitionPlan& plan) {
   return std::min(BeamNodes::kReachSigmas * widest, kMostReach_m);
 }
 
-TissuePower::TissuePower(const hw::AcquisitionPlan& plan,
-                         const SimulationOptions& options,
-                         const std::vector<phantoms::Material>& materials,
-                         double spacing_m,
-                         int samples,
-                         double reach_m)
+MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     const std::vector<phantoms::Material>& materials,
+                     double spacing_m,
+                     int samples,
+                     double reach_m)
     : spacing_m_(spacing_m), nodes_(plan, options, materials, spacing_m, samples, reach_m) {
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
@@ -102,13 +102,13 @@ TissuePower::TissuePower(const hw::AcquisitionPlan& plan,
   between_.resize(most);
 }
 
-bool TissuePower::Section::clear() const {
+bool MeanPower::Section::clear() const {
   return piece->layers == 0 && count >= kLanes;
 }
 
-bool TissuePower::compute(const StickTrack& track,
-                          const StickLosses& losses,
-                          std::span<float> power) {
+bool MeanPower::compute(const StickTrack& track,
+                        const StickLosses& losses,
+                        std::span<float> power) {
   const std::size_t end = losses.left().size();
   find_pieces(track, losses);
   const bool silent = std::ranges::all_of(sections_, [this](const Section& section) {
@@ -130,7 +130,7 @@ bool TissuePower::compute(const StickTrack& track,
   return true;
 }
 
-void TissuePower::find_pieces(const StickTrack& track, const StickLosses& losses) {
+void MeanPower::find_pieces(const StickTrack& track, const StickLosses& losses) {
   sections_.clear();
   const auto end = static_cast<int>(losses.left().size());
   const float* delay_m = losses.delay_m().empty() ? nullptr : losses.delay_m().data();
@@ -156,7 +156,7 @@ void TissuePower::find_pieces(const StickTrack& track, const StickLosses& losses
   }
 }
 
-void TissuePower::begin(const StickTrack& track, const Section& section) {
+void MeanPower::begin(const StickTrack& track, const Section& section) {
   if (section.clear()) return;
   const auto first = static_cast<std::ptrdiff_t>(section.first);
   const float base = base_power(section);
@@ -170,7 +170,7 @@ void TissuePower::begin(const StickTrack& track, const Section& section) {
   std::fill_n(share_.begin() + first, section.count, 0.0f);
 }
 
-void TissuePower::set_layer(const StickTrack& track, const Section& section, int layer) {
+void MeanPower::set_layer(const StickTrack& track, const Section& section, int layer) {
   const auto& surface = track.layers[static_cast<std::size_t>(section.piece->first_layer + layer)];
   const BeamNodes::Node* nodes = nodes_.of(surface);
   for (std::size_t i = 0; i < section.count; ++i) {
@@ -184,7 +184,7 @@ void TissuePower::set_layer(const StickTrack& track, const Section& section, int
 }
 
 /// The first surface of every piece, as many pieces at once as lie side by side; few have more.
-void TissuePower::paint_first_layers() {
+void MeanPower::paint_first_layers() {
   for (auto section = sections_.begin(); section != sections_.end(); ++section) {
     const auto clear = std::find_if(section, sections_.end(), std::mem_fn(&Section::clear));
     if (clear != section) {
@@ -199,12 +199,12 @@ void TissuePower::paint_first_layers() {
   }
 }
 
-void TissuePower::paint_over(const StickTrack& track, const Section& section, int layer) {
+void MeanPower::paint_over(const StickTrack& track, const Section& section, int layer) {
   set_layer(track, section, layer);
   blend(section.first, section.count);
 }
 
-void TissuePower::blend(std::size_t first, std::size_t count) {
+void MeanPower::blend(std::size_t first, std::size_t count) {
   paint(between_.data() + first,
         share_.data() + first,
         inside_.data() + first,

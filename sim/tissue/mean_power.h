@@ -15,15 +15,15 @@ namespace wobblebench::sim {
 /// A surface close to the axis is taken as flat across the beam. The share of the beam that lies
 /// inside it is then the Gaussian's distribution function of its distance over the beam's width
 /// along the normal, in closed form; also where the axis passes the surface by.
-class TissuePower {
+class MeanPower {
  public:
   /// `reach_m`: as for BeamNodes.
-  TissuePower(const hw::AcquisitionPlan& plan,
-              const SimulationOptions& options,
-              const std::vector<phantoms::Material>& materials,
-              double spacing_m,
-              int samples,
-              double reach_m);
+  MeanPower(const hw::AcquisitionPlan& plan,
+            const SimulationOptions& options,
+            const std::vector<phantoms::Material>& materials,
+            double spacing_m,
+            int samples,
+            double reach_m);
 
   /// Mean power at each sample of `losses.left()`, zero beyond. With speckle, that of its Rayleigh
   /// envelope, whose mean is the material's backscatter; without, the backscatter squared. False:

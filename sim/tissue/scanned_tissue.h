@@ -11,7 +11,7 @@
 
 namespace wobblebench::sim {
 
-struct Subject {
+struct ScannedTissue {
   std::shared_ptr<const TissueMap> map;  ///< tissue at rest, phantom frame
   std::vector<phantoms::Material> materials;
   phantoms::Placement placement;

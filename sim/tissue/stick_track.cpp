@@ -32,7 +32,7 @@ struct Straight {
   glm::dvec3 at(double range_m) const { return origin + (range_m - from_m) * direction; }
 };
 
-Straight straight(const Subject& subject,
+Straight straight(const ScannedTissue& subject,
                   const phantoms::Moment& moment,
                   const Sightline& line,
                   double from_m,
@@ -53,7 +53,7 @@ Straight straight(const Subject& subject,
 
 class Follower {
  public:
-  Follower(const Subject& subject, Surfaces surfaces, StickTrack& track)
+  Follower(const ScannedTissue& subject, Surfaces surfaces, StickTrack& track)
       : map_(*subject.map), surfaces_(surfaces), track_(track) {
     visits_.reserve(kVisits);
   }
@@ -89,7 +89,7 @@ class Follower {
   /// memory together.
   void find_cells(const Straight& piece) {
     visits_.clear();
-    for (CellWalk walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
+    for (GridDda walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
          walk.advance()) {
       const double from = walk.from_m(), to = walk.to_m();
       if (to <= from) continue;
@@ -268,7 +268,7 @@ AcrossStick across_stick(const hw::Ray& ray) {
   return {glm::cross(ray.direction, elevation), elevation};
 }
 
-void follow(const Subject& subject,
+void follow(const ScannedTissue& subject,
             const Sightline& line,
             double depth_m,
             StickTrack& track,

@@ -58,7 +58,7 @@ enum class Surfaces {
 };
 
 /// Follows a stick from the face to `depth_m`. Reuses what `track` holds.
-void follow(const Subject& subject,
+void follow(const ScannedTissue& subject,
             const Sightline& line,
             double depth_m,
             StickTrack& track,

@@ -87,7 +87,7 @@ class TissueMapBuilder {
     parallel_ranges(static_cast<int>(grids.size()), threads, [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         const auto s = static_cast<std::size_t>(i);
-        surfaces_[s] = WideDistance(grids[s], step_m, reach_m + half_diagonal_m());
+        surfaces_[s] = ExtendedDistance(grids[s], step_m, reach_m + half_diagonal_m());
       }
     });
   }
@@ -160,7 +160,7 @@ class TissueMapBuilder {
     }
 
     const TissueMapBuilder& builder_;
-    std::vector<WideDistance::Reader> readers_;
+    std::vector<ExtendedDistance::Reader> readers_;
   };
 
  private:
@@ -175,7 +175,7 @@ class TissueMapBuilder {
   int fine_;
   double cell_m_;
   double reach_m_;
-  std::vector<WideDistance> surfaces_;
+  std::vector<ExtendedDistance> surfaces_;
 };
 
 TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threads)

@@ -92,7 +92,7 @@ Surroundings surroundings(const TissueMap& map, const glm::dvec3& rest_m, float 
 
 }  // namespace
 
-TissueParcels::TissueParcels(const Subject& subject,
+TissueParcels::TissueParcels(const ScannedTissue& subject,
                              const hw::AcquisitionPlan& plan,
                              const SimulationOptions& options,
                              const ScattererCells& cells)

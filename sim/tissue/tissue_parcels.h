@@ -51,7 +51,7 @@ struct ParcelCells {
 class TissueParcels {
  public:
   /// `cells` must outlive it. Const functions may be called from several threads.
-  TissueParcels(const Subject& subject,
+  TissueParcels(const ScannedTissue& subject,
                 const hw::AcquisitionPlan& plan,
                 const SimulationOptions& options,
                 const ScattererCells& cells);

@@ -47,8 +47,8 @@ class TemporaryFolder {
 /// A mounted stand-in, in a folder of its own.
 struct MountedCard {
   TemporaryFolder folder;
-  hw::XdmaStandIn card;
-  explicit MountedCard(hw::XdmaStandIn::Source source)
+  hw::XdmaEmulator card;
+  explicit MountedCard(hw::XdmaEmulator::Source source)
       : card(folder.path(), std::move(source), {.timeout_s = kDriverPatience_s}) {}
 };
 
@@ -68,7 +68,7 @@ class FifoLink : public hw::Link {
 
  private:
   TemporaryFolder folder_;
-  hw::FifoStandIn fifo_;
+  hw::FifoEmulator fifo_;
   hw::XdmaLink link_;
 };
 
@@ -84,9 +84,9 @@ MakeSticks simulated(Scene scene) {
   return simulated_sticks(std::move(scene));
 }
 
-ConformanceFixture stand_in_fixture(const Scene& scene) {
-  if (!hw::XdmaStandIn::can_mount()) {
-    throw UserError("--board = xdma=stand-in: needs FUSE: " + hw::XdmaStandIn::why_not() +
+ConformanceFixture emulator_fixture(const Scene& scene) {
+  if (!hw::XdmaEmulator::can_mount()) {
+    throw UserError("--board = xdma=stand-in: needs FUSE: " + hw::XdmaEmulator::why_not() +
                     "; xdma=fifo-stand-in does without");
   }
   const MakeSticks sticks = simulated(scene);
@@ -109,7 +109,7 @@ ConformanceFixture fifo_fixture(const Scene& scene) {
 }
 
 ConformanceFixture bare_fixture(const BoardArguments& board, const Scene& scene) {
-  if (board.link.value == "stand-in") return stand_in_fixture(scene);
+  if (board.link.value == "stand-in") return emulator_fixture(scene);
   if (board.link.value == "fifo-stand-in") return fifo_fixture(scene);
   BoardArguments bare = board;
   bare.faults = {};

@@ -128,17 +128,17 @@ std::string reopens(const ConformanceFixture& fixture) {
 std::string capabilities(const ConformanceFixture& fixture) {
   const auto link = fixture.open();
   const hw::LinkCapabilities said = link->capabilities();
-  const auto source = static_cast<std::uint32_t>(said.provenance);
+  const auto source = static_cast<std::uint32_t>(said.origin);
   require(source >= 1 && source <= 4, "provenance " + std::to_string(source));
   require((said.buffers > 0) == (said.buffer_bytes > 0), "buffers without bytes, or bytes without");
   require((said.buffers > 0) == (said.buffers_per_interrupt > 0), "buffers and no interrupt");
   require(said.buffers_per_interrupt <= said.buffers, "more buffers an interrupt than buffers");
   link->close();
   const hw::LinkCapabilities later = link->capabilities();
-  require(later.provenance == said.provenance && later.waits_for_reader == said.waits_for_reader &&
+  require(later.origin == said.origin && later.waits_for_reader == said.waits_for_reader &&
               later.buffers == said.buffers,
           "capabilities change");
-  return std::string(hw::to_string(said.provenance)) + ", " +
+  return std::string(hw::to_string(said.origin)) + ", " +
          (said.copy_in ? "copies in" : "zero copy") + ", " +
          (said.waits_for_reader ? "waits for its reader" : "keeps its pace");
 }

@@ -28,7 +28,7 @@ void timed(double& sum_ms, const Body& body) {
   sum_ms += cpu_ms() - begin;
 }
 
-sim::Subject subject_of(const TradeScene& scene, sim::Rung rung) {
+sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
   return {std::make_shared<const sim::TissueMap>(
               scene.phantom, sim::StickEchoes::reach_m(scene.plan, rung), scene.options.threads),
           scene.phantom.materials(),
@@ -61,7 +61,7 @@ StageTimes geometry_stages(const TradeScene& scene) {
 
 /// So that no tissue is visited for the first time (sim/tissue/tissue_parcels.h) under the clock.
 void visit_once(const TradeScene& scene,
-                const sim::Subject& subject,
+                const sim::ScannedTissue& subject,
                 const sim::StickEchoes& source,
                 const sim::ScattererField& scatterers) {
   auto worker = source.make_worker();

@@ -47,7 +47,7 @@ sim::ProbeSimulator simulator(const TradeScene& scene,
 }
 
 /// One rung under measurement; what moves lives through all repeats.
-struct Subject {
+struct ScannedTissue {
   sim::Rung rung;
   std::unique_ptr<sim::ProbeSimulator> moving;
   std::unique_ptr<sim::ProbeSimulator> bending;
@@ -93,21 +93,21 @@ phantoms::Motion bending(const phantoms::Phantom& phantom) {
 std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats) {
-  std::vector<Subject> subjects;
+  std::vector<ScannedTissue> subjects;
   for (const sim::Rung rung : rungs) {
-    Subject subject{rung, nullptr, nullptr, {}, {}, {}, {}, {}, {}};
+    ScannedTissue subject{rung, nullptr, nullptr, {}, {}, {}, {}, {}, {}};
     subject.moving = std::make_unique<sim::ProbeSimulator>(simulator(scene, rung, slow_path()));
     subject.bending =
         std::make_unique<sim::ProbeSimulator>(simulator(scene, rung, bending(scene.phantom)));
     subjects.push_back(std::move(subject));
   }
   for (int repeat = 0; repeat <= repeats; ++repeat) {
-    for (Subject& subject : subjects) {
+    for (ScannedTissue& subject : subjects) {
       subject.measure(scene, repeat, repeat > 0);
     }
   }
   std::vector<RungTime> results;
-  for (const Subject& subject : subjects) results.push_back(subject.result());
+  for (const ScannedTissue& subject : subjects) results.push_back(subject.result());
   return results;
 }
 

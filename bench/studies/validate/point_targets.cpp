@@ -28,10 +28,11 @@ class LonePoint {
     auto options = lossless_envelope(rung, 1);
     options.side_lobes = side_lobes;
     const auto water = open_tissue("amniotic_fluid");
-    const sim::Subject subject{std::make_shared<const sim::TissueMap>(water, 1e-3, options.threads),
-                               water.materials(),
-                               {},
-                               {}};
+    const sim::ScannedTissue subject{
+        std::make_shared<const sim::TissueMap>(water, 1e-3, options.threads),
+        water.materials(),
+        {},
+        {}};
     if (rung == sim::Rung::reference) {
       const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
       add_ = [=](const auto& way, auto points, auto iq) { scene->add_points(way, points, iq); };
@@ -57,7 +58,7 @@ class LonePoint {
   hw::AcquisitionPlan plan_;
   sim::PointEcho point_;
   std::function<void(
-      const sim::StickWay&, std::span<const sim::PointEcho>, std::span<std::complex<float>>)>
+      const sim::StickPath&, std::span<const sim::PointEcho>, std::span<std::complex<float>>)>
       add_;
 };
 

@@ -14,14 +14,14 @@ namespace wobblebench::bench {
 
 namespace {
 
-struct Subject {
+struct ScannedTissue {
   phantoms::Phantom phantom;
   phantoms::Placement placement;
   hw::AcquisitionOptions acquisition;
 };
 
 /// So few sticks and scatterers that a sum over elements is a matter of seconds.
-Subject small_scene() {
+ScannedTissue small_scene() {
   hw::AcquisitionOptions acquisition{.depth_m = 0.08,
                                      .sector_rad = 4 * kDegree,
                                      .sticks_per_frame = 4,
@@ -30,12 +30,12 @@ Subject small_scene() {
   return {block({6e-3, 6e-3, 1e-3}, 0.5e-3), placed_at({0, 0, 0.113}), acquisition};
 }
 
-Subject whole_scene(const RepeatabilityInputs& inputs) {
+ScannedTissue whole_scene(const RepeatabilityInputs& inputs) {
   const auto phantom = phantoms::make_phantom({.name = inputs.phantom, .voxel_m = inputs.voxel_m});
   return {phantom, placed_at(phantom.suggested_position_m()), inputs.acquisition};
 }
 
-phantoms::Motion motion_of(const Subject& subject, bool moving) {
+phantoms::Motion motion_of(const ScannedTissue& subject, bool moving) {
   if (!moving) return {};
   phantoms::MotionOptions options;
   options.velocity_m_s = {4e-3, -3e-3, 8e-3};
@@ -45,7 +45,7 @@ phantoms::Motion motion_of(const Subject& subject, bool moving) {
 }
 
 sim::VolumeSamples run(
-    const Subject& subject, sim::Rung rung, bool moving, std::uint64_t seed, int threads) {
+    const ScannedTissue& subject, sim::Rung rung, bool moving, std::uint64_t seed, int threads) {
   sim::SimulationOptions options;
   options.fidelity = rung;
   options.seed = seed;
@@ -67,7 +67,7 @@ long differing(const sim::VolumeSamples& a, const sim::VolumeSamples& b) {
   return count;
 }
 
-RepeatabilityResult measure(const Subject& subject,
+RepeatabilityResult measure(const ScannedTissue& subject,
                             sim::Rung rung,
                             bool moving,
                             const RepeatabilityInputs& inputs) {
@@ -98,7 +98,7 @@ std::string hexadecimal(std::uint32_t value) {
 RepeatabilityResult measure_repeatability(sim::Rung rung,
                                           bool moving,
                                           const RepeatabilityInputs& inputs) {
-  const Subject subject = rung == sim::Rung::reference ? small_scene() : whole_scene(inputs);
+  const ScannedTissue subject = rung == sim::Rung::reference ? small_scene() : whole_scene(inputs);
   return measure(subject, rung, moving, inputs);
 }
 
@@ -109,7 +109,7 @@ StudyReport repeatability_study(const RepeatabilityInputs& inputs) {
   std::ostringstream table;
   table << "| rung | phantom | samples | CRC-32C | samples that another seed changes |\n"
            "| --- | --- | ---: | --- | ---: |\n";
-  const Subject whole = whole_scene(inputs), small = small_scene();
+  const ScannedTissue whole = whole_scene(inputs), small = small_scene();
   for (const sim::Rung rung :
        {sim::Rung::geometry, sim::Rung::field, sim::Rung::scatterers, sim::Rung::reference}) {
     const bool is_small = rung == sim::Rung::reference;

@@ -22,14 +22,14 @@ const TableResults& results() {
 TEST(Tables, WaysAreTheirPipelinesAndKernelSpaces) {
   using render::KernelSpace;
   using render::PipelineMode;
-  const auto is = [](Way way, PipelineMode mode, KernelSpace space) {
-    const auto options = rendered(way, {});
+  const auto is = [](PipelineVariant variant, PipelineMode mode, KernelSpace space) {
+    const auto options = rendered(variant, {});
     return options.pipeline.mode == mode && options.ray_casting.kernel_space == space;
   };
-  EXPECT_TRUE(is(Way::plain, PipelineMode::plain, KernelSpace::ray));
-  EXPECT_TRUE(is(Way::plain_slice, PipelineMode::plain, KernelSpace::slice));
-  EXPECT_TRUE(is(Way::fast, PipelineMode::fast, KernelSpace::slice));
-  EXPECT_TRUE(is(Way::fast_ray, PipelineMode::fast, KernelSpace::ray));
+  EXPECT_TRUE(is(PipelineVariant::plain, PipelineMode::plain, KernelSpace::ray));
+  EXPECT_TRUE(is(PipelineVariant::plain_slice, PipelineMode::plain, KernelSpace::slice));
+  EXPECT_TRUE(is(PipelineVariant::fast, PipelineMode::fast, KernelSpace::slice));
+  EXPECT_TRUE(is(PipelineVariant::fast_ray, PipelineMode::fast, KernelSpace::ray));
 }
 
 TEST(Tables, PowersAreFoundExactly) {

@@ -25,26 +25,27 @@ void expect_ratios_to_the_reference(const TableResults& results) {
   for (const MeasuredTable& table : results.tables) {
     for (const MeasuredRow& row : table.rows) {
       EXPECT_NEAR(row.paper_ratio, row.row.paper_ms / 54.6, 1e-12);
-      EXPECT_NEAR(row.speed_up() * row.ms(Way::fast), row.ms(Way::plain), 1e-9);
-      for (const Way way : {Way::plain, Way::fast}) {
-        EXPECT_GT(row.ms(way), 0);
+      EXPECT_NEAR(
+          row.speed_up() * row.ms(PipelineVariant::fast), row.ms(PipelineVariant::plain), 1e-9);
+      for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+        EXPECT_GT(row.ms(variant), 0);
         // Each repeat's ratio lies within what its two times can make.
-        const Spread& ms = row.timings.at(way).frame_ms;
-        const Spread& reference = results.reference.timings.at(way).frame_ms;
-        EXPECT_GE(row.timings.at(way).ratio.lower, ms.min / reference.max * (1 - 1e-12));
-        EXPECT_LE(row.timings.at(way).ratio.upper, ms.max / reference.min * (1 + 1e-12));
-        EXPECT_EQ(row.timings.at(way).passes.size(), 4u);
+        const Spread& ms = row.timings.at(variant).frame_ms;
+        const Spread& reference = results.reference.timings.at(variant).frame_ms;
+        EXPECT_GE(row.timings.at(variant).ratio.lower, ms.min / reference.max * (1 - 1e-12));
+        EXPECT_LE(row.timings.at(variant).ratio.upper, ms.max / reference.min * (1 + 1e-12));
+        EXPECT_EQ(row.timings.at(variant).passes.size(), 4u);
       }
     }
   }
 }
 
 void expect_a_shared_setting_measured_once(const TableResults& results) {
-  for (const Way way : {Way::plain, Way::fast}) {
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
     const MeasuredRow& last_of_i = results.tables.at(0).rows.back();
-    EXPECT_EQ(last_of_i.ms(way), results.tables.at(1).rows.front().ms(way));
-    EXPECT_EQ(last_of_i.timings.at(way).ratio.lower, 1);
-    EXPECT_EQ(last_of_i.timings.at(way).ratio.upper, 1);
+    EXPECT_EQ(last_of_i.ms(variant), results.tables.at(1).rows.front().ms(variant));
+    EXPECT_EQ(last_of_i.timings.at(variant).ratio.lower, 1);
+    EXPECT_EQ(last_of_i.timings.at(variant).ratio.upper, 1);
   }
 }
 
@@ -57,8 +58,8 @@ void expect_kernel_spaces_where_the_kernel_varies(const TableResults& results) {
 }
 
 void expect_arrivals_that_add_up(const TableResults& results) {
-  for (const Way way : {Way::plain, Way::fast}) {
-    const Arrival& arrival = results.arrival(way);
+  for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
+    const Arrival& arrival = results.arrival(variant);
     EXPECT_GT(arrival.add_frame_ms.median, 0);
     EXPECT_LT(arrival.add_frame_ms.median, arrival.new_volume_ms.median);
     EXPECT_LT(arrival.new_view_ms.median, arrival.new_volume_ms.median);

@@ -40,13 +40,13 @@ TEST(Board, DeliversASoundStreamWholeAndInOrder) {
   }
   ASSERT_EQ(seen.configurations.size(), 1U);
   EXPECT_TRUE(seen.configurations[0].plan.acquisition() == plan.acquisition());
-  EXPECT_EQ(seen.configurations[0].source, Provenance::simulated);
+  EXPECT_EQ(seen.configurations[0].source, StreamOrigin::simulated);
   EXPECT_EQ(seen.ends.size(), 5U);
   EXPECT_TRUE(seen.gaps.empty());
   EXPECT_EQ(board.account().emitted, 60U);
   EXPECT_EQ(board.account().delivered, 60U);
   EXPECT_EQ(board.damage().places, 0U);
-  EXPECT_EQ(board.capabilities().provenance, Provenance::stand_in);
+  EXPECT_EQ(board.capabilities().origin, StreamOrigin::emulator);
 }
 
 TEST(Board, ALinkThatWaitsLosesNothingToATinyRing) {

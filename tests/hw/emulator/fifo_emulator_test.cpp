@@ -11,7 +11,7 @@
 namespace wobblebench::hw {
 namespace {
 
-class FifoStandInTest : public testing_support::FolderTest {
+class FifoEmulatorTest : public testing_support::FolderTest {
  protected:
   std::unique_ptr<Link> source(ReadStatus ending) const {
     return std::make_unique<MemoryLink>(stream_of(plan_),
@@ -21,8 +21,8 @@ class FifoStandInTest : public testing_support::FolderTest {
   const AcquisitionPlan plan_ = small_plan(5);
 };
 
-TEST_F(FifoStandInTest, ABoardGetsEveryStickAndTheEnd) {
-  FifoStandIn stand_in(folder_, source(ReadStatus::end_of_stream));
+TEST_F(FifoEmulatorTest, ABoardGetsEveryStickAndTheEnd) {
+  FifoEmulator stand_in(folder_, source(ReadStatus::end_of_stream));
   Board board(std::make_unique<XdmaLink>(stand_in.path()));
   board.start();
   Collected seen;
@@ -33,8 +33,8 @@ TEST_F(FifoStandInTest, ABoardGetsEveryStickAndTheEnd) {
   for (const Stick& stick : seen.sticks) EXPECT_TRUE(is_genuine(plan_, stick));
 }
 
-TEST_F(FifoStandInTest, UnpluggedItEnds) {
-  FifoStandIn stand_in(folder_, source(ReadStatus::timeout));
+TEST_F(FifoEmulatorTest, UnpluggedItEnds) {
+  FifoEmulator stand_in(folder_, source(ReadStatus::timeout));
   Board board(std::make_unique<XdmaLink>(stand_in.path()));
   board.start();
   Collected seen;
@@ -43,13 +43,13 @@ TEST_F(FifoStandInTest, UnpluggedItEnds) {
   EXPECT_TRUE(std::holds_alternative<EndOfStream>(collect(board, seen)));
 }
 
-TEST_F(FifoStandInTest, OutlivesAReaderThatLeaves) {
-  FifoStandIn stand_in(folder_, source(ReadStatus::timeout));
+TEST_F(FifoEmulatorTest, OutlivesAReaderThatLeaves) {
+  FifoEmulator stand_in(folder_, source(ReadStatus::timeout));
   XdmaLink(stand_in.path()).close();
 }
 
-TEST_F(FifoStandInTest, GoesWithoutAReader) {
-  { const FifoStandIn stand_in(folder_, source(ReadStatus::timeout)); }
+TEST_F(FifoEmulatorTest, GoesWithoutAReader) {
+  { const FifoEmulator stand_in(folder_, source(ReadStatus::timeout)); }
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 

@@ -23,28 +23,28 @@ namespace {
 /// A fault would hang for the driver's patience, 10 s, or for ever.
 constexpr auto kNotHanging = std::chrono::seconds(1);
 
-class XdmaStandInTest : public testing_support::FolderTest {
+class XdmaEmulatorTest : public testing_support::FolderTest {
  protected:
   void SetUp() override {
-    if (!XdmaStandIn::can_mount()) GTEST_SKIP() << XdmaStandIn::why_not();
+    if (!XdmaEmulator::can_mount()) GTEST_SKIP() << XdmaEmulator::why_not();
   }
-  ~XdmaStandInTest() override { stand_in_.reset(); }
+  ~XdmaEmulatorTest() override { emulator_.reset(); }
 
   /// A card that sends the plan, then nothing.
-  void plug_in(const XdmaStandInOptions& options = {}, std::uint64_t chunk_seed = 0) {
+  void plug_in(const XdmaEmulatorOptions& options = {}, std::uint64_t chunk_seed = 0) {
     const MemoryLinkOptions source = {.chunk_seed = chunk_seed, .ending = ReadStatus::timeout};
-    stand_in_ = std::make_unique<XdmaStandIn>(
+    emulator_ = std::make_unique<XdmaEmulator>(
         folder_,
         [source, bytes = stream_of(plan_)] { return std::make_unique<MemoryLink>(bytes, source); },
         options);
   }
 
   std::unique_ptr<XdmaLink> link(const XdmaLinkOptions& options = {}) const {
-    return std::make_unique<XdmaLink>(stand_in_->path(), options);
+    return std::make_unique<XdmaLink>(emulator_->path(), options);
   }
 
   FileDescriptor open_raw(int flags) const {
-    return FileDescriptor(::open(stand_in_->path().c_str(), O_RDONLY | O_CLOEXEC | flags));
+    return FileDescriptor(::open(emulator_->path().c_str(), O_RDONLY | O_CLOEXEC | flags));
   }
 
   /// Takes events up to the end of the plan's last volume, or one that nothing can follow.
@@ -69,7 +69,7 @@ class XdmaStandInTest : public testing_support::FolderTest {
 
   const AcquisitionPlan plan_ = small_plan(5);
   const std::vector<Bytes> packets_ = packets_of(plan_);
-  std::unique_ptr<XdmaStandIn> stand_in_;
+  std::unique_ptr<XdmaEmulator> emulator_;
 };
 
 Bytes read_raw(const FileDescriptor& from, std::size_t length, int* error = nullptr) {
@@ -86,34 +86,34 @@ int error_of_read(const FileDescriptor& from, std::size_t length) {
   return error;
 }
 
-TEST_F(XdmaStandInTest, ABoardGetsEveryStick) {
+TEST_F(XdmaEmulatorTest, ABoardGetsEveryStick) {
   plug_in();
   auto card = link();
-  EXPECT_EQ(card->capabilities().provenance, Provenance::stand_in);
+  EXPECT_EQ(card->capabilities().origin, StreamOrigin::emulator);
   EXPECT_FALSE(card->capabilities().waits_for_reader);
   expect_all_sticks(std::move(card));
 }
 
-TEST_F(XdmaStandInTest, ABoardGetsEveryStickInTransfersThatPacketsDoNotEnd) {
+TEST_F(XdmaEmulatorTest, ABoardGetsEveryStickInTransfersThatPacketsDoNotEnd) {
   plug_in({.timeout_s = 0.02}, 3);
   expect_all_sticks(link({.transfer_kb = 1, .end_of_packet = false}));
 }
 
-TEST_F(XdmaStandInTest, ABoardGetsEveryStickInShortReads) {
+TEST_F(XdmaEmulatorTest, ABoardGetsEveryStickInShortReads) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     plug_in({.short_reads = true, .seed = seed}, seed);
     expect_all_sticks(link());
-    stand_in_.reset();
+    emulator_.reset();
   }
 }
 
-TEST_F(XdmaStandInTest, ATransferEndsWithAPacketIfAskedTo) {
+TEST_F(XdmaEmulatorTest, ATransferEndsWithAPacketIfAskedTo) {
   plug_in();
   const FileDescriptor raw = open_raw(O_TRUNC);
   for (const Bytes& packet : packets_) EXPECT_TRUE(read_raw(raw, 65536) == packet);
 }
 
-TEST_F(XdmaStandInTest, ATransferIsFilledOtherwise) {
+TEST_F(XdmaEmulatorTest, ATransferIsFilledOtherwise) {
   plug_in();
   const Bytes stream = stream_of(plan_);
   const FileDescriptor raw = open_raw(0);
@@ -121,7 +121,7 @@ TEST_F(XdmaStandInTest, ATransferIsFilledOtherwise) {
   EXPECT_TRUE(read_raw(raw, 1000) == Bytes(stream.begin() + 1000, stream.begin() + 2000));
 }
 
-TEST_F(XdmaStandInTest, ASecondOpenerIsRefusedUntilTheFirstCloses) {
+TEST_F(XdmaEmulatorTest, ASecondOpenerIsRefusedUntilTheFirstCloses) {
   plug_in();
   FileDescriptor raw = open_raw(0);
   ASSERT_TRUE(raw.is_open());
@@ -134,7 +134,7 @@ TEST_F(XdmaStandInTest, ASecondOpenerIsRefusedUntilTheFirstCloses) {
     EXPECT_EQ(error.fault(), OpenFault::busy);
     EXPECT_EQ(
         error.what(),
-        stand_in_->path().string() + ": Device or resource busy (EBUSY); has one reader at a time");
+        emulator_->path().string() + ": Device or resource busy (EBUSY); has one reader at a time");
   }
   std::thread closer([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
@@ -144,7 +144,7 @@ TEST_F(XdmaStandInTest, ASecondOpenerIsRefusedUntilTheFirstCloses) {
   closer.join();
 }
 
-TEST_F(XdmaStandInTest, AMisalignedLengthIsRefusedAndTheAlignmentCanBeAsked) {
+TEST_F(XdmaEmulatorTest, AMisalignedLengthIsRefusedAndTheAlignmentCanBeAsked) {
   plug_in({.alignment_bytes = 4096});
   FileDescriptor raw = open_raw(O_TRUNC);
   EXPECT_EQ(error_of_read(raw, 1000), EINVAL);
@@ -158,13 +158,13 @@ TEST_F(XdmaStandInTest, AMisalignedLengthIsRefusedAndTheAlignmentCanBeAsked) {
   expect_all_sticks(link({.transfer_kb = 4}));
 }
 
-TEST_F(XdmaStandInTest, SilenceTimesOutAndIsNoLoss) {
+TEST_F(XdmaEmulatorTest, SilenceTimesOutAndIsNoLoss) {
   plug_in({.timeout_s = 0.02, .stall_at_packet = 3});
   {
     const FileDescriptor raw = open_raw(O_TRUNC);
     for (int i = 0; i < 3; ++i) EXPECT_EQ(error_of_read(raw, 4096), 0);
     EXPECT_EQ(error_of_read(raw, 4096), ETIMEDOUT);
-    stand_in_->stall(false);
+    emulator_->stall(false);
     EXPECT_TRUE(read_raw(raw, 4096) == packets_[3]);
   }
   auto stalled = link();
@@ -173,16 +173,16 @@ TEST_F(XdmaStandInTest, SilenceTimesOutAndIsNoLoss) {
   while (sent > 0) sent -= stalled->read(buffer, patience()).bytes;
   const HostTime deadline = HostClock::now() + std::chrono::milliseconds(100);
   EXPECT_EQ(stalled->read(buffer, deadline).status, ReadStatus::timeout);
-  stand_in_->stall(false);
+  emulator_->stall(false);
   EXPECT_EQ(stalled->read(buffer, patience()).status, ReadStatus::ok);
 }
 
-TEST_F(XdmaStandInTest, APartialTransferIsGivenAfterTheTimeout) {
+TEST_F(XdmaEmulatorTest, APartialTransferIsGivenAfterTheTimeout) {
   plug_in({.timeout_s = 0.02, .stall_at_packet = 1});
   EXPECT_TRUE(read_raw(open_raw(0), 65536) == packets_[0]);
 }
 
-TEST_F(XdmaStandInTest, UnpluggedWhileABoardWaitsTheDeviceIsLost) {
+TEST_F(XdmaEmulatorTest, UnpluggedWhileABoardWaitsTheDeviceIsLost) {
   plug_in({.stall_at_packet = 8});
   Board board(link());
   board.start();
@@ -190,34 +190,34 @@ TEST_F(XdmaStandInTest, UnpluggedWhileABoardWaitsTheDeviceIsLost) {
   while (seen.sticks.size() < 7) note(board.next(patience()), seen);
   std::thread unplugger([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    stand_in_->unplug();
+    emulator_->unplug();
   });
   const Event last = board.next(patience());
   unplugger.join();
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
   EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unplugged);
   EXPECT_EQ(std::get<DeviceLost>(last).reason,
-            stand_in_->path().string() + ": No such device (ENODEV)");
+            emulator_->path().string() + ": No such device (ENODEV)");
   EXPECT_EQ(board.state(), BoardState::lost);
 }
 
-TEST_F(XdmaStandInTest, PluggedInAgainItCanBeOpenedAgain) {
+TEST_F(XdmaEmulatorTest, PluggedInAgainItCanBeOpenedAgain) {
   plug_in();
   const FileDescriptor before = open_raw(O_TRUNC);
   EXPECT_EQ(error_of_read(before, 4096), 0);
-  stand_in_->unplug();
+  emulator_->unplug();
   try {
     link();
     ADD_FAILURE() << "was opened while unplugged";
   } catch (const LinkOpenError& error) {
     EXPECT_EQ(error.fault(), OpenFault::missing);
   }
-  stand_in_->replug();
+  emulator_->replug();
   expect_all_sticks(link());
   EXPECT_EQ(error_of_read(before, 4096), ENODEV);
 }
 
-TEST_F(XdmaStandInTest, UnpluggedAtAPacketAllBeforeItArrives) {
+TEST_F(XdmaEmulatorTest, UnpluggedAtAPacketAllBeforeItArrives) {
   plug_in({.unplug_at_packet = 20});
   Board board(link());
   board.start();
@@ -228,7 +228,7 @@ TEST_F(XdmaStandInTest, UnpluggedAtAPacketAllBeforeItArrives) {
   EXPECT_TRUE(board.account().balanced());
 }
 
-TEST_F(XdmaStandInTest, AllOnesIsALoss) {
+TEST_F(XdmaEmulatorTest, AllOnesIsALoss) {
   for (const bool end_of_packet : {true, false}) {
     plug_in({.all_ones_at_packet = 20});
     Board board(link({.end_of_packet = end_of_packet}));
@@ -237,16 +237,16 @@ TEST_F(XdmaStandInTest, AllOnesIsALoss) {
     const Event last = collect(board, seen);
     ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
     EXPECT_EQ(std::get<DeviceLost>(last).reason,
-              stand_in_->path().string() + ": reads all ones: the card has left the bus");
+              emulator_->path().string() + ": reads all ones: the card has left the bus");
     EXPECT_EQ(seen.sticks.size(), 12U + 5U);
     EXPECT_EQ(board.damage().bytes_skipped, 0U);
-    stand_in_.reset();
+    emulator_.reset();
   }
 }
 
-TEST_F(XdmaStandInTest, ClosedInsideAReadItReturnsAtOnceAndCanBeOpenedAgain) {
+TEST_F(XdmaEmulatorTest, ClosedInsideAReadItReturnsAtOnceAndCanBeOpenedAgain) {
   plug_in({.timeout_s = 3});
-  stand_in_->stall(true);
+  emulator_->stall(true);
   auto first = link();
   Bytes buffer(100);
   const HostTime deadline = HostClock::now() + std::chrono::milliseconds(50);
@@ -256,11 +256,11 @@ TEST_F(XdmaStandInTest, ClosedInsideAReadItReturnsAtOnceAndCanBeOpenedAgain) {
   EXPECT_LT(HostClock::now() - begin, kNotHanging);
   EXPECT_EQ(first->read(buffer, patience()).status, ReadStatus::lost);
   // The first one's thread gives the node back when its read returns.
-  stand_in_->stall(false);
+  emulator_->stall(false);
   expect_all_sticks(link({.busy_patience_s = 60}));
 }
 
-TEST_F(XdmaStandInTest, TakenAwayUnderAReaderItUnmounts) {
+TEST_F(XdmaEmulatorTest, TakenAwayUnderAReaderItUnmounts) {
   plug_in({.stall_at_packet = 2});
   const FileDescriptor idle = open_raw(O_TRUNC);
   int error = 0;
@@ -269,7 +269,7 @@ TEST_F(XdmaStandInTest, TakenAwayUnderAReaderItUnmounts) {
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const HostTime begin = HostClock::now();
-  stand_in_.reset();
+  emulator_.reset();
   reader.join();
   EXPECT_LT(HostClock::now() - begin, kNotHanging);
   // The kernel's own answer if it was between two reads.
@@ -278,7 +278,7 @@ TEST_F(XdmaStandInTest, TakenAwayUnderAReaderItUnmounts) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-TEST_F(XdmaStandInTest, ASignalDoesNotKeepAReaderForTheTimeout) {
+TEST_F(XdmaEmulatorTest, ASignalDoesNotKeepAReaderForTheTimeout) {
   plug_in({.stall_at_packet = 0});
   const FileDescriptor raw = open_raw(0);
   struct sigaction quiet {};
@@ -301,11 +301,11 @@ TEST_F(XdmaStandInTest, ASignalDoesNotKeepAReaderForTheTimeout) {
   EXPECT_EQ(error, EINTR);
 }
 
-TEST(XdmaStandInOptions, AreChecked) {
-  EXPECT_NO_THROW(check_options(XdmaStandInOptions{}));
-  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr, {.alignment_bytes = 3}), InvalidOption);
-  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr, {.timeout_s = 0}), InvalidOption);
-  EXPECT_THROW(XdmaStandIn("/nowhere", nullptr), std::runtime_error);
+TEST(XdmaEmulatorOptions, AreChecked) {
+  EXPECT_NO_THROW(check_options(XdmaEmulatorOptions{}));
+  EXPECT_THROW(XdmaEmulator("/nowhere", nullptr, {.alignment_bytes = 3}), InvalidOption);
+  EXPECT_THROW(XdmaEmulator("/nowhere", nullptr, {.timeout_s = 0}), InvalidOption);
+  EXPECT_THROW(XdmaEmulator("/nowhere", nullptr), std::runtime_error);
 }
 
 }  // namespace

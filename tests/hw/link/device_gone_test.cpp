@@ -21,7 +21,7 @@ Bytes other_then_ones(std::size_t others, std::size_t count) {
 }
 
 TEST(AllOnes, PassesOtherBytesOnAtOnce) {
-  AllOnesWatch watch;
+  DeviceGoneDetector watch;
   const auto verdict = watch.look_at(other_then_ones(100, 20));
   EXPECT_EQ(verdict.held_back, 0U);
   EXPECT_EQ(verdict.sound, 120U);
@@ -29,7 +29,7 @@ TEST(AllOnes, PassesOtherBytesOnAtOnce) {
 }
 
 TEST(AllOnes, HoldsATransferOfOnesBackUntilItShowsToBeSamples) {
-  AllOnesWatch watch;
+  DeviceGoneDetector watch;
   EXPECT_EQ(watch.look_at(ones(1024)).sound, 0U);
   EXPECT_EQ(watch.look_at(ones(1024)).sound, 0U);
   const auto verdict = watch.look_at(other_then_ones(1, 0));
@@ -39,19 +39,19 @@ TEST(AllOnes, HoldsATransferOfOnesBackUntilItShowsToBeSamples) {
 }
 
 TEST(AllOnes, TheLongestSoundRunIsSoundAndOneMoreIsNot) {
-  AllOnesWatch sound, gone;
+  DeviceGoneDetector sound, gone;
   sound.look_at(other_then_ones(1, 64));
   gone.look_at(other_then_ones(1, 64));
-  EXPECT_FALSE(sound.look_at(ones(kLongestSoundOnes - 64)).gone);
-  EXPECT_EQ(sound.end(), kLongestSoundOnes - 64);
-  const auto verdict = gone.look_at(ones(kLongestSoundOnes - 63));
+  EXPECT_FALSE(sound.look_at(ones(kLongestValidOnes - 64)).gone);
+  EXPECT_EQ(sound.end(), kLongestValidOnes - 64);
+  const auto verdict = gone.look_at(ones(kLongestValidOnes - 63));
   EXPECT_TRUE(verdict.gone);
   EXPECT_EQ(verdict.sound + verdict.held_back, 0U);
 }
 
 TEST(AllOnes, OfATransferThatTurnsToOnesTheFirstPartIsHandedOn) {
-  AllOnesWatch watch;
-  const auto verdict = watch.look_at(other_then_ones(300, kLongestSoundOnes + 1));
+  DeviceGoneDetector watch;
+  const auto verdict = watch.look_at(other_then_ones(300, kLongestValidOnes + 1));
   EXPECT_TRUE(verdict.gone);
   EXPECT_EQ(verdict.sound, 300U);
 }

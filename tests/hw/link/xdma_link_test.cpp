@@ -154,13 +154,13 @@ TEST_F(XdmaLinkOnFifo, AllOnesIsALossThatHandsNothingOn) {
   write_all(to, Bytes(100, std::byte{3}));
   Bytes buffer(200);
   EXPECT_EQ(link.read(buffer, patience()).bytes, 100U);
-  write_all(to, Bytes(kLongestSoundOnes + 1, std::byte{0xFF}));
+  write_all(to, Bytes(kLongestValidOnes + 1, std::byte{0xFF}));
   EXPECT_TRUE(read_until(link, ReadStatus::lost).empty());
   EXPECT_EQ(link.loss(), path_.string() + ": reads all ones: the card has left the bus");
 }
 
 TEST_F(XdmaLinkOnFifo, OnesThatCanBeSamplesArePassedOn) {
-  Bytes sent(kLongestSoundOnes, std::byte{0xFF});
+  Bytes sent(kLongestValidOnes, std::byte{0xFF});
   sent.push_back(std::byte{1});
   sent.insert(sent.end(), 5000, std::byte{0xFF});
   XdmaLink link(path_, {.transfer_kb = 1});
@@ -173,7 +173,7 @@ TEST_F(XdmaLinkOnFifo, OnesThatCanBeSamplesArePassedOn) {
 
 TEST_F(XdmaLinkOnFifo, SaysWhatItIs) {
   const LinkCapabilities capabilities = XdmaLink(path_, {.transfer_kb = 128}).capabilities();
-  EXPECT_EQ(capabilities.provenance, Provenance::stand_in);
+  EXPECT_EQ(capabilities.origin, StreamOrigin::emulator);
   EXPECT_TRUE(capabilities.copy_in);
   EXPECT_EQ(capabilities.buffer_bytes, 131072U);
   EXPECT_EQ(capabilities.buffers, 32);
@@ -224,7 +224,7 @@ TEST(XdmaLinkOnDevice, OneThatGivesNothingIsSilentAndDoesNotHang) {
     Bytes buffer(100);
     const HostTime deadline = HostClock::now() + std::chrono::milliseconds(20);
     EXPECT_EQ(link.read(buffer, deadline).status, ReadStatus::timeout);
-    EXPECT_EQ(link.capabilities().provenance, Provenance::hardware);
+    EXPECT_EQ(link.capabilities().origin, StreamOrigin::hardware);
     EXPECT_FALSE(link.capabilities().waits_for_reader);
   }
   EXPECT_LT(HostClock::now() - begin, kNotHanging);

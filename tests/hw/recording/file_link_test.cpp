@@ -30,7 +30,7 @@ TEST_F(FileLinks, GiveTheFilesBytesAtEitherPaceDamageToo) {
   for (const Pace pace : {Pace::asap, Pace::realtime}) {
     FileLink link(path, {.pace = pace});
     EXPECT_EQ(all_bytes(link, 501), stream);
-    EXPECT_EQ(link.capabilities().provenance, Provenance::recording);
+    EXPECT_EQ(link.capabilities().origin, StreamOrigin::recording);
   }
 }
 

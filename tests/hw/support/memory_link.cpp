@@ -52,7 +52,7 @@ void MemoryLink::append(const std::vector<std::byte>& bytes) {
 
 LinkCapabilities MemoryLink::capabilities() const {
   LinkCapabilities capabilities;
-  capabilities.provenance = Provenance::stand_in;
+  capabilities.origin = StreamOrigin::emulator;
   capabilities.waits_for_reader = options_.waits_for_reader;
   return capabilities;
 }

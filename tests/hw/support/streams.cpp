@@ -45,7 +45,7 @@ ConfigurationPacket configuration_of(const AcquisitionPlan& plan, std::uint32_t 
   return {sequence,
           volume,
           plan.stick_time(sequence),
-          Provenance::simulated,
+          StreamOrigin::simulated,
           plan.probe(),
           plan.acquisition()};
 }

@@ -73,7 +73,7 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   packet.sequence = 0x0123456789ABCDEF;
   packet.volume = 0xFEDCBA98;
   packet.time = DeviceTime(DeviceDuration(-5));
-  packet.source = Provenance::hardware;
+  packet.source = StreamOrigin::hardware;
   Perturb perturb;
   describe(packet.probe, perturb);
   describe(packet.acquisition, perturb);

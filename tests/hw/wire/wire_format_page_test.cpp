@@ -70,7 +70,7 @@ TEST(WireFormatPage, ExampleIsRead) {
   const auto& read = std::get<ConfigurationPacket>(*configuration);
   EXPECT_TRUE(read.probe == plan.probe());
   EXPECT_TRUE(read.acquisition == plan.acquisition());
-  EXPECT_EQ(read.source, Provenance::simulated);
+  EXPECT_EQ(read.source, StreamOrigin::simulated);
   const auto stick = decoder.next();
   ASSERT_TRUE(stick && std::holds_alternative<StickPacket>(*stick));
   EXPECT_EQ(std::get<StickPacket>(*stick).stick.samples, (std::vector<float>{0, 0.25F, 0.5F, 1}));

@@ -12,7 +12,7 @@ namespace wobblebench::render {
 namespace {
 
 using testing::gl_context;
-using Sampler = FetchKind::Sampler;
+using Sampler = TextureFetch::Sampler;
 
 const PassTime& pass_of(const Picture& picture, const std::string& name) {
   for (const PassTime& pass : picture.passes) {
@@ -65,10 +65,10 @@ TEST(FetchCount, OfPlainRaysIsAMotionTableFetchForEachStep) {
   const Picture picture = render_volume(context, testing::noisy_scene(), options);
   const FetchCounts& fetches = pass_of(picture, "ray_casting").fetches;
   const std::int64_t size = options.ray_casting.image_size;
-  const FetchKind motion_table = {Sampler::plane, TexelFormat::rgb32f, TextureFilter::linear};
+  const TextureFetch motion_table = {Sampler::plane, TexelFormat::rgb32f, TextureFilter::linear};
   EXPECT_EQ(fetches.at(motion_table), size * size * options.ray_casting.steps);
   // Slices are read within the cone alone.
-  const FetchKind slices = {Sampler::volume, TexelFormat::r16, TextureFilter::linear};
+  const TextureFetch slices = {Sampler::volume, TexelFormat::r16, TextureFilter::linear};
   EXPECT_LT(fetches.at(slices), fetches.at(motion_table));
   EXPECT_GT(fetches.at(slices), 0);
 }

@@ -23,8 +23,8 @@ struct Fixture {
     options.volume_of_interest.center_m = {0, 0, 0.12};
     options.volume_of_interest.size_m = {0.05, 0.05, 0.04};
   }
-  QuietCells cells() const {
-    return QuietCells(
+  SkippableCells cells() const {
+    return SkippableCells(
         plan, geometry, options, pixels_within(geometry, options.volume_of_interest, 0));
   }
 };
@@ -33,19 +33,19 @@ int count_sampled(const std::vector<std::uint8_t>& distances) {
   return static_cast<int>(std::count(distances.begin(), distances.end(), 0));
 }
 
-std::vector<CellBounds> flat(const CellLattice& lattice, float value) {
-  return std::vector<CellBounds>(static_cast<std::size_t>(lattice.columns * lattice.rows),
-                                 CellBounds{value, value, {}, {}});
+std::vector<MacrocellBounds> flat(const MacrocellGrid& lattice, float value) {
+  return std::vector<MacrocellBounds>(static_cast<std::size_t>(lattice.columns * lattice.rows),
+                                      MacrocellBounds{value, value, {}, {}});
 }
 
 /// Place of a cell among distances().
-std::size_t at(const CellLattice& l, int interval, int row, int column) {
+std::size_t at(const MacrocellGrid& l, int interval, int row, int column) {
   return static_cast<std::size_t>((interval * l.rows + row) * l.columns + column);
 }
 
-TEST(QuietCells, FlatSlicesAreQuietThroughout) {
+TEST(SkippableCells, FlatSlicesAreQuietThroughout) {
   const Fixture fixture;
-  QuietCells cells = fixture.cells();
+  SkippableCells cells = fixture.cells();
   ASSERT_TRUE(cells.can_leap());
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 1));
   const auto distances = cells.distances();
@@ -53,10 +53,10 @@ TEST(QuietCells, FlatSlicesAreQuietThroughout) {
   EXPECT_EQ(*std::min_element(distances.begin(), distances.end()), kFarthestCell);
 }
 
-TEST(QuietCells, DistancesCountCellsAlongTheFarthestAxis) {
+TEST(SkippableCells, DistancesCountCellsAlongTheFarthestAxis) {
   const Fixture fixture;
-  QuietCells cells = fixture.cells();
-  const CellLattice& l = cells.lattice();
+  SkippableCells cells = fixture.cells();
+  const MacrocellGrid& l = cells.lattice();
   std::mt19937 random(3);
   for (int k = 0; k < 20; ++k) {
     auto bounds = flat(l, 0.5f);
@@ -82,10 +82,10 @@ TEST(QuietCells, DistancesCountCellsAlongTheFarthestAxis) {
   }
 }
 
-TEST(QuietCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
+TEST(SkippableCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
   const Fixture fixture;
-  QuietCells cells = fixture.cells();
-  const CellLattice& l = cells.lattice();
+  SkippableCells cells = fixture.cells();
+  const MacrocellGrid& l = cells.lattice();
   const int interval = 9, row = l.rows / 2, column = l.columns / 2;  // rays lean towards interval 0
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(l, 0.5f));
   auto bounds = flat(l, 0.5f);
@@ -99,21 +99,21 @@ TEST(QuietCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
   EXPECT_NE(distances[at(l, interval + 3, row, column)], 0);
 }
 
-TEST(QuietCells, AnEdgeOfTheOtherSignIsQuiet) {
+TEST(SkippableCells, AnEdgeOfTheOtherSignIsQuiet) {
   Fixture fixture;
   for (EdgeSign edge : {EdgeSign::rising, EdgeSign::falling}) {
     fixture.options.ray_casting.edge = edge;
-    QuietCells cells = fixture.cells();
+    SkippableCells cells = fixture.cells();
     auto bounds = flat(cells.lattice(), 0.5f);
-    for (CellBounds& b : bounds) b.depth.fall = 0.9f;
+    for (MacrocellBounds& b : bounds) b.depth.fall = 0.9f;
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
     EXPECT_EQ(count_sampled(cells.distances()) > 0, edge == EdgeSign::falling);
   }
 }
 
-TEST(QuietCells, SlopesBelowTheThresholdAreQuietAndAboveItAreNot) {
+TEST(SkippableCells, SlopesBelowTheThresholdAreQuietAndAboveItAreNot) {
   const Fixture fixture;
-  QuietCells cells = fixture.cells();
+  SkippableCells cells = fixture.cells();
   const RayCastingOptions& o = fixture.options.ray_casting;
   // Difference of a ramp: (n / 2)^2 steps of slope.
   const double pixel_m = fixture.geometry.pixel_depth_m(1) - fixture.geometry.pixel_depth_m(0);
@@ -122,33 +122,33 @@ TEST(QuietCells, SlopesBelowTheThresholdAreQuietAndAboveItAreNot) {
       o.threshold / (0.25 * o.buffer_length * o.buffer_length * step) * pixel_m;
   for (const double share : {0.9, 1.05}) {
     auto bounds = flat(cells.lattice(), 0.5f);
-    for (CellBounds& b : bounds) b.depth.rise = static_cast<float>(share * firing_rise);
+    for (MacrocellBounds& b : bounds) b.depth.rise = static_cast<float>(share * firing_rise);
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
     EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
   }
 }
 
-TEST(QuietCells, WhatIsVisibleIsSampled) {
+TEST(SkippableCells, WhatIsVisibleIsSampled) {
   Fixture fixture;
   fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
-  QuietCells cells = fixture.cells();
+  SkippableCells cells = fixture.cells();
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.19f));
   EXPECT_EQ(count_sampled(cells.distances()), 0);
   cells.set_bounds(5, flat(cells.lattice(), 0.21f));
   EXPECT_EQ(count_sampled(cells.distances()), cells.lattice().columns * cells.lattice().rows);
 }
 
-TEST(QuietCells, TheConesBorderIsSampled) {
+TEST(SkippableCells, TheConesBorderIsSampled) {
   Fixture fixture;
   fixture.options.volume_of_interest.size_m = {0.3, 0.3, 0.3};
-  QuietCells cells = fixture.cells();
+  SkippableCells cells = fixture.cells();
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.5f));
   const auto distances = cells.distances();
   EXPECT_GT(count_sampled(distances), 0);
   EXPECT_LT(count_sampled(distances), int(distances.size()) / 2);
 }
 
-TEST(QuietCells, EverythingIsSampledWhereFramesAreNoNeighbours) {
+TEST(SkippableCells, EverythingIsSampledWhereFramesAreNoNeighbours) {
   Fixture fixture;
   hw::AcquisitionOptions lone = fixture.plan.acquisition();
   lone.frames_per_volume = 1;

@@ -26,7 +26,7 @@ hw::AcquisitionPlan plan_of(int samples = 512) {
 }
 
 /// A ball of tissue on the axis.
-Subject ball(const hw::AcquisitionPlan& plan, double radius_m, double range_m) {
+ScannedTissue ball(const hw::AcquisitionPlan& plan, double radius_m, double range_m) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = radius_m});
   return {std::make_shared<const TissueMap>(phantom, 1e-3, 0),
           phantom.materials(),
@@ -45,8 +45,8 @@ Stick echo_of(const hw::AcquisitionPlan& plan,
               double range_m,
               double lateral_m,
               double elevation_m) {
-  static const Subject tissue = ball(plan_of(), 1e-3, 75e-3);
-  const auto field = make_echo_field(plan);
+  static const ScannedTissue tissue = ball(plan_of(), 1e-3, 75e-3);
+  const auto field = make_iq_field(plan);
   Stick iq(static_cast<std::size_t>(field.samples));
   const std::vector<float> left(iq.size(), 1.0f);
   const Sightline line = sightline(plan, {0, 0, 1});
@@ -84,7 +84,7 @@ TEST(Reference, OnTheAxisAnEchoIsItsAmplitude) {
 
 TEST(Reference, InTheFocusAnEchoHasThePhaseOfItsWay) {
   const auto plan = plan_of(2048);
-  const double spacing_m = make_echo_field(plan).spacing_m;
+  const double spacing_m = make_iq_field(plan).spacing_m;
   // A place in the middle of a sample.
   const auto sample = static_cast<std::size_t>(75e-3 / spacing_m);
   const double exact_m = (static_cast<double>(sample) + 0.5) * spacing_m;
@@ -107,22 +107,22 @@ TEST(Reference, WidthsAtTheFociFollowTheFormulas) {
   double area = 0;
   for (const auto& value : iq) area += static_cast<double>(std::abs(value));
   // A Gaussian's area is peak * FWHM * sqrt(pi / (4 ln 2)).
-  const double axial = area * make_echo_field(plan).spacing_m / peak_of(iq) / 1.0645;
+  const double axial = area * make_iq_field(plan).spacing_m / peak_of(iq) / 1.0645;
   EXPECT_NEAR(axial / axial_fwhm_m(plan), 1, 0.05);
 }
 
 /// Envelopes of three sticks through a small ball of tissue, by either rung.
 std::vector<double> envelopes(double range_m, Rung rung, bool side_lobes) {
   const auto plan = plan_of();
-  const Subject subject = ball(plan, 2e-3, range_m);
+  const ScannedTissue subject = ball(plan, 2e-3, range_m);
   SimulationOptions options;
   options.fidelity = rung;
   options.side_lobes = side_lobes;
-  const auto grid = make_echo_field(plan);
+  const auto grid = make_iq_field(plan);
   const std::vector<float> left(static_cast<std::size_t>(grid.samples), 1.0f);
   std::vector<double> result;
   for (std::uint32_t line = 0; line < 3; ++line) {
-    const StickWay way{sightline(plan, {0, 0, line}), grid.spacing_m, left, {}};
+    const StickPath way{sightline(plan, {0, 0, line}), grid.spacing_m, left, {}};
     Stick iq(left.size());
     if (rung == Rung::reference) {
       ReferenceScene(subject, plan, options).add_echoes(way, iq);
@@ -168,10 +168,10 @@ TEST(Reference, ScatterersAgreeWithIt) {
 TEST(Reference, RefusesWhatWouldTakeForEver) {
   const hw::AcquisitionPlan whole({}, {});
   const auto block = phantoms::make_phantom({.name = "speckle_block"});
-  const Subject subject{std::make_shared<const TissueMap>(block, 1e-3, 0),
-                        block.materials(),
-                        {glm::dmat3(1.0), block.suggested_position_m()},
-                        {}};
+  const ScannedTissue subject{std::make_shared<const TissueMap>(block, 1e-3, 0),
+                              block.materials(),
+                              {glm::dmat3(1.0), block.suggested_position_m()},
+                              {}};
   EXPECT_THROW(ReferenceScene(subject, whole, by_elements()), InvalidOption);
 }
 

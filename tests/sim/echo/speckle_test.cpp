@@ -79,7 +79,7 @@ TEST(Speckle, AxialCorrelationFollowsThePulse) {
   hw::AcquisitionOptions acquisition;
   acquisition.samples_per_stick = 4096;
   const hw::AcquisitionPlan plan({}, acquisition);
-  EchoField field = make_echo_field(plan);
+  IqField field = make_iq_field(plan);
   const double sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
   std::vector<std::complex<double>> correlation(12);
   for (int line = 0; line < 64; ++line) {
@@ -106,7 +106,7 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
   acquisition.sticks_per_frame = 512;  // 0.3 mm apart at 115 mm from the centre of curvature
   acquisition.frames_per_volume = 8;
   const hw::AcquisitionPlan plan({}, acquisition);
-  EchoField field = make_echo_field(plan);
+  IqField field = make_iq_field(plan);
   for (int i = 0; i < field.frames * field.lines; ++i) {
     fill_speckle(field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0);
   }
@@ -135,7 +135,7 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
 
 TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
   const hw::AcquisitionPlan plan({}, {});
-  EchoField field = make_echo_field(plan);
+  IqField field = make_iq_field(plan);
   for (int i = 0; i < field.frames * field.lines; ++i) {
     fill_speckle(
         field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), 0.88);
@@ -151,7 +151,7 @@ TEST(Speckle, ReflectorIsAPulseOfItsAmplitudeAndWidth) {
   hw::AcquisitionOptions acquisition;
   acquisition.samples_per_stick = 4096;
   const hw::AcquisitionPlan plan({}, acquisition);
-  EchoField field = make_echo_field(plan);
+  IqField field = make_iq_field(plan);
   const auto stick = field.stick(0, 0);
   const double range_m = 60e-3;
   add_reflector(stick, field.spacing_m, range_m, 0.5, plan);

@@ -29,8 +29,8 @@ const hw::AcquisitionPlan& plan() {
 }
 
 /// Made once for each name.
-Subject subject_of(const std::string& name, const phantoms::Motion& motion = {}) {
-  static std::map<std::string, Subject> known;
+ScannedTissue subject_of(const std::string& name, const phantoms::Motion& motion = {}) {
+  static std::map<std::string, ScannedTissue> known;
   auto& subject = known[name];
   if (!subject.map) {
     const auto phantom = phantoms::make_phantom({.name = name, .voxel_m = 1e-3});
@@ -39,7 +39,7 @@ Subject subject_of(const std::string& name, const phantoms::Motion& motion = {})
                {glm::dmat3(1.0), phantom.suggested_position_m()},
                {}};
   }
-  Subject moving = subject;
+  ScannedTissue moving = subject;
   moving.motion = motion;
   return moving;
 }
@@ -57,7 +57,7 @@ struct Grid {
   std::vector<float> left;
 
   Grid() {
-    const auto field = make_echo_field(plan());
+    const auto field = make_iq_field(plan());
     samples = field.samples;
     spacing_m = field.spacing_m;
     left.assign(static_cast<std::size_t>(samples), 1.0f);
@@ -69,7 +69,7 @@ const Grid& grid() {
   return shared;
 }
 
-StickWay way_of(const hw::StickIndex& index) {
+StickPath way_of(const hw::StickIndex& index) {
   return {sightline(plan(), index), grid().spacing_m, grid().left, {}};
 }
 

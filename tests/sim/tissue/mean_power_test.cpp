@@ -37,16 +37,16 @@ SimulationOptions tissue_alone() {
 
 struct Scanned {
   phantoms::Phantom phantom;
-  Subject subject;
+  ScannedTissue subject;
 };
 
 Scanned sphere() {
   auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
-  const double reach_m = TissuePower::reach_m(plan());
-  Subject subject{std::make_shared<const TissueMap>(phantom, reach_m, 0),
-                  phantom.materials(),
-                  {glm::dmat3(1.0), kCenter},
-                  {}};
+  const double reach_m = MeanPower::reach_m(plan());
+  ScannedTissue subject{std::make_shared<const TissueMap>(phantom, reach_m, 0),
+                        phantom.materials(),
+                        {glm::dmat3(1.0), kCenter},
+                        {}};
   return {std::move(phantom), std::move(subject)};
 }
 
@@ -58,8 +58,7 @@ std::vector<float> power_of(const Scanned& scanned,
   const auto& materials = scanned.subject.materials;
   StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
   losses.compute(track);
-  TissuePower power(
-      plan(), options, materials, kSpacing_m, kSamples, scanned.subject.map->reach_m());
+  MeanPower power(plan(), options, materials, kSpacing_m, kSamples, scanned.subject.map->reach_m());
   std::vector<float> result(kSamples);
   power.compute(track, losses, result);
   return result;
@@ -93,7 +92,7 @@ double share_inside(const hw::Ray& stick, double range_m) {
   return inside / all;
 }
 
-TEST(TissuePower, BlursASphereAsTheBeamDoes) {
+TEST(MeanPower, BlursASphereAsTheBeamDoes) {
   const Scanned scanned = sphere();
   // A sphere falls back by the beam's width squared over its diameter: at normal incidence, where
   // only the pulse blurs, its edge shifts by that much.
@@ -117,7 +116,7 @@ TEST(TissuePower, BlursASphereAsTheBeamDoes) {
   }
 }
 
-TEST(TissuePower, RoughSurfaceEchoesAsItsReflectionAsks) {
+TEST(MeanPower, RoughSurfaceEchoesAsItsReflectionAsks) {
   Scanned scanned = sphere();
   auto options = tissue_alone();
   options.interface_echo = true;
@@ -150,14 +149,14 @@ Scanned shell(double wall_m) {
                             outer.region_of_interest(),
                             outer.suggested_position_m(),
                             std::move(grids));
-  Subject subject{std::make_shared<const TissueMap>(phantom, TissuePower::reach_m(plan()), 0),
-                  phantom.materials(),
-                  {glm::dmat3(1.0), kCenter},
-                  {}};
+  ScannedTissue subject{std::make_shared<const TissueMap>(phantom, MeanPower::reach_m(plan()), 0),
+                        phantom.materials(),
+                        {glm::dmat3(1.0), kCenter},
+                        {}};
   return {std::move(phantom), std::move(subject)};
 }
 
-TEST(TissuePower, PaintsSurfacesInTheirOrder) {
+TEST(MeanPower, PaintsSurfacesInTheirOrder) {
   constexpr double kWall_m = 0.6e-3;
   const auto power = power_of(shell(kWall_m), plan().geometry().stick(0, 0), tissue_alone());
   const auto power_in = [](const char* name) {
@@ -226,10 +225,10 @@ double power_of(const StickTrack& track, const TrackPiece& piece) {
 }
 
 /// Wide loops pass over several pieces at once, and may spill over their ends.
-TEST(TissuePower, EachPieceEchoesAsItsTissue) {
+TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   const auto& materials = phantoms::material_table();
   StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
-  TissuePower beam(plan(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
+  MeanPower beam(plan(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
   std::mt19937 generator(13);
   std::vector<float> found(kSamples);
   for (int run = 0; run < 200; ++run) {
@@ -247,7 +246,7 @@ TEST(TissuePower, EachPieceEchoesAsItsTissue) {
   }
 }
 
-TEST(TissuePower, FluidIsSilent) {
+TEST(MeanPower, FluidIsSilent) {
   const Scanned scanned = sphere();
   for (float value : power_of(scanned, plan().geometry().stick(0.5, 0.4), tissue_alone())) {
     ASSERT_EQ(value, 0.0f);

@@ -12,7 +12,8 @@ namespace {
 constexpr double kRadius_m = 20e-3;
 constexpr double kDepth_m = 160e-3;
 
-Subject sphere_subject(const phantoms::Placement& placement, const phantoms::Motion& motion = {}) {
+ScannedTissue sphere_subject(const phantoms::Placement& placement,
+                             const phantoms::Motion& motion = {}) {
   static const phantoms::Phantom phantom =
       phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
   static const auto map = std::make_shared<const TissueMap>(phantom, 2e-3, 0);
@@ -48,7 +49,7 @@ void expect_crossings(const StickTrack& track, const std::vector<double>& expect
 TEST(StickTrack, FindsBothSidesOfASphereFromEveryStick) {
   const phantoms::Placement placement{phantoms::rotation_xyz({0.3, -0.2, 0.1}),
                                       {5e-3, -3e-3, 0.11}};
-  const Subject subject = sphere_subject(placement);
+  const ScannedTissue subject = sphere_subject(placement);
   std::mt19937 generator(1);
   StickTrack track;
   int hits = 0;
@@ -64,7 +65,7 @@ TEST(StickTrack, FindsBothSidesOfASphereFromEveryStick) {
 }
 
 TEST(StickTrack, CoversTheStickWithoutGaps) {
-  const Subject subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
+  const ScannedTissue subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
   std::mt19937 generator(2);
   StickTrack track;
   for (int i = 0; i < 200; ++i) {
@@ -87,7 +88,7 @@ TEST(StickTrack, CoversTheStickWithoutGaps) {
 
 /// Leaving out surfaces that no stick crosses leaves out no interface, and moves none.
 TEST(StickTrack, CrossesTheSameSurfacesWithoutThoseNearby) {
-  const Subject subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
+  const ScannedTissue subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
   std::mt19937 generator(9);
   StickTrack all, crossed;
   std::size_t interfaces = 0;
@@ -115,7 +116,7 @@ TEST(StickTrack, CrossesASurfaceOnAWallOfTheMapOnce) {
     const auto plate = phantoms::make_phantom({.name = "bone_plate", .thickness_m = thickness_m});
     const auto map = std::make_shared<const TissueMap>(plate, 2e-3, 0);
     for (const double front_m : {0.08, 0.0813}) {
-      const Subject subject{map, plate.materials(), {glm::dmat3(1.0), {0, 0, front_m}}, {}};
+      const ScannedTissue subject{map, plate.materials(), {glm::dmat3(1.0), {0, 0, front_m}}, {}};
       StickTrack track;
       for (int i = 0; i < 300; ++i) {
         const hw::Ray stick = plan.geometry().stick(angle(generator), angle(generator));
@@ -138,7 +139,7 @@ TEST(StickTrack, MovingTissueIsWhereItIsAtTheTimeOfTheStick) {
   phantoms::MotionOptions moving;
   moving.velocity_m_s = {20e-3, -10e-3, 15e-3};
   const phantoms::Placement placement{glm::dmat3(1.0), {0, 0, 0.11}};
-  const Subject subject = sphere_subject(placement, phantoms::Motion(moving, {}));
+  const ScannedTissue subject = sphere_subject(placement, phantoms::Motion(moving, {}));
   std::mt19937 generator(4);
   std::uniform_real_distribution<double> moment(0, 0.5);
   StickTrack track;
@@ -163,7 +164,7 @@ TEST(StickTrack, BentMotionFollowsTheTissueToo) {
   const phantoms::Motion motion(turning, phantoms::Joint{pivot, 55e-3, 70e-3});
   ASSERT_FALSE(motion.rigid());
   const phantoms::Placement placement{glm::dmat3(1.0), {0, 0, 0.11}};
-  const Subject subject = sphere_subject(placement, motion);
+  const ScannedTissue subject = sphere_subject(placement, motion);
   std::mt19937 generator(6);
   std::uniform_real_distribution<double> moment(0, 1);
   StickTrack track;

@@ -1,10 +1,10 @@
-#include "bench/checks/simulation/simulation_run.h"
+#include "bench/checks/fault_simulation/fault_simulation.h"
 
 #include <memory>
 #include <optional>
 
-#include "bench/checks/simulation/oracle.h"
-#include "bench/checks/simulation/scenario.h"
+#include "bench/checks/fault_simulation/oracle.h"
+#include "bench/checks/fault_simulation/scenario.h"
 #include "bench/pipeline/synthetic_sticks.h"
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
@@ -31,9 +31,9 @@ enum class Actor { device, board, program, interruption };
 /// One play of one scenario.
 class Play {
  public:
-  Play(const Scenario& scenario, const Witness::Trace& trace)
+  Play(const Scenario& scenario, const Oracle::Trace& trace)
       : scenario_(scenario),
-        witness_(scenario, trace),
+        oracle_(scenario, trace),
         draws_(~scenario.seed),
         link_(new hw::FaultLink(
             std::make_unique<sim::SimLink>(
@@ -44,22 +44,22 @@ class Play {
                {.ring_slots = scenario.ring_slots, .reader = hw::ReaderMode::stepped}),
         assembly_(board_) {}
 
-  RehearsalResult run() {
-    RehearsalResult result{.seed = scenario_.seed};
+  FaultSimulationResult run() {
+    FaultSimulationResult result{.seed = scenario_.seed};
     try {
       board_.start();
       while (!over_) {
         act();
-        witness_.account(board_.account());
+        oracle_.account(board_.account());
         if (++result.steps == kMostSteps) throw RuleBroken("it does not come to an end");
       }
-      if (!scenario_.into_volumes) witness_.explain(link_->events(), figures_->packets_dropped);
-      witness_.seen_all(board_.account());
+      if (!scenario_.into_volumes) oracle_.explain(link_->events(), figures_->packets_dropped);
+      oracle_.seen_all(board_.account());
       check_known(board_.account());
     } catch (const RuleBroken& broken) {
       result.failure = broken.what();
     }
-    result.hash = witness_.hash();
+    result.hash = oracle_.hash();
     result.device_time_s = std::chrono::duration<double>(time_.now().time_since_epoch()).count();
     result.sticks_emitted = figures_->sticks_emitted;
     result.acquired_s =
@@ -71,7 +71,7 @@ class Play {
  private:
   void act() {
     const Actor actor = draw_actor();
-    witness_.step(static_cast<int>(actor));
+    oracle_.step(static_cast<int>(actor));
     switch (actor) {
       case Actor::device:
         time_.pass(std::chrono::microseconds(draws_.between(0, 4000)));
@@ -100,12 +100,12 @@ class Play {
     for (int i = 0; i < most && !over_; ++i) {
       const hw::Event event = board_.next(hw::HostTime::min());
       if (std::holds_alternative<hw::TimedOut>(event)) return;
-      over_ = !witness_.event(event);
+      over_ = !oracle_.event(event);
     }
   }
 
   void take_volume() {
-    if (const auto volume = assembly_.next(hw::HostTime::min())) witness_.volume(*volume);
+    if (const auto volume = assembly_.next(hw::HostTime::min())) oracle_.volume(*volume);
     // Stopped is no end: it is started again.
     over_ = assembly_.ended() && board_.state() != hw::BoardState::configured &&
             board_.state() != hw::BoardState::open;
@@ -126,7 +126,7 @@ class Play {
 
   const Scenario& scenario_;
   VirtualTime time_;
-  Witness witness_;
+  Oracle oracle_;
   Draws draws_;
   std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
   hw::FaultLink* link_;  ///< the board's
@@ -137,7 +137,8 @@ class Play {
 
 }  // namespace
 
-RehearsalResult rehearse(std::uint64_t seed, const std::function<void(const std::string&)>& trace) {
+FaultSimulationResult simulate_faults(std::uint64_t seed,
+                                      const std::function<void(const std::string&)>& trace) {
   const Scenario scenario = draw_scenario(seed);
   if (trace) trace(scenario.text());
   return Play(scenario, trace).run();

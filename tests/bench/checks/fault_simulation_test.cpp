@@ -1,20 +1,20 @@
-#include "bench/checks/simulation/simulation_run.h"
+#include "bench/checks/fault_simulation/fault_simulation.h"
 
 #include <gtest/gtest.h>
 
-#include "bench/checks/simulation/oracle.h"
-#include "bench/checks/simulation/scenario.h"
+#include "bench/checks/fault_simulation/oracle.h"
+#include "bench/checks/fault_simulation/scenario.h"
 #include "bench/pipeline/synthetic_sticks.h"
 
 namespace wobblebench::bench {
 namespace {
 
-TEST(Rehearsal, AThousandSeedsHoldTheRulesAndPlayTheSameTwice) {
+TEST(FaultSimulation, AThousandSeedsHoldTheRulesAndPlayTheSameTwice) {
   hw::BoardAccount account;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
-    const RehearsalResult result = rehearse(seed);
+    const FaultSimulationResult result = simulate_faults(seed);
     ASSERT_EQ(result.failure, "") << "wobblebench rehearse --seeds 1 --trace --first-seed " << seed;
-    ASSERT_EQ(rehearse(seed).hash, result.hash) << seed;
+    ASSERT_EQ(simulate_faults(seed).hash, result.hash) << seed;
     account.delivered += result.account.delivered;
     account.lost.ring_full += result.account.lost.ring_full;
     account.lost.link += result.account.lost.link;
@@ -31,23 +31,23 @@ TEST(Rehearsal, AThousandSeedsHoldTheRulesAndPlayTheSameTwice) {
   EXPECT_GT(account.duplicates, 500U);
 }
 
-TEST(Rehearsal, AnotherSeedIsAnotherPlay) {
-  EXPECT_NE(rehearse(1).hash, rehearse(2).hash);
+TEST(FaultSimulation, AnotherSeedIsAnotherPlay) {
+  EXPECT_NE(simulate_faults(1).hash, simulate_faults(2).hash);
 }
 
-TEST(Rehearsal, ItsTraceTellsWhatHappened) {
+TEST(FaultSimulation, ItsTraceTellsWhatHappened) {
   std::size_t sticks = 0;
   std::uint64_t seed = 1;
   while (draw_scenario(seed).into_volumes) ++seed;
   const auto result =
-      rehearse(seed, [&](const std::string& line) { sticks += line.starts_with("stick "); });
+      simulate_faults(seed, [&](const std::string& line) { sticks += line.starts_with("stick "); });
   EXPECT_EQ(sticks, result.account.delivered);
 }
 
-class WitnessOfTwoSticks : public testing::Test {
+class OracleOfTwoSticks : public testing::Test {
  protected:
-  WitnessOfTwoSticks() : scenario_{.plan = plan()}, witness_(scenario_, {}) {
-    witness_.event(hw::Configuration{scenario_.plan, hw::Provenance::simulated});
+  OracleOfTwoSticks() : scenario_{.plan = plan()}, oracle_(scenario_, {}) {
+    oracle_.event(hw::Configuration{scenario_.plan, hw::StreamOrigin::simulated});
   }
   static hw::AcquisitionPlan plan() {
     hw::AcquisitionOptions acquisition;
@@ -67,19 +67,19 @@ class WitnessOfTwoSticks : public testing::Test {
     auto ring = std::make_shared<hw::StickRing>(1);
     hw::Stick* slot = ring->acquire();
     *slot = given;
-    witness_.event(hw::StickSlot(ring, slot));
+    oracle_.event(hw::StickSlot(ring, slot));
   }
 
   Scenario scenario_;
-  Witness witness_;
+  Oracle oracle_;
 };
 
-TEST_F(WitnessOfTwoSticks, AcceptsThemInOrder) {
+TEST_F(OracleOfTwoSticks, AcceptsThemInOrder) {
   EXPECT_NO_THROW(give(stick(0)));
   EXPECT_NO_THROW(give(stick(1)));
 }
 
-TEST_F(WitnessOfTwoSticks, SeesARepeatAHoleAndAForgery) {
+TEST_F(OracleOfTwoSticks, SeesARepeatAHoleAndAForgery) {
   give(stick(0));
   EXPECT_THROW(give(stick(0)), RuleBroken);
   EXPECT_THROW(give(stick(2)), RuleBroken);
@@ -88,14 +88,14 @@ TEST_F(WitnessOfTwoSticks, SeesARepeatAHoleAndAForgery) {
   EXPECT_THROW(give(forged), RuleBroken);
 }
 
-TEST_F(WitnessOfTwoSticks, SeesALossThatNothingExplains) {
+TEST_F(OracleOfTwoSticks, SeesALossThatNothingExplains) {
   give(stick(0));
-  witness_.event(hw::Gap{1, 2, hw::LossCause::link});
+  oracle_.event(hw::Gap{1, 2, hw::LossCause::link});
   const hw::FaultEvent struck{hw::FaultKind::drop, 2, hw::PacketKind::stick, 1};
-  EXPECT_THROW(witness_.explain({struck}, 0), RuleBroken);
+  EXPECT_THROW(oracle_.explain({struck}, 0), RuleBroken);
   const hw::FaultEvent also{hw::FaultKind::drop, 3, hw::PacketKind::stick, 2};
-  EXPECT_NO_THROW(witness_.explain({struck, also}, 0));
-  EXPECT_THROW(witness_.account({.emitted = 3, .delivered = 2}), RuleBroken);
+  EXPECT_NO_THROW(oracle_.explain({struck, also}, 0));
+  EXPECT_THROW(oracle_.account({.emitted = 3, .delivered = 2}), RuleBroken);
 }
 
 }  // namespace

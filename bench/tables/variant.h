@@ -1,4 +1,4 @@
-// The ways in which the bench of record renders a row of the paper's tables.
+// The variants in which the bench of record renders a row of the paper's tables.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 namespace wobblebench::bench {
 
 /// A pipeline, and the space in which the taps of its 3D kernel lie.
-enum class Way {
+enum class PipelineVariant {
   plain,        ///< as the paper writes it: taps along the ray
   plain_slice,  ///< plain, taps in the slices
   fast,         ///< the default: taps in the slices
@@ -18,21 +18,23 @@ enum class Way {
 };
 
 /// "plain", "plain_slice", "fast", "fast_ray": what the keys of report.json begin with.
-std::string to_string(Way way);
+std::string to_string(PipelineVariant variant);
 
 /// Plain and fast for every table; all four where the 3D kernel is what varies (Table III).
-std::vector<Way> ways_of(const Table& table);
+std::vector<PipelineVariant> variants_of(const Table& table);
 
-render::RenderOptions rendered(Way way, render::RenderOptions options);
+render::RenderOptions rendered(PipelineVariant variant, render::RenderOptions options);
 
 /// How a run of the tables differs from the paper's, and how often each setting is measured.
 struct TableRun {
   int divisor = 1;        ///< sides are the paper's over this
-  int repeats = 3;        ///< of the fast ways; counted, after one that is not
-  int plain_repeats = 3;  ///< of the plain ways, likewise
+  int repeats = 3;        ///< of the fast variants; counted, after one that is not
+  int plain_repeats = 3;  ///< of the plain variants, likewise
 
-  int repeats_of(Way way) const {
-    return way == Way::plain || way == Way::plain_slice ? plain_repeats : repeats;
+  int repeats_of(PipelineVariant variant) const {
+    return variant == PipelineVariant::plain || variant == PipelineVariant::plain_slice
+               ? plain_repeats
+               : repeats;
   }
 };
 

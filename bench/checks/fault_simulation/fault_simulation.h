@@ -10,7 +10,7 @@
 
 namespace wobblebench::bench {
 
-struct RehearsalResult {
+struct FaultSimulationResult {
   std::uint64_t seed = 0;
   /// Of all that happened, in order: the schedule, events, sticks, accounts.
   std::uint64_t hash = 0;
@@ -26,7 +26,7 @@ struct RehearsalResult {
 /// every step: emitted = delivered + lost; each stick is bit for bit the one that the probe sent,
 /// and comes once, in order; sticks and gaps name every number once; and at the end: nothing that
 /// no fault struck and no ring dropped is missing.
-RehearsalResult rehearse(std::uint64_t seed,
-                         const std::function<void(const std::string&)>& trace = {});
+FaultSimulationResult simulate_faults(std::uint64_t seed,
+                                      const std::function<void(const std::string&)>& trace = {});
 
 }  // namespace wobblebench::bench

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/checks/simulation/scenario.h"
+#include "bench/checks/fault_simulation/scenario.h"
 #include "hw/board/board.h"
 #include "hw/link/fault_link.h"
 #include "hw/probe/polar_volume.h"
@@ -33,10 +33,10 @@ class EventHash {
   std::uint64_t hash_ = 0x243F6A8885A308D3;
 };
 
-class Witness {
+class Oracle {
  public:
   using Trace = std::function<void(const std::string&)>;
-  Witness(const Scenario& scenario, Trace trace) : scenario_(scenario), trace_(std::move(trace)) {}
+  Oracle(const Scenario& scenario, Trace trace) : scenario_(scenario), trace_(std::move(trace)) {}
 
   void step(int what) { hash_.add(static_cast<std::uint64_t>(what)); }
   void account(const hw::BoardAccount& account);

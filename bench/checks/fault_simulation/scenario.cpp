@@ -1,4 +1,4 @@
-#include "bench/checks/simulation/scenario.h"
+#include "bench/checks/fault_simulation/scenario.h"
 
 #include <algorithm>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "bench/checks/simulation/oracle.h"
+#include "bench/checks/fault_simulation/oracle.h"
 
 #include <bit>
 #include <variant>
@@ -17,7 +17,7 @@ bool costs_a_stick(hw::FaultKind kind) {
 
 }  // namespace
 
-void Witness::account(const hw::BoardAccount& account) {
+void Oracle::account(const hw::BoardAccount& account) {
   hash_.add(account.emitted);
   hash_.add(account.delivered);
   if (account.balanced()) return;
@@ -26,7 +26,7 @@ void Witness::account(const hw::BoardAccount& account) {
                    std::to_string(account.lost.total()));
 }
 
-bool Witness::event(const hw::Event& event) {
+bool Oracle::event(const hw::Event& event) {
   hash_.add(event.index());
   if (const auto* slot = std::get_if<hw::StickSlot>(&event)) {
     stick(**slot);
@@ -52,7 +52,7 @@ bool Witness::event(const hw::Event& event) {
   return true;
 }
 
-void Witness::stick(const hw::Stick& stick) {
+void Oracle::stick(const hw::Stick& stick) {
   say("stick " + std::to_string(stick.sequence));
   ++seen_;
   run(stick.sequence, 1);
@@ -68,7 +68,7 @@ void Witness::stick(const hw::Stick& stick) {
 }
 
 /// Sticks and gaps name each number once, in order.
-void Witness::run(std::uint64_t first, std::uint64_t count) {
+void Oracle::run(std::uint64_t first, std::uint64_t count) {
   hash_.add(first);
   hash_.add(count);
   if (next_ && first != *next_) {
@@ -78,7 +78,7 @@ void Witness::run(std::uint64_t first, std::uint64_t count) {
   next_ = first + count;
 }
 
-void Witness::genuine(std::uint64_t sequence, std::span<const float> samples) const {
+void Oracle::genuine(std::uint64_t sequence, std::span<const float> samples) const {
   const auto count = static_cast<std::size_t>(scenario_.plan.acquisition().samples_per_stick);
   bool same = samples.size() == count;
   for (std::uint32_t k = 0; same && k < count; ++k) {
@@ -88,7 +88,7 @@ void Witness::genuine(std::uint64_t sequence, std::span<const float> samples) co
   if (!same) throw RuleBroken("stick " + std::to_string(sequence) + " is not what the probe sent");
 }
 
-void Witness::volume(const hw::PolarVolume& volume) {
+void Oracle::volume(const hw::PolarVolume& volume) {
   say("volume " + std::to_string(volume.volume_index()) + ", " +
       std::to_string(volume.missing_sticks()) + " sticks missing");
   hash_.add(volume.volume_index());
@@ -112,14 +112,14 @@ void Witness::volume(const hw::PolarVolume& volume) {
   }
 }
 
-void Witness::seen_all(const hw::BoardAccount& account) const {
+void Oracle::seen_all(const hw::BoardAccount& account) const {
   if (seen_ == account.delivered) return;
   throw RuleBroken(std::to_string(account.delivered) + " sticks were delivered, " +
                    std::to_string(seen_) + " were seen");
 }
 
-void Witness::explain(const std::vector<hw::FaultEvent>& faults,
-                      std::uint64_t packets_dropped) const {
+void Oracle::explain(const std::vector<hw::FaultEvent>& faults,
+                     std::uint64_t packets_dropped) const {
   if (packets_dropped > 0) return;
   std::set<std::uint64_t> struck;
   for (const hw::FaultEvent& fault : faults) {
