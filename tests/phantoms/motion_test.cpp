@@ -36,13 +36,13 @@ class Dice {
   glm::dvec3 place(double reach) {
     return {within(-reach, reach), within(-reach, reach), within(-reach, reach)};
   }
-  std::vector<double> list(double reach) {
+  glm::dvec3 vector(double reach) {
     return {within(-reach, reach), within(-reach, reach), within(-reach, reach)};
   }
   MotionOptions options() {
     MotionOptions o;
-    o.velocity_m_s = list(0.1);
-    o.turn_rate_rad_s = list(2);
+    o.velocity_m_s = vector(0.1);
+    o.turn_rate_rad_s = vector(2);
     o.breath_amplitude_m = within(0, 20e-3);
     o.breath_period_s = within(0.5, 6);
     o.heartbeat_amplitude_m = within(0, 5e-3);

@@ -88,8 +88,7 @@ TEST(Camera, ParallelViewPlaneLeavesTheWholeBoxBehindIt) {
     for (int corner = 0; corner < 8; ++corner) {
       glm::dvec3 place;
       for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        place[axis] = c[a] + ((corner >> axis & 1) - 0.5) * s[a];
+        place[axis] = c[axis] + ((corner >> axis & 1) - 0.5) * s[axis];
       }
       EXPECT_GE(camera.project(place).depth_m, -1e-12);
     }
@@ -112,8 +111,8 @@ TEST(ClipToBox, HoldsExactlyThePointsOfTheRayInTheBox) {
     const glm::dvec3 place = ray.at(t);
     double beyond_m = -1;  // largest distance beyond a face
     for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      beyond_m = std::max(beyond_m, std::abs(place[axis] - box.center_m[a]) - box.size_m[a] / 2);
+      beyond_m =
+          std::max(beyond_m, std::abs(place[axis] - box.center_m[axis]) - box.size_m[axis] / 2);
     }
     if (std::abs(beyond_m) < 1e-12) continue;
     EXPECT_EQ(t >= std::max(span.from_m, 0.0) && t <= span.to_m, beyond_m < 0 && t >= 0);

@@ -175,8 +175,7 @@ TEST(FieldBox, HoldsTheWholeCone) {
       const glm::dvec3 place = p.geometry().to_cartesian(
           {range(random), half(random) * 170 * kDegree, half(random) * 170 * kDegree});
       for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        EXPECT_LE(std::abs(place[axis] - box.center_m[a]), box.size_m[a] / 2 + 1e-12);
+        EXPECT_LE(std::abs(place[axis] - box.center_m[axis]), box.size_m[axis] / 2 + 1e-12);
       }
     }
   }
