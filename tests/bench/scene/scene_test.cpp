@@ -211,8 +211,8 @@ TEST_F(SceneFile, BoxOfInterestOfATiltedPhantomHoldsItsCorners) {
   Scene scene = load_scene({}, {"placement.rotation_deg=[0, 0, 45]"});
   complete_from_phantom(scene, phantom);
   const auto& size = scene.render.volume_of_interest.size_m;
-  EXPECT_NEAR(size.at(0), 0.02 * std::sqrt(2), 1e-15);
-  EXPECT_NEAR(size.at(2), 0.02, 1e-15);
+  EXPECT_NEAR(size.x, 0.02 * std::sqrt(2), 1e-15);
+  EXPECT_NEAR(size.z, 0.02, 1e-15);
 }
 
 TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
