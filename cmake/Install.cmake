@@ -1,7 +1,14 @@
-# Installs and exports the modules, so that another project can find_package(wobblebench) and link
-# wobblebench::hw, wobblebench::render, …
+# Installs and exports the modules, so that another project can find_package(wobblebench), link wobblebench::hw,
+# wobblebench::render, …, and include "wobblebench/hw/board/board.h".
 include_guard()
 include(CMakePackageConfigHelpers)
+include(PublicHeaders)
+
+install(CODE "
+  set(WOBBLEBENCH_HEADERS \"${public_headers}\")
+  set(WOBBLEBENCH_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
+  set(WOBBLEBENCH_INCLUDE_DIR \"${CMAKE_INSTALL_INCLUDEDIR}\")")
+install(SCRIPT "${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake")
 
 set(config_directory "${CMAKE_INSTALL_LIBDIR}/cmake/wobblebench")
 install(EXPORT wobblebench-targets NAMESPACE wobblebench:: DESTINATION "${config_directory}")

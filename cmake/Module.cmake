@@ -18,17 +18,18 @@ function(wobblebench_flags target)
   endif()
 endfunction()
 
-# Reading headers is three quarters of a sanitizer's build: the heavy ones are read once a target, and in the
-# targets that link it. No other build, so that none is missing where it is used.
+# wobblebench_precompile(TARGET HEADERS…): reading headers is half of a build, so the heavy ones are read once a
+# target. The presets `dev` and `render-only` build without, so that no include is missing where it is used.
+option(WOBBLEBENCH_PRECOMPILE "Precompile heavy headers" ON)
 function(wobblebench_precompile target)
-  if(WOBBLEBENCH_SANITIZE)
-    target_precompile_headers(${target} PUBLIC ${ARGN})
+  if(WOBBLEBENCH_PRECOMPILE)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
   endif()
 endfunction()
 
 # wobblebench_module(NAME SOURCES a.cpp … PUBLIC lib … PRIVATE lib …)
-# A static library `wobblebench_NAME`, alias `wobblebench::NAME`, whose headers are included as
-# "FOLDER/header.h", FOLDER being where it is called.
+# A static library `wobblebench_NAME`, alias `wobblebench::NAME`. Our sources include its headers by their path
+# below the project; installed ones lie below wobblebench/ (cmake/Install.cmake).
 function(wobblebench_module name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
   set(target wobblebench_${name})
@@ -37,26 +38,23 @@ function(wobblebench_module name)
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(${target} PUBLIC
     "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>"
-    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/wobblebench>")
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   wobblebench_flags(${target})
   install(TARGETS ${target} EXPORT wobblebench-targets)
-  file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
-  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/wobblebench/${folder}" FILES_MATCHING PATTERN "*.h")
 endfunction()
 
-# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib …): one GoogleTest program; each case is a CTest test.
-# A sanitizer makes some cases ten times as long.
+# wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …]): one GoogleTest program; each
+# case is a CTest test.
 function(wobblebench_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;PRECOMPILE")
   set(seconds 600)
   if(WOBBLEBENCH_SANITIZE)
-    set(seconds 3000)
+    set(seconds 3000)  # some cases take ten times as long
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LIBS} GTest::gtest_main)
   wobblebench_flags(${name})
-  wobblebench_precompile(${name} <gtest/gtest.h>)
+  wobblebench_precompile(${name} <gtest/gtest.h> ${arg_PRECOMPILE})
   gtest_discover_tests(${name} PROPERTIES TIMEOUT ${seconds} LABELS ${name} DISCOVERY_TIMEOUT 60)
 endfunction()

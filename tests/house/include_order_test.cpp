@@ -1,87 +1,118 @@
-// The order of the rooms (docs/architecture.md), read off the sources.
+// The order of rooms and folders (docs/architecture.md), read off the sources.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
+#include <functional>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/house/include_graph.h"
+
+namespace wobblebench {
 namespace {
 
-namespace fs = std::filesystem;
-
-const std::map<std::string, std::set<std::string>> kMayInclude = {
-    {"hw", {"hw"}},
-    {"phantoms", {"phantoms"}},
-    {"sim", {"sim", "hw", "phantoms"}},
-    {"render", {"render", "hw"}},
-    {"bench", {"bench", "sim", "render", "hw", "phantoms"}},
+/// Folders that the files of a room may include, through any number of other files.
+const std::map<std::string, std::vector<std::string>> kMayInclude = {
+    {"base", {"base"}},
+    {"hw", {"base", "hw"}},
+    {"phantoms", {"base", "phantoms"}},
+    {"sim", {"base", "hw", "phantoms", "sim"}},
+    {"render", {"base", "hw/probe", "render"}},
+    {"bench", {"base", "hw", "phantoms", "sim", "render", "bench"}},
 };
 
-struct Include {
-  std::string file;
-  std::string path;
-};
+const IncludeGraph& graph() {
+  static const IncludeGraph all(WOBBLEBENCH_SOURCE_DIR,
+                                {"base", "hw", "phantoms", "sim", "render", "bench"});
+  return all;
+}
 
-std::vector<fs::path> sources_of(const std::string& room) {
-  std::vector<fs::path> files;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(fs::path(WOBBLEBENCH_SOURCE_DIR) / room)) {
-    const auto extension = entry.path().extension();
-    if (extension == ".h" || extension == ".cpp") files.push_back(entry.path());
+bool lies_below(const std::string& file, const std::vector<std::string>& folders) {
+  return std::any_of(folders.begin(), folders.end(), [&](const auto& folder) {
+    return file.starts_with(folder + "/");
+  });
+}
+
+void expect_reaches_only(const std::string& file, const std::vector<std::string>& allowed) {
+  for (const auto& [included, unused] : graph().reachable(file)) {
+    EXPECT_TRUE(lies_below(included, allowed)) << graph().path_to(file, included);
   }
-  return files;
 }
 
-std::vector<Include> includes_of(const std::string& room) {
-  static const std::regex pattern(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"])");
-  std::vector<Include> includes;
-  for (const auto& file : sources_of(room)) {
-    std::ifstream text(file);
-    std::smatch match;
-    for (std::string line; std::getline(text, line);) {
-      if (std::regex_search(line, match, pattern)) includes.push_back({file.string(), match[1]});
-    }
-  }
-  return includes;
-}
-
-std::string first_folder(const std::string& path) {
-  return path.substr(0, path.find('/'));
-}
-
-TEST(IncludeOrder, RoomsIncludeOnlyWhatTheyMay) {
+TEST(IncludeOrder, RoomsReachOnlyWhatTheyMay) {
   for (const auto& [room, allowed] : kMayInclude) {
-    const auto includes = includes_of(room);
-    EXPECT_FALSE(includes.empty()) << room << " was not read";
-    for (const auto& [file, path] : includes) {
-      const std::string folder = first_folder(path);
-      if (!kMayInclude.contains(folder)) continue;
-      EXPECT_TRUE(allowed.contains(folder)) << file << " includes " << path;
+    const auto files = graph().files_below(room);
+    EXPECT_FALSE(files.empty()) << room << " was not read";
+    for (const auto& file : files) expect_reaches_only(file, allowed);
+  }
+}
+
+TEST(IncludeOrder, WhatTheScannerIsNeedsNothingOfItsLinks) {
+  for (const auto& file : graph().files_below("hw/probe")) {
+    expect_reaches_only(file, {"base", "hw/probe"});
+  }
+}
+
+TEST(IncludeOrder, TheTablesProgramReachesNoSimulator) {
+  for (const auto& file : graph().files_below("bench/tables")) {
+    expect_reaches_only(file, {"base", "hw", "render", "bench"});
+  }
+}
+
+TEST(IncludeOrder, EveryIncludeOfOursIsAFile) {
+  const auto files = graph().files();
+  const std::set<std::string> known(files.begin(), files.end());
+  for (const auto& file : files) {
+    for (const auto& include : graph().direct(file)) {
+      if (!kMayInclude.contains(room_of(include)) || include.find('/') == std::string::npos) continue;
+      EXPECT_TRUE(known.contains(include)) << file << " includes " << include;
     }
   }
 }
 
-TEST(IncludeOrder, RenderKnowsTheBoardsVocabularyAndNotItsLinks) {
-  for (const auto& [file, path] : includes_of("render")) {
-    EXPECT_FALSE(path == "hw/link/link.h" || path == "hw/board/board.h" ||
-                 path == "hw/wire/packet.h")
-        << file << " includes " << path;
+/// Folders that each folder includes. A room's own level holds its door and its vocabulary, and
+/// takes no part.
+std::map<std::string, std::set<std::string>> folder_edges() {
+  std::map<std::string, std::set<std::string>> edges;
+  for (const auto& file : graph().files()) {
+    const std::string from = folder_of(file);
+    for (const auto& include : graph().direct(file)) {
+      const std::string to = folder_of(include);
+      const bool inner = room_of(include) == room_of(file) && to != from &&
+                         from != room_of(file) && to != room_of(file);
+      if (inner) edges[from].insert(to);
+    }
   }
+  return edges;
 }
 
-TEST(IncludeOrder, TheTablesAreMeasuredWithoutASimulator) {
-  for (const auto& [file, path] : includes_of("bench/tables")) {
-    EXPECT_FALSE(path.starts_with("sim/") || path.starts_with("phantoms/"))
-        << file << " includes " << path;
-  }
+TEST(IncludeOrder, FoldersOfARoomIncludeEachOtherOneWay) {
+  const auto edges = folder_edges();
+  std::set<std::string> done;
+  std::vector<std::string> path;
+  const std::function<void(const std::string&)> visit = [&](const std::string& folder) {
+    const auto again = std::find(path.begin(), path.end(), folder);
+    if (again != path.end()) {
+      std::string circle;
+      for (auto at = again; at != path.end(); ++at) circle += *at + " -> ";
+      ADD_FAILURE() << circle << folder;
+      return;
+    }
+    if (done.contains(folder)) return;
+    path.push_back(folder);
+    if (edges.contains(folder)) {
+      for (const auto& next : edges.at(folder)) visit(next);
+    }
+    path.pop_back();
+    done.insert(folder);
+  };
+  for (const auto& [folder, unused] : edges) visit(folder);
 }
 
-/// Our headers that are heavy themselves, and stay in .cpp files too.
+/// Our headers that include OpenVDB, for .cpp files alone.
 const std::set<std::string> kHeavyOfOurs = {"phantoms/grids.h",
                                             "phantoms/shapes/level_set.h",
                                             "phantoms/shapes/calibration.h",
@@ -90,21 +121,24 @@ const std::set<std::string> kHeavyOfOurs = {"phantoms/grids.h",
                                             "phantoms/io/clearance.h",
                                             "sim/tissue/extended_distance.h"};
 
-bool is_heavy_header(const std::string& file) {
-  return std::any_of(kHeavyOfOurs.begin(), kHeavyOfOurs.end(), [&](const auto& name) {
-    return file.ends_with("/" + name);
-  });
-}
-
 TEST(IncludeOrder, HeavyHeadersStayInSources) {
-  const std::regex heavy("^(openvdb|ceres|opencv2|OpenImageIO)/");
-  for (const auto& [room, unused] : kMayInclude) {
-    for (const auto& [file, path] : includes_of(room)) {
-      if (!file.ends_with(".h") || is_heavy_header(file)) continue;
-      EXPECT_FALSE(std::regex_search(path, heavy) || kHeavyOfOurs.contains(path))
-          << file << " includes " << path;
+  const std::regex heavy("^(openvdb|ceres|opencv2|OpenImageIO|CLI|toml\\+\\+)/");
+  for (const auto& file : graph().files()) {
+    if (!file.ends_with(".h") || kHeavyOfOurs.contains(file)) continue;
+    for (const auto& include : graph().direct(file)) {
+      EXPECT_FALSE(std::regex_search(include, heavy) || kHeavyOfOurs.contains(include))
+          << file << " includes " << include;
     }
   }
 }
 
+TEST(IncludeOrder, JsonIsDeclaredInHeadersAndDefinedInSources) {
+  for (const auto& file : graph().files()) {
+    if (!file.ends_with(".h")) continue;
+    const auto& includes = graph().direct(file);
+    EXPECT_EQ(std::count(includes.begin(), includes.end(), "nlohmann/json.hpp"), 0) << file;
+  }
+}
+
 }  // namespace
+}  // namespace wobblebench

@@ -1,8 +1,8 @@
 // Takes a volume from our plan and renders it with our reference.
 #include <cstdio>
 
-#include "hw/probe/polar_volume.h"
-#include "render/reference/reference.h"
+#include "wobblebench/hw/probe/polar_volume.h"
+#include "wobblebench/render/reference/reference.h"
 
 int main() {
   using namespace wobblebench;
