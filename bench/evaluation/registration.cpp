@@ -217,15 +217,12 @@ const std::array<std::string, kRegistrationParameters>& registration_names() {
 }
 
 Registration register_surface(const Image<float>& depth_m,
-                              const phantoms::Phantom& phantom,
-                              const phantoms::Placement& placement,
-                              const phantoms::Motion& motion,
+                              const phantoms::PlacedPhantom& subject,
                               const hw::AcquisitionPlan& plan,
                               const render::RenderOptions& options,
                               const RegistrationPriors& priors,
                               int max_points) {
-  const ScannedSurfaces target(
-      phantom, placement, motion, plan, options.volume_of_interest, kFarPoint_m + kDrift_m);
+  const ScannedSurfaces target(subject, plan, options.volume_of_interest, kFarPoint_m + kDrift_m);
   Registration result;
   const auto points = detected_points(depth_m, plan, options, target, max_points, result.sampled);
   result.points = static_cast<int>(points.size());

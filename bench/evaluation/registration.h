@@ -8,8 +8,7 @@
 #include <string>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "render/options.h"
 #include "render/picture.h"
 
@@ -59,9 +58,7 @@ const std::array<std::string, kRegistrationParameters>& registration_names();
 /// with it as it stood when the point's stick was fired. Fewer than 20 points near a surface: not
 /// converged.
 Registration register_surface(const Image<float>& depth_m,
-                              const phantoms::Phantom& phantom,
-                              const phantoms::Placement& placement,
-                              const phantoms::Motion& motion,
+                              const phantoms::PlacedPhantom& subject,
                               const hw::AcquisitionPlan& plan,
                               const render::RenderOptions& options,
                               const RegistrationPriors& priors = {},

@@ -52,22 +52,18 @@ std::vector<phantoms::Moment> moments_of_first_volume(const phantoms::Motion& mo
 
 }  // namespace
 
-ScannedSurfaces::ScannedSurfaces(const phantoms::Phantom& phantom,
-                                 const phantoms::Placement& placement,
-                                 const phantoms::Motion& motion,
+ScannedSurfaces::ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                                  const hw::AcquisitionPlan& plan,
                                  const render::VolumeOfInterest& places,
                                  double reach_m)
-    : phantom_(phantom),
-      placement_(placement),
-      motion_(motion),
+    : subject_(subject),
       plan_(plan),
       geometry_(plan.geometry()),
-      bounds_(
-          motion_bounds(motion, in_phantom(places, placement), seconds(plan.volume_end_time(0)))),
-      finder_(phantom, reach_m, bounds_.at_rest),
+      bounds_(motion_bounds(
+          subject.motion, in_phantom(places, subject.placement), seconds(plan.volume_end_time(0)))),
+      finder_(subject.phantom, reach_m, bounds_.at_rest),
       moments_(std::make_shared<const std::vector<phantoms::Moment>>(
-          moments_of_first_volume(motion, plan))) {}
+          moments_of_first_volume(subject.motion, plan))) {}
 
 hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {
   return plan_.nearest_stick(geometry_.to_polar(position_m), 0);
@@ -75,7 +71,7 @@ hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {
 
 glm::dvec3 ScannedSurfaces::to_rest(const glm::dvec3& position_m,
                                     const hw::StickIndex& stick) const {
-  const glm::dvec3 now_m = placement_.to_phantom(position_m);
+  const glm::dvec3 now_m = subject_.placement.to_phantom(position_m);
   if (moments_->empty()) return now_m;
   const auto lines = static_cast<std::size_t>(plan_.acquisition().sticks_per_frame);
   return (*moments_)[stick.frame * lines + stick.line].to_rest(now_m);
@@ -85,7 +81,7 @@ glm::dvec3 ScannedSurfaces::to_rest(const glm::dvec3& position_m,
 glm::dvec3 ScannedSurfaces::gradient_now(const glm::dvec3& position_m,
                                          const hw::StickIndex& stick,
                                          const glm::dvec3& gradient) const {
-  if (motion_.still()) return placement_.direction_to_probe(gradient);
+  if (subject_.motion.still()) return subject_.placement.direction_to_probe(gradient);
   glm::dvec3 now;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 arm(0);
@@ -104,29 +100,30 @@ std::optional<phantoms::SurfaceFinder::Distance> ScannedSurfaces::distance(
 }
 
 glm::dvec3 ScannedSurfaces::outward(int surface, const glm::dvec3& normal) const {
-  const auto inside = phantom_.surfaces().at(static_cast<std::size_t>(surface)).inside;
-  const auto& material = phantom_.materials().at(static_cast<std::size_t>(inside));
+  const auto inside = subject_.phantom.surfaces().at(static_cast<std::size_t>(surface)).inside;
+  const auto& material = subject_.phantom.materials().at(static_cast<std::size_t>(inside));
   return material.backscatter_db > kTissueBackscatterDb ? normal : -normal;
 }
 
 std::optional<SurfaceCrossing> ScannedSurfaces::first(const hw::Ray& ray,
                                                       const render::Span& span,
                                                       render::EdgeSign sign) const {
-  return motion_.still() ? first_of_still(ray, span, sign) : first_of_moving(ray, span, sign);
+  return subject_.motion.still() ? first_of_still(ray, span, sign)
+                                 : first_of_moving(ray, span, sign);
 }
 
 std::optional<SurfaceCrossing> ScannedSurfaces::first_of_still(const hw::Ray& ray,
                                                                render::Span span,
                                                                render::EdgeSign sign) const {
-  const glm::dvec3 origin = placement_.to_phantom(ray.origin);
-  const glm::dvec3 direction = placement_.direction_to_phantom(ray.direction);
+  const glm::dvec3 origin = subject_.placement.to_phantom(ray.origin);
+  const glm::dvec3 direction = subject_.placement.direction_to_phantom(ray.direction);
   while (span.from_m < span.to_m) {
     const auto hit = finder_.first_hit(origin, direction, span.from_m, span.to_m);
     if (!hit) return std::nullopt;
     const glm::dvec3 out = outward(hit->surface, hit->normal);
     const bool enters_tissue = glm::dot(out, direction) < 0;
     if (enters_tissue == (sign == render::EdgeSign::rising)) {
-      return SurfaceCrossing{hit->distance_m, placement_.direction_to_probe(out)};
+      return SurfaceCrossing{hit->distance_m, subject_.placement.direction_to_probe(out)};
     }
     span.from_m = hit->distance_m + kPastCrossing_m;
   }

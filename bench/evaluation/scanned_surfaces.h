@@ -8,8 +8,7 @@
 
 #include "bench/scene/motion_bounds.h"
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "phantoms/truth.h"
 #include "render/camera.h"
 #include "render/options.h"
@@ -26,9 +25,7 @@ struct SurfaceCrossing {
 class ScannedSurfaces {
  public:
   /// `reach_m`: distance() knows places at least this near a surface.
-  ScannedSurfaces(const phantoms::Phantom& phantom,
-                  const phantoms::Placement& placement,
-                  const phantoms::Motion& motion,
+  ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::VolumeOfInterest& places,
                   double reach_m = 0);
@@ -77,9 +74,7 @@ class ScannedSurfaces {
   std::optional<SurfaceCrossing> crossing(
       const hw::Ray& ray, int target, Spot before, Spot behind, render::EdgeSign sign) const;
 
-  phantoms::Phantom phantom_;
-  phantoms::Placement placement_;
-  phantoms::Motion motion_;
+  phantoms::PlacedPhantom subject_;
   hw::AcquisitionPlan plan_;
   hw::ProbeGeometry geometry_;
   MotionBounds bounds_;

@@ -30,7 +30,7 @@ void ScannedSurfaces::look(const hw::Ray& ray, double at_m, Spot& spot) const {
 
 /// How far at most the place at rest gets from the spot's own within a leap, at the spot's time.
 double ScannedSurfaces::swept_m(const hw::Ray& ray, const Spot& spot, double length_m) const {
-  if (motion_.rigid()) return length_m;
+  if (subject_.motion.rigid()) return length_m;
   double farthest = 0;
   for (int i = 1; i <= kSweepSamples; ++i) {
     const glm::dvec3 rest = to_rest(ray.at(spot.at_m + length_m * i / kSweepSamples), spot.stick);

@@ -21,15 +21,13 @@ bool in_field(const hw::AcquisitionPlan& plan, const glm::dvec3& position) {
 
 }  // namespace
 
-Truth trace_truth(const phantoms::Phantom& phantom,
-                  const phantoms::Placement& placement,
-                  const phantoms::Motion& motion,
+Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::RenderOptions& options) {
   const render::Camera camera = render::make_camera(options);
   const int size = camera.image_size;
   Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
-  const ScannedSurfaces shared(phantom, placement, motion, plan, options.volume_of_interest);
+  const ScannedSurfaces shared(subject, plan, options.volume_of_interest);
   tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
     // A copy for each range: it carries accessors that threads must not share.
     // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)

@@ -4,8 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "render/options.h"
 #include "render/picture.h"
 
@@ -28,9 +27,7 @@ struct Truth {
 /// from tissue into fluid) along the ray of each pixel. What moves is where it is at the time of
 /// the stick that shows the place (that of the nearest frame and line, in the first volume of the
 /// plan).
-Truth trace_truth(const phantoms::Phantom& phantom,
-                  const phantoms::Placement& placement,
-                  const phantoms::Motion& motion,
+Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::RenderOptions& options);
 

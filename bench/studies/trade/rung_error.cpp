@@ -27,9 +27,9 @@ Search search(const TradeScene& scene, int place) {
   const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
   const auto ray = scene.plan.geometry().stick(scene.plan.theta_rad(static_cast<int>(index.line)),
                                                scene.plan.motor_angle_rad(index));
-  const hw::Ray here{scene.placement.to_phantom(ray.origin),
-                     scene.placement.direction_to_phantom(ray.direction)};
-  const double front_z = scene.phantom.region_of_interest().low.z;
+  const hw::Ray here{scene.subject.placement.to_phantom(ray.origin),
+                     scene.subject.placement.direction_to_phantom(ray.direction)};
+  const double front_z = scene.subject.phantom.region_of_interest().low.z;
   return {here, std::max(0.0, (front_z - here.origin.z) / here.direction.z)};
 }
 
@@ -66,8 +66,7 @@ Shown show(const TradeScene& scene, sim::Rung rung, const std::vector<std::uint6
     auto options = scene.options;
     options.fidelity = rung;
     options.seed = seeds[s];
-    const auto volume =
-        sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+    const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
     shown.mean.resize(volume.size(), 0.0);
     for (std::size_t i = 0; i < volume.size(); ++i) {
       shown.mean[i] += static_cast<double>(volume[i]) / static_cast<double>(count);
@@ -128,7 +127,7 @@ struct BothImages {
 }  // namespace
 
 std::vector<double> true_ranges(const TradeScene& scene) {
-  const phantoms::SurfaceFinder finder(scene.phantom);
+  const phantoms::SurfaceFinder finder(scene.subject.phantom);
   std::vector<double> ranges;
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const Search at = search(scene, place);

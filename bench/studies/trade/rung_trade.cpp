@@ -40,8 +40,8 @@ TradeScene small_sheet(const sim::SimulationOptions& options) {
                                   .sticks_per_frame = 4,
                                   .samples_per_stick = 256,
                                   .frames_per_volume = 1});
-  return {block({4e-3, 4e-3, kHalf_m}, 0.5e-3),
-          placed_at({0, 0, plan.probe().radius_m + kRange_m}),
+  return {phantoms::still_at(block({4e-3, 4e-3, kHalf_m}, 0.5e-3),
+                             {0, 0, plan.probe().radius_m + kRange_m}),
           plan,
           options};
 }

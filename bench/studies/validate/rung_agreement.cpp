@@ -39,7 +39,7 @@ Scan scan_tile(sim::Rung rung, double range_m, bool side_lobes, const AgreementI
   options.side_lobes = side_lobes;
   const auto body =
       block({inputs.half_width_m, inputs.half_width_m, 0.5 * inputs.thickness_m}, 0.5e-3);
-  return scan(body, placed_at({0, 0, plan.probe().radius_m + range_m}), plan, options);
+  return scan(phantoms::still_at(body, {0, 0, plan.probe().radius_m + range_m}), plan, options);
 }
 
 std::vector<double> within(const Scan& volume, double range_m, double half_m) {

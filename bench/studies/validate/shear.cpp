@@ -67,9 +67,9 @@ ShearResult measure(const Case& moving, const ShearInputs& inputs) {
   const hw::AcquisitionPlan plan({}, acquisition);
   sim::SimulationOptions options;
   options.fidelity = sim::Rung::geometry;
-  const sim::ProbeSimulator simulator(
-      phantom, placed_at(center), plan, options, phantoms::Motion(moving.motion, phantom.joint()));
-  const Scan volume{plan, simulator.volume(moving.volume)};
+  auto subject = phantoms::still_at(phantom, center);
+  subject.motion = phantoms::Motion(moving.motion, phantom.joint());
+  const Scan volume = scan(subject, plan, options, moving.volume);
 
   ShearResult result;
   result.motion = moving.name;

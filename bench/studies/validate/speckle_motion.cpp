@@ -48,7 +48,7 @@ struct Setup {
   double shift_mm;
   hw::AcquisitionPlan plan;
   phantoms::Placement placement;
-  phantoms::MotionOptions options;
+  phantoms::MotionOptions motion_options;
   Before before;
 };
 
@@ -61,7 +61,7 @@ Setup along_axis(const SpeckleMotionInputs& inputs) {
   const hw::AcquisitionPlan plan({}, acquisition);
   const double shift_m = inputs.axial_shift * plan.sample_spacing_m();
   Setup setup{"axial", 1e3 * shift_m, plan, {}, {}, {0, 0, inputs.axial_shift}};
-  setup.options.velocity_m_s = {0, 0, shift_m / seconds(plan.volume_duration())};
+  setup.motion_options.velocity_m_s = {0, 0, shift_m / seconds(plan.volume_duration())};
   return setup;
 }
 
@@ -78,7 +78,7 @@ Setup in_plane(const SpeckleMotionInputs& inputs) {
               {},
               {},
               {0, 1, 0}};
-  setup.options.turn_rate_rad_s = {0, plan.theta_step_rad() / later_s, 0};
+  setup.motion_options.turn_rate_rad_s = {0, plan.theta_step_rad() / later_s, 0};
   return setup;
 }
 
@@ -92,19 +92,18 @@ Setup across_planes(const SpeckleMotionInputs& inputs) {
   Setup setup{"across image planes",
               1e3 * (plan.probe().radius_m + kMiddle_m - axis_z_m) * plan.phi_step_rad(),
               plan,
-              placed_at({0, 0, axis_z_m}),
+              {glm::dmat3(1.0), {0, 0, axis_z_m}},
               {},
               {1, 0, 0}};
-  setup.options.turn_rate_rad_s = {plan.phi_step_rad() / later_s, 0, 0};
+  setup.motion_options.turn_rate_rad_s = {plan.phi_step_rad() / later_s, 0, 0};
   return setup;
 }
 
 MotionResult measure(const Setup& setup, sim::Rung rung, std::uint64_t seed) {
-  const sim::ProbeSimulator simulator(open_tissue(),
-                                      setup.placement,
-                                      setup.plan,
-                                      lossless_envelope(rung, seed),
-                                      phantoms::Motion(setup.options, {}));
+  const sim::ProbeSimulator simulator(
+      {open_tissue(), setup.placement, phantoms::Motion(setup.motion_options, {})},
+      setup.plan,
+      lossless_envelope(rung, seed));
   const Scan first{setup.plan, simulator.volume(0)}, second{setup.plan, simulator.volume(1)};
   const auto& a = setup.plan.acquisition();
   std::vector<double> now, followed, here, stayed;

@@ -122,7 +122,7 @@ SpeckleResult measure_speckle(sim::Rung rung, const SpeckleInputs& inputs) {
   for (const std::uint64_t seed : inputs.seeds) {
     auto options = lossless_envelope(rung, seed);
     options.scatterers_per_cell = inputs.scatterers_per_cell;
-    const Scan volume = scan(tissue, {}, plan, options);
+    const Scan volume = scan({tissue}, plan, options);
     std::vector<double> envelope;
     for (int frame = 0; frame < inputs.acquisition.frames_per_volume; ++frame) {
       for (int line = 0; line < inputs.acquisition.sticks_per_frame; ++line) {
