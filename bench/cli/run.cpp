@@ -164,16 +164,15 @@ Comparison compare(const render::Picture& picture,
                    const phantoms::PlacedPhantom& subject,
                    const Scene& scene,
                    Progress& progress) {
-  auto truth =
-      progress.step("truth", [&] { return trace_truth(subject, scene.plan(), scene.render); });
+  const render::View view = render::make_view(scene.render);
+  auto truth = progress.step("truth", [&] { return trace_truth(subject, scene.plan(), view); });
   auto [raw, filtered, shaded] = progress.step("compare", [&] {
-    return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
-                      measure_depth_error(picture.filtered_depth_m, truth, scene.render),
+    return std::tuple(measure_depth_error(picture.depth_m, truth, view.camera),
+                      measure_depth_error(picture.filtered_depth_m, truth, view.camera),
                       against_shaded_truth(picture, truth, scene.render));
   });
-  auto registration = progress.step("register", [&] {
-    return register_surface(picture.depth_m, subject, scene.plan(), scene.render);
-  });
+  auto registration = progress.step(
+      "register", [&] { return register_surface(picture.depth_m, subject, scene.plan(), view); });
   return {std::move(truth), std::move(raw), std::move(filtered), shaded, registration};
 }
 

@@ -7,8 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "render/camera.h"
-
 namespace wobblebench::bench {
 
 namespace {
@@ -41,11 +39,11 @@ DepthStatistics statistics(std::vector<double> errors) {
   return result;
 }
 
-/// Normal of the found surface, towards the viewer; none at the rim of a surface.
-std::optional<glm::dvec3> found_normal(const Image<float>& depth_m,
-                                       const render::Camera& camera,
-                                       int column,
-                                       int row) {
+/// Normal of the measured surface, towards the viewer; none at its rim.
+std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
+                                          const render::Camera& camera,
+                                          int column,
+                                          int row) {
   if (column < 1 || row < 1 || column + 1 >= depth_m.width || row + 1 >= depth_m.height) return {};
   const auto point = [&](int c, int r) {
     return camera.ray(c, r).at(static_cast<double>(depth_m.at(c, r)));
@@ -63,25 +61,24 @@ std::optional<glm::dvec3> found_normal(const Image<float>& depth_m,
 
 DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,
-                               const render::RenderOptions& options) {
-  const render::Camera camera = render::make_camera(options);
+                               const render::Camera& camera) {
   DepthError result;
   result.pixels = depth_m.width * depth_m.height;
   result.map_m = {depth_m.width, depth_m.height, kNoSurface};
   std::vector<double> errors, angles;
   for (int row = 0; row < depth_m.height; ++row) {
     for (int column = 0; column < depth_m.width; ++column) {
-      const bool found = std::isfinite(depth_m.at(column, row));
+      const bool measured = std::isfinite(depth_m.at(column, row));
       const TruthKind kind = truth.kind.at(column, row);
-      result.missed += kind == TruthKind::surface && !found;
-      result.false_surface += kind == TruthKind::none && found;
+      result.missed += kind == TruthKind::surface && !measured;
+      result.false_surface += kind == TruthKind::none && measured;
       result.outside_field += kind == TruthKind::outside_field;
-      if (kind != TruthKind::surface || !found) continue;
+      if (kind != TruthKind::surface || !measured) continue;
       const double error = static_cast<double>(depth_m.at(column, row)) -
                            static_cast<double>(truth.depth_m.at(column, row));
       errors.push_back(error);
       result.map_m.at(column, row) = static_cast<float>(error);
-      if (const auto normal = found_normal(depth_m, camera, column, row)) {
+      if (const auto normal = measured_normal(depth_m, camera, column, row)) {
         const double cosine = glm::dot(*normal, glm::dvec3(truth.normal.at(column, row)));
         angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
       }

@@ -33,12 +33,13 @@ class PlantedError : public testing::Test {
                           const phantoms::Motion& actual_motion = {},
                           const phantoms::Motion& assumed_motion = {}) {
     const auto plan = scene_->plan();
-    Truth truth = trace_truth({subject_->phantom, actual, actual_motion}, plan, scene_->render);
+    Truth truth = trace_truth(
+        {subject_->phantom, actual, actual_motion}, plan, render::make_view(scene_->render));
     for (float& depth : truth.depth_m.pixels) depth += static_cast<float>(bias_m);
     return register_surface(truth.depth_m,
                             {subject_->phantom, subject_->placement, assumed_motion},
                             plan,
-                            scene_->render);
+                            render::make_view(scene_->render));
   }
 
   static Scene* scene_;
@@ -147,7 +148,8 @@ TEST(Registration, OfNothingDoesNotConverge) {
   const auto phantom = phantoms::make_phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
   const Image<float> nothing(32, 32, kNoSurface);
-  const auto fit = register_surface(nothing, scene.place(phantom), scene.plan(), scene.render);
+  const auto fit = register_surface(
+      nothing, scene.place(phantom), scene.plan(), render::make_view(scene.render));
   EXPECT_FALSE(fit.converged);
   EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);

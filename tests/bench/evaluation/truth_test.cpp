@@ -30,7 +30,7 @@ Stage stage(const std::vector<std::string>& settings) {
 }
 
 Truth truth_of(const Stage& s) {
-  return trace_truth(s.subject, s.scene.plan(), s.scene.render);
+  return trace_truth(s.subject, s.scene.plan(), render::make_view(s.scene.render));
 }
 
 TEST(Truth, SphereIsWhereItsEquationSays) {
