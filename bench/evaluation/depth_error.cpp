@@ -5,21 +5,16 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
+
+#include "base/statistics.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-/// Nearest-rank quantile; reorders its argument.
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return kUnset;
-  const auto rank = std::lround(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
 
 DepthStatistics statistics(std::vector<double> errors) {
   DepthStatistics result{kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors.size())};
@@ -32,9 +27,9 @@ DepthStatistics statistics(std::vector<double> errors) {
   const double n = static_cast<double>(errors.size());
   result.bias_m = sum / n;
   result.rms_m = std::sqrt(squares / n);
-  result.median_m = quantile(errors, 0.5);
+  result.median_m = quantile_nearest(errors, 0.5);
   for (double& e : errors) e = std::abs(e);
-  result.p95_m = quantile(errors, 0.95);
+  result.p95_m = quantile_nearest(errors, 0.95);
   result.max_m = *std::max_element(errors.begin(), errors.end());
   return result;
 }
@@ -89,7 +84,7 @@ DepthError measure_depth_error(const Image<float>& depth_m,
   double sum = 0;
   for (double angle : angles) sum += angle;
   result.normal.mean_rad = angles.empty() ? kUnset : sum / static_cast<double>(angles.size());
-  result.normal.p95_rad = quantile(angles, 0.95);
+  result.normal.p95_rad = quantile_nearest(std::move(angles), 0.95);
   return result;
 }
 

@@ -199,12 +199,12 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
   waiter.join();
   over = true;
   for (std::thread& thread : load) thread.join();
-  std::sort(ms.begin(), ms.end());
-  const auto at = [&](double share) {
-    return ms[std::min(ms.size() - 1,
-                       static_cast<std::size_t>(share * static_cast<double>(ms.size())))];
-  };
-  return {cancels, load_threads, at(0.5), at(0.99), at(0.999), ms.back()};
+  return {cancels,
+          load_threads,
+          quantile_upper(ms, 0.5),
+          quantile_upper(ms, 0.99),
+          quantile_upper(ms, 0.999),
+          *std::max_element(ms.begin(), ms.end())};
 }
 
 }  // namespace wobblebench::bench

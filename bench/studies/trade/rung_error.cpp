@@ -1,10 +1,11 @@
 #include "bench/studies/trade/rung_error.h"
-#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/statistics.h"
+#include "base/units.h"
 #include "bench/studies/validate/statistics.h"
 #include "phantoms/truth.h"
 #include "sim/probe_simulator.h"
@@ -97,10 +98,9 @@ DepthSpread spread(const std::vector<double>& found, const std::vector<double>& 
   DepthSpread result;
   result.n = static_cast<long>(size_mm.size());
   if (size_mm.empty()) return result;
-  std::sort(size_mm.begin(), size_mm.end());
   result.median_mm = spread_of(signed_mm).median;
   result.median_size_mm = spread_of(size_mm).median;
-  result.p95_size_mm = size_mm[static_cast<std::size_t>(0.95 * static_cast<double>(result.n - 1))];
+  result.p95_size_mm = quantile_lower(size_mm, 0.95);
   result.missed_percent =
       100.0 * static_cast<double>(missed) / static_cast<double>(missed + result.n);
   return result;
