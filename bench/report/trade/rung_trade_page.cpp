@@ -1,7 +1,7 @@
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "bench/studies/trade/rung_trade.h"
 #include "sim/fidelity.h"
 
@@ -9,22 +9,15 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// printf, as a string.
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
+std::string spread_text(const Spread& ms, int digits = 0) {
+  return fixed(ms.median, digits) + " (" + fixed(ms.min, digits) + " to " + fixed(ms.max, digits) +
+         ")";
 }
 
-std::string spread_text(const Spread& ms, int decimals = 0) {
-  return format("%.*f (%.*f to %.*f)", decimals, ms.median, decimals, ms.min, decimals, ms.max);
-}
-
-/// How much faster than sound.
-std::string times_real(double ms, double sound_ms) {
-  const double times = sound_ms / ms;
-  return format(times < 9.95 ? "%.1f" : "%.0f", times);
+/// Duration of the acquisition over that of its simulation.
+std::string times_real_time(double ms, double acquisition_ms) {
+  const double times = acquisition_ms / ms;
+  return fixed(times, times < 9.95 ? 1 : 0);
 }
 
 const RungTime* time_of(const RungTradeResults& results, sim::Rung rung) {
@@ -38,8 +31,8 @@ void write_head(const RungTradeResults& results, const Provenance& provenance, s
   page << "# Trade of the simulator's rungs\n\n"
        << "Made by `wobblebench trade`. Commit " << provenance.commit << ", " << provenance.cpu
        << ", " << provenance.threads << " threads. Phantom " << results.phantom
-       << "; a volume's sound takes " << format("%.1f ms", results.sound_ms) << ". Seeds "
-       << results.seeds.front() << " to " << results.seeds.back()
+       << "; a volume's sound takes " << fixed(results.sound_ms, 1) << " ms"
+       << ". Seeds " << results.seeds.front() << " to " << results.seeds.back()
        << ". Times are wall times of all threads, median (least to most) of " << results.repeats
        << " after one uncounted, the rungs in turn in each repeat. All rows are in `trade.csv`.\n";
 }
@@ -60,31 +53,28 @@ void write_trade(const RungTradeResults& results, std::ostream& page) {
     const RungTime* time = time_of(results, error.rung);
     const bool timed = time != nullptr && error.body == results.phantom;
     page << "| " << error.body << " | " << sim::to_string(error.rung) << " | "
-         << (timed ? format("%.0f", time->first_ms.median) : "") << " | "
-         << (timed ? times_real(time->first_ms.median, results.sound_ms) : "") << " | "
-         << format("%.2f, %.2f; %.1f %%",
-                   error.against_truth.median_mm,
-                   error.against_truth.p95_size_mm,
-                   error.against_truth.missed_percent)
-         << " | "
-         << (error.against_above ? format("%.2f, %.2f",
-                                          error.against_above->median_size_mm,
-                                          error.against_above->p95_size_mm)
+         << (timed ? fixed(time->first_ms.median, 0) : "") << " | "
+         << (timed ? times_real_time(time->first_ms.median, results.sound_ms) : "") << " | "
+         << fixed(error.against_truth.median_mm, 2) << ", "
+         << fixed(error.against_truth.p95_size_mm, 2) << "; "
+         << fixed(error.against_truth.missed_percent, 1) << " % | "
+         << (error.against_above ? fixed(error.against_above->median_size_mm, 2) + ", " +
+                                       fixed(error.against_above->p95_size_mm, 2)
                                  : "none above")
          << " | "
          << (error.image_rms_db
-                 ? format("%.2f; %.4f", *error.image_rms_db, *error.image_correlation)
+                 ? fixed(*error.image_rms_db, 2) + "; " + fixed(*error.image_correlation, 4)
                  : "none above")
          << " |\n";
   }
-  page << format(
-      "\n`reference` sums over the probe's elements and is for small scenes: on the sheet above (4 "
-      "sticks) "
-      "a volume takes %s ms, against %s ms by `scatterers`, %.0f times as long (%d repeats).\n",
-      spread_text(results.small_reference.first_ms).c_str(),
-      spread_text(results.small_scatterers.first_ms, 1).c_str(),
-      results.small_reference.first_ms.median / results.small_scatterers.first_ms.median,
-      kSmallRepeats);
+  const Spread& reference = results.small_reference.first_ms;
+  const Spread& scatterers = results.small_scatterers.first_ms;
+  page << "\n`reference` sums over the probe's elements and is for small scenes: on the sheet "
+          "above (4 "
+          "sticks) a volume takes "
+       << spread_text(reference) << " ms, against " << spread_text(scatterers, 1)
+       << " ms by `scatterers`, " << fixed(reference.median / scatterers.median, 0)
+       << " times as long (" << kSmallRepeats << " repeats).\n";
 }
 
 void write_times(const RungTradeResults& results, std::ostream& page) {
@@ -103,7 +93,7 @@ void write_times(const RungTradeResults& results, std::ostream& page) {
           "ms | bending, ms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
   for (const RungTime& time : results.times) {
     const auto cell = [&](const Spread& ms) {
-      return spread_text(ms) + " / " + times_real(ms.median, results.sound_ms);
+      return spread_text(ms) + " / " + times_real_time(ms.median, results.sound_ms);
     };
     page << "| " << sim::to_string(time.rung) << " | " << spread_text(time.map_ms) << " | "
          << spread_text(time.once_ms) << " | " << cell(time.first_ms) << " | "
@@ -120,11 +110,9 @@ void write_times(const RungTradeResults& results, std::ostream& page) {
   for (const RungTime& time : results.times) {
     const double floor = floor_ms(time.rung, results);
     if (floor == 0) continue;
-    page << format("| %s | %.0f | %.1f | %.1f |\n",
-                   sim::to_string(time.rung).c_str(),
-                   floor,
-                   time.moving_ms.median / floor,
-                   time.first_ms.median / floor);
+    page << "| " << sim::to_string(time.rung) << " | " << fixed(floor, 0) << " | "
+         << fixed(time.moving_ms.median / floor, 1) << " | "
+         << fixed(time.first_ms.median / floor, 1) << " |\n";
   }
 }
 
@@ -135,25 +123,23 @@ void write_stages(const RungTradeResults& results, std::ostream& page) {
           "| rung | stage | CPU, ms | share |\n| --- | --- | ---: | ---: |\n";
   for (const StageTimes& stages : results.stages) {
     for (const auto& [name, ms] : stages.stages) {
-      page << format("| %s | %s | %.1f | %.0f %% |\n",
-                     sim::to_string(stages.rung).c_str(),
-                     name.c_str(),
-                     ms,
-                     100 * ms / stages.total_ms());
+      page << "| " << sim::to_string(stages.rung) << " | " << name << " | " << fixed(ms, 1) << " | "
+           << fixed(100 * ms / stages.total_ms(), 0) << " % |\n";
     }
   }
   for (const StageTimes& stages : results.stages) {
     if (stages.once_ms > 0) {
-      page << format("\n%s: %.0f ms of CPU time before the first stick (tables, even speckle).\n",
-                     sim::to_string(stages.rung).c_str(),
-                     stages.once_ms);
+      page << "\n"
+           << sim::to_string(stages.rung) << ": " << fixed(stages.once_ms, 0)
+           << " ms of CPU time before the first stick (tables, even speckle).\n";
     }
     if (stages.scatterers == 0) continue;
     const double search_ms = stages.stages.at(2).second;
-    page << format("\n%s: %.1f million echoes of scatterers a volume, %.1f ns of CPU time each.\n",
-                   sim::to_string(stages.rung).c_str(),
-                   1e-6 * static_cast<double>(stages.scatterers),
-                   1e6 * search_ms / static_cast<double>(stages.scatterers));
+    const auto echoes = static_cast<double>(stages.scatterers);
+    page << "\n"
+         << sim::to_string(stages.rung) << ": " << fixed(1e-6 * echoes, 1)
+         << " million echoes of scatterers a volume, " << fixed(1e6 * search_ms / echoes, 1)
+         << " ns of CPU time each.\n";
   }
 }
 
@@ -164,10 +150,8 @@ void write_memory(const RungTradeResults& results, std::ostream& page) {
          "phantom and scans one volume.\n\n| process | peak, MB | over the phantom's |\n"
          "| --- | ---: | ---: |\n";
   for (const MemoryPeak& peak : results.memory) {
-    page << format("| %s | %.0f | %.0f |\n",
-                   peak.what.c_str(),
-                   1e-6 * peak.bytes,
-                   1e-6 * (peak.bytes - results.memory.front().bytes));
+    page << "| " << peak.what << " | " << fixed(1e-6 * peak.bytes, 0) << " | "
+         << fixed(1e-6 * (peak.bytes - results.memory.front().bytes), 0) << " |\n";
   }
 }
 
@@ -183,7 +167,7 @@ void write_growth(const RungTradeResults& results, std::ostream& page) {
     for (const char* what : {"sticks", "frames", "samples", "scatterers"}) {
       const double moving = growth_exponent(results.growth, what, rung, &VolumeTime::moving_ms);
       const double first = growth_exponent(results.growth, what, rung, &VolumeTime::first_ms);
-      page << " | " << (std::isfinite(moving) ? format("%.2f / %.2f", moving, first) : "");
+      page << " | " << (std::isfinite(moving) ? fixed(moving, 2) + " / " + fixed(first, 2) : "");
     }
     page << " |\n";
   }
@@ -191,11 +175,9 @@ void write_growth(const RungTradeResults& results, std::ostream& page) {
           "| ---: | --- | ---: | ---: |\n";
   for (const GrowthPoint& point : results.growth) {
     if (point.what != "tissue") continue;
-    page << format("| %.0f %% | %s | %s | %s |\n",
-                   100 * point.size,
-                   sim::to_string(point.rung).c_str(),
-                   spread_text(point.time.moving_ms, 1).c_str(),
-                   spread_text(point.time.first_ms, 1).c_str());
+    page << "| " << fixed(100 * point.size, 0) << " %"
+         << " | " << sim::to_string(point.rung) << " | " << spread_text(point.time.moving_ms, 1)
+         << " | " << spread_text(point.time.first_ms, 1) << " |\n";
   }
 }
 

@@ -1,10 +1,10 @@
 #include "bench/studies/validate/validation.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "bench/cli/user_error.h"
 #include "bench/studies/validate/attenuation.h"
 #include "bench/studies/validate/point_targets.h"
@@ -22,9 +22,7 @@ namespace wobblebench::bench {
 namespace {
 
 std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
+  return significant(value, 4);
 }
 
 /// "1 to 10", "3", "none".
@@ -103,9 +101,7 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
+  return significant(value, 9);
 }
 
 }  // namespace
