@@ -8,7 +8,7 @@
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
 #include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 
@@ -53,8 +53,8 @@ std::vector<MemoryPeak> measure_memory(const Scene& scene) {
   return peaks;
 }
 
-std::vector<GreyPanel> middle_frames(const TradeScene& scene) {
-  std::vector<GreyPanel> panels;
+std::vector<RungFrame> middle_frames(const TradeScene& scene) {
+  std::vector<RungFrame> panels;
   for (const sim::Rung rung : volume_rungs()) {
     auto options = scene.options;
     options.fidelity = rung;
@@ -137,7 +137,7 @@ int trade_command(const CommandArguments& arguments) {
   for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
   report["wall_ms"]["total"] = progress.total_ms();
 
-  const std::string page = trade_page(results, provenance);
+  const std::string page = trade_markdown(results, provenance);
   out.write_text("trade.md", page);
   out.write_text("trade.csv", trade_csv(results));
   for (const Figure& figure : trade_figures(results)) {

@@ -1,7 +1,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/tables/page.h"
+#include "bench/tables/tables_report.h"
 
 namespace wobblebench::bench {
 

@@ -1,7 +1,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/studies/trade/rung_trade.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

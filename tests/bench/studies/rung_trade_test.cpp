@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/report/trade/rung_trade_report.h"
 #include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
 #include "bench/studies/validate/scan.h"
 
 namespace wobblebench::bench {
