@@ -1,12 +1,29 @@
-// Median, range and quartiles of repeated measurements.
+// Median, range and quantiles of repeated measurements.
+//
+// x[0] <= x[1] <= … <= x[n - 1] are the values in order, q is in [0, 1]. The definitions of
+// quantiles differ for few values (Hyndman and Fan, Am. Stat. 50, 361 (1996)); reports keep theirs:
+//   quantile_linear   between the two values about x[q (n - 1)]   quartiles of the tables' ratios
+//   quantile_nearest  x[round(q (n - 1))]                         depth and normal errors (P95)
+//   quantile_lower    x[floor(q (n - 1))]                         errors of the rungs (P95)
+//   quantile_upper    x[min(floor(q n), n - 1)]                   times of cancel()
+// All are NaN where there are no values.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
 #include <vector>
 
 namespace wobblebench {
+
+/// Linear between neighbours: their definition 7.
+double quantile_linear(std::vector<double> values, double q);
+
+/// An observed value; halfway between two of them the upper one.
+double quantile_nearest(std::vector<double> values, double q);
+
+/// An observed value; between two of them the lower one.
+double quantile_lower(std::vector<double> values, double q);
+
+/// The smallest observed value that more than a fraction q of the values does not exceed.
+double quantile_upper(std::vector<double> values, double q);
 
 struct Spread {
   double median = 0;
@@ -15,11 +32,7 @@ struct Spread {
 };
 
 /// Of at least one value; the median of an even number is the mean of the middle two.
-inline Spread spread_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return {0.5 * (values.at((n - 1) / 2) + values.at(n / 2)), values.front(), values.back()};
-}
+Spread spread_of(std::vector<double> values);
 
 struct Quartiles {
   double lower = 0;
@@ -27,23 +40,10 @@ struct Quartiles {
   double upper = 0;
 };
 
-/// Of at least one value, linear between neighbours in order.
-inline Quartiles quartiles_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    const double place = share * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(place);
-    const auto above = std::min(below + 1, values.size() - 1);
-    return std::lerp(values[below], values[above], place - std::floor(place));
-  };
-  return {at(0.25), at(0.5), at(0.75)};
-}
+/// quantile_linear() at 0.25, 0.5 and 0.75.
+Quartiles quartiles_of(std::vector<double> values);
 
-/// Of values[i] / references[i]: what drifts between one repeat and the next touches both alike.
-inline Quartiles paired_ratio(std::vector<double> values, const std::vector<double>& references) {
-  std::transform(
-      values.begin(), values.end(), references.begin(), values.begin(), std::divides<>());
-  return quartiles_of(values);
-}
+/// Quartiles of values[i] / references[i]. A slow drift between repeats cancels in each ratio.
+Quartiles paired_ratio(std::vector<double> values, const std::vector<double>& references);
 
 }  // namespace wobblebench

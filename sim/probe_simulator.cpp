@@ -24,20 +24,18 @@ std::span<float> stick_of(VolumeSamples& volume, int place, int samples) {
 
 }  // namespace
 
-ProbeSimulator::ProbeSimulator(const phantoms::Phantom& phantom,
-                               const phantoms::Placement& placement,
+ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const hw::AcquisitionPlan& plan,
-                               const SimulationOptions& options,
-                               const phantoms::Motion& motion)
+                               const SimulationOptions& options)
     : plan_(plan), options_(options) {
   check_options(options);
-  fidelity_ = choose_fidelity(options, plan, !motion.still());
+  fidelity_ = choose_fidelity(options, plan, !subject.motion.still());
   const auto begin = hw::HostClock::now();
   subject_ = {std::make_shared<const TissueMap>(
-                  phantom, StickEchoes::reach_m(plan, fidelity_.rung), options.threads),
-              phantom.materials(),
-              placement,
-              motion};
+                  subject.phantom, StickEchoes::reach_m(plan, fidelity_.rung), options.threads),
+              subject.phantom.materials(),
+              subject.placement,
+              subject.motion};
   map_ms_ = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
   if (fidelity_.rung != Rung::geometry) prepare_echoes();

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "sim/echo/iq_field.h"
 #include "sim/fidelity.h"
 #include "sim/options.h"
@@ -29,11 +28,9 @@ using VolumeSamples = std::vector<float>;
 class ProbeSimulator {
  public:
   /// Throws InvalidOption.
-  ProbeSimulator(const phantoms::Phantom& phantom,
-                 const phantoms::Placement& placement,
+  ProbeSimulator(const phantoms::PlacedPhantom& subject,
                  const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options,
-                 const phantoms::Motion& motion = {});
+                 const SimulationOptions& options);
 
   VolumeSamples volume(std::uint32_t index) const;
 

@@ -161,22 +161,18 @@ void print_summary(const Json& report, const std::filesystem::path& directory) {
 }
 
 Comparison compare(const render::Picture& picture,
-                   const phantoms::Phantom& phantom,
+                   const phantoms::PlacedPhantom& subject,
                    const Scene& scene,
                    Progress& progress) {
-  const auto placement = scene.phantom_placement();
-  const auto motion = scene.phantom_motion(phantom);
-  auto truth = progress.step(
-      "truth", [&] { return trace_truth(phantom, placement, motion, scene.plan(), scene.render); });
+  const render::View view = render::make_view(scene.render);
+  auto truth = progress.step("truth", [&] { return trace_truth(subject, scene.plan(), view); });
   auto [raw, filtered, shaded] = progress.step("compare", [&] {
-    return std::tuple(measure_depth_error(picture.depth_m, truth, scene.render),
-                      measure_depth_error(picture.filtered_depth_m, truth, scene.render),
+    return std::tuple(measure_depth_error(picture.depth_m, truth, view.camera),
+                      measure_depth_error(picture.filtered_depth_m, truth, view.camera),
                       against_shaded_truth(picture, truth, scene.render));
   });
-  auto registration = progress.step("register", [&] {
-    return register_surface(
-        picture.depth_m, phantom, placement, motion, scene.plan(), scene.render);
-  });
+  auto registration = progress.step(
+      "register", [&] { return register_surface(picture.depth_m, subject, scene.plan(), view); });
   return {std::move(truth), std::move(raw), std::move(filtered), shaded, registration};
 }
 
@@ -194,17 +190,17 @@ int run_command(const CommandArguments& arguments) {
     const auto phantom =
         progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
     complete_from_phantom(scene, phantom);
-    scene.phantom_motion(phantom);
+    const auto subject = scene.place(phantom);
     // Likewise what the driver refuses.
     render::Renderer renderer(*context, scene.plan(), scene.render);
-    auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, phantom); });
+    auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
     auto picture = progress.step("render", [&] {
       renderer.add_volume(acquisition.volume);
       return renderer.render();
     });
     std::optional<Comparison> comparison;
     if (acquisition.source == hw::StreamOrigin::simulated) {
-      comparison = compare(picture, phantom, scene, progress);
+      comparison = compare(picture, subject, scene, progress);
     }
     return RunResult{std::move(acquisition),
                      context->backend(),

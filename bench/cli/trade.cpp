@@ -8,7 +8,7 @@
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
 #include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 
@@ -29,7 +29,7 @@ void refuse_what_the_trade_sets(const Scene& scene) {
 
 TradeScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
   complete_from_phantom(scene, phantom);
-  return {phantom, scene.phantom_placement(), scene.plan(), scene.simulation};
+  return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
 }
 
 /// In processes of their own, before this one starts its threads.
@@ -44,11 +44,8 @@ std::vector<MemoryPeak> measure_memory(const Scene& scene) {
       add(sim::to_string(rung) + (moving ? ", moving" : ", still"), [&] {
         auto subject = scene_of(scene, phantoms::make_phantom(scene.phantom));
         subject.options.fidelity = rung;
-        const sim::ProbeSimulator simulator(subject.phantom,
-                                            subject.placement,
-                                            subject.plan,
-                                            subject.options,
-                                            moving ? slow_path() : phantoms::Motion());
+        subject.subject.motion = moving ? slow_path() : phantoms::Motion();
+        const sim::ProbeSimulator simulator(subject.subject, subject.plan, subject.options);
         simulator.volume(0);
       });
     }
@@ -56,13 +53,12 @@ std::vector<MemoryPeak> measure_memory(const Scene& scene) {
   return peaks;
 }
 
-std::vector<GreyPanel> middle_frames(const TradeScene& scene) {
-  std::vector<GreyPanel> panels;
+std::vector<RungFrame> middle_frames(const TradeScene& scene) {
+  std::vector<RungFrame> panels;
   for (const sim::Rung rung : volume_rungs()) {
     auto options = scene.options;
     options.fidelity = rung;
-    const auto volume =
-        sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+    const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
     panels.push_back(
         {sim::to_string(rung),
          frame_picture(
@@ -141,7 +137,7 @@ int trade_command(const CommandArguments& arguments) {
   for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
   report["wall_ms"]["total"] = progress.total_ms();
 
-  const std::string page = trade_page(results, provenance);
+  const std::string page = trade_markdown(results, provenance);
   out.write_text("trade.md", page);
   out.write_text("trade.csv", trade_csv(results));
   for (const Figure& figure : trade_figures(results)) {

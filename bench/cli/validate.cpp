@@ -8,7 +8,7 @@
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
-#include "bench/studies/validate/validation.h"
+#include "bench/report/validation/validation.h"
 
 namespace wobblebench::bench {
 
@@ -59,7 +59,7 @@ int validate_command(const CommandArguments& arguments) {
   for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
   report["wall_ms"]["total"] = progress.total_ms();
 
-  out.write_text("validation.md", validation_page(reports, provenance, arguments.figure_path));
+  out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
   out.write_text("validation.csv", validation_csv(reports));
   for (const auto& study : reports) {
     for (const Figure& figure : study.figures) {

@@ -5,23 +5,16 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
-#include "render/camera.h"
+#include "base/statistics.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-/// Nearest-rank quantile; reorders its argument.
-double quantile(std::vector<double>& values, double q) {
-  if (values.empty()) return kUnset;
-  const auto rank = std::lround(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
-}
 
 DepthStatistics statistics(std::vector<double> errors) {
   DepthStatistics result{kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors.size())};
@@ -34,18 +27,18 @@ DepthStatistics statistics(std::vector<double> errors) {
   const double n = static_cast<double>(errors.size());
   result.bias_m = sum / n;
   result.rms_m = std::sqrt(squares / n);
-  result.median_m = quantile(errors, 0.5);
+  result.median_m = quantile_nearest(errors, 0.5);
   for (double& e : errors) e = std::abs(e);
-  result.p95_m = quantile(errors, 0.95);
+  result.p95_m = quantile_nearest(errors, 0.95);
   result.max_m = *std::max_element(errors.begin(), errors.end());
   return result;
 }
 
-/// Normal of the found surface, towards the viewer; none at the rim of a surface.
-std::optional<glm::dvec3> found_normal(const Image<float>& depth_m,
-                                       const render::Camera& camera,
-                                       int column,
-                                       int row) {
+/// Normal of the measured surface, towards the viewer; none at its rim.
+std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
+                                          const render::Camera& camera,
+                                          int column,
+                                          int row) {
   if (column < 1 || row < 1 || column + 1 >= depth_m.width || row + 1 >= depth_m.height) return {};
   const auto point = [&](int c, int r) {
     return camera.ray(c, r).at(static_cast<double>(depth_m.at(c, r)));
@@ -63,25 +56,24 @@ std::optional<glm::dvec3> found_normal(const Image<float>& depth_m,
 
 DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,
-                               const render::RenderOptions& options) {
-  const render::Camera camera = render::make_camera(options);
+                               const render::Camera& camera) {
   DepthError result;
   result.pixels = depth_m.width * depth_m.height;
   result.map_m = {depth_m.width, depth_m.height, kNoSurface};
   std::vector<double> errors, angles;
   for (int row = 0; row < depth_m.height; ++row) {
     for (int column = 0; column < depth_m.width; ++column) {
-      const bool found = std::isfinite(depth_m.at(column, row));
+      const bool measured = std::isfinite(depth_m.at(column, row));
       const TruthKind kind = truth.kind.at(column, row);
-      result.missed += kind == TruthKind::surface && !found;
-      result.false_surface += kind == TruthKind::none && found;
+      result.missed += kind == TruthKind::surface && !measured;
+      result.false_surface += kind == TruthKind::none && measured;
       result.outside_field += kind == TruthKind::outside_field;
-      if (kind != TruthKind::surface || !found) continue;
+      if (kind != TruthKind::surface || !measured) continue;
       const double error = static_cast<double>(depth_m.at(column, row)) -
                            static_cast<double>(truth.depth_m.at(column, row));
       errors.push_back(error);
       result.map_m.at(column, row) = static_cast<float>(error);
-      if (const auto normal = found_normal(depth_m, camera, column, row)) {
+      if (const auto normal = measured_normal(depth_m, camera, column, row)) {
         const double cosine = glm::dot(*normal, glm::dvec3(truth.normal.at(column, row)));
         angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
       }
@@ -92,7 +84,7 @@ DepthError measure_depth_error(const Image<float>& depth_m,
   double sum = 0;
   for (double angle : angles) sum += angle;
   result.normal.mean_rad = angles.empty() ? kUnset : sum / static_cast<double>(angles.size());
-  result.normal.p95_rad = quantile(angles, 0.95);
+  result.normal.p95_rad = quantile_nearest(std::move(angles), 0.95);
   return result;
 }
 

@@ -12,30 +12,31 @@
 #include <vector>
 
 #include "bench/evaluation/scanned_surfaces.h"
-#include "render/camera.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr int kLeastPoints = 20;
-/// Detections farther than this from every target surface belong to none of them.
+/// Measured points farther than this from every target surface belong to none of them.
 constexpr double kFarPoint_m = 6e-3;
-/// A point may drift this much farther during the fit and still be measured.
+/// Additional reach for points that move away from the surface during the fit.
 constexpr double kDrift_m = 1e-3;
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
-struct DetectedPoint {
-  hw::Ray stick;            ///< the line of sight through it
-  double range_m;           ///< along the stick
-  glm::dvec3 viewing;       ///< direction of the picture's ray
-  hw::StickIndex shown_by;  ///< tissue is where it was when this stick was fired
+/// A point of the measured surface.
+struct MeasuredPoint {
+  hw::Ray stick;              ///< through the point, from the probe's face
+  double range_m;             ///< along that
+  glm::dvec3 view_direction;  ///< of the pixel's ray
+  hw::StickIndex fired;       ///< the stick whose time the point has
   glm::dvec3 position() const { return stick.at(range_m); }
 };
 
-/// Distance of one moved point to the surface over the scatter of the points.
+/// Signed distance of one transformed point to the surface, over the standard deviation of the
+/// points.
 struct SurfaceResidual {
-  const DetectedPoint& point;
+  const MeasuredPoint& point;
   const ScannedSurfaces& target;
   glm::dvec3 centroid;
   double sigma_m;
@@ -43,61 +44,61 @@ struct SurfaceResidual {
   template <class T>
   bool operator()(
       const T* rotation, const T* translation, const T* scale, const T* bias, T* residual) const {
-    T arm[3], moved[3];
+    T offset[3], moved[3];
     for (int i = 0; i < 3; ++i) {
-      arm[i] = point.stick.origin[i] +
-               point.stick.direction[i] * (T(point.range_m) * (T(1) + scale[0])) -
-               bias[0] * point.viewing[i] - centroid[i];
+      offset[i] = point.stick.origin[i] +
+                  point.stick.direction[i] * (T(point.range_m) * (T(1) + scale[0])) -
+                  bias[0] * point.view_direction[i] - centroid[i];
     }
-    ceres::AngleAxisRotatePoint(rotation, arm, moved);
-    glm::dvec3 where;
+    ceres::AngleAxisRotatePoint(rotation, offset, moved);
+    glm::dvec3 position;
     for (int i = 0; i < 3; ++i) {
       moved[i] += T(centroid[i]) + translation[i];
-      where[i] = plain(moved[i]);
+      position[i] = value_of(moved[i]);
     }
-    const auto distance = target.distance(where, point.shown_by);
+    const auto distance = target.distance(position, point.fired);
     if (!distance) {
       residual[0] = T(kFarPoint_m / sigma_m);
       return true;
     }
-    // First-order expansion: the distance's value, and its gradient times the motion's derivatives.
+    // First-order expansion: the distance, and its gradient times the derivatives of the position.
     residual[0] = T(distance->value_m);
-    for (int i = 0; i < 3; ++i) residual[0] += distance->gradient[i] * (moved[i] - T(where[i]));
+    for (int i = 0; i < 3; ++i) residual[0] += distance->gradient[i] * (moved[i] - T(position[i]));
     residual[0] /= T(sigma_m);
     return true;
   }
 
-  static double plain(double x) { return x; }
+  /// The value without derivatives.
+  static double value_of(double x) { return x; }
   template <class Jet>
-  static double plain(const Jet& x) {
+  static double value_of(const Jet& x) {
     return x.a;
   }
 };
 
-std::vector<DetectedPoint> detected_points(const Image<float>& depth_m,
+std::vector<MeasuredPoint> measured_points(const Image<float>& depth_m,
                                            const hw::AcquisitionPlan& plan,
-                                           const render::RenderOptions& options,
+                                           const render::Camera& camera,
                                            const ScannedSurfaces& target,
                                            int max_points,
                                            int& sampled) {
-  const render::Camera camera = render::make_camera(options);
   const double per_point = static_cast<double>(depth_m.pixels.size()) / max_points;
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(per_point))));
-  std::vector<DetectedPoint> points;
+  std::vector<MeasuredPoint> points;
   for (int row = stride / 2; row < depth_m.height; row += stride) {
     for (int column = stride / 2; column < depth_m.width; column += stride) {
       const double depth = static_cast<double>(depth_m.at(column, row));
       if (!std::isfinite(depth)) continue;
       ++sampled;
       const hw::Ray ray = camera.ray(column, row);
-      const hw::StickIndex shown_by = target.stick_at(ray.at(depth));
-      const auto distance = target.distance(ray.at(depth), shown_by);
+      const hw::StickIndex fired = target.stick_at(ray.at(depth));
+      const auto distance = target.distance(ray.at(depth), fired);
       if (!distance || std::abs(distance->value_m) > kFarPoint_m) continue;
       const hw::PolarPoint polar = plan.geometry().to_polar(ray.at(depth));
       points.push_back({plan.geometry().stick(polar.theta_rad, polar.phi_rad),
                         polar.range_m,
                         ray.direction,
-                        shown_by});
+                        fired});
     }
   }
   return points;
@@ -118,8 +119,8 @@ void add_prior(ceres::Problem& problem, double* block, int size, double sigma) {
       new ceres::NormalPrior(stiffness, ceres::Vector::Zero(size)), nullptr, block);
 }
 
-bool holds(const RegistrationPriors& priors,
-           const std::array<double, kRegistrationParameters>& value) {
+bool within_three_priors(const RegistrationPriors& priors,
+                         const std::array<double, kRegistrationParameters>& value) {
   const std::array<double, kRegistrationParameters> width = {priors.rotation_rad,
                                                              priors.rotation_rad,
                                                              priors.rotation_rad,
@@ -134,15 +135,15 @@ bool holds(const RegistrationPriors& priors,
   return true;
 }
 
-/// One fit with the points' scatter taken as sigma_m.
+/// One fit; `sigma_m`: assumed standard deviation of the points about the surface.
 ceres::Solver::Summary solve(ceres::Problem& problem,
                              Blocks& blocks,
-                             const std::vector<DetectedPoint>& points,
+                             const std::vector<MeasuredPoint>& points,
                              const ScannedSurfaces& target,
                              const glm::dvec3& centroid,
                              const RegistrationPriors& priors,
                              double sigma_m) {
-  for (const DetectedPoint& point : points) {
+  for (const MeasuredPoint& point : points) {
     auto* residual = new SurfaceResidual{point, target, centroid, sigma_m};
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<SurfaceResidual, 1, 3, 3, 1, 1>(residual),
@@ -176,14 +177,14 @@ void read_covariance(ceres::Problem& problem, Blocks& blocks, Registration& resu
                      result.converged;
 }
 
-/// Distance of the points to the surface after the motion, RMS, capped as in the fit.
-double rms_distance_m(const std::vector<DetectedPoint>& points,
+/// RMS distance of the transformed points to the surface, limited to kFarPoint_m as in the fit.
+double rms_distance_m(const std::vector<MeasuredPoint>& points,
                       const ScannedSurfaces& target,
                       const glm::dvec3& centroid,
-                      const Blocks& at) {
-  Blocks blocks = at;
+                      const Blocks& parameters) {
+  Blocks blocks = parameters;
   double squares = 0;
-  for (const DetectedPoint& point : points) {
+  for (const MeasuredPoint& point : points) {
     double distance = 0;
     SurfaceResidual{point, target, centroid, 1.0}(
         blocks.rotation(), blocks.translation(), blocks.scale(), blocks.bias(), &distance);
@@ -217,17 +218,15 @@ const std::array<std::string, kRegistrationParameters>& registration_names() {
 }
 
 Registration register_surface(const Image<float>& depth_m,
-                              const phantoms::Phantom& phantom,
-                              const phantoms::Placement& placement,
-                              const phantoms::Motion& motion,
+                              const phantoms::PlacedPhantom& subject,
                               const hw::AcquisitionPlan& plan,
-                              const render::RenderOptions& options,
+                              const render::View& view,
                               const RegistrationPriors& priors,
                               int max_points) {
-  const ScannedSurfaces target(
-      phantom, placement, motion, plan, options.volume_of_interest, kFarPoint_m + kDrift_m);
+  const ScannedSurfaces target(subject, plan, view, kFarPoint_m + kDrift_m);
   Registration result;
-  const auto points = detected_points(depth_m, plan, options, target, max_points, result.sampled);
+  const auto points =
+      measured_points(depth_m, plan, view.camera, target, max_points, result.sampled);
   result.points = static_cast<int>(points.size());
   if (result.points < kLeastPoints) return result;
 
@@ -236,8 +235,8 @@ Registration register_surface(const Image<float>& depth_m,
     centroid += point.position() / static_cast<double>(points.size());
   Blocks blocks;
   result.rms_before_m = rms_distance_m(points, target, centroid, blocks);
-  // First with the scatter as found, then with what the fit leaves, so that the covariance is of
-  // the noise and not of the error that the fit has just explained.
+  // First with the RMS distance before the fit as sigma, then with the residual RMS, so that the
+  // covariance describes the noise and not the error that the first fit explained.
   double sigma_m = std::max(1e-6, result.rms_before_m);
   for (int round = 0; round < 2; ++round) {
     ceres::Problem problem;
@@ -248,7 +247,7 @@ Registration register_surface(const Image<float>& depth_m,
     if (round == 1) read_covariance(problem, blocks, result);
   }
   result.value = blocks.value;
-  result.within_priors = holds(priors, blocks.value);
+  result.within_priors = within_three_priors(priors, blocks.value);
   return result;
 }
 

@@ -1,5 +1,5 @@
-// The surfaces of a phantom as one volume of a scan meets them: each place at the time when the
-// stick that shows it was fired. What moves meanwhile is sheared by that, and so is the truth.
+// The surfaces of a phantom as one volume of a scan images them: each point of space at the time of
+// the stick that images it. Tissue that moves during the volume is sheared, and so is the truth.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,9 @@
 
 #include "bench/scene/motion_bounds.h"
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "phantoms/truth.h"
-#include "render/camera.h"
-#include "render/options.h"
+#include "render/view.h"
 
 namespace wobblebench::bench {
 
@@ -21,36 +19,32 @@ struct SurfaceCrossing {
   glm::dvec3 outward{0};  ///< unit, out of the tissue
 };
 
-/// The target surfaces in the probe frame, in the first volume of the plan. Places are those within
-/// the volume of interest. Several threads each need a copy of their own.
+/// The target surfaces in the probe frame, in the first volume of the plan, within the view's box.
+/// Threads must not share one: each takes a copy.
 class ScannedSurfaces {
  public:
-  /// `reach_m`: distance() knows places at least this near a surface.
-  ScannedSurfaces(const phantoms::Phantom& phantom,
-                  const phantoms::Placement& placement,
-                  const phantoms::Motion& motion,
+  /// `reach_m`: distance() is defined at least this near a surface.
+  ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
-                  const render::VolumeOfInterest& places,
+                  const render::View& view,
                   double reach_m = 0);
 
-  /// The first crossing from fluid into tissue (rising) or from tissue into fluid (falling). Exact
-  /// by OpenVDB's intersector where the phantom is still. Where it moves, the time is that of the
-  /// nearest stick, so that a surface may have the steps that the scanner makes.
-  std::optional<SurfaceCrossing> first(const hw::Ray& ray,
-                                       const render::Span& span,
-                                       render::EdgeSign sign) const;
+  /// First crossing within the box, from fluid into tissue (rising edge) or from tissue into fluid
+  /// (falling). Exact (OpenVDB's level-set intersector) for a still phantom. For a moving one the
+  /// time is that of the nearest stick, so that a surface may have steps between sticks.
+  std::optional<SurfaceCrossing> first(const hw::Ray& ray) const;
 
-  /// The stick that shows this place: of the nearest frame and line.
+  /// The stick that images a position: nearest frame and line.
   hw::StickIndex stick_at(const glm::dvec3& position_m) const;
 
-  /// Signed distance (negative within the surface) at a place at the time of a stick, and its
-  /// gradient; none beyond reach.
+  /// Signed distance to a surface (negative inside) at the time of a stick, and its gradient; none
+  /// beyond reach.
   std::optional<phantoms::SurfaceFinder::Distance> distance(const glm::dvec3& position_m,
                                                             const hw::StickIndex& stick) const;
 
  private:
-  /// A place on a ray, with what lies there.
-  struct Spot {
+  /// A point on a ray with its distances to the targets.
+  struct RaySample {
     double at_m = 0;
     hw::StickIndex stick;
     glm::dvec3 rest_m{0};
@@ -58,33 +52,32 @@ class ScannedSurfaces {
   };
 
   glm::dvec3 to_rest(const glm::dvec3& position_m, const hw::StickIndex& stick) const;
-  glm::dvec3 gradient_now(const glm::dvec3& position_m,
-                          const hw::StickIndex& stick,
-                          const glm::dvec3& gradient) const;
+  glm::dvec3 gradient_at_stick(const glm::dvec3& position_m,
+                               const hw::StickIndex& stick,
+                               const glm::dvec3& gradient) const;
   glm::dvec3 outward(int surface, const glm::dvec3& normal) const;
 
-  std::optional<SurfaceCrossing> first_of_still(const hw::Ray& ray,
-                                                render::Span span,
-                                                render::EdgeSign sign) const;
+  std::optional<SurfaceCrossing> first_of_still(const hw::Ray& ray, render::Span span) const;
   // scanned_surfaces_moving.cpp
   std::optional<SurfaceCrossing> first_of_moving(const hw::Ray& ray,
-                                                 const render::Span& span,
-                                                 render::EdgeSign sign) const;
-  void look(const hw::Ray& ray, double at_m, Spot& spot) const;
-  double swept_m(const hw::Ray& ray, const Spot& spot, double length_m) const;
-  double lapse_s(const hw::Ray& ray, const Spot& spot, double length_m) const;
-  double leap_m(const hw::Ray& ray, const Spot& spot) const;
-  std::optional<SurfaceCrossing> crossing(
-      const hw::Ray& ray, int target, Spot before, Spot behind, render::EdgeSign sign) const;
+                                                 const render::Span& span) const;
+  void sample(const hw::Ray& ray, double at_m, RaySample& sample) const;
+  double rest_displacement_m(const hw::Ray& ray, const RaySample& from, double step_m) const;
+  double time_difference_s(const hw::Ray& ray, const RaySample& from, double step_m) const;
+  double safe_step_m(const hw::Ray& ray, const RaySample& from) const;
+  std::optional<SurfaceCrossing> crossing(const hw::Ray& ray,
+                                          int target,
+                                          RaySample before,
+                                          RaySample behind) const;
 
-  phantoms::Phantom phantom_;
-  phantoms::Placement placement_;
-  phantoms::Motion motion_;
+  phantoms::PlacedPhantom subject_;
   hw::AcquisitionPlan plan_;
   hw::ProbeGeometry geometry_;
+  render::VolumeOfInterest box_;
+  render::EdgeSign edge_;
   MotionBounds bounds_;
   phantoms::SurfaceFinder finder_;
-  /// The phantom at the time of each stick, [frame * lines + line]; none for a still one.
+  /// The motion at the time of each stick, [frame * lines + line]; empty for a still phantom.
   std::shared_ptr<const std::vector<phantoms::Moment>> moments_;
 };
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "bench/evaluation/scanned_surfaces.h"
-#include "render/camera.h"
 
 namespace wobblebench::bench {
 
@@ -21,28 +20,24 @@ bool in_field(const hw::AcquisitionPlan& plan, const glm::dvec3& position) {
 
 }  // namespace
 
-Truth trace_truth(const phantoms::Phantom& phantom,
-                  const phantoms::Placement& placement,
-                  const phantoms::Motion& motion,
+Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
-                  const render::RenderOptions& options) {
-  const render::Camera camera = render::make_camera(options);
-  const int size = camera.image_size;
+                  const render::View& view) {
+  const int size = view.camera.image_size;
   Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
-  const ScannedSurfaces shared(phantom, placement, motion, plan, options.volume_of_interest);
+  const ScannedSurfaces shared(subject, plan, view);
   tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
-    // A copy for each range: it carries accessors that threads must not share.
+    // One copy for each range of rows: its OpenVDB accessors must not be shared between threads.
     // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
     const ScannedSurfaces surfaces(shared);
     for (int row = rows.begin(); row < rows.end(); ++row) {
       for (int column = 0; column < size; ++column) {
-        const hw::Ray ray = camera.ray(column, row);
-        const auto span = render::clip_to_box(ray, options.volume_of_interest);
-        const auto hit = surfaces.first(ray, span, options.ray_casting.edge);
+        const hw::Ray ray = view.camera.ray(column, row);
+        const auto hit = surfaces.first(ray);
         if (!hit) continue;
-        const bool seen = in_field(plan, ray.at(hit->distance_m));
-        truth.kind.at(column, row) = seen ? TruthKind::surface : TruthKind::outside_field;
-        if (!seen) continue;
+        const bool visible = in_field(plan, ray.at(hit->distance_m));
+        truth.kind.at(column, row) = visible ? TruthKind::surface : TruthKind::outside_field;
+        if (!visible) continue;
         truth.depth_m.at(column, row) = static_cast<float>(hit->distance_m);
         truth.normal.at(column, row) = hit->outward;
       }

@@ -44,16 +44,12 @@ void BoardConnection::adopt_plan(Scene& scene) {
   bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
 }
 
-void BoardConnection::simulate(const Scene& scene, const phantoms::Phantom& phantom) {
+void BoardConnection::simulate(const Scene& scene, const phantoms::PlacedPhantom& subject) {
   if (scene.acquisition.volumes != 1) {
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
   }
-  sim::ProbeSimulator simulator(phantom,
-                                scene.phantom_placement(),
-                                scene.plan(),
-                                scene.simulation,
-                                scene.phantom_motion(phantom));
+  sim::ProbeSimulator simulator(subject, scene.plan(), scene.simulation);
   simulated_ = SimulatedVolume{.effects = simulator.effects(),
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
@@ -63,9 +59,9 @@ void BoardConnection::simulate(const Scene& scene, const phantoms::Phantom& phan
   assembly_.emplace(*board_);
 }
 
-Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::Phantom& phantom) {
+Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::PlacedPhantom& subject) {
   const auto before = hw::HostClock::now();
-  if (is_simulated(arguments_)) simulate(scene, phantom);
+  if (is_simulated(arguments_)) simulate(scene, subject);
   const auto start = simulated_ ? hw::HostClock::now() : before;
   // A device that went while its plan was read is asked once more: it may be back, and a recording
   // always is.

@@ -11,7 +11,7 @@
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -50,11 +50,11 @@ class BoardConnection {
 
   /// The first volume whose beginning was not missed. Throws UserError where the scene asks the
   /// simulator for several, std::runtime_error if there is none.
-  Acquisition acquire(const Scene& scene, const phantoms::Phantom& phantom);
+  Acquisition acquire(const Scene& scene, const phantoms::PlacedPhantom& subject);
 
  private:
   void open();
-  void simulate(const Scene& scene, const phantoms::Phantom& phantom);
+  void simulate(const Scene& scene, const phantoms::PlacedPhantom& subject);
   std::string ending();
 
   BoardArguments arguments_;
@@ -66,7 +66,7 @@ class BoardConnection {
 
 /// The simulator's volume of a scene.
 inline Acquisition acquire_simulated(const Scene& scene, const phantoms::Phantom& phantom) {
-  return BoardConnection(parse_board("sim")).acquire(scene, phantom);
+  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom));
 }
 
 }  // namespace wobblebench::bench

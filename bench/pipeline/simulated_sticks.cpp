@@ -7,11 +7,7 @@ namespace wobblebench::bench {
 MakeSticks simulated_sticks(Scene scene) {
   const auto phantom = phantoms::make_phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  const sim::ProbeSimulator simulator(phantom,
-                                      scene.phantom_placement(),
-                                      scene.plan(),
-                                      scene.simulation,
-                                      scene.phantom_motion(phantom));
+  const sim::ProbeSimulator simulator(scene.place(phantom), scene.plan(), scene.simulation);
   return [simulator] { return sim::stick_source(simulator); };
 }
 

@@ -177,8 +177,8 @@ phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placem
 
 }  // namespace
 
-phantoms::Placement Scene::phantom_placement() const {
-  return {phantoms::rotation_xyz(placement.rotation_rad), placement.position_m};
+phantoms::Placement to_placement(const PlacementOptions& options) {
+  return {phantoms::rotation_xyz(options.rotation_rad), options.position_m};
 }
 
 bool Scene::moves() const {
@@ -186,9 +186,9 @@ bool Scene::moves() const {
   return !phantoms::Motion(motion, phantoms::Joint{}).still();
 }
 
-phantoms::Motion Scene::phantom_motion(const phantoms::Phantom& p) const {
+phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {
   try {
-    return {motion, p.joint()};
+    return {p, to_placement(placement), {motion, p.joint()}};
   } catch (const phantoms::InvalidPhantom& error) {
     throw UserError("motion." + std::string(error.what()));
   }
@@ -211,7 +211,7 @@ void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
     const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
     scene.placement.position_m = phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m);
   }
-  const phantoms::Box box = placed(phantom.region_of_interest(), scene.phantom_placement());
+  const phantoms::Box box = placed(phantom.region_of_interest(), to_placement(scene.placement));
   if (!scene.given.contains("render.volume_of_interest.center_mm")) {
     scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
   }

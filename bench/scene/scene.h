@@ -11,8 +11,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/probe_presets.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "render/options.h"
 #include "sim/options.h"
 
@@ -30,6 +29,8 @@ void describe(O& o, Visitor& v) {
   v.vec3("rotation_deg", o.rotation_rad, kDegree, -180, 180);
 }
 
+phantoms::Placement to_placement(const PlacementOptions& options);
+
 struct Scene {
   phantoms::PhantomOptions phantom;
   PlacementOptions placement;
@@ -41,11 +42,11 @@ struct Scene {
   std::set<std::string> given;  ///< dotted keys that the file or --set named
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
-  phantoms::Placement phantom_placement() const;
   /// Whether any motion is asked for.
   bool moves() const;
-  /// Throws UserError where this phantom cannot move so.
-  phantoms::Motion phantom_motion(const phantoms::Phantom& phantom) const;
+  /// The phantom at the scene's placement, with the scene's motion. Throws UserError where this
+  /// phantom cannot move so.
+  phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
 };
 
 /// Calls body(name, options) for each section of a scene.

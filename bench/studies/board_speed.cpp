@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <memory>
 #include <semaphore>
 #include <stdexcept>
+#include <stop_token>
 #include <thread>
 
 #include "bench/pipeline/recording_sink.h"
@@ -38,7 +38,7 @@ hw::AcquisitionPlan paper_plan(int volumes) {
   return {{}, acquisition};
 }
 
-/// Gone with the object.
+/// A recording of noise; the destructor removes its file.
 class TemporaryRecording {
  public:
   explicit TemporaryRecording(int volumes)
@@ -62,7 +62,7 @@ class TemporaryRecording {
   std::filesystem::path path_;
 };
 
-/// Keeps this thread, and those that it starts, on one processor while it lives.
+/// Restricts this thread, and those that it starts, to one processor while it lives.
 class OneCore {
  public:
   OneCore() {
@@ -162,11 +162,10 @@ Throughput measure_throughput(int volumes, int repeats) {
 }
 
 CancelTimes measure_cancels(int cancels, int load_threads) {
-  std::atomic<bool> over = false;
-  std::vector<std::thread> load;
+  std::vector<std::jthread> load;
   for (int i = 0; i < load_threads; ++i) {
-    load.emplace_back([&over] {
-      for (std::uint64_t count = 0; !over.load(std::memory_order_relaxed); ++count) {
+    load.emplace_back([](const std::stop_token& stop) {
+      for (std::uint64_t count = 0; !stop.stop_requested(); ++count) {
       }
     });
   }
@@ -175,7 +174,7 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
                   {.ring_slots = 64});
   std::counting_semaphore<2> go(0), woken(0);
   Clock::time_point woken_at;
-  std::thread waiter([&] {
+  std::jthread waiter([&] {
     for (int i = 0; i < cancels; ++i) {
       go.acquire();
       while (!std::holds_alternative<hw::Cancelled>(board.next(hw::HostTime::max()))) {
@@ -188,7 +187,7 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
   for (int i = 0; i < cancels; ++i) {
     board.start();
     go.release();
-    // Up to a third of a millisecond, so that it meets every place of the waiting.
+    // Up to a third of a millisecond, so that cancel() is called at every phase of the wait.
     std::this_thread::sleep_for(std::chrono::microseconds(i * 37 % 333));
     const auto cancelled_at = Clock::now();
     board.cancel();
@@ -197,14 +196,12 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
     board.stop();
   }
   waiter.join();
-  over = true;
-  for (std::thread& thread : load) thread.join();
-  std::sort(ms.begin(), ms.end());
-  const auto at = [&](double share) {
-    return ms[std::min(ms.size() - 1,
-                       static_cast<std::size_t>(share * static_cast<double>(ms.size())))];
-  };
-  return {cancels, load_threads, at(0.5), at(0.99), at(0.999), ms.back()};
+  return {cancels,
+          load_threads,
+          quantile_upper(ms, 0.5),
+          quantile_upper(ms, 0.99),
+          quantile_upper(ms, 0.999),
+          *std::max_element(ms.begin(), ms.end())};
 }
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-// What the board costs. Timings are measured, never asserted.
+// Throughput of the board and latency of its cancel(). Measured, never asserted.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::bench {
 
-/// One way of going through the same recording, MB/s (1e6 bytes a second) on one core.
+/// A part of the path of a recording, MB/s (1e6 bytes per second) on one core.
 struct StageSpeed {
   std::string stage;
   Spread mb_s;
@@ -18,20 +18,20 @@ struct StageSpeed {
 struct Throughput {
   std::uint64_t bytes = 0;
   std::uint64_t sticks = 0;
-  double stream_mb_s = 0;  ///< at which a probe in real time sends them
+  double stream_mb_s = 0;  ///< of a probe in real time
   int repeats = 0;
   std::vector<StageSpeed> stages;  ///< from the copy alone to the whole path
 };
 
 /// A recording of the paper's sticks with noise for samples, `volumes` of them, in a temporary file
-/// in the page cache; read, checked, decoded, and played through the board to a program that takes
-/// and releases every stick, all threads on one core. One run that is not counted, then `repeats`.
+/// in the page cache; read, checked, decoded, and played through the board to a reader that takes
+/// and releases every stick, all threads on one core. One warm-up run, then `repeats`.
 /// Throws std::runtime_error where the file cannot be written.
 Throughput measure_throughput(int volumes, int repeats);
 
 struct CancelTimes {
   int cancels = 0;
-  int load_threads = 0;  ///< that do nothing but count
+  int load_threads = 0;  ///< busy loops beside it
   double p50_ms = 0, p99_ms = 0, p999_ms = 0, max_ms = 0;
 };
 

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "bench/tables/page.h"
+#include "bench/tables/tables_report.h"
 
 namespace wobblebench::bench {
 

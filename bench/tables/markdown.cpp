@@ -1,17 +1,11 @@
-#include <iomanip>
 #include <sstream>
 
-#include "bench/tables/page.h"
+#include "base/number_text.h"
+#include "bench/tables/tables_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-std::string fixed(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
 
 /// Three digits or so: times here lie between a hundredth of a millisecond and half a minute.
 std::string ms_text(double ms) {

@@ -19,7 +19,7 @@ auto key_of(const TableRow& row, PipelineVariant variant) {
 using Key = decltype(key_of(TableRow{}, PipelineVariant::plain));
 
 /// One setting under measurement: its renderer lives through all repeats.
-struct ScannedTissue {
+struct TimedSetting {
   const hw::PolarVolume* volume = nullptr;
   std::unique_ptr<render::Renderer> renderer;
   int repeats = 0;
@@ -55,36 +55,36 @@ struct ScannedTissue {
   }
 };
 
-using Subjects = std::map<Key, ScannedTissue>;
+using TimedSettings = std::map<Key, TimedSetting>;
 
-Subjects make_subjects(const TableVolumes& volumes,
-                       const render::RenderOptions& base,
-                       render::GlContext& context,
-                       const TableRun& run) {
-  Subjects subjects;
+TimedSettings make_settings(const TableVolumes& volumes,
+                            const render::RenderOptions& base,
+                            render::GlContext& context,
+                            const TableRun& run) {
+  TimedSettings settings;
   for (const Table& table : paper_tables()) {
     for (const TableRow& row : table.rows) {
       for (const PipelineVariant variant : variants_of(table)) {
-        ScannedTissue& subject = subjects[key_of(row, variant)];
-        if (subject.renderer) continue;
-        subject.volume = &volumes.by_frames.at(row.frames);
-        subject.repeats = run.repeats_of(variant);
-        subject.renderer = std::make_unique<render::Renderer>(
+        TimedSetting& setting = settings[key_of(row, variant)];
+        if (setting.renderer) continue;
+        setting.volume = &volumes.by_frames.at(row.frames);
+        setting.repeats = run.repeats_of(variant);
+        setting.renderer = std::make_unique<render::Renderer>(
             context,
-            subject.volume->plan(),
+            setting.volume->plan(),
             rendered(variant, settings_of(row, base, run.divisor)));
       }
     }
   }
-  return subjects;
+  return settings;
 }
 
-MeasuredRow measured_row(const TableRow& row, const Table& table, const Subjects& subjects) {
+MeasuredRow measured_row(const TableRow& row, const Table& table, const TimedSettings& settings) {
   MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
   for (const PipelineVariant variant : variants_of(table)) {
-    Timing timing = subjects.at(key_of(row, variant)).timing();
-    timing.ratio = paired_ratio(subjects.at(key_of(row, variant)).frame_ms,
-                                subjects.at(key_of(reference_row(), variant)).frame_ms);
+    Timing timing = settings.at(key_of(row, variant)).timing();
+    timing.ratio = paired_ratio(settings.at(key_of(row, variant)).frame_ms,
+                                settings.at(key_of(reference_row(), variant)).frame_ms);
     measured.timings.emplace(variant, std::move(timing));
   }
   return measured;
@@ -136,20 +136,20 @@ TableResults measure_tables(const TableVolumes& volumes,
   const hw::PolarVolume& volume = volumes.by_frames.at(reference_row().frames);
   results.frame_acquisition_ms =
       hw::to_milliseconds(volume.plan().volume_duration()) / reference_row().frames;
-  Subjects subjects = make_subjects(volumes, base, context, run);
+  TimedSettings settings = make_settings(volumes, base, context, run);
   for (int repeat = -1; repeat < std::max(run.repeats, run.plain_repeats); ++repeat) {
-    for (auto& [key, subject] : subjects) subject.measure(repeat);
+    for (auto& [key, setting] : settings) setting.measure(repeat);
   }
   for (const Table& table : paper_tables()) {
     MeasuredTable measured{table, {}, {}};
     for (const TableRow& row : table.rows) {
-      measured.rows.push_back(measured_row(row, table, subjects));
+      measured.rows.push_back(measured_row(row, table, settings));
     }
     measured.exponents = exponents_of(measured.rows);
     results.tables.push_back(std::move(measured));
   }
-  results.reference = measured_row(reference_row(), paper_tables().front(), subjects);
-  subjects.clear();
+  results.reference = measured_row(reference_row(), paper_tables().front(), settings);
+  settings.clear();
   const auto options = settings_of(reference_row(), base, run.divisor);
   results.floors =
       measure_floors(volume,

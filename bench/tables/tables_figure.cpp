@@ -1,8 +1,8 @@
 #include "bench/tables/tables_figure.h"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "base/number_text.h"
 #include "bench/report/chart/chart_frame.h"
 
 namespace wobblebench::bench {
@@ -52,9 +52,7 @@ void leave_room(Axis& axis, const std::vector<Series>& series) {
 
 /// Of the reference row in the legend: what 1 stands for.
 std::string reference_text(const std::string& name, double ms) {
-  char text[60];
-  std::snprintf(text, sizeof text, ", 1 = %.*f ms", ms < 1 ? 2 : ms < 100 ? 1 : 0, ms);
-  return name + text;
+  return name + ", 1 = " + fixed(ms, ms < 1 ? 2 : ms < 100 ? 1 : 0) + " ms";
 }
 
 std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& reference) {

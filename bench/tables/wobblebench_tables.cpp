@@ -16,7 +16,7 @@
 #include "bench/report/report_parts.h"
 #include "bench/tables/arguments.h"
 #include "bench/tables/measure.h"
-#include "bench/tables/page.h"
+#include "bench/tables/tables_report.h"
 #include "bench/tables/volumes.h"
 
 namespace wobblebench::bench {

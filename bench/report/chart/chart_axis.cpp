@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
+
+#include "base/number_text.h"
 
 namespace wobblebench::bench {
 
@@ -12,12 +13,6 @@ namespace {
 
 /// Room beyond the data at each end, of the axis.
 constexpr double kRoom = 0.04;
-
-std::string number_text(double value, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
 
 /// Decimal digits that tell multiples of a step apart.
 int digits_of(double step) {
@@ -75,7 +70,7 @@ std::vector<Tick> Ruler::linear_ticks(int most) const {
   std::vector<Tick> ticks;
   for (double n = std::ceil(low_ / step - 1e-6); n * step <= high_ + 1e-6 * step; ++n) {
     const double value = n == 0 ? 0 : n * step;  // no minus before a zero
-    ticks.push_back({value, number_text(value, digits_of(step))});
+    ticks.push_back({value, fixed(value, digits_of(step))});
   }
   return ticks;
 }
@@ -92,7 +87,7 @@ std::vector<Tick> Ruler::logarithmic_ticks(int most) const {
       if (factor > 1 && !between) break;
       const double value = factor * std::pow(10.0, p);
       if (shows(value * (1 + 1e-9)) || shows(value * (1 - 1e-9))) {
-        ticks.push_back({value, number_text(value, std::max(0, -p))});
+        ticks.push_back({value, fixed(value, std::max(0, -p))});
       }
     }
   }

@@ -1,18 +1,14 @@
-#include <cstdio>
 #include <sstream>
 
-#include "bench/studies/trade/rung_trade.h"
+#include "base/number_text.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+constexpr int kDigits = 9;
 
 /// Lines of the file.
 class Rows {
@@ -24,8 +20,8 @@ class Rows {
            double value,
            const std::string& unit) {
     for (char& c : what) c = c == ',' ? ' ' : c;
-    text_ << table << "," << body << "," << rung << "," << what << "," << exact(value) << ","
-          << unit << "\n";
+    text_ << table << "," << body << "," << rung << "," << what << ","
+          << significant(value, kDigits) << "," << unit << "\n";
   }
   void add(const std::string& table,
            const std::string& body,
@@ -97,7 +93,7 @@ std::string trade_csv(const RungTradeResults& results) {
   add_times(results, rows);
   for (const GrowthPoint& point : results.growth) {
     const std::string rung = sim::to_string(point.rung),
-                      what = point.what + "=" + exact(point.size);
+                      what = point.what + "=" + significant(point.size, kDigits);
     rows.add("growth", "block", rung, what + " first", point.time.first_ms);
     rows.add("growth", "block", rung, what + " moving", point.time.moving_ms);
   }

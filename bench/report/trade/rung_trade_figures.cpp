@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/studies/trade/rung_trade.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -128,18 +128,18 @@ Figure draw_tissue(const RungTradeResults& results) {
 }  // namespace
 
 std::vector<Figure> trade_figures(const RungTradeResults& results) {
-  std::vector<Figure> figures = {
-      draw_trade(results),
-      {"frames",
-       "The middle frame of " + results.phantom + " on each rung.",
-       draw(results.frames, "display range and depth as in the scene", 300)},
-      draw_stages(results),
-      {"growth",
-       "How the time of a volume grows with its sizes; all but one stay the same.",
-       side_by_side(
-           {draw_sizes(results, sim::Rung::field), draw_sizes(results, sim::Rung::scatterers)})},
-      draw_tissue(results)};
-  return figures;
+  std::vector<GreyPanel> frames;
+  for (const RungFrame& frame : results.frames) frames.push_back({frame.rung, frame.picture});
+  return {draw_trade(results),
+          {"frames",
+           "The middle frame of " + results.phantom + " on each rung.",
+           draw(frames, "display range and depth as in the scene", 300)},
+          draw_stages(results),
+          {"growth",
+           "How the time of a volume grows with its sizes; all but one stay the same.",
+           side_by_side({draw_sizes(results, sim::Rung::field),
+                         draw_sizes(results, sim::Rung::scatterers)})},
+          draw_tissue(results)};
 }
 
 }  // namespace wobblebench::bench

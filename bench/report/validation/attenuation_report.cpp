@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/studies/validate/attenuation.h"
+#include "bench/report/validation/study_reports.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -83,7 +83,7 @@ void add_body(const std::string& body,
 
 }  // namespace
 
-StudyReport attenuation_study(const AttenuationInputs& inputs) {
+StudyReport attenuation_report(const AttenuationInputs& inputs) {
   StudyReport report;
   report.id = "attenuation";
   report.title = "Attenuation, shadow, enhancement";

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "bench/studies/validate/point_targets.h"
+#include "bench/report/validation/study_reports.h"
 #include "sim/beam/point_spread.h"
 #include "sim/fidelity.h"
 
@@ -179,7 +179,7 @@ Picture3 draw_widths(const std::vector<Variant>& variants) {
 
 }  // namespace
 
-StudyReport point_target_study(const PointInputs& inputs) {
+StudyReport point_target_report(const PointInputs& inputs) {
   StudyReport report;
   report.id = "points";
   report.title = "Point targets";

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/studies/validate/reflection.h"
+#include "bench/report/validation/study_reports.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -111,7 +111,7 @@ Picture3 draw_wide(const std::vector<AnglePoint>& bone,
 
 }  // namespace
 
-StudyReport reflection_study(const ReflectionInputs& inputs) {
+StudyReport reflection_report(const ReflectionInputs& inputs) {
   StudyReport report;
   report.id = "reflection";
   report.title = "Reflection against angle";

@@ -1,7 +1,7 @@
 #include <array>
 #include <cmath>
 
-#include "bench/studies/validate/speckle_size.h"
+#include "bench/report/validation/study_reports.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -90,7 +90,7 @@ void add_series(const std::string& name,
 
 }  // namespace
 
-StudyReport speckle_size_study(const SpeckleSizeInputs& inputs) {
+StudyReport speckle_size_report(const SpeckleSizeInputs& inputs) {
   StudyReport report;
   report.id = "speckle_size";
   report.title = "Size of speckle";

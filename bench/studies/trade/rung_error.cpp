@@ -1,10 +1,11 @@
 #include "bench/studies/trade/rung_error.h"
-#include "base/units.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/statistics.h"
+#include "base/units.h"
 #include "bench/studies/validate/statistics.h"
 #include "phantoms/truth.h"
 #include "sim/probe_simulator.h"
@@ -27,9 +28,9 @@ Search search(const TradeScene& scene, int place) {
   const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
   const auto ray = scene.plan.geometry().stick(scene.plan.theta_rad(static_cast<int>(index.line)),
                                                scene.plan.motor_angle_rad(index));
-  const hw::Ray here{scene.placement.to_phantom(ray.origin),
-                     scene.placement.direction_to_phantom(ray.direction)};
-  const double front_z = scene.phantom.region_of_interest().low.z;
+  const hw::Ray here{scene.subject.placement.to_phantom(ray.origin),
+                     scene.subject.placement.direction_to_phantom(ray.direction)};
+  const double front_z = scene.subject.phantom.region_of_interest().low.z;
   return {here, std::max(0.0, (front_z - here.origin.z) / here.direction.z)};
 }
 
@@ -66,8 +67,7 @@ Shown show(const TradeScene& scene, sim::Rung rung, const std::vector<std::uint6
     auto options = scene.options;
     options.fidelity = rung;
     options.seed = seeds[s];
-    const auto volume =
-        sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+    const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
     shown.mean.resize(volume.size(), 0.0);
     for (std::size_t i = 0; i < volume.size(); ++i) {
       shown.mean[i] += static_cast<double>(volume[i]) / static_cast<double>(count);
@@ -98,10 +98,9 @@ DepthSpread spread(const std::vector<double>& found, const std::vector<double>& 
   DepthSpread result;
   result.n = static_cast<long>(size_mm.size());
   if (size_mm.empty()) return result;
-  std::sort(size_mm.begin(), size_mm.end());
   result.median_mm = spread_of(signed_mm).median;
   result.median_size_mm = spread_of(size_mm).median;
-  result.p95_size_mm = size_mm[static_cast<std::size_t>(0.95 * static_cast<double>(result.n - 1))];
+  result.p95_size_mm = quantile_lower(size_mm, 0.95);
   result.missed_percent =
       100.0 * static_cast<double>(missed) / static_cast<double>(missed + result.n);
   return result;
@@ -128,7 +127,7 @@ struct BothImages {
 }  // namespace
 
 std::vector<double> true_ranges(const TradeScene& scene) {
-  const phantoms::SurfaceFinder finder(scene.phantom);
+  const phantoms::SurfaceFinder finder(scene.subject.phantom);
   std::vector<double> ranges;
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const Search at = search(scene, place);

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bench/studies/trade/rung_time.h"
-#include "bench/studies/validate/study.h"
 
 namespace wobblebench::bench {
 

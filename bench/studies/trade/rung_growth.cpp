@@ -22,15 +22,14 @@ TradeScene scene_with(const phantoms::Phantom& body,
                       const sim::SimulationOptions& options) {
   const hw::AcquisitionPlan plan({}, acquisition);
   const double middle_m = plan.probe().radius_m + front_mm * kMillimetre + kHalf_m.z;
-  return {body, placed_at({0, 0, middle_m}), plan, options};
+  return {phantoms::still_at(body, {0, 0, middle_m}), plan, options};
 }
 
 /// Of the samples of a volume, by the rung that shows tissue and nothing else.
 double tissue_share(const TradeScene& scene) {
   auto options = scene.options;
   options.fidelity = sim::Rung::geometry;
-  const auto samples =
-      sim::ProbeSimulator(scene.phantom, scene.placement, scene.plan, options).volume(0);
+  const auto samples = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
   const auto shown = std::count_if(samples.begin(), samples.end(), [](float v) { return v > 0; });
   return static_cast<double>(shown) / static_cast<double>(samples.size());
 }

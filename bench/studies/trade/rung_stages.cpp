@@ -29,10 +29,11 @@ void timed(double& sum_ms, const Body& body) {
 }
 
 sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
-  return {std::make_shared<const sim::TissueMap>(
-              scene.phantom, sim::StickEchoes::reach_m(scene.plan, rung), scene.options.threads),
-          scene.phantom.materials(),
-          scene.placement,
+  return {std::make_shared<const sim::TissueMap>(scene.subject.phantom,
+                                                 sim::StickEchoes::reach_m(scene.plan, rung),
+                                                 scene.options.threads),
+          scene.subject.phantom.materials(),
+          scene.subject.placement,
           slow_path()};
 }
 
@@ -51,7 +52,7 @@ StageTimes geometry_stages(const TradeScene& scene) {
   options.fidelity = sim::Rung::geometry;
   options.threads = 1;
   const sim::ProbeSimulator simulator(
-      scene.phantom, scene.placement, scene.plan, options, slow_path());
+      {scene.subject.phantom, scene.subject.placement, slow_path()}, scene.plan, options);
   timed(all_ms, [&] { simulator.volume(0); });
   return {sim::Rung::geometry,
           {{"follow", follow_ms}, {"rest", std::max(0.0, all_ms - follow_ms)}},

@@ -43,11 +43,11 @@ sim::ProbeSimulator simulator(const TradeScene& scene,
                               const phantoms::Motion& motion) {
   auto options = scene.options;
   options.fidelity = rung;
-  return {scene.phantom, scene.placement, scene.plan, options, motion};
+  return {{scene.subject.phantom, scene.subject.placement, motion}, scene.plan, options};
 }
 
 /// One rung under measurement; what moves lives through all repeats.
-struct ScannedTissue {
+struct TimedRung {
   sim::Rung rung;
   std::unique_ptr<sim::ProbeSimulator> moving;
   std::unique_ptr<sim::ProbeSimulator> bending;
@@ -93,21 +93,21 @@ phantoms::Motion bending(const phantoms::Phantom& phantom) {
 std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats) {
-  std::vector<ScannedTissue> subjects;
+  std::vector<TimedRung> timed;
   for (const sim::Rung rung : rungs) {
-    ScannedTissue subject{rung, nullptr, nullptr, {}, {}, {}, {}, {}, {}};
-    subject.moving = std::make_unique<sim::ProbeSimulator>(simulator(scene, rung, slow_path()));
-    subject.bending =
-        std::make_unique<sim::ProbeSimulator>(simulator(scene, rung, bending(scene.phantom)));
-    subjects.push_back(std::move(subject));
+    TimedRung one{rung, nullptr, nullptr, {}, {}, {}, {}, {}, {}};
+    one.moving = std::make_unique<sim::ProbeSimulator>(simulator(scene, rung, slow_path()));
+    one.bending = std::make_unique<sim::ProbeSimulator>(
+        simulator(scene, rung, bending(scene.subject.phantom)));
+    timed.push_back(std::move(one));
   }
   for (int repeat = 0; repeat <= repeats; ++repeat) {
-    for (ScannedTissue& subject : subjects) {
-      subject.measure(scene, repeat, repeat > 0);
+    for (TimedRung& one : timed) {
+      one.measure(scene, repeat, repeat > 0);
     }
   }
   std::vector<RungTime> results;
-  for (const ScannedTissue& subject : subjects) results.push_back(subject.result());
+  for (const TimedRung& one : timed) results.push_back(one.result());
   return results;
 }
 

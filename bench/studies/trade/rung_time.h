@@ -7,16 +7,14 @@
 
 #include "base/statistics.h"
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
 
 /// What is scanned in a trade, and how.
 struct TradeScene {
-  phantoms::Phantom phantom;
-  phantoms::Placement placement;
+  phantoms::PlacedPhantom subject;  ///< still
   hw::AcquisitionPlan plan;
   sim::SimulationOptions options;  ///< but for the rung
 };

@@ -42,8 +42,7 @@ struct Passage {
 };
 
 struct Body {
-  phantoms::Phantom phantom;
-  phantoms::Placement placement;
+  phantoms::PlacedPhantom subject;
   std::function<Passage(const hw::Ray&)> passage;
   double per_cm_db = 0;  ///< what a centimetre of the body changes
   double faces_db = 0;   ///< what its two faces change
@@ -62,8 +61,7 @@ Body bone_plate(const hw::AcquisitionPlan& plan) {
                    (back_z - ray.origin.z) / ray.direction.z};
   };
   const double back_m = back_z - plan.probe().radius_m;
-  return {phantom,
-          placed_at(phantom.suggested_position_m()),
+  return {phantoms::still_at(phantom, phantom.suggested_position_m()),
           passage,
           loss_db_per_cm(tissue, plan) - loss_db_per_cm(bone, plan),
           2 * passed_db(tissue, bone),
@@ -85,8 +83,7 @@ Body cyst(const hw::AcquisitionPlan& plan) {
     return Passage{middle - half, middle + half};
   };
   const double back_m = center.z + radius - plan.probe().radius_m;
-  return {phantom,
-          placed_at(center),
+  return {phantoms::still_at(phantom, center),
           passage,
           loss_db_per_cm(tissue, plan) - loss_db_per_cm(fluid, plan),
           2 * passed_db(tissue, fluid),
@@ -121,8 +118,8 @@ ShadowResult measure_body(sim::Rung rung,
   for (const std::uint64_t seed : inputs.seeds) {
     auto options = bare_envelope(rung, seed);
     options.interface_echo = false;
-    const Scan one = scan(body.phantom, body.placement, plan, options);
-    const Scan other = scan(open_tissue(), {}, plan, options);
+    const Scan one = scan(body.subject, plan, options);
+    const Scan other = scan({open_tissue()}, plan, options);
     for (int f = 0; f < inputs.frames; ++f) {
       for (int l = 0; l < inputs.sticks; ++l) {
         const auto ray = plan.geometry().stick(plan.theta_rad(l), plan.frame_phi_rad(f));
@@ -172,7 +169,7 @@ SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs&
   for (const std::uint64_t seed : inputs.seeds) {
     auto options = bare_envelope(rung, seed);
     options.speckle = speckle;
-    const Scan volume = scan(open_tissue(), {}, plan, options);
+    const Scan volume = scan({open_tissue()}, plan, options);
     for (int f = 0; f < inputs.frames; ++f) {
       for (int l = 0; l < inputs.sticks; ++l) {
         for (int k = 0; k < 400; ++k) {

@@ -2,9 +2,11 @@
 // a cyst.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
+#include "base/units.h"
+#include "bench/studies/validate/seeds.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -41,7 +43,5 @@ struct ShadowResult {
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
 /// The same of a ball of fluid, with each stick's own chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);
-
-StudyReport attenuation_study(const AttenuationInputs& inputs = {});
 
 }  // namespace wobblebench::bench

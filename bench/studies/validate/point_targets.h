@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "bench/studies/validate/study.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -39,7 +38,5 @@ PointResult measure_point(sim::Rung rung,
                           double range_m,
                           bool side_lobes,
                           const PointInputs& inputs);
-
-StudyReport point_target_study(const PointInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -55,7 +55,7 @@ double largest_echo(const phantoms::Phantom& plane, double lobe_width_rad) {
                                   .frames_per_volume = 1});
   auto options = interface_alone(sim::Rung::field, 1);
   options.specular_width_rad = lobe_width_rad;
-  const auto volume = scan(plane, placed_at(plane.suggested_position_m()), plan, options);
+  const auto volume = scan(phantoms::still_at(plane, plane.suggested_position_m()), plan, options);
   return gaussian_peak(volume.stick(0, 0)).value;
 }
 
@@ -123,8 +123,8 @@ std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& 
   // Of the pulse's power: what a sheet of its peak's power holds.
   const double length_m = std::sqrt(kPi) * sim::sigma_of_fwhm(sim::axial_fwhm_m(plan));
   for (const std::uint64_t seed : inputs.seeds) {
-    const Scan volume =
-        scan(plane, placed_at(plane.suggested_position_m()), plan, interface_alone(rung, seed));
+    const Scan volume = scan(
+        phantoms::still_at(plane, plane.suggested_position_m()), plan, interface_alone(rung, seed));
     for (int f = 0; f < inputs.frames; ++f) {
       for (int l = 0; l < inputs.sticks; ++l) {
         const auto ray = plan.geometry().stick(plan.theta_rad(l), plan.frame_phi_rad(f));

@@ -1,9 +1,10 @@
 // Echoes of an interface against the angle of incidence.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
+#include "bench/studies/validate/seeds.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/material.h"
 #include "sim/options.h"
@@ -41,7 +42,5 @@ std::vector<AnglePoint> measure_fresnel(const ReflectionInputs& inputs);
 /// A rough plane at rest, seen by a whole volume: energy of the echo of sticks by their angle, as
 /// the mean amplitude that a sheet as long as the pulse would have; against |R| cos i.
 std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& inputs);
-
-StudyReport reflection_study(const ReflectionInputs& inputs = {});
 
 }  // namespace wobblebench::bench

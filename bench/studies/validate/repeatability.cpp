@@ -3,60 +3,55 @@
 #include <algorithm>
 #include <bit>
 #include <span>
-#include <sstream>
 
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "hw/wire/crc32c.h"
-#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-struct ScannedTissue {
-  phantoms::Phantom phantom;
-  phantoms::Placement placement;
+/// A still phantom and its acquisition.
+struct ScanSetup {
+  phantoms::PlacedPhantom subject;
   hw::AcquisitionOptions acquisition;
 };
 
 /// So few sticks and scatterers that a sum over elements is a matter of seconds.
-ScannedTissue small_scene() {
+ScanSetup small_scene() {
   hw::AcquisitionOptions acquisition{.depth_m = 0.08,
                                      .sector_rad = 4 * kDegree,
                                      .sticks_per_frame = 4,
                                      .samples_per_stick = 256,
                                      .frames_per_volume = 1};
-  return {block({6e-3, 6e-3, 1e-3}, 0.5e-3), placed_at({0, 0, 0.113}), acquisition};
+  return {phantoms::still_at(block({6e-3, 6e-3, 1e-3}, 0.5e-3), {0, 0, 0.113}), acquisition};
 }
 
-ScannedTissue whole_scene(const RepeatabilityInputs& inputs) {
+ScanSetup whole_scene(const RepeatabilityInputs& inputs) {
   const auto phantom = phantoms::make_phantom({.name = inputs.phantom, .voxel_m = inputs.voxel_m});
-  return {phantom, placed_at(phantom.suggested_position_m()), inputs.acquisition};
+  return {phantoms::still_at(phantom, phantom.suggested_position_m()), inputs.acquisition};
 }
 
-phantoms::Motion motion_of(const ScannedTissue& subject, bool moving) {
+phantoms::Motion motion_of(const phantoms::Phantom& phantom, bool moving) {
   if (!moving) return {};
   phantoms::MotionOptions options;
   options.velocity_m_s = {4e-3, -3e-3, 8e-3};
   options.breath_amplitude_m = 3e-3;
-  if (subject.phantom.joint()) options.head_turn_rad = 10 * kDegree;
-  return {options, subject.phantom.joint()};
+  if (phantom.joint()) options.head_turn_rad = 10 * kDegree;
+  return {options, phantom.joint()};
 }
 
 sim::VolumeSamples run(
-    const ScannedTissue& subject, sim::Rung rung, bool moving, std::uint64_t seed, int threads) {
+    const ScanSetup& setup, sim::Rung rung, bool moving, std::uint64_t seed, int threads) {
   sim::SimulationOptions options;
   options.fidelity = rung;
   options.seed = seed;
   options.threads = threads;
   options.output = hw::SampleScale::linear_envelope;  // hides nothing below the display
-  return sim::ProbeSimulator(subject.phantom,
-                             subject.placement,
-                             {{}, subject.acquisition},
-                             options,
-                             motion_of(subject, moving))
-      .volume(0);
+  auto subject = setup.subject;
+  subject.motion = motion_of(subject.phantom, moving);
+  return sim::ProbeSimulator(subject, {{}, setup.acquisition}, options).volume(0);
 }
 
 long differing(const sim::VolumeSamples& a, const sim::VolumeSamples& b) {
@@ -67,99 +62,44 @@ long differing(const sim::VolumeSamples& a, const sim::VolumeSamples& b) {
   return count;
 }
 
-RepeatabilityResult measure(const ScannedTissue& subject,
+RepeatabilityResult measure(const ScanSetup& setup,
                             sim::Rung rung,
                             bool moving,
                             const RepeatabilityInputs& inputs) {
   RepeatabilityResult result{rung, moving};
-  const auto first = run(subject, rung, moving, inputs.seed, inputs.threads.front());
+  const auto first = run(setup, rung, moving, inputs.seed, inputs.threads.front());
   std::vector<int> others(inputs.threads.begin() + 1, inputs.threads.end());
   others.push_back(inputs.threads.back());  // a second run
   for (const int threads : others) {
-    result.differing += differing(first, run(subject, rung, moving, inputs.seed, threads));
+    result.differing += differing(first, run(setup, rung, moving, inputs.seed, threads));
   }
   result.runs = static_cast<int>(others.size()) + 1;
   result.samples = static_cast<long>(first.size());
-  const auto other = run(subject, rung, moving, inputs.seed + 1, inputs.threads.back());
+  const auto other = run(setup, rung, moving, inputs.seed + 1, inputs.threads.back());
   result.other_seed =
       static_cast<double>(differing(first, other)) / static_cast<double>(first.size());
   result.crc32c = hw::crc32c(std::as_bytes(std::span(first)));
   return result;
 }
 
-std::string hexadecimal(std::uint32_t value) {
-  std::ostringstream text;
-  text << std::hex << value;
-  return text.str();
-}
-
 }  // namespace
+
+std::vector<RepeatabilityResult> measure_repeatability(const RepeatabilityInputs& inputs) {
+  const ScanSetup whole = whole_scene(inputs), small = small_scene();
+  std::vector<RepeatabilityResult> results;
+  for (const sim::Rung rung :
+       {sim::Rung::geometry, sim::Rung::field, sim::Rung::scatterers, sim::Rung::reference}) {
+    const ScanSetup& setup = rung == sim::Rung::reference ? small : whole;
+    for (const bool moving : {false, true}) results.push_back(measure(setup, rung, moving, inputs));
+  }
+  return results;
+}
 
 RepeatabilityResult measure_repeatability(sim::Rung rung,
                                           bool moving,
                                           const RepeatabilityInputs& inputs) {
-  const ScannedTissue subject = rung == sim::Rung::reference ? small_scene() : whole_scene(inputs);
-  return measure(subject, rung, moving, inputs);
-}
-
-StudyReport repeatability_study(const RepeatabilityInputs& inputs) {
-  StudyReport report;
-  report.id = "repeatability";
-  report.title = "A seed means one set of bytes";
-  std::ostringstream table;
-  table << "| rung | phantom | samples | CRC-32C | samples that another seed changes |\n"
-           "| --- | --- | ---: | --- | ---: |\n";
-  const ScannedTissue whole = whole_scene(inputs), small = small_scene();
-  for (const sim::Rung rung :
-       {sim::Rung::geometry, sim::Rung::field, sim::Rung::scatterers, sim::Rung::reference}) {
-    const bool is_small = rung == sim::Rung::reference;
-    for (const bool moving : {false, true}) {
-      const auto found = measure(is_small ? small : whole, rung, moving, inputs);
-      const std::string state = moving ? "moving" : "still";
-      const std::string name = "repeatability." + sim::to_string(rung) + "." + state;
-      report.checks.push_back({name,
-                               Check::Kind::at_most,
-                               static_cast<double>(found.differing),
-                               0,
-                               0,
-                               "samples",
-                               "bytes of 1, 2 and 4 threads and of a second run are the same",
-                               found.samples,
-                               "samples in each of " + std::to_string(found.runs) + " runs",
-                               {inputs.seed}});
-      // Half of them at least: fluid may be silent under any seed.
-      const bool random = rung != sim::Rung::geometry;
-      report.checks.push_back(
-          {name + ".other_seed",
-           random ? Check::Kind::at_least : Check::Kind::at_most,
-           found.other_seed,
-           random ? 0.5 : 0.0,
-           0,
-           "of the samples",
-           random ? "another seed means other speckle and noise" : "nothing in this rung is random",
-           found.samples,
-           "samples",
-           {inputs.seed, inputs.seed + 1}});
-      table << "| " << sim::to_string(rung) << " | " << (is_small ? "block" : inputs.phantom)
-            << ", " << state << " | " << found.samples << " | " << hexadecimal(found.crc32c)
-            << " | " << 100 * found.other_seed << " % |\n";
-      report.points.push_back({name,
-                               "seed",
-                               static_cast<double>(inputs.seed),
-                               "share_changed_by_other_seed",
-                               found.other_seed,
-                               {}});
-    }
-  }
-  report.text =
-      "A coarse scan of the phantom, and for `reference` a few sticks of a small block: made "
-      "anew by "
-      "1, 2 and 4 threads, by 4 once more, and with another seed. Linear output with the default "
-      "noise, "
-      "so that nothing hides below the display. Moving: on a path, breathing, and with its head "
-      "turning.\n\n" +
-      table.str();
-  return report;
+  const ScanSetup setup = rung == sim::Rung::reference ? small_scene() : whole_scene(inputs);
+  return measure(setup, rung, moving, inputs);
 }
 
 }  // namespace wobblebench::bench

@@ -1,10 +1,10 @@
 // Whether a seed means one set of bytes.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -28,11 +28,12 @@ struct RepeatabilityResult {
   std::uint32_t crc32c = 0;  ///< of the samples
 };
 
+/// Every rung, still and moving, in this order.
+std::vector<RepeatabilityResult> measure_repeatability(const RepeatabilityInputs& inputs);
+
 /// `reference` is run on a few sticks of a small body, the others on the phantom.
 RepeatabilityResult measure_repeatability(sim::Rung rung,
                                           bool moving,
                                           const RepeatabilityInputs& inputs);
-
-StudyReport repeatability_study(const RepeatabilityInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -1,9 +1,10 @@
 // The rung `scatterers` against `reference`: the same scatterers, two ways to sum their echoes.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
+#include "base/units.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -30,7 +31,5 @@ struct AgreementResult {
   long n = 0;  ///< samples
 };
 AgreementResult measure_agreement(double range_m, const AgreementInputs& inputs);
-
-StudyReport rung_agreement_study(const AgreementInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -38,18 +38,11 @@ sim::SimulationOptions lossless_envelope(sim::Rung rung, std::uint64_t seed) {
   return options;
 }
 
-phantoms::Placement placed_at(const glm::dvec3& position_m) {
-  return {glm::dmat3(1.0), position_m};
-}
-
-Scan scan(const phantoms::Phantom& phantom,
-          const phantoms::Placement& placement,
+Scan scan(const phantoms::PlacedPhantom& subject,
           const hw::AcquisitionPlan& plan,
           const sim::SimulationOptions& options,
-          const phantoms::Motion& motion,
           std::uint32_t volume) {
-  const sim::ProbeSimulator simulator(phantom, placement, plan, options, motion);
-  return {plan, simulator.volume(volume)};
+  return {plan, sim::ProbeSimulator(subject, plan, options).volume(volume)};
 }
 
 }  // namespace wobblebench::bench

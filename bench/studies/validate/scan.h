@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
@@ -30,14 +30,9 @@ sim::SimulationOptions bare_envelope(sim::Rung rung, std::uint64_t seed);
 /// The same of tissue that loses nothing on the way: echoes mean the same at every range.
 sim::SimulationOptions lossless_envelope(sim::Rung rung, std::uint64_t seed);
 
-/// The phantom's origin at a place of the probe frame, not turned.
-phantoms::Placement placed_at(const glm::dvec3& position_m);
-
-Scan scan(const phantoms::Phantom& phantom,
-          const phantoms::Placement& placement,
+Scan scan(const phantoms::PlacedPhantom& subject,
           const hw::AcquisitionPlan& plan,
           const sim::SimulationOptions& options,
-          const phantoms::Motion& motion = {},
           std::uint32_t volume = 0);
 
 }  // namespace wobblebench::bench

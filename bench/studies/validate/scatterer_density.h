@@ -34,6 +34,4 @@ double intensity_snr(double effective);
 /// Pusey 1976).
 double envelope_snr(double effective);
 
-StudyReport scatterer_density_study(const DensityInputs& inputs = {});
-
 }  // namespace wobblebench::bench

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/motion.h"
 
@@ -32,7 +31,5 @@ struct ShearResult {
 };
 
 std::vector<ShearResult> measure_shear(const ShearInputs& inputs);
-
-StudyReport shear_study(const ShearInputs& inputs = {});
 
 }  // namespace wobblebench::bench

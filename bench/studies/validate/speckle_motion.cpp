@@ -1,13 +1,10 @@
 #include "bench/studies/validate/speckle_motion.h"
 
-#include <algorithm>
 #include <chrono>
-#include <sstream>
 
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -19,7 +16,6 @@ constexpr double kTo_m = 85e-3;
 constexpr double kMiddle_m = 75e-3;
 /// Between sticks, so that motions stay within what a scene may ask for.
 constexpr double kDeadTime_s = 1e-3;
-constexpr double kLeast = 0.95;
 
 double seconds(hw::DeviceDuration duration) {
   return std::chrono::duration<double>(duration).count();
@@ -48,7 +44,7 @@ struct Setup {
   double shift_mm;
   hw::AcquisitionPlan plan;
   phantoms::Placement placement;
-  phantoms::MotionOptions options;
+  phantoms::MotionOptions motion_options;
   Before before;
 };
 
@@ -61,7 +57,7 @@ Setup along_axis(const SpeckleMotionInputs& inputs) {
   const hw::AcquisitionPlan plan({}, acquisition);
   const double shift_m = inputs.axial_shift * plan.sample_spacing_m();
   Setup setup{"axial", 1e3 * shift_m, plan, {}, {}, {0, 0, inputs.axial_shift}};
-  setup.options.velocity_m_s = {0, 0, shift_m / seconds(plan.volume_duration())};
+  setup.motion_options.velocity_m_s = {0, 0, shift_m / seconds(plan.volume_duration())};
   return setup;
 }
 
@@ -78,7 +74,7 @@ Setup in_plane(const SpeckleMotionInputs& inputs) {
               {},
               {},
               {0, 1, 0}};
-  setup.options.turn_rate_rad_s = {0, plan.theta_step_rad() / later_s, 0};
+  setup.motion_options.turn_rate_rad_s = {0, plan.theta_step_rad() / later_s, 0};
   return setup;
 }
 
@@ -92,19 +88,18 @@ Setup across_planes(const SpeckleMotionInputs& inputs) {
   Setup setup{"across image planes",
               1e3 * (plan.probe().radius_m + kMiddle_m - axis_z_m) * plan.phi_step_rad(),
               plan,
-              placed_at({0, 0, axis_z_m}),
+              {glm::dmat3(1.0), {0, 0, axis_z_m}},
               {},
               {1, 0, 0}};
-  setup.options.turn_rate_rad_s = {plan.phi_step_rad() / later_s, 0, 0};
+  setup.motion_options.turn_rate_rad_s = {plan.phi_step_rad() / later_s, 0, 0};
   return setup;
 }
 
 MotionResult measure(const Setup& setup, sim::Rung rung, std::uint64_t seed) {
-  const sim::ProbeSimulator simulator(open_tissue(),
-                                      setup.placement,
-                                      setup.plan,
-                                      lossless_envelope(rung, seed),
-                                      phantoms::Motion(setup.options, {}));
+  const sim::ProbeSimulator simulator(
+      {open_tissue(), setup.placement, phantoms::Motion(setup.motion_options, {})},
+      setup.plan,
+      lossless_envelope(rung, seed));
   const Scan first{setup.plan, simulator.volume(0)}, second{setup.plan, simulator.volume(1)};
   const auto& a = setup.plan.acquisition();
   std::vector<double> now, followed, here, stayed;
@@ -136,49 +131,6 @@ std::vector<MotionResult> measure_speckle_motion(sim::Rung rung,
     results.push_back(measure(setup, rung, inputs.seed));
   }
   return results;
-}
-
-StudyReport speckle_motion_study(const SpeckleMotionInputs& inputs) {
-  StudyReport report;
-  report.id = "speckle_motion";
-  report.title = "Speckle moves with the tissue";
-  std::ostringstream table;
-  table << "| rung | motion | shift at 75 mm | correlation at the place it moved to | at the place "
-           "it "
-           "was |\n| --- | --- | ---: | ---: | ---: |\n";
-  for (const sim::Rung rung : {sim::Rung::scatterers, sim::Rung::field}) {
-    for (const MotionResult& found : measure_speckle_motion(rung, inputs)) {
-      const std::string series = sim::to_string(rung) + ", " + found.motion;
-      table << "| " << sim::to_string(rung) << " | " << found.motion << " | " << found.shift_mm
-            << " mm | " << found.followed << " | " << found.stayed << " |\n";
-      report.points.push_back(
-          {series, "shift_mm", found.shift_mm, "correlation_followed", found.followed, {}});
-      report.points.push_back(
-          {series, "shift_mm", found.shift_mm, "correlation_stayed", found.stayed, {}});
-      if (rung == sim::Rung::field) continue;
-      std::string name = found.motion;
-      std::replace(name.begin(), name.end(), ' ', '_');
-      report.checks.push_back({"speckle_motion.scatterers." + name,
-                               Check::Kind::at_least,
-                               found.followed,
-                               kLeast,
-                               0,
-                               "1",
-                               "the same tissue, seen again where it moved to",
-                               found.n,
-                               "samples",
-                               {inputs.seed}});
-    }
-  }
-  report.text =
-      "Tissue moves so that in the second volume each stick sees exactly what it, or its "
-      "neighbour, "
-      "saw in the first: along the axis by whole samples; in the image plane by one stick; across "
-      "image planes by one frame. The time from one look to the other is that of the sticks "
-      "themselves. `field`'s speckle belongs to the probe's grid and stays where it is: it is here "
-      "for contrast, and is why `auto` takes `scatterers` for a phantom that moves.\n\n" +
-      table.str();
-  return report;
 }
 
 }  // namespace wobblebench::bench

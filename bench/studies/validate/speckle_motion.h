@@ -1,10 +1,10 @@
 // Whether speckle moves with the tissue.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -31,7 +31,5 @@ struct MotionResult {
 /// turns about the motor's axis by one frame, from one look of a stick to the next. All are exact:
 /// each stick sees what it, or its neighbour, saw one volume before.
 std::vector<MotionResult> measure_speckle_motion(sim::Rung rung, const SpeckleMotionInputs& inputs);
-
-StudyReport speckle_motion_study(const SpeckleMotionInputs& inputs = {});
 
 }  // namespace wobblebench::bench

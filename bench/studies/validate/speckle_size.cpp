@@ -178,7 +178,7 @@ std::vector<Autocorrelation> measure_speckle_size(sim::Rung rung,
   for (const std::uint64_t seed : inputs.seeds) {
     auto options = lossless_envelope(rung, seed);
     options.side_lobes = inputs.side_lobes && rung == sim::Rung::scatterers;
-    volumes.push_back(scan(tissue, {}, plan, options));
+    volumes.push_back(scan({tissue}, plan, options));
   }
   std::vector<Autocorrelation> results;
   for (const double range_m : inputs.ranges_m) {

@@ -1,9 +1,10 @@
 // How large speckles are: the autocorrelation of the intensity, along the stick and across it.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/study.h"
+#include "bench/studies/validate/seeds.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -43,7 +44,5 @@ double expected_speckle_m(sim::Rung rung,
                           BeamDirection direction,
                           const hw::AcquisitionPlan& plan,
                           double range_m);
-
-StudyReport speckle_size_study(const SpeckleSizeInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/units.h"
+#include "bench/studies/validate/seeds.h"
 #include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/study.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -42,7 +43,5 @@ SpeckleResult measure_speckle(sim::Rung rung, const SpeckleInputs& inputs);
 
 /// mean / sigma of a Rayleigh envelope, sqrt(pi / (4 - pi)) = 1.913.
 double rayleigh_snr();
-
-StudyReport speckle_statistics_study(const SpeckleInputs& inputs = {});
 
 }  // namespace wobblebench::bench

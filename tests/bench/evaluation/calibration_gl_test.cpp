@@ -39,9 +39,8 @@ Chain run_chain(std::vector<std::string> settings, int image_size = 128, int sli
   complete_from_phantom(scene, phantom);
   auto acquisition = acquire_simulated(scene, phantom);
   auto picture = render::render_volume(context(), acquisition.volume, scene.render);
-  auto truth = trace_truth(
-      phantom, scene.phantom_placement(), phantoms::Motion(), scene.plan(), scene.render);
-  auto error = measure_depth_error(picture.depth_m, truth, scene.render);
+  auto truth = trace_truth(scene.place(phantom), scene.plan(), render::make_view(scene.render));
+  auto error = measure_depth_error(picture.depth_m, truth, render::make_camera(scene.render));
   return {scene, std::move(acquisition), std::move(picture), std::move(truth), std::move(error)};
 }
 

@@ -17,39 +17,39 @@ class PlantedError : public testing::Test {
   static void SetUpTestSuite() {
     scene_ = new Scene(load_scene({}, {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"}));
     scene_->render.ray_casting.image_size = 128;
-    phantom_ = new phantoms::Phantom(phantoms::make_phantom(scene_->phantom));
-    complete_from_phantom(*scene_, *phantom_);
+    const auto phantom = phantoms::make_phantom(scene_->phantom);
+    complete_from_phantom(*scene_, phantom);
+    subject_ = new phantoms::PlacedPhantom(scene_->place(phantom));
   }
   static void TearDownTestSuite() {
-    delete phantom_;
+    delete subject_;
     delete scene_;
   }
 
-  /// What is seen with the phantom at `seen_at`, registered to the phantom where it is thought to
-  /// be.
-  Registration registered(const phantoms::Placement& seen_at,
+  /// The depth image of the phantom at `actual`, registered to the phantom at the scene's
+  /// placement.
+  Registration registered(const phantoms::Placement& actual,
                           double bias_m = 0,
-                          const phantoms::Motion& seen_moving = {},
-                          const phantoms::Motion& thought_moving = {}) {
+                          const phantoms::Motion& actual_motion = {},
+                          const phantoms::Motion& assumed_motion = {}) {
     const auto plan = scene_->plan();
-    Truth truth = trace_truth(*phantom_, seen_at, seen_moving, plan, scene_->render);
+    Truth truth = trace_truth(
+        {subject_->phantom, actual, actual_motion}, plan, render::make_view(scene_->render));
     for (float& depth : truth.depth_m.pixels) depth += static_cast<float>(bias_m);
     return register_surface(truth.depth_m,
-                            *phantom_,
-                            scene_->phantom_placement(),
-                            thought_moving,
+                            {subject_->phantom, subject_->placement, assumed_motion},
                             plan,
-                            scene_->render);
+                            render::make_view(scene_->render));
   }
 
   static Scene* scene_;
-  static phantoms::Phantom* phantom_;
+  static phantoms::PlacedPhantom* subject_;
 };
 Scene* PlantedError::scene_ = nullptr;
-phantoms::Phantom* PlantedError::phantom_ = nullptr;
+phantoms::PlacedPhantom* PlantedError::subject_ = nullptr;
 
 TEST_F(PlantedError, NoneLeavesEverythingNearZero) {
-  const Registration fit = registered(scene_->phantom_placement());
+  const Registration fit = registered(subject_->placement);
   ASSERT_TRUE(fit.converged);
   EXPECT_GT(fit.points, 500);
   EXPECT_LT(fit.rms_after_m, 0.05e-3);
@@ -59,7 +59,7 @@ TEST_F(PlantedError, NoneLeavesEverythingNearZero) {
 }
 
 TEST_F(PlantedError, ShiftAcrossTheViewComesBack) {
-  auto moved = scene_->phantom_placement();
+  auto moved = subject_->placement;
   moved.position_m += glm::dvec3(1.0e-3, -0.7e-3, 0);
   const Registration fit = registered(moved);
   ASSERT_TRUE(fit.converged);
@@ -70,7 +70,7 @@ TEST_F(PlantedError, ShiftAcrossTheViewComesBack) {
 }
 
 TEST_F(PlantedError, TurnComesBack) {
-  auto turned = scene_->phantom_placement();
+  auto turned = subject_->placement;
   turned.rotation = phantoms::rotation_xyz({0, 0, 1.5 * kDegree}) * turned.rotation;
   const Registration fit = registered(turned);
   ASSERT_TRUE(fit.converged);
@@ -78,7 +78,7 @@ TEST_F(PlantedError, TurnComesBack) {
 }
 
 TEST_F(PlantedError, DepthErrorIsSharedByWhatCanExplainItAndTheCovarianceSaysSo) {
-  const Registration fit = registered(scene_->phantom_placement(), 1.0e-3);
+  const Registration fit = registered(subject_->placement, 1.0e-3);
   ASSERT_TRUE(fit.converged);
   EXPECT_LT(fit.rms_after_m, 0.05e-3);
   // Bias and translation along the view are one thing to a picture taken along z; their sum is not.
@@ -90,7 +90,7 @@ TEST_F(PlantedError, DepthErrorIsSharedByWhatCanExplainItAndTheCovarianceSaysSo)
 
 TEST_F(PlantedError, LargeDepthErrorsAreNotLeftOut) {
   // Beyond the phantom's own narrow bands (4 voxels of 1 mm here).
-  const Registration fit = registered(scene_->phantom_placement(), 5.0e-3);
+  const Registration fit = registered(subject_->placement, 5.0e-3);
   EXPECT_GT(fit.points, fit.sampled * 9 / 10);
   EXPECT_GT(fit.rms_before_m, 3e-3);
   EXPECT_NEAR(fit.value[7] - fit.value[5], 5.0e-3, 0.5e-3);
@@ -104,8 +104,8 @@ TEST_F(PlantedError, AKnownMotionIsNoError) {
     } else {
       options.velocity_m_s = {5e-3, -10e-3, 15e-3};
     }
-    const phantoms::Motion motion(options, phantom_->joint());
-    const auto placement = scene_->phantom_placement();
+    const phantoms::Motion motion(options, subject_->phantom.joint());
+    const auto placement = subject_->placement;
     const Registration known = registered(placement, 0, motion, motion);
     ASSERT_TRUE(known.converged);
     EXPECT_GT(known.points, 500);
@@ -120,8 +120,8 @@ TEST_F(PlantedError, AKnownMotionIsNoError) {
 TEST_F(PlantedError, AShiftComesBackFromAMovingPhantom) {
   phantoms::MotionOptions options;
   options.velocity_m_s = {0, 0, 15e-3};
-  const phantoms::Motion motion(options, phantom_->joint());
-  auto moved = scene_->phantom_placement();
+  const phantoms::Motion motion(options, subject_->phantom.joint());
+  auto moved = subject_->placement;
   moved.position_m += glm::dvec3(1.0e-3, -0.7e-3, 0);
   const Registration fit = registered(moved, 0, motion, motion);
   ASSERT_TRUE(fit.converged);
@@ -130,7 +130,7 @@ TEST_F(PlantedError, AShiftComesBackFromAMovingPhantom) {
 }
 
 TEST_F(PlantedError, CovarianceIsSymmetricAndPositive) {
-  const Registration fit = registered(scene_->phantom_placement());
+  const Registration fit = registered(subject_->placement);
   for (int i = 0; i < kRegistrationParameters; ++i) {
     EXPECT_GT(fit.standard_deviation(i), 0);
     for (int j = 0; j < kRegistrationParameters; ++j) {
@@ -149,7 +149,7 @@ TEST(Registration, OfNothingDoesNotConverge) {
   complete_from_phantom(scene, phantom);
   const Image<float> nothing(32, 32, kNoSurface);
   const auto fit = register_surface(
-      nothing, phantom, scene.phantom_placement(), phantoms::Motion(), scene.plan(), scene.render);
+      nothing, scene.place(phantom), scene.plan(), render::make_view(scene.render));
   EXPECT_FALSE(fit.converged);
   EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);

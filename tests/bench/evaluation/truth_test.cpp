@@ -18,23 +18,19 @@ namespace {
 
 struct Stage {
   Scene scene;
-  phantoms::Phantom phantom;
+  phantoms::PlacedPhantom subject;
 };
 
 Stage stage(const std::vector<std::string>& settings) {
   Scene scene = load_scene({}, settings);
   scene.render.ray_casting.image_size = 64;
-  auto phantom = phantoms::make_phantom(scene.phantom);
+  const auto phantom = phantoms::make_phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  return {scene, phantom};
+  return {scene, scene.place(phantom)};
 }
 
 Truth truth_of(const Stage& s) {
-  return trace_truth(s.phantom,
-                     s.scene.phantom_placement(),
-                     s.scene.phantom_motion(s.phantom),
-                     s.scene.plan(),
-                     s.scene.render);
+  return trace_truth(s.subject, s.scene.plan(), render::make_view(s.scene.render));
 }
 
 TEST(Truth, SphereIsWhereItsEquationSays) {
@@ -44,7 +40,7 @@ TEST(Truth, SphereIsWhereItsEquationSays) {
         {"phantom.name=sphere", "phantom.radius_mm=18", view, "placement.rotation_deg=[10,20,30]"});
     const Truth truth = truth_of(s);
     const render::Camera camera = render::make_camera(s.scene.render);
-    const glm::dvec3 center = s.scene.phantom_placement().position_m;
+    const glm::dvec3 center = s.subject.placement.position_m;
     int compared = 0;
     for (int row = 0; row < 64; ++row) {
       for (int column = 0; column < 64; ++column) {
@@ -75,7 +71,7 @@ TEST(Truth, FallingEdgeOfASphereIsItsBack) {
                          "render.volume_of_interest.center_mm=[0,0,110]"});
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
-  const glm::dvec3 center = s.scene.phantom_placement().position_m;
+  const glm::dvec3 center = s.subject.placement.position_m;
   const hw::Ray ray = camera.ray(32, 32);
   const double along = glm::dot(center - ray.origin, ray.direction);
   const double off = glm::length(ray.at(along) - center);
@@ -86,7 +82,7 @@ TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
   const Stage s = stage({"phantom.name=plane", "phantom.tilt_x_deg=15", "phantom.tilt_y_deg=-10"});
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
-  const glm::dvec3 origin = s.scene.phantom_placement().position_m;
+  const glm::dvec3 origin = s.subject.placement.position_m;
   const glm::dvec3 n =
       phantoms::rotation_xyz({15 * kDegree, -10 * kDegree, 0}) * glm::dvec3(0, 0, -1);
   int compared = 0;
@@ -150,7 +146,7 @@ TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
   const auto geometry = s.scene.plan().geometry();
-  const auto placement = s.scene.phantom_placement();
+  const auto placement = s.subject.placement;
   const auto& v = s.scene.motion.velocity_m_s;
   const glm::dvec3 velocity = placement.direction_to_probe({v[0], v[1], v[2]});
   const auto center_at = [&](double time_s) { return placement.position_m + time_s * velocity; };
@@ -246,7 +242,7 @@ std::optional<double> patiently(const hw::Ray& ray,
                                 const phantoms::SurfaceFinder& finder,
                                 const phantoms::Motion& motion) {
   const auto geometry = s.scene.plan().geometry();
-  const auto placement = s.scene.phantom_placement();
+  const auto placement = s.subject.placement;
   std::vector<double> before;
   for (double at = span.from_m; at < span.to_m; at += 50e-6) {
     const glm::dvec3 place = ray.at(at);
@@ -256,8 +252,8 @@ std::optional<double> patiently(const hw::Ray& ray,
     for (int t = 0; t < finder.targets(); ++t) now.push_back(finder.cautious_distance(t, rest));
     for (std::size_t t = 0; t < before.size(); ++t) {
       const auto surface = static_cast<std::size_t>(finder.surface(static_cast<int>(t)));
-      const auto inside = static_cast<std::size_t>(s.phantom.surfaces()[surface].inside);
-      const bool tissue = s.phantom.materials()[inside].backscatter_db > -100;
+      const auto inside = static_cast<std::size_t>(s.subject.phantom.surfaces()[surface].inside);
+      const bool tissue = s.subject.phantom.materials()[inside].backscatter_db > -100;
       if ((before[t] < 0) != (now[t] < 0) && (now[t] < 0) == tissue) return at - 25e-6;
     }
     before = std::move(now);
@@ -271,8 +267,8 @@ TEST_P(TruthOfMovingFace, IsWhatAPatientMarchFinds) {
   const Stage s = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0", GetParam()});
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
-  const phantoms::SurfaceFinder finder(s.phantom);
-  const auto motion = s.scene.phantom_motion(s.phantom);
+  const phantoms::SurfaceFinder finder(s.subject.phantom);
+  const auto motion = s.subject.motion;
   int compared = 0, different = 0;
   for (int row = 1; row < 64; row += 3) {
     for (int column = 1; column < 64; column += 3) {

@@ -297,12 +297,12 @@ TEST_F(SceneFile, AHeadThatIsNotThereDoesNotTurn) {
   const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10"});
   const auto phantom = empty_phantom({});
   try {
-    scene.phantom_motion(phantom);
+    static_cast<void>(scene.place(phantom));
     FAIL() << "accepted";
   } catch (const UserError& error) {
     EXPECT_EQ(std::string(error.what()).find("motion.head_turn_deg = 10: "), 0U) << error.what();
   }
-  EXPECT_TRUE(load_scene({}, {}).phantom_motion(phantom).still());
+  EXPECT_TRUE(load_scene({}, {}).place(phantom).motion.still());
 }
 
 TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {

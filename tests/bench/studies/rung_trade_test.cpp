@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/report/trade/rung_trade_report.h"
 #include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
 #include "bench/studies/validate/scan.h"
 
 namespace wobblebench::bench {
@@ -19,7 +19,7 @@ hw::AcquisitionOptions few_sticks() {
 
 TradeScene sphere_scene() {
   const auto sphere = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
-  return {sphere, placed_at(sphere.suggested_position_m()), {{}, few_sticks()}, {}};
+  return {phantoms::still_at(sphere, sphere.suggested_position_m()), {{}, few_sticks()}, {}};
 }
 
 TEST(RungTrade, ExponentsAreSlopesOfLogarithms) {

@@ -79,14 +79,6 @@ TEST(Tables, AreMeasuredInEveryWayTheyName) {
       results.frame_acquisition_ms, 8 * testing::recorded_plan().stick_period_s() * 1e3, 1e-6);
 }
 
-TEST(PairedRatio, IsFreeOfADriftThatBothSee) {
-  // The machine slows down by 2, then by 5; the second repeat of the row was disturbed besides.
-  const Quartiles ratio = paired_ratio({3, 8, 15, 3}, {2, 4, 10, 2});
-  EXPECT_DOUBLE_EQ(ratio.median, 1.5);
-  EXPECT_DOUBLE_EQ(ratio.lower, 1.5);
-  EXPECT_DOUBLE_EQ(ratio.upper, 1.625);
-}
-
 TEST(Tables, ListThePapersTimes) {
   const std::vector<std::vector<double>> paper = {{53.7, 54.0, 54.6, 54.6},
                                                   {54.6, 35.0, 15.8, 13.2},

@@ -21,7 +21,7 @@ SimulationOptions linear() {
 
 ProbeSimulator speckle_block(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   const auto phantom = phantoms::make_phantom({.name = "speckle_block"});
-  return {phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options};
+  return {phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options};
 }
 
 /// mean / sigma over all sticks at each range, averaged over the ranges: attenuation and time gain

@@ -1,5 +1,5 @@
 // What the tables found, as it is written.
-#include "bench/tables/page.h"
+#include "bench/tables/tables_report.h"
 
 #include <gtest/gtest.h>
 

@@ -1,17 +1,16 @@
-// Speed against accuracy over the simulator's rungs: one table, one picture, and what they rest on.
+// Speed and accuracy of the simulator's rungs: the measurements of the command `trade`.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "bench/report/provenance.h"
+#include "base/image.h"
 #include "bench/studies/trade/rung_error.h"
 #include "bench/studies/trade/rung_growth.h"
 #include "bench/studies/trade/rung_stages.h"
 #include "bench/studies/trade/rung_time.h"
-#include "bench/studies/validate/study.h"
+#include "bench/studies/validate/seeds.h"
 
 namespace wobblebench::bench {
 
@@ -22,6 +21,12 @@ const std::vector<sim::Rung>& volume_rungs();
 struct MemoryPeak {
   std::string what;
   double bytes = 0;
+};
+
+/// The same frame on each rung.
+struct RungFrame {
+  std::string rung;
+  Image<float> picture;  ///< grey values in [0, 1]
 };
 
 struct RungTradeResults {
@@ -37,7 +42,7 @@ struct RungTradeResults {
   std::vector<RungError> errors;
   VolumeTime small_scatterers;  ///< of the small scene that `reference` can sum
   VolumeTime small_reference;
-  std::vector<GreyPanel> frames;  ///< the middle frame of the phantom on each rung
+  std::vector<RungFrame> frames;  ///< the middle one of the phantom
 };
 
 /// A sheet of tissue across the axis under a few sticks: what `reference` sums in seconds.
@@ -55,14 +60,5 @@ Image<float> frame_picture(const hw::AcquisitionPlan& plan,
                            const std::vector<float>& volume,
                            int frame,
                            int width);
-
-std::vector<Figure> trade_figures(const RungTradeResults& results);
-std::string trade_page(const RungTradeResults& results, const Provenance& provenance);
-std::string trade_csv(const RungTradeResults& results);
-/// "trade": points with settings, time and error, and which of them lie on the front.
-nlohmann::ordered_json trade_json(const RungTradeResults& results);
-
-/// File of a figure.
-std::string trade_figure_file(const Figure& figure);
 
 }  // namespace wobblebench::bench

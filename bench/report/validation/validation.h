@@ -1,25 +1,25 @@
-// All studies of the simulator's physics, and the page that they make.
+// All studies of the simulator's physics, and the documents that they make: Markdown, CSV, JSON.
 #pragma once
 
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/report/provenance.h"
-#include "bench/studies/validate/study.h"
+#include "bench/report/validation/study_report.h"
 
 namespace wobblebench::bench {
 
 struct NamedStudy {
   std::string id;
-  std::function<StudyReport()> run;  ///< at full size
+  std::function<StudyReport()> run;  ///< with the default inputs
 };
 
-/// In the order of the page.
+/// In the order of the Markdown document.
 const std::vector<NamedStudy>& validation_studies();
 
-/// Runs one. What it throws becomes a check that failed.
+/// Runs one. An exception becomes a failed check.
 StudyReport run_study(const NamedStudy& study);
 
 int failed_checks(const std::vector<StudyReport>& reports);
@@ -27,12 +27,13 @@ int failed_checks(const std::vector<StudyReport>& reports);
 /// "1.869; 1.913 +- 0.02 expected (…); n = …; seeds …"
 std::string describe(const Check& check);
 
-/// `figure_path`: what stands before a figure's file name in the page's links.
-std::string validation_page(const std::vector<StudyReport>& reports,
-                            const Provenance& provenance,
-                            const std::string& figure_path);
-/// Every point of every study.
+/// validation.md. `figure_path`: prefix of the figures' file names in its links.
+std::string validation_markdown(const std::vector<StudyReport>& reports,
+                                const Provenance& provenance,
+                                const std::string& figure_path);
+/// validation.csv: every point of every study.
 std::string validation_csv(const std::vector<StudyReport>& reports);
+/// "checks" of report.json.
 nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports);
 
 /// File of a figure.

@@ -1,4 +1,4 @@
-// What a study hands back: what it checked, every point that it measured, and figures.
+// The report of a study: checks, measured points and figures.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/report/chart/chart.h"
+#include "bench/report/figure.h"
 
 namespace wobblebench::bench {
 
@@ -26,9 +26,9 @@ struct Check {
   double tolerance = 0;
   std::string unit;                  ///< of all three; "1" for pure numbers
   std::string source;                ///< of what is expected: a closed form or a publication
-  long n = 0;                        ///< measured from this many …
-  std::string of;                    ///< … of these
-  std::vector<std::uint64_t> seeds;  ///< none: nothing random in it
+  long n = 0;                        ///< number of observations …
+  std::string of;                    ///< … of this kind
+  std::vector<std::uint64_t> seeds;  ///< empty: nothing random in it
 
   bool passed() const {
     switch (kind) {
@@ -43,7 +43,7 @@ struct Check {
   }
 };
 
-/// One row of the CSV file. Names carry their unit.
+/// One row of the CSV file. Names include their unit.
 struct DataPoint {
   std::string series;
   std::string x_name;
@@ -53,26 +53,13 @@ struct DataPoint {
   std::optional<double> expected;
 };
 
-struct Figure {
-  std::string name;     ///< of the file, without extension
-  std::string caption;  ///< one sentence
-  Picture3 picture;
-};
-
 struct StudyReport {
   std::string id;  ///< as --study takes it
   std::string title;
-  std::string text;  ///< Markdown: what was done, and what it shows
+  std::string text;  ///< Markdown: method and findings
   std::vector<Check> checks;
   std::vector<DataPoint> points;
   std::vector<Figure> figures;
 };
-
-/// first, first + 1, …
-inline std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count) {
-  std::vector<std::uint64_t> seeds;
-  for (int i = 0; i < count; ++i) seeds.push_back(first + static_cast<std::uint64_t>(i));
-  return seeds;
-}
 
 }  // namespace wobblebench::bench

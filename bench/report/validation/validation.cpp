@@ -1,30 +1,21 @@
-#include "bench/studies/validate/validation.h"
+#include "bench/report/validation/validation.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
+#include "base/number_text.h"
 #include "bench/cli/user_error.h"
-#include "bench/studies/validate/attenuation.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/reflection.h"
-#include "bench/studies/validate/repeatability.h"
-#include "bench/studies/validate/rung_agreement.h"
-#include "bench/studies/validate/scatterer_density.h"
-#include "bench/studies/validate/shear.h"
-#include "bench/studies/validate/speckle_motion.h"
-#include "bench/studies/validate/speckle_size.h"
-#include "bench/studies/validate/speckle_statistics.h"
+#include "bench/report/validation/study_reports.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 std::string number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
+  return significant(value, 4);
 }
 
 /// "1 to 10", "3", "none".
@@ -56,41 +47,44 @@ const char* outcome(const Check& check) {
 
 void write_summary(const std::vector<StudyReport>& reports,
                    const Provenance& provenance,
-                   std::ostream& page) {
+                   std::ostream& markdown) {
   std::size_t count = 0;
   for (const auto& report : reports) count += report.checks.size();
   const int failed = failed_checks(reports);
-  page << "# Validation of the simulated probe\n\n"
-       << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
-       << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
-       << " threads. Every point is in `validation.csv`, every check in `report.json`. Expected "
-          "values are closed forms or published ones; the studies hold no model of their own. "
-          "Numbers in brackets are those of `docs/references.md`.\n\n"
-       << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
-       << " failed.\n";
-  if (failed > 0) page << "\nFailed:\n\n";
+  markdown
+      << "# Validation of the simulated probe\n\n"
+      << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+      << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+      << " threads. Every point is in `validation.csv`, every check in `report.json`. Expected "
+         "values are closed forms or published ones; the studies hold no model of their own. "
+         "Numbers in brackets are those of `docs/references.md`.\n\n"
+      << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
+      << " failed.\n";
+  if (failed > 0) markdown << "\nFailed:\n\n";
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {
-      if (!check.passed()) page << "- `" << check.name << "`: " << describe(check) << "\n";
+      if (!check.passed()) markdown << "- `" << check.name << "`: " << describe(check) << "\n";
     }
   }
 }
 
-void write_study(const StudyReport& report, const std::string& figure_path, std::ostream& page) {
-  page << "\n## " << report.title << "\n\n" << report.text << "\n";
+void write_study(const StudyReport& report,
+                 const std::string& figure_path,
+                 std::ostream& markdown) {
+  markdown << "\n## " << report.title << "\n\n" << report.text << "\n";
   if (!report.checks.empty()) {
-    page << "\n| check | measured | expected | n | seeds | outcome |\n"
-            "| --- | ---: | ---: | ---: | --- | --- |\n";
+    markdown << "\n| check | measured | expected | n | seeds | outcome |\n"
+                "| --- | ---: | ---: | ---: | --- | --- |\n";
   }
   for (const Check& check : report.checks) {
-    page << "| `" << check.name << "`: " << check.source << " | " << number(check.measured)
-         << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " " << check.of
-         << " | " << seeds_text(check.seeds) << " | " << (check.passed() ? "passed" : "**failed**")
-         << " |\n";
+    markdown << "| `" << check.name << "`: " << check.source << " | " << number(check.measured)
+             << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " "
+             << check.of << " | " << seeds_text(check.seeds) << " | "
+             << (check.passed() ? "passed" : "**failed**") << " |\n";
   }
   for (const Figure& figure : report.figures) {
-    page << "\n![" << figure.caption << "](" << figure_path << figure_file(figure) << ")\n\n"
-         << figure.caption << "\n";
+    markdown << "\n![" << figure.caption << "](" << figure_path << figure_file(figure) << ")\n\n"
+             << figure.caption << "\n";
   }
 }
 
@@ -103,25 +97,23 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string exact(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
+  return significant(value, 9);
 }
 
 }  // namespace
 
 const std::vector<NamedStudy>& validation_studies() {
   static const std::vector<NamedStudy> studies = {
-      {"speckle", [] { return speckle_statistics_study(); }},
-      {"density", [] { return scatterer_density_study(); }},
-      {"points", [] { return point_target_study(); }},
-      {"agreement", [] { return rung_agreement_study(); }},
-      {"speckle_size", [] { return speckle_size_study(); }},
-      {"speckle_motion", [] { return speckle_motion_study(); }},
-      {"attenuation", [] { return attenuation_study(); }},
-      {"reflection", [] { return reflection_study(); }},
-      {"shear", [] { return shear_study(); }},
-      {"repeatability", [] { return repeatability_study(); }}};
+      {"speckle", [] { return speckle_statistics_report(); }},
+      {"density", [] { return scatterer_density_report(); }},
+      {"points", [] { return point_target_report(); }},
+      {"agreement", [] { return rung_agreement_report(); }},
+      {"speckle_size", [] { return speckle_size_report(); }},
+      {"speckle_motion", [] { return speckle_motion_report(); }},
+      {"attenuation", [] { return attenuation_report(); }},
+      {"reflection", [] { return reflection_report(); }},
+      {"shear", [] { return shear_report(); }},
+      {"repeatability", [] { return repeatability_report(); }}};
   return studies;
 }
 
@@ -166,13 +158,13 @@ std::string figure_file(const Figure& figure) {
   return "validation_" + figure.name + ".png";
 }
 
-std::string validation_page(const std::vector<StudyReport>& reports,
-                            const Provenance& provenance,
-                            const std::string& figure_path) {
-  std::ostringstream page;
-  write_summary(reports, provenance, page);
-  for (const auto& report : reports) write_study(report, figure_path, page);
-  return page.str();
+std::string validation_markdown(const std::vector<StudyReport>& reports,
+                                const Provenance& provenance,
+                                const std::string& figure_path) {
+  std::ostringstream markdown;
+  write_summary(reports, provenance, markdown);
+  for (const auto& report : reports) write_study(report, figure_path, markdown);
+  return markdown.str();
 }
 
 std::string validation_csv(const std::vector<StudyReport>& reports) {

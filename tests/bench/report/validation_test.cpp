@@ -5,10 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
-#include "bench/studies/validate/validation.h"
-#include "phantoms/phantom.h"
+#include "bench/report/validation/validation.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {
@@ -42,7 +39,7 @@ TEST(Validation, WhatAStudyThrowsIsACheckThatFailed) {
   EXPECT_FALSE(report.checks.front().passed());
   EXPECT_EQ(report.checks.front().name, "broken.ran");
   EXPECT_EQ(failed_checks({report}), 1);
-  EXPECT_NE(validation_page({report}, {}, "").find("a\\nb"), std::string::npos);
+  EXPECT_NE(validation_markdown({report}, {}, "").find("a\\nb"), std::string::npos);
 }
 
 StudyReport example() {
@@ -54,7 +51,7 @@ StudyReport example() {
 }
 
 TEST(Validation, PageNamesFailuresAndLinksFigures) {
-  const auto page = validation_page({example()}, {.commit = "abc"}, "figures/");
+  const auto page = validation_markdown({example()}, {.commit = "abc"}, "figures/");
   EXPECT_NE(page.find("2 checks, 1 passed, 1 failed"), std::string::npos) << page;
   EXPECT_NE(page.find("](figures/validation_picture.png)"), std::string::npos);
   EXPECT_NE(page.find("Commit abc"), std::string::npos);

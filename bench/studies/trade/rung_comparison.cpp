@@ -1,28 +1,18 @@
-#include "bench/studies/trade/rung_trade.h"
+#include "bench/studies/trade/rung_comparison.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
-#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// The design's estimates.
 constexpr double kFieldFloor_ms = 10, kFieldSamples = 1.21e6;
 constexpr double kScattererFloor_ms = 200, kScatterers = 47e6;
-
-const RungError* error_of(const RungTradeResults& results, sim::Rung rung) {
-  for (const RungError& error : results.errors) {
-    if (error.body == results.phantom && error.rung == rung) return &error;
-  }
-  return nullptr;
-}
 
 }  // namespace
 
@@ -40,8 +30,8 @@ TradeScene small_sheet(const sim::SimulationOptions& options) {
                                   .sticks_per_frame = 4,
                                   .samples_per_stick = 256,
                                   .frames_per_volume = 1});
-  return {block({4e-3, 4e-3, kHalf_m}, 0.5e-3),
-          placed_at({0, 0, plan.probe().radius_m + kRange_m}),
+  return {phantoms::still_at(block({4e-3, 4e-3, kHalf_m}, 0.5e-3),
+                             {0, 0, plan.probe().radius_m + kRange_m}),
           plan,
           options};
 }
@@ -85,38 +75,6 @@ Image<float> frame_picture(const hw::AcquisitionPlan& plan,
     }
   }
   return picture;
-}
-
-Json trade_json(const RungTradeResults& results) {
-  Json points = Json::array(), front = Json::array();
-  struct Point {
-    std::string rung;
-    double time;
-    double error;
-  };
-  std::vector<Point> all;
-  for (const RungTime& time : results.times) {
-    const RungError* error = error_of(results, time.rung);
-    if (error == nullptr) continue;
-    all.push_back({sim::to_string(time.rung),
-                   time.first_ms.median / results.sound_ms,
-                   error->against_truth.p95_size_mm});
-  }
-  for (const Point& point : all) {
-    points.push_back({{"settings", {{"simulation.fidelity", point.rung}}},
-                      {"time_ratio", point.time},
-                      {"error_mm_p95", point.error}});
-    const bool beaten = std::any_of(all.begin(), all.end(), [&](const Point& other) {
-      return other.time <= point.time && other.error <= point.error &&
-             (other.time < point.time || other.error < point.error);
-    });
-    if (!beaten) front.push_back(point.rung);
-  }
-  return {{"points", points}, {"front", front}};
-}
-
-std::string trade_figure_file(const Figure& figure) {
-  return "trade_" + figure.name + ".png";
 }
 
 }  // namespace wobblebench::bench
