@@ -14,14 +14,11 @@
 namespace wobblebench::render {
 namespace {
 
-FetchCounter* living = nullptr;
-
-/// Colour attachment for the counts: behind those of any pass.
-constexpr int kSlot = 7;
+FetchCounter* active_counter = nullptr;  ///< one per process, as glad's table of entry points
 
 }  // namespace
 
-TextureFetch kind_of(const Texture& texture) {
+TextureFetch texture_fetch_of(const Texture& texture) {
   using Sampler = TextureFetch::Sampler;
   const Extent& extent = texture.extent();
   const Sampler layered = extent.array ? Sampler::layers : Sampler::volume;
@@ -29,16 +26,16 @@ TextureFetch kind_of(const Texture& texture) {
 }
 
 FetchCounter::FetchCounter() {
-  if (living) throw std::logic_error("FetchCounter: one lives already");
-  living = this;
+  if (active_counter) throw std::logic_error("FetchCounter: one lives already");
+  active_counter = this;
 }
 
 FetchCounter::~FetchCounter() {
-  living = nullptr;
+  active_counter = nullptr;
 }
 
 FetchCounter* FetchCounter::current() {
-  return living;
+  return active_counter;
 }
 
 FetchCounts FetchCounter::take() {
@@ -46,34 +43,34 @@ FetchCounts FetchCounter::take() {
 }
 
 void FetchCounter::begin_draw(const Framebuffer& target) {
-  fetches_ = Texture("fetches", TexelFormat::rgba32f, target.extent(), TextureFilter::nearest);
-  target.attach(kSlot, &fetches_);
+  per_pixel_ = Texture("fetches", TexelFormat::rgba32f, target.extent(), TextureFilter::nearest);
+  target.attach(kFetchCountLocation, &per_pixel_);
 }
 
 void FetchCounter::end_draw(const Framebuffer& target,
-                            const std::array<TextureFetch, kSamplers>& kinds) {
-  const std::vector<float> pixels = fetches_.download();
-  target.attach(kSlot, nullptr);
+                            const std::array<TextureFetch, kSamplers>& fetches) {
+  const std::vector<float> pixels = per_pixel_.download();
+  target.attach(kFetchCountLocation, nullptr);
   std::array<std::int64_t, kSamplers> totals{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (i % 4 < kSamplers) totals[i % 4] += static_cast<std::int64_t>(pixels[i]);
   }
   for (std::size_t sampler = 0; sampler < kSamplers; ++sampler) {
-    if (totals[sampler] > 0) counts_[kinds[sampler]] += totals[sampler];
+    if (totals[sampler] > 0) counts_[fetches[sampler]] += totals[sampler];
   }
 }
 
-double fetch_rate_per_us(const TextureFetch& kind) {
+double fetch_rate_per_us(const TextureFetch& fetch) {
   constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
-  const bool is_plane = kind.sampler == TextureFetch::Sampler::plane;
-  const bool is_array = kind.sampler == TextureFetch::Sampler::layers;
+  const bool is_plane = fetch.sampler == TextureFetch::Sampler::plane;
+  const bool is_array = fetch.sampler == TextureFetch::Sampler::layers;
   const Texture fetched(
-      "fetched", kind.format, {kSide, kSide, is_plane ? 0 : kLayers, is_array}, kind.filter);
+      "fetched", fetch.format, {kSide, kSide, is_plane ? 0 : kLayers, is_array}, fetch.filter);
   const Texture sums("sums", TexelFormat::r32f, {kSide, kSide}, TextureFilter::nearest);
   const Framebuffer target({&sums});
   const FragmentProgram program({"fetch_rate.frag.glsl"},
                                 Defines()
-                                    .add("SAMPLER", static_cast<int>(kind.sampler))
+                                    .add("SAMPLER", static_cast<int>(fetch.sampler))
                                     .add("TAPS", kTaps)
                                     .add("SIDE", kSide));
   double best_us = std::numeric_limits<double>::max();
