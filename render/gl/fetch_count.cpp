@@ -14,12 +14,34 @@
 namespace wobblebench::render {
 namespace {
 
+using Sampler = TextureFetch::Sampler;
+
 FetchCounter* active_counter = nullptr;  ///< one per process, as glad's table of entry points
+
+constexpr int kFetchedUnit = 0;
+
+Defines sampler_defines() {
+  return Defines()
+      .add("SAMPLER_PLANE", static_cast<int>(Sampler::plane))
+      .add("SAMPLER_VOLUME", static_cast<int>(Sampler::volume))
+      .add("SAMPLER_LAYERS", static_cast<int>(Sampler::layers));
+}
 
 }  // namespace
 
+Defines fetch_count_defines() {
+  return sampler_defines().add("FETCH_COUNT_LOCATION", kFetchCountLocation);
+}
+
+Defines fetch_rate_defines(Sampler sampler, int taps, int side) {
+  return sampler_defines()
+      .add("BIND_FETCHED", kFetchedUnit)
+      .add("SAMPLER", static_cast<int>(sampler))
+      .add("TAPS", taps)
+      .add("SIDE", side);
+}
+
 TextureFetch texture_fetch_of(const Texture& texture) {
-  using Sampler = TextureFetch::Sampler;
   const Extent& extent = texture.extent();
   const Sampler layered = extent.array ? Sampler::layers : Sampler::volume;
   return {extent.depth ? layered : Sampler::plane, texture.format(), texture.filter()};
@@ -62,22 +84,19 @@ void FetchCounter::end_draw(const Framebuffer& target,
 
 double fetch_rate_per_us(const TextureFetch& fetch) {
   constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
-  const bool is_plane = fetch.sampler == TextureFetch::Sampler::plane;
-  const bool is_array = fetch.sampler == TextureFetch::Sampler::layers;
+  const bool is_plane = fetch.sampler == Sampler::plane;
+  const bool is_array = fetch.sampler == Sampler::layers;
   const Texture fetched(
       "fetched", fetch.format, {kSide, kSide, is_plane ? 0 : kLayers, is_array}, fetch.filter);
   const Texture sums("sums", TexelFormat::r32f, {kSide, kSide}, TextureFilter::nearest);
   const Framebuffer target({&sums});
   const FragmentProgram program({"fetch_rate.frag.glsl"},
-                                Defines()
-                                    .add("SAMPLER", static_cast<int>(fetch.sampler))
-                                    .add("TAPS", kTaps)
-                                    .add("SIDE", kSide));
+                                fetch_rate_defines(fetch.sampler, kTaps, kSide));
   double best_us = std::numeric_limits<double>::max();
   for (int draw = 0; draw < kDraws; ++draw) {
     glFinish();
     const auto start = std::chrono::steady_clock::now();
-    program.draw(target, {{0, &fetched}});
+    program.draw(target, {{kFetchedUnit, &fetched}});
     glFinish();
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
     best_us = std::min(best_us, took.count());

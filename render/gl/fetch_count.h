@@ -10,10 +10,18 @@
 
 namespace wobblebench::render {
 
+class Defines;
+
 /// Values of TextureFetch::Sampler.
 inline constexpr std::size_t kSamplers = 3;
 /// Colour attachment and output location of the counts: behind those of any pass.
 inline constexpr int kFetchCountLocation = 7;
+
+/// Defines of fetch_count.glsl.
+Defines fetch_count_defines();
+/// Defines of fetch_rate.frag.glsl: `taps` fetches per pixel of a square of `side` pixels, from the
+/// texture bound to unit 0.
+Defines fetch_rate_defines(TextureFetch::Sampler sampler, int taps, int side);
 
 /// The kind of a fetch from this texture.
 TextureFetch texture_fetch_of(const Texture& texture);

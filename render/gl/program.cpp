@@ -53,7 +53,7 @@ std::string assemble(std::initializer_list<std::string_view> files, const std::s
 /// The same source with its texture fetches counted.
 std::string assemble_counting(std::initializer_list<std::string_view> files,
                               const std::string& defines) {
-  std::string before = defines + Defines().add("FETCH_COUNT_LOCATION", kFetchCountLocation).text();
+  std::string before = defines + fetch_count_defines().text();
   before += shader_text("fetch_count.glsl");
   return assemble(files, before) + std::string(shader_text("fetch_total.glsl"));
 }

@@ -4,9 +4,9 @@ layout(location = FETCH_COUNT_LOCATION) out vec4 fetch_counts;  // by TextureFet
 
 vec3 fetches = vec3(0.0);
 
-float count_fetch(sampler2D s) { return ++fetches.x; }
-float count_fetch(sampler3D s) { return ++fetches.y; }
-float count_fetch(sampler2DArray s) { return ++fetches.z; }
+float count_fetch(sampler2D s) { return ++fetches[SAMPLER_PLANE]; }
+float count_fetch(sampler3D s) { return ++fetches[SAMPLER_VOLUME]; }
+float count_fetch(sampler2DArray s) { return ++fetches[SAMPLER_LAYERS]; }
 
 #define textureLod(s, at, level) (count_fetch(s), textureLod(s, at, level))
 #define texelFetch(s, at, level) (count_fetch(s), texelFetch(s, at, level))

@@ -33,9 +33,7 @@ TEST_P(FetchCountOfSampler, EqualsPixelsTimesTaps) {
                         TextureFilter::linear);
   const Texture sums("sums", TexelFormat::r32f, {8, 6}, TextureFilter::nearest);
   const Framebuffer target({&sums});
-  const FragmentProgram program(
-      {"fetch_rate.frag.glsl"},
-      Defines().add("SAMPLER", static_cast<int>(GetParam())).add("TAPS", 5).add("SIDE", 8));
+  const FragmentProgram program({"fetch_rate.frag.glsl"}, fetch_rate_defines(GetParam(), 5, 8));
   program.draw(target, {{0, &fetched}});
   const FetchCounts expected = {
       {{GetParam(), TexelFormat::rg16, TextureFilter::linear}, 8 * 6 * 5}};
