@@ -1,4 +1,4 @@
-// Pictures and maps in memory.
+// A picture in memory, of any pixel type.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,15 @@
 namespace wobblebench {
 
 /// Row-major picture; row 0 is the top.
+///
+/// @code
+/// Image<float> depth_m(640, 480, kNoSurface);
+/// depth_m.at(320, 240) = 0.12f;  // column, row
+/// float nearest_m = depth_m.at(320, 240);
+/// for (const float z : depth_m.pixels) {
+///   if (z < nearest_m) nearest_m = z;  // false for NaN
+/// }
+/// @endcode
 template <class Pixel>
 struct Image {
   int width = 0;
@@ -26,7 +35,7 @@ struct Image {
   const Pixel& at(int column, int row) const { return const_cast<Image*>(this)->at(column, row); }
 };
 
-/// Depth of a pixel where no surface was found.
+/// Depth of a pixel without a surface: NaN.
 inline constexpr float kNoSurface = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace wobblebench

@@ -8,7 +8,7 @@
 namespace wobblebench::render {
 namespace {
 
-/// Turns two axes of a right-handed frame by an angle, `a` towards `b`.
+/// Rotates two axes of a right-handed frame by an angle, `a` towards `b`.
 void turn(glm::dvec3& a, glm::dvec3& b, double angle_rad) {
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   const glm::dvec3 old_a = a;

@@ -1,8 +1,8 @@
-// Settings of the four passes. Every setting that the paper lists is here; the defaults are the
-// paper's reference settings (docs/references.md [1]).
+// Settings of the four passes, with every setting of the paper; the defaults are the paper's
+// reference settings (docs/references.md [1]).
 #pragma once
 
-#include <string>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "base/options.h"
@@ -10,14 +10,15 @@
 
 namespace wobblebench::render {
 
-/// How a picture is computed: `plain` does each step as the paper writes it and is the yardstick;
-/// `fast` makes the same picture (docs/decisions/0014-fast-rendering.md).
+/// How a picture is computed: `plain` takes each step as the paper describes it and serves as the
+/// reference; `fast` computes the same picture with fewer operations
+/// (docs/decisions/0014-fast-rendering.md).
 enum class PipelineMode { fast, plain };
 
 struct PipelineOptions {
   PipelineMode mode = PipelineMode::fast;
-  /// Whether a picture shows frames as they arrive, beside those of the volume before; otherwise
-  /// it shows the last complete volume.
+  /// true: a picture shows frames as they arrive, beside those of the previous volume; false: it
+  /// shows the last complete volume.
   bool mid_volume = false;
 };
 
@@ -27,14 +28,14 @@ void describe(O& o, Visitor& v) {
   v.flag("mid_volume", o.mid_volume);
 }
 
-/// How slices are stored on the GPU. r8 is kept to show what it costs in accuracy: llvmpipe filters
+/// Texel format of slices on the GPU. r8 is there to measure its loss of accuracy: llvmpipe filters
 /// it with 8-bit weights.
 enum class TextureFormat { r8, r16, r32f };
 
-/// Pass 1: sticks to Cartesian slices, one for each frame.
+/// Pass 1: scan conversion of each frame to a Cartesian slice, paper section 3.1.
 struct ScanConversionOptions {
-  int slice_size = 512;  ///< pixels a side of a slice
-  int filter_size = 3;   ///< box filter, odd; 1: none
+  int slice_size = 512;  ///< pixels per side of a slice
+  int filter_size = 3;   ///< box filter, pixels, odd; 1: none
   TextureFormat format = TextureFormat::r16;
 };
 
@@ -47,17 +48,18 @@ void describe(O& o, Visitor& v) {
            {{"r8", TextureFormat::r8}, {"r16", TextureFormat::r16}, {"r32f", TextureFormat::r32f}});
 }
 
-/// Which pictures a cast makes. `surface` ends a ray at the surface, as the paper's reference does.
+/// Which pictures pass 2 makes. `surface` ends a ray at the surface, as the paper's reference does.
 enum class RenderMode { surface, volume, both };
 enum class Projection { parallel, perspective };
-/// Which step of brightness along the ray is a surface: fluid to tissue, or tissue to fluid.
+/// Sign of Difference, Eq. (1), at a surface: rising from fluid to tissue, falling from tissue to
+/// fluid.
 enum class EdgeSign { rising, falling };
-/// Where the taps of the 3D kernel lie. `slice`: one pixel apart within a slice and one frame apart
+/// Grid of the taps of the 3D kernel. `slice`: one pixel apart within a slice and one frame apart
 /// across slices, so that a slice is filtered once, when its frames have arrived. `ray`: one step
-/// apart along the ray and across it, as the paper's pipelining implies.
+/// apart along and across the ray, as the paper's pipelining implies.
 enum class KernelSpace { slice, ray };
 
-/// The box of interest in the probe frame.
+/// The box in which rays begin, in the probe frame.
 struct VolumeOfInterest {
   glm::dvec3 center_m{0, 0, 0.120};
   glm::dvec3 size_m{0.100, 0.100, 0.080};
@@ -69,11 +71,11 @@ void describe(O& o, Visitor& v) {
   v.vec3("size_mm", o.size_m, kMillimetre, 1, 1000);
 }
 
-/// Where the picture is seen from. At rest the viewer looks along +z of the probe frame with x to
-/// the right and y down; the eye then turns about the centre of the volume of interest.
+/// Orientation and projection of the camera. With all angles 0 it faces +z of the probe frame, with
+/// x to the right and y down; it turns about the centre of the volume of interest.
 struct ViewOptions {
-  double yaw_rad = 0;    ///< about the picture's vertical; positive: the eye moves to the right
-  double pitch_rad = 0;  ///< about the picture's horizontal; positive: the eye moves up
+  double yaw_rad = 0;    ///< about the picture's vertical axis; positive: the eye moves right
+  double pitch_rad = 0;  ///< about the picture's horizontal axis; positive: the eye moves up
   double roll_rad = 0;   ///< in the plane of the picture
   Projection projection = Projection::parallel;
   double eye_distance_m = 0.4;  ///< perspective: eye to centre of the volume of interest
@@ -90,29 +92,30 @@ void describe(O& o, Visitor& v) {
   v.real("eye_distance_mm", o.eye_distance_m, kMillimetre, 1, 10000);
 }
 
-/// Pass 2: rays through the slices.
+/// Pass 2: ray casting, edge detection and alpha blending, paper section 3.2.
 struct RayCastingOptions {
   RenderMode mode = RenderMode::both;
-  int image_size = 512;  ///< pixels a side
+  int image_size = 512;  ///< pixels per side of the picture
   int steps = 512;       ///< samples along the depth of the volume of interest
-  int kernel_3d = 3;     ///< 3D Gaussian kernel: 1 (none), 3 or 5 taps a side
+  int kernel_3d = 3;     ///< 3D Gaussian kernel: 1 (none), 3 or 5 taps per side
   KernelSpace kernel_space = KernelSpace::slice;
   int buffer_length = 8;  ///< n of Eq. (1), even
-  /// On Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user; this one
-  /// suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel in slices
-  /// (docs/results/calibration.md).
+  /// Threshold on Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user;
+  /// this value suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel
+  /// in slices (docs/results/calibration.md).
   double threshold = 0.15;
   EdgeSign edge = EdgeSign::rising;
-  int window_2d =
-      1;  ///< the buffer takes the mean of this window across the ray; 1: the sample itself
-  /// Where between two steps Difference passes the threshold, by linear interpolation; otherwise
-  /// the ray length of the first step beyond it, as the paper has it.
+  /// Side of the window across the ray whose mean enters the buffer (paper section 4); odd; 1: the
+  /// sample itself.
+  int window_2d = 1;
+  /// true: z is interpolated linearly to where Difference crosses the threshold between two steps;
+  /// false: z is the ray length of the first step beyond it, as in the paper.
   bool refine_crossing = true;
   bool stop_at_box = true;           ///< a ray ends on leaving the volume of interest
   bool stop_on_leaving_cone = true;  ///< a ray ends on leaving the cone of valid data
   double opacity_limit = 0.95;       ///< a ray ends at this accumulated opacity; above 1: never
-  /// Transfer function: sample values, and their opacity over one millimetre and grey level, each
-  /// linear in between.
+  /// Transfer function, piecewise linear: sample values, ascending, and for each its opacity over
+  /// one millimetre and its grey level.
   std::vector<double> transfer_values = {0.0, 0.2, 0.5, 1.0};
   std::vector<double> transfer_opacity_per_mm = {0.0, 0.0, 0.25, 0.6};
   std::vector<double> transfer_grey = {0.0, 0.2, 0.6, 1.0};
@@ -145,12 +148,13 @@ void describe(O& o, Visitor& v) {
 
 enum class Light { point, directional };
 
-/// Pass 3: Blinn-Phong shading of the z-buffer in image space, Eq. (2), with cast shadows.
+/// Pass 3: Blinn-Phong shading of the z-buffer in image space, Eq. (2), with cast shadows, paper
+/// section 3.3.
 struct ShadingOptions {
   int depth_filter_size = 9;  ///< box filter on z, odd; 1: none
   Light light = Light::point;
-  /// Where the light is, or where it shines from, seen from the picture's middle: to the left and
-  /// above are positive. (0, 0) is the viewer's own direction.
+  /// Direction of the light from the centre of the volume of interest, positive to the left and up;
+  /// (0, 0) is the direction of the viewer.
   double light_left_rad = 0;
   double light_up_rad = 25 * kDegree;
   double light_distance_m = 0.15;  ///< point light: from the centre of the volume of interest
@@ -158,10 +162,10 @@ struct ShadingOptions {
   double diffuse = 0.75;
   double specular = 0.2;
   double shininess = 20;
-  glm::dvec3 base_rgb{0.96, 0.74, 0.55};  ///< what ambient and diffuse light fall on
+  glm::dvec3 base_rgb{0.96, 0.74, 0.55};  ///< albedo for ambient and diffuse light, linear RGB
   bool shadows = true;
-  double shadow_coefficient = 0.6;  ///< a shadowed pixel is multiplied by this
-  double shadow_bias_m = 0.8e-3;    ///< how far above the ray the map must be to cast a shadow
+  double shadow_coefficient = 0.6;  ///< factor on a shadowed pixel
+  double shadow_bias_m = 0.8e-3;    ///< least height of the map above a ray that it occludes
 };
 
 template <OptionsOf<ShadingOptions> O, class Visitor>
@@ -181,16 +185,16 @@ void describe(O& o, Visitor& v) {
   v.real("shadow_bias_mm", o.shadow_bias_m, kMillimetre, 0, 100);
 }
 
-/// box: the paper's homogeneous filter. bilateral and guided keep edges; what they cost and do is
-/// in docs/decisions/0016-edge-preserving-filter.md.
+/// box: the paper's homogeneous filter. bilateral and guided preserve edges
+/// (docs/decisions/0016-edge-preserving-filter.md).
 enum class SmoothingFilter { box, bilateral, guided };
 
-/// Pass 4: the final image.
+/// Pass 4: smoothing of the shaded picture, paper section 3.4.
 struct SmoothingOptions {
   SmoothingFilter filter = SmoothingFilter::box;
-  int filter_size = 9;  ///< odd, 1: none; the paper's low filtration is 5, its high 9
-  /// Grey-level spread that counts as the same surface: bilateral, the weights' standard deviation
-  /// of contrast; guided, the standard deviation in a window at which half of it is kept.
+  int filter_size = 9;  ///< pixels, odd, 1: none; the paper's low filtration is 5, its high 9
+  /// Contrast that separates noise from edges. bilateral: standard deviation of the range weights;
+  /// guided: standard deviation of a window at which half of its contrast is kept.
   double range_sigma = 0.1;
 };
 
@@ -205,6 +209,16 @@ void describe(O& o, Visitor& v) {
   v.real("range_sigma", o.range_sigma, 1, 0.001, 10);
 }
 
+/// All settings of a renderer.
+///
+/// @code
+/// render::RenderOptions options;
+/// options.volume_of_interest.size_m = {0.08, 0.08, 0.06};
+/// options.ray_casting.threshold = 0.2;
+/// options.ray_casting.edge = render::EdgeSign::falling;
+/// options.smoothing.filter = render::SmoothingFilter::guided;
+/// render::validate(options);
+/// @endcode
 struct RenderOptions {
   PipelineOptions pipeline;
   ScanConversionOptions scan_conversion;
@@ -215,7 +229,7 @@ struct RenderOptions {
   SmoothingOptions smoothing;
 };
 
-/// Throws InvalidOption, its key led by the section: "ray_casting.kernel_3d = 4: must be odd".
+/// Throws InvalidOption with the section in its key: "ray_casting.kernel_3d = 4: must be odd".
 void validate(const RenderOptions& options);
 
 }  // namespace wobblebench::render

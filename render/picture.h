@@ -1,4 +1,4 @@
-// What the renderer hands out.
+// Pictures, z-buffer and pass times: the output of the renderer.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,21 +10,31 @@
 
 namespace wobblebench::render {
 
-/// One pass's cost. `ms` is wall time between glFinish calls; `gpu_ms` is the driver's timer query
-/// (negative where there is none).
+/// Time and texture fetches of one pass. `ms` is wall time between glFinish calls; `gpu_ms` is the
+/// driver's timer query, negative if there is none.
 struct PassTime {
   std::string name;
   double ms = 0;
   double gpu_ms = -1;
-  FetchCounts fetches;  ///< none, unless a FetchCounter lives
+  FetchCounts fetches;  ///< empty unless a FetchCounter exists
 };
 
+/// A rendered picture.
+///
+/// @code
+/// render::Picture picture;
+/// picture.depth_m = Image<float>(512, 512, kNoSurface);
+/// double total_ms = 0;
+/// for (const render::PassTime& pass : picture.passes) total_ms += pass.ms;
+/// const bool is_surface = picture.depth_m.at(256, 256) > 0;
+/// static_cast<void>(is_surface);
+/// @endcode
 struct Picture {
   Image<glm::vec3> surface;  ///< shaded and smoothed, linear RGB in [0, 1]
   Image<glm::vec3> volume;   ///< alpha-blended, linear RGB in [0, 1]
-  Image<float>
-      depth_m;  ///< pass 2's z: ray length from the view plane (parallel) or eye; kNoSurface
-  Image<float> filtered_depth_m;  ///< pass 3's z after its box filter
+  /// z of pass 2: ray length from the view plane (parallel) or the eye (perspective); kNoSurface.
+  Image<float> depth_m;
+  Image<float> filtered_depth_m;  ///< z after pass 3's homogeneous filter
   std::vector<PassTime> passes;   ///< scan_conversion, ray_casting, surface_shading, smoothing
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hw/probe/polar_volume.h"
 #include "render/gl/fetch_count.h"
 #include "render/gl/timer.h"
 #include "render/passes/ray_caster.h"
@@ -12,6 +13,8 @@
 
 namespace wobblebench::render {
 namespace {
+
+constexpr const char* kScanConversion = "scan_conversion";
 
 Image<glm::vec3> download_rgb(const Texture& rgba) {
   Image<glm::vec3> image(rgba.extent().width, rgba.extent().height);
@@ -31,9 +34,8 @@ Image<float> download_depth(const Texture& depth) {
   return image;
 }
 
-constexpr const char* kScanConversion = "scan_conversion";
-
-/// Which way the motor turned while the frame was taken; forwards where it rested.
+/// Direction of the motor's rotation during the frame, as hw::AcquisitionPlan::sweep_direction; +1
+/// if it rests.
 int sweep_of(const hw::PolarFrame& frame) {
   const auto& angles = frame.motor_angle_rad;
   return !angles.empty() && angles.back() < angles.front() ? -1 : 1;
@@ -41,56 +43,70 @@ int sweep_of(const hw::PolarFrame& frame) {
 
 }  // namespace
 
-struct Renderer::Passes {
-  Passes(GlContext& gl, const hw::AcquisitionPlan& acquisition_plan, const RenderOptions& given)
+/// The four passes and the textures between them, one function per pass (paper Fig. 2).
+struct Renderer::Pipeline {
+  Pipeline(GlContext& gl, const hw::AcquisitionPlan& plan, const RenderOptions& given)
       : context(gl),
-        plan(acquisition_plan),
         options(given),
-        maker(plan, options),
-        frames(maker.make_store()),
-        arriving(maker.make()),
+        factory(plan, options),
+        frames(factory.make_frame_store()),
+        incoming(factory.make()),
         ray_caster(make_ray_caster()),
         surface_shader(options),
         smoother(options.smoothing, options.ray_casting.image_size, options.pipeline.mode) {
-    if (!options.pipeline.mid_volume) complete = maker.make();
+    if (!options.pipeline.mid_volume) complete = factory.make();
   }
 
-  RayCaster make_ray_caster() const { return {maker.geometry(), options, *arriving}; }
-
-  void make_layers() {
+  /// Pass 1, paper section 3.1: polar frames to Cartesian slices.
+  void convert_frames() {
     const std::vector<int> layers =
-        options.pipeline.mid_volume ? frames.take_changed() : frames.take_settled();
-    if (!layers.empty()) arriving->make_layers(layers, frames);
+        options.pipeline.mid_volume ? frames.take_changed() : frames.take_complete();
+    if (!layers.empty()) incoming->make_layers(layers, frames);
     if (!frames.volume_complete()) return;
     frames.begin_volume();
-    if (complete) std::swap(arriving, complete);
+    if (complete) std::swap(incoming, complete);
   }
 
-  void cast() { ray_caster.cast(complete ? *complete : *arriving); }
+  /// Pass 2, section 3.2: slices to z-buffer and volume picture.
+  void cast_rays() { ray_caster.cast(complete ? *complete : *incoming); }
 
-  template <class Pass>
-  PassTime timed(const char* name, Pass pass) {
+  /// Pass 3, section 3.3: z-buffer to shaded surface.
+  void shade_surface() { surface_shader.shade(ray_caster.depth()); }
+
+  /// Pass 4, section 3.4: shaded surface to smoothed picture.
+  void smooth_picture() { smoother.smooth(surface_shader.surface()); }
+
+  void download(Picture& picture) const {
+    picture.surface = download_rgb(smoother.smoothed());
+    picture.volume = download_rgb(ray_caster.color());
+    picture.depth_m = download_depth(ray_caster.depth());
+    picture.filtered_depth_m = download_depth(surface_shader.filtered_depth());
+    check_gl("reading the picture");
+  }
+
+  RayCaster make_ray_caster() const { return {factory.geometry(), options, *incoming}; }
+
+  PassTime timed(const char* name, void (Pipeline::*pass)()) {
     PassTime time{name};
     timer.begin();
-    pass();
+    (this->*pass)();
     timer.end(time);
     if (FetchCounter* counter = FetchCounter::current()) time.fetches = counter->take();
     return time;
   }
 
   GlContext& context;
-  hw::AcquisitionPlan plan;
   RenderOptions options;
-  SliceVolumeMaker maker;
+  SliceVolumeFactory factory;
   FrameStore frames;
-  std::unique_ptr<SliceVolume> arriving;  ///< what frames go into
-  std::unique_ptr<SliceVolume> complete;  ///< the last that is; none: `arriving` is shown
+  std::unique_ptr<SliceVolume> incoming;  ///< the volume that new frames belong to
+  std::unique_ptr<SliceVolume> complete;  ///< the last complete one; null: `incoming` is shown
   RayCaster ray_caster;
   SurfaceShader surface_shader;
   Smoother smoother;
   PassTimer timer;
-  PassTime scan_conversion{kScanConversion};
-  bool has_news = false;  ///< frames that update() has not seen
+  PassTime scan_conversion{kScanConversion};  ///< since the last picture
+  bool has_new_frames = false;                ///< since the last update()
 };
 
 Renderer::Renderer(GlContext& context,
@@ -98,17 +114,17 @@ Renderer::Renderer(GlContext& context,
                    const RenderOptions& options) {
   validate(options);
   context.make_current();
-  passes_ = std::make_unique<Passes>(context, plan, options);
+  pipeline_ = std::make_unique<Pipeline>(context, plan, options);
 }
 
 Renderer::~Renderer() {
-  passes_->context.make_current();
+  pipeline_->context.make_current();
 }
 
 void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
-  passes_->frames.put(frame_index, frame);
-  passes_->arriving->sweep = sweep_of(frame);
-  passes_->has_news = true;
+  pipeline_->frames.put(frame_index, frame);
+  pipeline_->incoming->sweep = sweep_of(frame);
+  pipeline_->has_new_frames = true;
 }
 
 void Renderer::add_volume(const hw::PolarVolume& volume) {
@@ -117,52 +133,46 @@ void Renderer::add_volume(const hw::PolarVolume& volume) {
 }
 
 PassTime Renderer::update() {
-  Passes& p = *passes_;
-  if (!std::exchange(p.has_news, false)) return {kScanConversion, 0, 0};
+  Pipeline& p = *pipeline_;
+  if (!std::exchange(p.has_new_frames, false)) return {kScanConversion, 0, 0};
   p.context.make_current();
-  PassTime time = p.timed(kScanConversion, [&] { p.make_layers(); });
+  PassTime time = p.timed(kScanConversion, &Pipeline::convert_frames);
   p.scan_conversion.ms += time.ms;
   p.scan_conversion.gpu_ms = std::max(p.scan_conversion.gpu_ms, 0.0) + time.gpu_ms;
-  for (const auto& [kind, count] : time.fetches) p.scan_conversion.fetches[kind] += count;
+  for (const auto& [fetch, count] : time.fetches) p.scan_conversion.fetches[fetch] += count;
   return time;
-}
-
-void Renderer::look(const ViewOptions& view) {
-  Passes& p = *passes_;
-  RenderOptions options = p.options;
-  options.view = view;
-  validate(options);
-  p.context.make_current();
-  const bool turned_only = view.projection == p.options.view.projection &&
-                           view.eye_distance_m == p.options.view.eye_distance_m;
-  p.options = options;
-  p.arriving->look(options);
-  if (p.complete) p.complete->look(options);
-  if (turned_only) {
-    p.ray_caster.look(options);  // lights turn with the viewer: pass 3 stays as it is
-    return;
-  }
-  p.ray_caster = p.make_ray_caster();
-  p.surface_shader = SurfaceShader(options);
 }
 
 Picture Renderer::render() {
   update();
-  Passes& p = *passes_;
+  Pipeline& p = *pipeline_;
   p.context.make_current();
   Picture picture;
   picture.passes.push_back(std::exchange(p.scan_conversion, {kScanConversion}));
-  picture.passes.push_back(p.timed("ray_casting", [&] { p.cast(); }));
-  picture.passes.push_back(
-      p.timed("surface_shading", [&] { p.surface_shader.shade(p.ray_caster.depth()); }));
-  picture.passes.push_back(
-      p.timed("smoothing", [&] { p.smoother.smooth(p.surface_shader.surface()); }));
-  picture.surface = download_rgb(p.smoother.smoothed());
-  picture.volume = download_rgb(p.ray_caster.color());
-  picture.depth_m = download_depth(p.ray_caster.depth());
-  picture.filtered_depth_m = download_depth(p.surface_shader.filtered_depth());
-  check_gl("reading the picture");
+  picture.passes.push_back(p.timed("ray_casting", &Pipeline::cast_rays));
+  picture.passes.push_back(p.timed("surface_shading", &Pipeline::shade_surface));
+  picture.passes.push_back(p.timed("smoothing", &Pipeline::smooth_picture));
+  p.download(picture);
   return picture;
+}
+
+void Renderer::set_view(const ViewOptions& view) {
+  Pipeline& p = *pipeline_;
+  RenderOptions options = p.options;
+  options.view = view;
+  validate(options);
+  p.context.make_current();
+  const bool same_projection = view.projection == p.options.view.projection &&
+                               view.eye_distance_m == p.options.view.eye_distance_m;
+  p.options = options;
+  p.incoming->set_view(options);
+  if (p.complete) p.complete->set_view(options);
+  if (same_projection) {
+    p.ray_caster.set_view(options);  // the light turns with the viewer: pass 3 does not change
+    return;
+  }
+  p.ray_caster = p.make_ray_caster();
+  p.surface_shader = SurfaceShader(options);
 }
 
 Picture render_volume(GlContext& context,

@@ -69,8 +69,8 @@ std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
     render::ViewOptions view = options.view;
     view.yaw_rad = direction.yaw_rad;
     view.pitch_rad = direction.pitch_rad;
-    plain->look(view);
-    fast->look(view);
+    plain->set_view(view);
+    fast->set_view(view);
     found.push_back(
         {phantom,
          direction,

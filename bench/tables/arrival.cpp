@@ -45,9 +45,9 @@ Arrival measure_arrival(const hw::PolarVolume& volume,
     if (repeat < 0) continue;
     frames.insert(frames.end(), each_ms.begin(), each_ms.end());
     volumes.push_back(volume_ms);
-    renderer.look(turned);
+    renderer.set_view(turned);
     views.push_back(picture_ms(renderer));
-    renderer.look(front);
+    renderer.set_view(front);
   }
   return {spread_of(frames), spread_of(volumes), spread_of(views)};
 }

@@ -10,22 +10,27 @@
 namespace wobblebench::render {
 namespace {
 
+// State that OpenGL and its loader keep outside any object, mirrored here.
+
+/// GL's current context of this thread.
 thread_local GlContext* current_context = nullptr;
+
+/// Backend whose entry points glad's table, one per process, holds; empty: none.
+std::string loaded_backend;
 
 GLADapiproc load_entry(void* context, const char* name) {
   return reinterpret_cast<GLADapiproc>(static_cast<const GlContext*>(context)->proc_address(name));
 }
 
-/// Fills glad's table, unless it already holds this backend's entry points.
+/// Fills glad's table unless it already holds this backend's entry points.
 void load_functions(GlContext& context) {
-  static std::string loaded;
   const std::string backend = context.backend();
-  if (loaded == backend) return;
-  loaded.clear();
+  if (loaded_backend == backend) return;
+  loaded_backend.clear();
   if (gladLoadGLUserPtr(load_entry, &context) < GLAD_MAKE_VERSION(4, 5)) {
     throw std::runtime_error(backend + ": OpenGL 4.5 cannot be loaded");
   }
-  loaded = backend;
+  loaded_backend = backend;
 }
 
 std::string gl_string(GLenum name) {
@@ -45,7 +50,7 @@ std::unique_ptr<GlContext> make_unloaded(const std::string& backend) {
 }  // namespace
 
 void GlContext::make_current() {
-  // Each backend believes that what it bound last is still current: it must hear that it is not.
+  // A backend caches its current context, so it is unbound before another backend replaces it.
   if (current_context && current_context->backend() != backend()) current_context->release();
   bind();
   current_context = this;

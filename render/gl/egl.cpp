@@ -1,6 +1,6 @@
 #include "render/gl/egl.h"
 
-// Without it the header brings in X11.
+// Without it the header includes X11.
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -28,7 +28,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(found);
 }
 
-/// What libEGL itself exports.
+/// Functions that libEGL exports.
 struct Egl {
   decltype(&eglBindAPI) bind_api = entry<decltype(&eglBindAPI)>("eglBindAPI");
   decltype(&eglCreateContext) create = entry<decltype(&eglCreateContext)>("eglCreateContext");
@@ -57,7 +57,7 @@ struct Egl {
   }
 };
 
-bool lists(const char* extensions, const std::string& name) {
+bool contains(const char* extensions, const std::string& name) {
   std::istringstream words(extensions ? extensions : "");
   for (std::string word; words >> word;) {
     if (word == name) return true;
@@ -65,7 +65,7 @@ bool lists(const char* extensions, const std::string& name) {
   return false;
 }
 
-/// A display is the process's, shared by all who ask for it, and so never terminated.
+/// A display is shared by the whole process, so it is never terminated.
 EGLDisplay open_display(const Egl& egl, EGLenum platform, void* native) {
   const EGLDisplay display = egl.platform_display(platform, native, nullptr);
   if (display == EGL_NO_DISPLAY) throw egl.failure("has no driver: install libegl-mesa0");
@@ -74,7 +74,7 @@ EGLDisplay open_display(const Egl& egl, EGLenum platform, void* native) {
   }
   const char* extensions = egl.query_string(display, EGL_EXTENSIONS);
   for (const char* needed : {"EGL_KHR_no_config_context", "EGL_KHR_surfaceless_context"}) {
-    if (!lists(extensions, needed)) throw std::runtime_error(std::string("lacks ") + needed);
+    if (!contains(extensions, needed)) throw std::runtime_error(std::string("lacks ") + needed);
   }
   return display;
 }
@@ -106,7 +106,7 @@ class EglContext final : public GlContext {
 
  private:
   void bind() override {
-    // Which API a thread speaks is the thread's state; unbind() relies on it.
+    // The bound API is per-thread state, which unbind() relies on.
     egl_.bind_api(EGL_OPENGL_API);
     if (egl_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return;
     throw egl_.failure(backend_ + ": the context cannot be made current");
@@ -121,13 +121,13 @@ class EglContext final : public GlContext {
   EGLContext context_ = EGL_NO_CONTEXT;
 };
 
-/// EGL's own extensions, those that need no display; each backend needs one of them.
+/// Checks for a client extension, one that needs no display.
 void require(const Egl& egl, const char* extension) {
-  if (lists(egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS), extension)) return;
+  if (contains(egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS), extension)) return;
   throw std::runtime_error(std::string("libEGL lacks ") + extension + ": install libegl-mesa0");
 }
 
-/// Hardware first, else in EGL's order.
+/// All EGL devices, hardware first, else in EGL's order.
 std::vector<EGLDeviceEXT> devices(const Egl& egl) {
   const auto query = egl.extension<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
   const auto text = egl.extension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
@@ -136,14 +136,14 @@ std::vector<EGLDeviceEXT> devices(const Egl& egl) {
   if (!query(static_cast<EGLint>(found.size()), found.data(), &count)) count = 0;
   found.resize(static_cast<std::size_t>(count));
   std::stable_partition(found.begin(), found.end(), [&](EGLDeviceEXT device) {
-    return !lists(text(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
+    return !contains(text(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
   });
   return found;
 }
 
-/// Makes the context, or says of which backend the reason speaks.
+/// Result of make(); an error is prefixed with the backend's name.
 template <class Make>
-std::unique_ptr<GlContext> named(const std::string& backend, const Make& make) {
+std::unique_ptr<GlContext> with_backend_name(const std::string& backend, const Make& make) {
   try {
     return make();
   } catch (const std::runtime_error& reason) {
@@ -151,7 +151,7 @@ std::unique_ptr<GlContext> named(const std::string& backend, const Make& make) {
   }
 }
 
-/// Made current as proof: drivers may refuse as late as that. Null if this device cannot.
+/// A context of this device, made current, as drivers may fail only then; null if it gives none.
 std::unique_ptr<GlContext> try_device(const Egl& egl, EGLDeviceEXT device) {
   try {
     auto context = std::make_unique<EglContext>(
@@ -166,7 +166,7 @@ std::unique_ptr<GlContext> try_device(const Egl& egl, EGLDeviceEXT device) {
 }  // namespace
 
 std::unique_ptr<GlContext> make_surfaceless_context() {
-  return named("egl", [] {
+  return with_backend_name("egl", [] {
     const Egl egl;
     require(egl, "EGL_MESA_platform_surfaceless");
     return std::make_unique<EglContext>(
@@ -175,17 +175,17 @@ std::unique_ptr<GlContext> make_surfaceless_context() {
 }
 
 std::unique_ptr<GlContext> make_device_context() {
-  return named("egl-device", [] {
+  return with_backend_name("egl-device", [] {
     const Egl egl;
     require(egl, "EGL_EXT_device_enumeration");
     require(egl, "EGL_EXT_platform_device");
-    const auto asked = devices(egl);
-    for (const EGLDeviceEXT device : asked) {
+    const auto candidates = devices(egl);
+    for (const EGLDeviceEXT device : candidates) {
       if (auto context = try_device(egl, device)) return context;
     }
     throw std::runtime_error("no device gives an OpenGL 4.5 core context (" +
-                             std::to_string(asked.size()) +
-                             (asked.size() == 1 ? " device" : " devices") + " asked)");
+                             std::to_string(candidates.size()) +
+                             (candidates.size() == 1 ? " device" : " devices") + " asked)");
   });
 }
 

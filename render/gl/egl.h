@@ -1,5 +1,5 @@
-// EGL without a window, and without a surface: all drawing goes to framebuffer objects. libEGL is
-// loaded when asked for, so that programs start without it.
+// EGL contexts without window and surface: all drawing goes to framebuffer objects. libEGL is
+// loaded on first use, so that programs start without it.
 #pragma once
 
 #include <memory>
@@ -9,10 +9,10 @@
 namespace wobblebench::render {
 
 /// "egl": EGL_MESA_platform_surfaceless. Throws std::runtime_error that says what is missing.
-std::unique_ptr<GlContext> make_surfaceless_context();
+[[nodiscard]] std::unique_ptr<GlContext> make_surfaceless_context();
 
 /// "egl-device": EGL_EXT_platform_device, on the first device that gives an OpenGL 4.5 core
-/// context, hardware before software. Throws std::runtime_error that says how many were asked.
-std::unique_ptr<GlContext> make_device_context();
+/// context, hardware before software. Throws std::runtime_error with the number of devices tried.
+[[nodiscard]] std::unique_ptr<GlContext> make_device_context();
 
 }  // namespace wobblebench::render

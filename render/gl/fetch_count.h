@@ -1,4 +1,5 @@
-// How often shaders fetch, and how often they could: the floor under a pass's time.
+// Number of texture fetches of shaders, and the rate at which the GPU can fetch: a lower bound on a
+// pass's time.
 #pragma once
 
 #include <array>
@@ -9,12 +10,24 @@
 
 namespace wobblebench::render {
 
+class Defines;
+
+/// Values of TextureFetch::Sampler.
 inline constexpr std::size_t kSamplers = 3;
+/// Colour attachment and output location of the counts: behind those of any pass.
+inline constexpr int kFetchCountLocation = 7;
 
-TextureFetch kind_of(const Texture& texture);
+/// Defines of fetch_count.glsl.
+Defines fetch_count_defines();
+/// Defines of fetch_rate.frag.glsl: `taps` fetches per pixel of a square of `side` pixels, from the
+/// texture bound to unit 0.
+Defines fetch_rate_defines(TextureFetch::Sampler sampler, int taps, int side);
 
-/// While one lives, programs that are made count their fetches (shaders/fetch_count.glsl), which
-/// slows them. One at a time; it must outlive those programs.
+/// The kind of a fetch from this texture.
+TextureFetch texture_fetch_of(const Texture& texture);
+
+/// Counts the fetches of all programs made while it exists (shaders/fetch_count.glsl), which slows
+/// them. At most one exists in a process (std::logic_error); it must outlive those programs.
 class FetchCounter {
  public:
   FetchCounter();
@@ -22,24 +35,24 @@ class FetchCounter {
   FetchCounter(const FetchCounter&) = delete;
   FetchCounter& operator=(const FetchCounter&) = delete;
 
-  /// The one that lives; null: none.
+  /// The one that exists, or null.
   static FetchCounter* current();
 
-  /// Of all draws since the last call.
-  FetchCounts take();
+  /// Counts of all draws since the last call.
+  [[nodiscard]] FetchCounts take();
 
-  /// Around one draw, `kinds`: of the textures that it reads, by Sampler. Where it reads two
-  /// textures through samplers of one type, both count as the first.
+  /// Called before and after a draw. `fetches`: the kinds of the textures that it reads, by
+  /// Sampler; of two textures read through samplers of one type, both count as the first.
   void begin_draw(const Framebuffer& target);
-  void end_draw(const Framebuffer& target, const std::array<TextureFetch, kSamplers>& kinds);
+  void end_draw(const Framebuffer& target, const std::array<TextureFetch, kSamplers>& fetches);
 
  private:
-  Texture fetches_;  ///< of each pixel of a draw, by Sampler
+  Texture per_pixel_;  ///< fetches of each pixel of a draw, by Sampler
   FetchCounts counts_;
 };
 
-/// Millions of fetches a second, at best: 64 a pixel in a loop over a picture, neighbouring pixels
-/// reading neighbouring places, as rays do; the fastest of several draws.
-double fetch_rate_per_us(const TextureFetch& kind);
+/// Highest rate in millions of fetches per second: 64 per pixel over a whole picture, neighbouring
+/// pixels reading neighbouring texels as rays do; the fastest of several draws.
+[[nodiscard]] double fetch_rate_per_us(const TextureFetch& fetch);
 
 }  // namespace wobblebench::render

@@ -51,8 +51,8 @@ std::string driver() {
   return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
 }
 
-/// llvmpipe refuses single textures beyond 2 GiB with an error only when they are used, so the need
-/// is checked here; other drivers are held to the same.
+/// llvmpipe reports textures beyond 2 GiB only when they are used, so the size is checked here, for
+/// all drivers alike.
 constexpr std::int64_t kTextureMemoryLimit = std::int64_t{2} << 30;
 
 void check_limits(const std::string& what, TexelFormat format, const Extent& e) {

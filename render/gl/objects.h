@@ -1,5 +1,5 @@
-// OpenGL objects as move-only values with an explicit empty state. Nothing here needs GL's headers:
-// only gl_*.cpp files see them. All calls need a current context (render/gl/context.h).
+// OpenGL objects as move-only values with an explicit empty state. GL's headers are included in
+// .cpp files of this folder only. All calls need a current context (render/gl/context.h).
 #pragma once
 
 #include <cstddef>
@@ -48,20 +48,22 @@ void delete_query(unsigned id);
 
 using VertexArray = GlName<delete_vertex_array>;
 using Query = GlName<delete_query>;
-VertexArray make_vertex_array();
-Query make_timer_query();
+[[nodiscard]] VertexArray make_vertex_array();
+[[nodiscard]] Query make_timer_query();
 
+/// Channels of a texel.
 int channels(TexelFormat format);
 
+/// Size of a texture or framebuffer, in texels.
 struct Extent {
   int width = 1;
   int height = 1;
   int depth = 0;       ///< 0: a 2D texture
-  bool array = false;  ///< of 2D layers, which are not filtered into each other; else 3D
+  bool array = false;  ///< a 2D array, without filtering between layers; else a 3D texture
 };
 
-/// A texture without mip levels, clamped to its edge. Row 0 is the first row of the data, and the
-/// top of a picture.
+/// A texture without mip levels, clamped to its edge, cleared to 0. Row 0 is the first row of the
+/// data and the top of a picture.
 class Texture {
  public:
   Texture() = default;
@@ -77,9 +79,9 @@ class Texture {
   void upload_layer(int layer, const std::vector<float>& values);
   void upload_layer(int layer, const std::vector<std::uint16_t>& values);
   /// All texels as `channels` floats each.
-  std::vector<float> download() const;
-  /// The same of one layer.
-  std::vector<float> download_layer(int layer) const;
+  [[nodiscard]] std::vector<float> download() const;
+  /// The same for one layer.
+  [[nodiscard]] std::vector<float> download_layer(int layer) const;
 
   void set_filter(TextureFilter filter) const;
   TextureFilter filter() const;
@@ -99,12 +101,13 @@ class Texture {
   Extent extent_;
 };
 
-/// Where a program draws: colour attachments 0, 1, … in the order given.
+/// Target of draws: colour attachments 0, 1, … in the order given, which are the output locations
+/// of the fragment shader.
 class Framebuffer {
  public:
   Framebuffer() = default;
   Framebuffer(std::initializer_list<const Texture*> attachments);
-  /// Single layers of 3D textures or arrays, one an attachment.
+  /// Single layers of 3D textures or arrays, one per attachment.
   struct Layer {
     const Texture* texture = nullptr;
     int index = 0;
@@ -119,8 +122,8 @@ class Framebuffer {
   int height() const { return extent_.height; }
   const Extent& extent() const { return extent_; }
 
-  /// Another texture of the same extent at this colour attachment, behind those that there are;
-  /// null: none any more.
+  /// Attaches one more texture of the same extent at this colour attachment, behind the others;
+  /// null detaches it.
   void attach(int slot, const Texture* texture) const;
 
  private:
@@ -131,7 +134,7 @@ class Framebuffer {
   int attachments_ = 0;
 };
 
-/// Throws std::runtime_error that names the GL errors since the last check, and `where`.
+/// Throws std::runtime_error with `where` and the GL errors since the last check, if any.
 void check_gl(const std::string& where);
 
 }  // namespace wobblebench::render

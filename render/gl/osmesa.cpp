@@ -66,7 +66,7 @@ class OsmesaContext final : public GlContext {
   }
   void unbind() override { make_current_(nullptr, nullptr, 0, 0, 0); }
 
-  // The window that OSMesa insists on; all drawing goes to framebuffer objects.
+  // OSMesa requires a default framebuffer; all drawing goes to framebuffer objects.
   static constexpr int kSide = 8;
   std::array<unsigned char, std::size_t{4} * kSide * kSide> pixels_{};
   std::unique_ptr<osmesa_context, DestroyContext> context_;

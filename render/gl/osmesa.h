@@ -1,5 +1,5 @@
-// OSMesa: Mesa's software rasteriser drawing to memory. Loaded when asked for, so that programs
-// start without it. (Mesa 25.1 removed OSMesa; the backend then says that it is missing.)
+// OSMesa contexts: Mesa's software rasteriser drawing to memory. libOSMesa is loaded on first use,
+// so that programs start without it. (Mesa 25.1 removed OSMesa.)
 #pragma once
 
 #include <memory>
@@ -9,6 +9,6 @@
 namespace wobblebench::render {
 
 /// Throws std::runtime_error when libOSMesa is missing or gives no OpenGL 4.5 core context.
-std::unique_ptr<GlContext> make_osmesa_context();
+[[nodiscard]] std::unique_ptr<GlContext> make_osmesa_context();
 
 }  // namespace wobblebench::render

@@ -14,8 +14,7 @@ namespace {
 
 using Shader = GlName<delete_shader>;
 
-/// Layers of one draw.
-constexpr int kMostLayers = 64;
+constexpr int kMaxLayersPerDraw = 64;
 
 std::string read_log(GLuint id, decltype(glGetShaderiv) get, decltype(glGetShaderInfoLog) log) {
   GLint length = 0;
@@ -39,7 +38,7 @@ Shader compile(GLenum stage, const std::string& source, const std::string& files
   return shader;
 }
 
-/// One source of several files. `#line 1 k` makes the driver's log say "k:line" of the k-th file.
+/// Concatenates files. `#line 1 k` makes the driver's log say "k:line" for the k-th file.
 std::string assemble(std::initializer_list<std::string_view> files, const std::string& defines) {
   std::string source = "#version 450 core\n" + defines;
   int number = 0;
@@ -51,9 +50,10 @@ std::string assemble(std::initializer_list<std::string_view> files, const std::s
   return source;
 }
 
-/// The source with its fetches counted.
-std::string counting(std::initializer_list<std::string_view> files, const std::string& defines) {
-  std::string before = defines;
+/// The same source with its texture fetches counted.
+std::string assemble_counting(std::initializer_list<std::string_view> files,
+                              const std::string& defines) {
+  std::string before = defines + fetch_count_defines().text();
   before += shader_text("fetch_count.glsl");
   return assemble(files, before) + std::string(shader_text("fetch_total.glsl"));
 }
@@ -76,12 +76,13 @@ FragmentProgram::FragmentProgram(std::initializer_list<std::string_view> files,
                                  Layers layers)
     : program_(glCreateProgram()),
       no_vertices_(make_vertex_array()),
-      source_(FetchCounter::current() ? counting(files, defines.text())
+      source_(FetchCounter::current() ? assemble_counting(files, defines.text())
                                       : assemble(files, defines.text())),
       counter_(FetchCounter::current()) {
   std::vector<Shader> shaders;
   const auto add = [&](GLenum stage, std::string_view file) {
-    const std::string text = assemble({file}, Defines().add("MOST_LAYERS", kMostLayers).text());
+    const std::string text =
+        assemble({file}, Defines().add("MAX_LAYERS", kMaxLayersPerDraw).text());
     shaders.push_back(compile(stage, text, std::string(file)));
   };
   if (layers == Layers::several) {
@@ -143,7 +144,7 @@ void FragmentProgram::draw(const Framebuffer& target,
                            std::initializer_list<Binding> bindings) const {
   bind(target, bindings, {0, 0, target.width(), target.height()});
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  if (counter_) count(target, bindings);
+  if (counter_) count_fetches(target, bindings);
 }
 
 void FragmentProgram::draw_layers(const Framebuffer& target,
@@ -151,19 +152,21 @@ void FragmentProgram::draw_layers(const Framebuffer& target,
                                   const Region& region,
                                   const std::vector<LayerPair>& layers) const {
   bind(target, bindings, region);
-  for (std::size_t first = 0; first < layers.size(); first += kMostLayers) {
-    std::array<GLint, kMostLayers> sources{}, targets{};
-    const std::size_t count = std::min<std::size_t>(layers.size() - first, kMostLayers);
+  for (std::size_t first = 0; first < layers.size(); first += kMaxLayersPerDraw) {
+    std::array<GLint, kMaxLayersPerDraw> sources{}, targets{};
+    const std::size_t count = std::min<std::size_t>(layers.size() - first, kMaxLayersPerDraw);
     for (std::size_t i = 0; i < count; ++i) {
       sources[i] = layers[first + i].source;
       targets[i] = layers[first + i].target;
     }
     const GLuint id = program_.id();
-    glProgramUniform1iv(id, glGetUniformLocation(id, "source_layers"), kMostLayers, sources.data());
-    glProgramUniform1iv(id, glGetUniformLocation(id, "target_layers"), kMostLayers, targets.data());
+    glProgramUniform1iv(
+        id, glGetUniformLocation(id, "source_layers"), kMaxLayersPerDraw, sources.data());
+    glProgramUniform1iv(
+        id, glGetUniformLocation(id, "target_layers"), kMaxLayersPerDraw, targets.data());
     glDrawArraysInstanced(GL_TRIANGLES, 0, 3, static_cast<GLsizei>(count));
   }
-  if (counter_) count(target, bindings);
+  if (counter_) count_fetches(target, bindings);
 }
 
 void FragmentProgram::bind(const Framebuffer& target,
@@ -181,16 +184,16 @@ void FragmentProgram::bind(const Framebuffer& target,
   if (counter_) counter_->begin_draw(target);
 }
 
-void FragmentProgram::count(const Framebuffer& target,
-                            std::initializer_list<Binding> bindings) const {
-  std::array<TextureFetch, kSamplers> kinds{};
-  std::array<bool, kSamplers> known{};
+void FragmentProgram::count_fetches(const Framebuffer& target,
+                                    std::initializer_list<Binding> bindings) const {
+  std::array<TextureFetch, kSamplers> fetches{};
+  std::array<bool, kSamplers> is_set{};
   for (const auto& [unit, texture] : bindings) {
-    const TextureFetch kind = kind_of(*texture);
-    const auto sampler = static_cast<std::size_t>(kind.sampler);
-    if (!std::exchange(known[sampler], true)) kinds[sampler] = kind;
+    const TextureFetch fetch = texture_fetch_of(*texture);
+    const auto sampler = static_cast<std::size_t>(fetch.sampler);
+    if (!std::exchange(is_set[sampler], true)) fetches[sampler] = fetch;
   }
-  counter_->end_draw(target, kinds);
+  counter_->end_draw(target, fetches);
 }
 
 }  // namespace wobblebench::render

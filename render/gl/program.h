@@ -1,4 +1,4 @@
-// Fragment programs: a shader file specialised by defines, run over every pixel of a framebuffer.
+// Fragment programs: shader files specialised by #defines, run over every pixel of a framebuffer.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "render/gl/objects.h"
-#include "render/passes/region.h"
+#include "render/gl/region.h"
 
 namespace wobblebench::render {
 
-/// Text of an embedded shader file; empty if there is none of that name. Made at build time.
+/// Text of a shader file, embedded at build time (shaders/embed.cmake); empty if there is none of
+/// that name.
 std::string_view shader_text(std::string_view file);
 
-/// `#define`s put before a shader: how constants and binding numbers are shared with C++.
+/// `#define`s prepended to a shader: constants and binding numbers shared with C++.
 class Defines {
  public:
   Defines& add(const std::string& name, int value);
@@ -26,13 +27,13 @@ class Defines {
   std::string text_;
 };
 
-/// A texture for a draw; the unit is one of the shader's binding numbers.
+/// A texture bound to one of the shader's binding numbers for a draw.
 struct Binding {
   int unit = 0;
   const Texture* texture = nullptr;
 };
 
-/// A layer to read and a layer to draw to.
+/// A layer to read from and a layer to draw to.
 struct LayerPair {
   int source = 0;
   int target = 0;
@@ -40,20 +41,24 @@ struct LayerPair {
 
 class FetchCounter;
 
+/// A linked GL program with the fragment shader given and a vertex shader that covers the target;
+/// default-constructed: empty.
 class FragmentProgram {
  public:
   FragmentProgram() = default;
-  /// Whether a program draws to one layer, or to several at once by draw_layers(). Its fragment
-  /// shader then has `flat in int source_layer`.
+  /// `several`: draws by draw_layers(), and the fragment shader declares `flat in int
+  /// source_layer`.
   enum class Layers { one, several };
-  /// Compiles the files one after the other as one fragment shader. Throws std::runtime_error with
+  /// Compiles the files, concatenated, as one fragment shader. Throws std::runtime_error with
   /// the file names and the driver's log.
   FragmentProgram(std::initializer_list<std::string_view> files,
                   const Defines& defines,
                   Layers layers = Layers::one);
 
-  /// Uniforms by name. One that the driver has optimised away is ignored; a name that the shader's
-  /// text does not hold throws std::logic_error.
+  explicit operator bool() const { return bool(program_); }
+
+  /// Sets a uniform by name. One that the driver has optimised away is ignored; a name that does
+  /// not occur in the shader's text throws std::logic_error.
   FragmentProgram& set(const std::string& name, int value);
   FragmentProgram& set(const std::string& name, double value);
   FragmentProgram& set(const std::string& name, const glm::dvec2& value);
@@ -62,8 +67,8 @@ class FragmentProgram {
 
   /// Draws over the whole framebuffer.
   void draw(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
-  /// Draws over a part of several layers of Framebuffer::of_all_layers(), one from each source,
-  /// with as few draws as can be: on a CPU each waits for the one before.
+  /// Draws over a region of several layers of Framebuffer::of_all_layers(), each from its source
+  /// layer, in as few draws as possible: on llvmpipe a draw waits for the one before.
   void draw_layers(const Framebuffer& target,
                    std::initializer_list<Binding> bindings,
                    const Region& region,
@@ -74,13 +79,12 @@ class FragmentProgram {
   void bind(const Framebuffer& target,
             std::initializer_list<Binding> bindings,
             const Region& region) const;
-
-  void count(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
+  void count_fetches(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
 
   GlName<delete_program> program_;
   VertexArray no_vertices_;
   std::string source_;
-  FetchCounter* counter_ = nullptr;  ///< told what each draw fetches
+  FetchCounter* counter_ = nullptr;  ///< null: fetches are not counted
 };
 
 }  // namespace wobblebench::render

@@ -1,4 +1,4 @@
-// What a texture holds, and how it is read.
+// Texel formats and filters of textures.
 #pragma once
 
 namespace wobblebench::render {

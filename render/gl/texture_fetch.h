@@ -1,4 +1,4 @@
-// Fetches of textures, told apart by what sets their cost.
+// Kinds of texture fetches, by the properties that determine their cost.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::render {
 
-/// A texelFetch counts as a nearest one.
+/// A kind of fetch. A texelFetch counts as a nearest one.
 struct TextureFetch {
   enum class Sampler { plane, volume, layers };  ///< sampler2D, sampler3D, sampler2DArray
   Sampler sampler = Sampler::plane;
@@ -22,7 +22,7 @@ struct TextureFetch {
   }
 };
 
-/// How many of each kind.
+/// Number of fetches of each kind.
 using FetchCounts = std::map<TextureFetch, std::int64_t>;
 
 }  // namespace wobblebench::render

@@ -7,8 +7,8 @@
 namespace wobblebench::render {
 
 PassTimer::PassTimer() : query_(make_timer_query()) {
-  // llvmpipe answers a context's first query that times anything with the time since boot: let it
-  // be this one.
+  // llvmpipe returns the time since boot for a context's first query that times anything, so the
+  // first one is discarded here.
   const Texture texture("timer", TexelFormat::r32f, {1, 1}, TextureFilter::nearest);
   const Framebuffer target({&texture});
   const float zero[4] = {};

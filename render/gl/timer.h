@@ -1,5 +1,5 @@
-// What a pass costs: wall time between glFinish calls, and the driver's timer query. llvmpipe
-// defers work, so the two differ and both are told.
+// Time of a pass: wall time between glFinish calls, and the driver's timer query. llvmpipe defers
+// work, so the two differ and both are reported.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@ class PassTimer {
  public:
   PassTimer();
   void begin();
-  /// Waits for the work since begin() and adds its cost to `total`.
+  /// Waits for the work since begin() and adds its time to `total`.
   void end(PassTime& total);
 
  private:

@@ -22,41 +22,44 @@ std::vector<MacrocellBounds> to_bounds(const std::vector<float>& values_and_x,
 }  // namespace
 
 EmptySpace::EmptySpace(SkippableCells cells) : cells_(std::move(cells)) {
-  const MacrocellGrid& l = cells_.lattice();
-  distances_ = Texture(
-      "empty space", TexelFormat::r8, {l.columns, l.rows, l.intervals}, TextureFilter::nearest);
-  const Extent extent = {l.columns, l.rows, l.intervals};
+  const MacrocellGrid& grid = cells_.grid();
+  distances_ = Texture("empty space",
+                       TexelFormat::r8,
+                       {grid.columns, grid.rows, grid.intervals},
+                       TextureFilter::nearest);
+  const Extent extent = {grid.columns, grid.rows, grid.intervals};
   const std::string what = "bounds of cells";
   values_and_x_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
   depth_and_frame_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
-  unread_.assign(static_cast<std::size_t>(l.intervals), false);
-  bound_ = FragmentProgram({"cell_bounds.frag.glsl"},
-                           Defines().add("BIND_SLICES", kSlices).add("CELL", l.cell_pixels));
+  outdated_.assign(static_cast<std::size_t>(grid.intervals), false);
+  bounds_program_ =
+      FragmentProgram({"cell_bounds.frag.glsl"},
+                      Defines().add("BIND_SLICES", kSlices).add("CELL", grid.cell_pixels));
 }
 
-void EmptySpace::bound(const Texture& slices, int index, const LayerGroup& layers) {
+void EmptySpace::update_bounds(const Texture& slices, int index, const LayerGroup& layers) {
   if (!cells_.can_leap()) return;
   std::vector<Framebuffer::Layer> targets;
   for (int layer = layers.first; layer < layers.first + layers.count; ++layer) {
-    unread_.at(static_cast<std::size_t>(layer)) = true;
+    outdated_.at(static_cast<std::size_t>(layer)) = true;
     targets.push_back({&values_and_x_, layer});
     targets.push_back({&depth_and_frame_, layer});
   }
-  bound_.set("group", static_cast<double>(index))
+  bounds_program_.set("group", static_cast<double>(index))
       .draw(Framebuffer::of_layers(targets), {{kSlices, &slices}});
   changed_ = true;
 }
 
-void EmptySpace::look(const RenderOptions& options) {
-  cells_.look(options);
+void EmptySpace::set_view(const RenderOptions& options) {
+  cells_.set_view(options);
   changed_ = true;
 }
 
 const Texture& EmptySpace::distances() {
   if (!std::exchange(changed_, false)) return distances_;
-  for (int interval = 0; interval < cells_.lattice().intervals; ++interval) {
-    if (!unread_[static_cast<std::size_t>(interval)]) continue;
-    unread_[static_cast<std::size_t>(interval)] = false;
+  for (int interval = 0; interval < cells_.grid().intervals; ++interval) {
+    if (!outdated_[static_cast<std::size_t>(interval)]) continue;
+    outdated_[static_cast<std::size_t>(interval)] = false;
     cells_.set_bounds(interval,
                       to_bounds(values_and_x_.download_layer(interval),
                                 depth_and_frame_.download_layer(interval)));

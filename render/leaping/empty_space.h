@@ -1,4 +1,4 @@
-// Mode fast: what rays may leap over, on the GPU.
+// Mode fast: the map of skippable cells on the GPU, for empty-space leaping.
 #pragma once
 
 #include <vector>
@@ -9,28 +9,28 @@
 
 namespace wobblebench::render {
 
-/// Keeps up with the slices: takes the bounds of those that change, and makes the map of distances
-/// when it is asked for.
+/// Computes bounds of the cells of slices that change on the GPU, and from them the texture of
+/// distances, on demand.
 class EmptySpace {
  public:
   explicit EmptySpace(SkippableCells cells);
 
-  /// These pairs of slices have changed: see GroupDone.
-  void bound(const Texture& slices, int index, const LayerGroup& layers);
-  void look(const RenderOptions& options);
+  /// Computes the bounds of layers that have changed; arguments as GroupCallback.
+  void update_bounds(const Texture& slices, int index, const LayerGroup& layers);
+  void set_view(const RenderOptions& options);
 
-  /// Distances in cells over 255; columns, rows and intervals of the lattice.
+  /// SkippableCells::distances() over 255; columns x rows x intervals of the grid.
   const Texture& distances();
 
   const SkippableCells& cells() const { return cells_; }
 
  private:
   SkippableCells cells_;
-  Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, a layer for each interval
+  Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, one layer per interval
   Texture distances_;
-  FragmentProgram bound_;
-  std::vector<bool> unread_;  ///< bounds that `cells_` has not, for each interval
-  bool changed_ = true;
+  FragmentProgram bounds_program_;
+  std::vector<bool> outdated_;  ///< per interval: bounds not yet passed to `cells_`
+  bool changed_ = true;         ///< `distances_` is out of date
 };
 
 }  // namespace wobblebench::render

@@ -1,19 +1,20 @@
-// The cells that empty space is told in, sets of them as bits, and distances between them.
+// Macrocells of the slices for empty-space leaping, sets of them as bits, and distances between
+// them.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "render/passes/region.h"
+#include "render/gl/region.h"
 #include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 
-/// The pixels of slices that rays reach, cut into square cells, by the intervals between frames.
-/// The last column and row of cells may reach beyond the pixels.
+/// Grid of macrocells: square cells of the pixels that rays reach, times the intervals between
+/// frames. The last column and row of cells may extend beyond the pixels.
 struct MacrocellGrid {
   Region pixels;
-  int cell_pixels = 1;  ///< a side
+  int cell_pixels = 1;  ///< per side
   int columns = 0, rows = 0, intervals = 0;
 };
 MacrocellGrid make_macrocell_grid(const SliceGeometry& geometry, const Region& pixels);
@@ -21,16 +22,16 @@ MacrocellGrid make_macrocell_grid(const SliceGeometry& geometry, const Region& p
 /// A set of cells: a word for each [interval][row], a bit for each column.
 using CellBits = std::vector<std::uint64_t>;
 
-/// A word with a bit for each column of the lattice.
-std::uint64_t all_columns(const MacrocellGrid& lattice);
+/// A word with a bit for each column of the grid.
+std::uint64_t column_mask(const MacrocellGrid& grid);
 
-/// A row of bits, each carried on by up to so many columns.
-std::uint64_t carried(std::uint64_t bits, int down, int up);
+/// A row dilated by `down` columns towards column 0 and `up` columns away from it.
+std::uint64_t dilated_columns(std::uint64_t bits, int down, int up);
 
-inline constexpr int kFarthestCell = 255;
+inline constexpr int kMaxCellDistance = 255;
 
-/// For each cell ([interval][row][column]), how many cells away the nearest of the set is, along
-/// the farthest axis, at most kFarthestCell.
-std::vector<std::uint8_t> cell_distances(const CellBits& set, const MacrocellGrid& lattice);
+/// For each cell ([interval][row][column]), the Chebyshev distance in cells to the nearest one of
+/// the set, at most kMaxCellDistance.
+std::vector<std::uint8_t> cell_distances(const CellBits& set, const MacrocellGrid& grid);
 
 }  // namespace wobblebench::render

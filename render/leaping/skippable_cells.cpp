@@ -9,7 +9,7 @@
 namespace wobblebench::render {
 namespace {
 
-/// Rounding of a slice's values, and of a driver's filter beyond its 8-bit fractions.
+/// Rounding error of a slice's values and of a driver's filter, apart from its 8-bit fractions.
 double value_rounding(TextureFormat format) {
   switch (format) {
     case TextureFormat::r8:
@@ -22,13 +22,13 @@ double value_rounding(TextureFormat format) {
   return 1;
 }
 
-/// 8-bit fractions of a driver's filter make slopes steeper by less than this.
+/// Factor by which the 8-bit fractions of a driver's filter can increase slopes.
 constexpr double kSlopeMargin = 1.02;
 
-/// For each entry of the transfer table, the first from there on that is not transparent.
+/// For each entry of the transfer table, the first one from there on that is not transparent.
 std::vector<int> next_visible(const RenderOptions& options) {
   const TransferFunction transfer(options.ray_casting, step_m(options));
-  const int none = kTransferTableSize + 2;  // beyond what a range of values is widened to
+  const int none = kTransferTableSize + 2;  // beyond any entry that is_visible() compares it with
   std::vector<int> next(kTransferTableSize + 1, none);
   if (options.ray_casting.mode == RenderMode::surface) return next;
   for (int entry = kTransferTableSize - 1; entry >= 0; --entry) {
@@ -39,7 +39,8 @@ std::vector<int> next_visible(const RenderOptions& options) {
   return next;
 }
 
-double steepest_quiet_per_m(const RenderOptions& options) {
+/// Slope along a ray below which Difference, Eq. (1), stays below the threshold.
+double max_slope_without_edge_per_m(const RenderOptions& options) {
   const RayCastingOptions& o = options.ray_casting;
   const double half = 0.5 * o.buffer_length;
   const double rounding = o.buffer_length * value_rounding(options.scan_conversion.format);
@@ -56,7 +57,7 @@ struct Rectangle {
   double farthest_r() const {
     return std::hypot(std::max(-x_low, x_high), std::max(-depth_low, depth_high));
   }
-  /// Angles from straight ahead; all of them where the rectangle reaches behind the centre.
+  /// Range of theta; all angles if the rectangle reaches behind the centre of curvature.
   double theta_low() const {
     return depth_low <= 0 ? -kPi : std::atan2(x_low, x_low < 0 ? depth_low : depth_high);
   }
@@ -65,7 +66,7 @@ struct Rectangle {
   }
 };
 
-/// Angle by which a path of this length can turn about a centre that it keeps this far from.
+/// Largest angle about a centre that a path of this length covers from a point at this distance.
 double turn_rad(double length_m, double distance_m) {
   return length_m < distance_m ? std::asin(length_m / distance_m) : kPi;
 }
@@ -75,8 +76,8 @@ int clamped_entry(double value) {
   return static_cast<int>(std::clamp(value * last, 0.0, last));
 }
 
-/// The greatest product of a number between low and high and a slope between -fall and rise.
-double greatest_product(double low, double high, double fall, double rise) {
+/// Largest product of a number in [low, high] and a slope in [-fall, rise].
+double max_product(double low, double high, double fall, double rise) {
   return std::max({low * rise, high * rise, -low * fall, -high * fall});
 }
 
@@ -92,39 +93,38 @@ SkippableCells::SkippableCells(const hw::AcquisitionPlan& plan,
                                const RenderOptions& options,
                                const Region& pixels)
     : geometry_(geometry),
-      lattice_(make_macrocell_grid(geometry, pixels)),
+      grid_(make_macrocell_grid(geometry, pixels)),
       pixel_x_m_(geometry.pixel_x_m(1) - geometry.pixel_x_m(0)),
       pixel_depth_m_(geometry.pixel_depth_m(1) - geometry.pixel_depth_m(0)),
       phi_step_rad_(plan.phi_step_rad()),
       can_leap_(geometry.frames() > 1 && geometry.depth_min_m() > geometry.axis_z_m()),
       detects_(options.ray_casting.mode != RenderMode::volume),
       rising_(options.ray_casting.edge == EdgeSign::rising),
-      steepest_quiet_per_m_(steepest_quiet_per_m(options)),
+      max_slope_without_edge_per_m_(max_slope_without_edge_per_m(options)),
       next_visible_(next_visible(options)),
-      buffer_{options.ray_casting.buffer_length * step_m(options), kernel_reach_m(options)},
-      kernel_{0, kernel_reach_m(options)} {
-  const auto cells =
-      static_cast<std::size_t>(lattice_.columns) * static_cast<std::size_t>(lattice_.rows);
-  bounds_.assign(static_cast<std::size_t>(lattice_.intervals), std::vector<MacrocellBounds>(cells));
-  for (int row = 0; row < lattice_.rows; ++row) {
-    for (int column = 0; column < lattice_.columns; ++column) {
-      places_.push_back(place_of(column, row));
+      buffer_{options.ray_casting.buffer_length * step_m(options), kernel_radius_m(options)},
+      kernel_{0, kernel_radius_m(options)} {
+  const auto cells = static_cast<std::size_t>(grid_.columns) * static_cast<std::size_t>(grid_.rows);
+  bounds_.assign(static_cast<std::size_t>(grid_.intervals), std::vector<MacrocellBounds>(cells));
+  for (int row = 0; row < grid_.rows; ++row) {
+    for (int column = 0; column < grid_.columns; ++column) {
+      overlaps_.push_back(cone_overlap(column, row));
     }
   }
-  look(options);
+  set_view(options);
 }
 
-/// Distance from the wobble axis to the row's near side.
-double SkippableCells::arm_m(int row) const {
-  const double first_pixel = lattice_.pixels.row + row * lattice_.cell_pixels - 0.5;
+/// Distance of the row's near side from the wobble axis.
+double SkippableCells::axis_distance_m(int row) const {
+  const double first_pixel = grid_.pixels.row + row * grid_.cell_pixels - 0.5;
   return geometry_.pixel_depth_m(first_pixel) - geometry_.axis_z_m();
 }
 
-SkippableCells::Place SkippableCells::place_of(int column, int row) const {
+SkippableCells::ConeOverlap SkippableCells::cone_overlap(int column, int row) const {
   const double rounding = 1e-3;  // of a pixel
-  const double left = lattice_.pixels.column + column * lattice_.cell_pixels - 0.5 - rounding;
-  const double top = lattice_.pixels.row + row * lattice_.cell_pixels - 0.5 - rounding;
-  const double side = lattice_.cell_pixels + 2 * rounding;
+  const double left = grid_.pixels.column + column * grid_.cell_pixels - 0.5 - rounding;
+  const double top = grid_.pixels.row + row * grid_.cell_pixels - 0.5 - rounding;
+  const double side = grid_.cell_pixels + 2 * rounding;
   const SliceGeometry& g = geometry_;
   const Rectangle cell = {g.pixel_x_m(left),
                           g.pixel_x_m(left + side),
@@ -133,18 +133,18 @@ SkippableCells::Place SkippableCells::place_of(int column, int row) const {
   const double half_rad = g.half_sector_rad();
   if (cell.nearest_r() > g.r_max_m() || cell.farthest_r() < g.r_min_m() ||
       cell.theta_low() > half_rad || cell.theta_high() < -half_rad) {
-    return Place::outside;
+    return ConeOverlap::outside;
   }
   const bool inside = cell.nearest_r() >= g.r_min_m() && cell.farthest_r() <= g.r_max_m() &&
                       cell.theta_low() >= -half_rad && cell.theta_high() <= half_rad;
-  return inside ? Place::inside : Place::border;
+  return inside ? ConeOverlap::inside : ConeOverlap::border;
 }
 
 void SkippableCells::set_bounds(int interval, std::vector<MacrocellBounds> bounds) {
   bounds_.at(static_cast<std::size_t>(interval)) = std::move(bounds);
 }
 
-void SkippableCells::look(const RenderOptions& options) {
+void SkippableCells::set_view(const RenderOptions& options) {
   const Camera camera = make_camera(options);
   forward_ = camera.forward;
   const bool perspective = camera.projection == Projection::perspective;
@@ -152,7 +152,7 @@ void SkippableCells::look(const RenderOptions& options) {
   spread_ = perspective ? half_diagonal_m / camera.eye_distance_m : 0;
 }
 
-/// Within an interval, and this angle beyond it.
+/// Directions of rays within an interval widened by this angle on both sides.
 SkippableCells::Directions SkippableCells::directions(int interval, double margin_rad) const {
   const double phi_rad = (interval + 0.5 - geometry_.frame_at(0)) * phi_step_rad_;
   const double half_rad = (geometry_.is_skewed() ? 1.0 : 0.5) * phi_step_rad_;
@@ -160,25 +160,26 @@ SkippableCells::Directions SkippableCells::directions(int interval, double margi
   const auto around = [](double middle, double margin) {
     return Range{std::max(middle - margin, -1.0), std::min(middle + margin, 1.0)};
   };
-  const double away = forward_.z * std::cos(phi_rad) - forward_.y * std::sin(phi_rad);
-  const double about = -forward_.y * std::cos(phi_rad) - forward_.z * std::sin(phi_rad);
-  return {around(forward_.x, spread_), around(away, spread), around(about, spread)};
+  const double radial = forward_.z * std::cos(phi_rad) - forward_.y * std::sin(phi_rad);
+  const double tangential = -forward_.y * std::cos(phi_rad) - forward_.z * std::sin(phi_rad);
+  return {around(forward_.x, spread_), around(radial, spread), around(tangential, spread)};
 }
 
-/// How steeply an edge of the wanted sign can rise along a ray in a cell.
-double SkippableCells::steepest_per_m(const MacrocellBounds& bounds,
-                                      const Directions& along,
-                                      double arm_m) const {
-  const auto steepest = [&](const Range& part, const Steps& steps) {
-    return rising_ ? greatest_product(part.low, part.high, steps.fall, steps.rise)
-                   : greatest_product(part.low, part.high, steps.rise, steps.fall);
+/// Largest slope along a ray in a cell, for edges of the sign to be detected.
+double SkippableCells::max_edge_slope_per_m(const MacrocellBounds& bounds,
+                                            const Directions& along,
+                                            double axis_distance_m) const {
+  const auto max_change = [&](const Range& component, const ChangeBounds& change) {
+    return rising_ ? max_product(component.low, component.high, change.fall, change.rise)
+                   : max_product(component.low, component.high, change.rise, change.fall);
   };
-  const double frame_m = arm_m * phi_step_rad_;
-  const double skew = std::abs(geometry_.frame_skew(1)) * frame_m / (arm_m + geometry_.axis_z_m());
-  const Range about = {along.about.low - skew, along.about.high + skew};
-  return steepest(along.x, bounds.x) / pixel_x_m_ +
-         steepest(along.away, bounds.depth) / pixel_depth_m_ +
-         steepest(about, bounds.frame) / frame_m;
+  const double frame_m = axis_distance_m * phi_step_rad_;
+  const double skew =
+      std::abs(geometry_.frame_skew(1)) * frame_m / (axis_distance_m + geometry_.axis_z_m());
+  const Range tangential = {along.tangential.low - skew, along.tangential.high + skew};
+  return max_change(along.x, bounds.x) / pixel_x_m_ +
+         max_change(along.radial, bounds.depth) / pixel_depth_m_ +
+         max_change(tangential, bounds.frame) / frame_m;
 }
 
 bool SkippableCells::is_visible(float low, float high) const {
@@ -187,25 +188,25 @@ bool SkippableCells::is_visible(float low, float high) const {
          clamped_entry(high + rounding) + 1;
 }
 
-/// Cells whose samples depend on one of `bits`: those downstream of it by what counts behind a
-/// sample, and around it.
+/// Cells whose samples depend on one of `bits`: those within its reach downstream and around it.
 CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const {
-  const int rows = lattice_.rows, intervals = lattice_.intervals;
-  const double cell_x_m = pixel_x_m_ * lattice_.cell_pixels;
-  const double cell_depth_m = pixel_depth_m_ * lattice_.cell_pixels;
-  const auto upstream = [&](const Range& part) {  // as lengths, against the axis and along it
-    return std::pair(std::max(-part.low, 0.0) * reach.behind_m + reach.around_m,
-                     std::max(part.high, 0.0) * reach.behind_m + reach.around_m);
+  const int rows = grid_.rows, intervals = grid_.intervals;
+  const double cell_x_m = pixel_x_m_ * grid_.cell_pixels;
+  const double cell_depth_m = pixel_depth_m_ * grid_.cell_pixels;
+  // Extents upstream along an axis, as lengths in its positive and negative direction.
+  const auto upstream = [&](const Range& component) {
+    return std::pair(std::max(-component.low, 0.0) * reach.upstream_m + reach.around_m,
+                     std::max(component.high, 0.0) * reach.upstream_m + reach.around_m);
   };
-  CellBits carried_on(bits.size(), 0);
+  CellBits dilated_bits(bits.size(), 0);
   for (int interval = 0; interval < intervals; ++interval) {
     for (int row = 0; row < rows; ++row) {
-      const double arm = arm_m(row), length_m = reach.behind_m + reach.around_m;
-      const double nearest_m = std::max(arm - length_m, 1e-3 * arm);
-      const Directions along = directions(interval, turn_rad(length_m, arm));
+      const double distance_m = axis_distance_m(row), length_m = reach.upstream_m + reach.around_m;
+      const double nearest_m = std::max(distance_m - length_m, 1e-3 * distance_m);
+      const Directions along = directions(interval, turn_rad(length_m, distance_m));
       const auto [right_m, left_m] = upstream(along.x);
-      const auto [farther_m, nearer_m] = upstream(along.away);
-      const auto [after_m, before_m] = upstream(along.about);
+      const auto [farther_m, nearer_m] = upstream(along.radial);
+      const auto [after_m, before_m] = upstream(along.tangential);
       const double frame_m = nearest_m * phi_step_rad_;
       const double skewed =
           std::abs(geometry_.frame_skew(1)) * turn_rad(length_m, geometry_.r_min_m());
@@ -213,44 +214,43 @@ CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const
       const int last_row = std::min(row + whole_cells(farther_m / cell_depth_m), rows - 1);
       const int first = std::max(interval - whole_cells(before_m / frame_m + skewed), 0);
       const int last = std::min(interval + whole_cells(after_m / frame_m + skewed), intervals - 1);
-      std::uint64_t found = 0;
+      std::uint64_t row_bits = 0;
       for (int k = first; k <= last; ++k) {
         for (int j = first_row; j <= last_row; ++j) {
-          found |= bits[static_cast<std::size_t>(k * rows + j)];
+          row_bits |= bits[static_cast<std::size_t>(k * rows + j)];
         }
       }
-      carried_on[static_cast<std::size_t>(interval * rows + row)] =
-          carried(found, whole_cells(right_m / cell_x_m), whole_cells(left_m / cell_x_m)) &
-          all_columns(lattice_);
+      dilated_bits[static_cast<std::size_t>(interval * rows + row)] =
+          dilated_columns(
+              row_bits, whole_cells(right_m / cell_x_m), whole_cells(left_m / cell_x_m)) &
+          column_mask(grid_);
     }
   }
-  return carried_on;
+  return dilated_bits;
 }
 
 CellBits SkippableCells::to_sample() const {
   const std::size_t words =
-      static_cast<std::size_t>(lattice_.rows) * static_cast<std::size_t>(lattice_.intervals);
+      static_cast<std::size_t>(grid_.rows) * static_cast<std::size_t>(grid_.intervals);
   CellBits steep(words, 0), visible(words, 0), border(words, 0);
   for (std::size_t word = 0; word < words; ++word) {
-    const int interval = static_cast<int>(word) / lattice_.rows;
-    const int row = static_cast<int>(word) % lattice_.rows;
+    const int interval = static_cast<int>(word) / grid_.rows;
+    const int row = static_cast<int>(word) % grid_.rows;
     const Directions along = directions(interval, 0);
-    const bool outermost = interval == 0 || interval == lattice_.intervals - 1;
-    const auto row_begin =
-        static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice_.columns);
+    const bool outermost = interval == 0 || interval == grid_.intervals - 1;
+    const auto row_begin = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns);
     const MacrocellBounds* row_bounds =
         bounds_[static_cast<std::size_t>(interval)].data() + row_begin;
-    for (int column = 0; column < lattice_.columns; ++column) {
+    for (int column = 0; column < grid_.columns; ++column) {
       const std::uint64_t bit = std::uint64_t{1} << column;
-      const Place place = places_[row_begin + static_cast<std::size_t>(column)];
-      if (place == Place::outside) continue;
+      const ConeOverlap overlap = overlaps_[row_begin + static_cast<std::size_t>(column)];
+      if (overlap == ConeOverlap::outside) continue;
       const MacrocellBounds& cell = row_bounds[column];
-      if (place == Place::border) border[word] |= bit;
-      // Where some of a kernel's taps lie outside the cone, its mean may change faster than they
-      // do.
-      const bool cut_kernel = kernel_.around_m > 0 && (outermost || place == Place::border);
-      if (detects_ &&
-          (cut_kernel || steepest_per_m(cell, along, arm_m(row)) >= steepest_quiet_per_m_)) {
+      if (overlap == ConeOverlap::border) border[word] |= bit;
+      // If some taps of a kernel lie outside the cone, its mean can change faster than the values.
+      const bool cut_kernel = kernel_.around_m > 0 && (outermost || overlap == ConeOverlap::border);
+      if (detects_ && (cut_kernel || max_edge_slope_per_m(cell, along, axis_distance_m(row)) >=
+                                         max_slope_without_edge_per_m_)) {
         steep[word] |= bit;
       }
       if (is_visible(cell.low, cell.high)) visible[word] |= bit;
@@ -263,11 +263,11 @@ CellBits SkippableCells::to_sample() const {
 }
 
 std::vector<std::uint8_t> SkippableCells::distances() const {
-  const auto cells = static_cast<std::size_t>(lattice_.columns) *
-                     static_cast<std::size_t>(lattice_.rows) *
-                     static_cast<std::size_t>(lattice_.intervals);
+  const auto cells = static_cast<std::size_t>(grid_.columns) *
+                     static_cast<std::size_t>(grid_.rows) *
+                     static_cast<std::size_t>(grid_.intervals);
   if (!can_leap_) return std::vector<std::uint8_t>(cells, 0);
-  return cell_distances(to_sample(), lattice_);
+  return cell_distances(to_sample(), grid_);
 }
 
 }  // namespace wobblebench::render

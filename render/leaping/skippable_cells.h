@@ -1,4 +1,4 @@
-// Where a ray can find nothing: cells of the slices in which no edge fires and nothing is visible.
+// Empty space of the slices: macrocells in which no edge can be detected and nothing is visible.
 #pragma once
 
 #include <cstdint>
@@ -11,29 +11,30 @@
 
 namespace wobblebench::render {
 
-/// Greatest changes from one pixel to the next along an axis, upwards and downwards.
-struct Steps {
+/// Largest changes of the value from one pixel or frame to the next along an axis.
+struct ChangeBounds {
   float rise = 0, fall = 0;
 };
 
-/// What a cell between two frames holds: its pixels in both slices, and those that a fetch in it
-/// reads besides.
+/// Bounds of a cell between two frames, over its pixels in both slices and those that a fetch in
+/// the cell also reads.
 struct MacrocellBounds {
-  float low = 0, high = 0;  ///< least and greatest value
-  Steps x, depth;           ///< within a slice
-  Steps frame;              ///< from the first slice to the second
+  float low = 0, high = 0;  ///< of the values
+  ChangeBounds x, depth;    ///< within a slice
+  ChangeBounds frame;       ///< from the first slice to the second
 };
 
-/// Decides exactly, from bounds of the slices, which cells rays may pass without looking.
+/// Decides from bounds of the slices which cells rays can skip without changing the picture
+/// (docs/decisions/0014-fast-rendering.md).
 ///
-/// What rays sample is linear between pixels and frames, so the greatest changes from pixel to
-/// pixel bound how steeply it rises along a ray. The newer half of the buffer's n samples lies
-/// n / 2 steps behind the older, sample by sample, so Difference <= (n / 2)^2 step slope: where
-/// that stays below the threshold in all that the buffer reaches back to, no edge fires. Where the
-/// transfer function is transparent between low and high, nothing is visible.
+/// Samples are interpolated linearly between pixels and frames, so the largest changes from pixel
+/// to pixel bound the slope along a ray. Each sample of the newer half of the buffer lies n / 2
+/// steps behind one of the older half, so Difference of Eq. (1) <= (n / 2)^2 step slope: if that is
+/// below the threshold over the length of the buffer, no edge is detected. If the transfer function
+/// is transparent between low and high, nothing is visible.
 ///
-/// A ray must sample everything where there is a lone frame, or the wobble axis lies in the field:
-/// what follows takes neighbouring frames to be neighbours in space.
+/// All cells must be sampled if there is a single frame, or if the wobble axis lies in the field:
+/// the bounds assume that neighbouring frames are neighbours in space.
 class SkippableCells {
  public:
   /// `pixels`: those that rays read.
@@ -42,56 +43,58 @@ class SkippableCells {
                  const RenderOptions& options,
                  const Region& pixels);
 
-  /// [row][column] of one interval. One never given counts as zeros.
+  /// Bounds of one interval, [row][column]; initially zeros.
   void set_bounds(int interval, std::vector<MacrocellBounds> bounds);
-  /// Where the picture is seen from: what is steep, and where the buffer reaches, depends on where
-  /// rays run.
-  void look(const RenderOptions& options);
+  /// Slopes along rays and the cells that a buffer covers depend on the direction of the rays.
+  void set_view(const RenderOptions& options);
 
-  /// For each cell ([interval][row][column]), how many cells away the nearest is that a ray must
-  /// sample, along the farthest axis, at most kFarthestCell; 0: this one. Cells on the cone's
-  /// border must be sampled, so that a ray notices when it leaves.
+  /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest cell that must
+  /// be sampled, at most kMaxCellDistance; 0: this one. Cells on the cone's border must be sampled,
+  /// so that a ray detects that it leaves the cone.
   std::vector<std::uint8_t> distances() const;
 
-  const MacrocellGrid& lattice() const { return lattice_; }
-  /// False where every cell must be sampled, whatever the slices hold.
+  const MacrocellGrid& grid() const { return grid_; }
+  /// False if every cell must be sampled, whatever the slices hold.
   bool can_leap() const { return can_leap_; }
 
  private:
-  /// Least and greatest part of a ray's unit direction along an axis.
+  /// Range of a component of rays' unit directions.
   struct Range {
     double low = 0, high = 0;
   };
-  /// Where rays run in an interval: along x, away from the wobble axis, and about it.
+  /// Directions of rays in an interval: along x, away from the wobble axis, and about it.
   struct Directions {
-    Range x, away, about;
+    Range x, radial, tangential;
   };
-  /// A length behind each sample that counts for it, and one all around.
+  /// Extent of the data that a sample depends on: upstream along the ray, and in all directions.
   struct Reach {
-    double behind_m = 0, around_m = 0;
+    double upstream_m = 0, around_m = 0;
   };
-  enum class Place : std::uint8_t { inside, border, outside };
+  /// Position of a cell relative to the cone of valid data.
+  enum class ConeOverlap : std::uint8_t { inside, border, outside };
 
-  Place place_of(int column, int row) const;
-  double arm_m(int row) const;
+  ConeOverlap cone_overlap(int column, int row) const;
+  double axis_distance_m(int row) const;
   Directions directions(int interval, double margin_rad) const;
-  double steepest_per_m(const MacrocellBounds& bounds, const Directions& along, double arm_m) const;
+  double max_edge_slope_per_m(const MacrocellBounds& bounds,
+                              const Directions& along,
+                              double axis_distance_m) const;
   bool is_visible(float low, float high) const;
   CellBits to_sample() const;
   CellBits dilated(const CellBits& bits, const Reach& reach) const;
 
   SliceGeometry geometry_;
-  MacrocellGrid lattice_;
+  MacrocellGrid grid_;
   double pixel_x_m_, pixel_depth_m_, phi_step_rad_;
   bool can_leap_;
   bool detects_, rising_;
-  double steepest_quiet_per_m_;    ///< slope along a ray below which no edge fires
-  std::vector<int> next_visible_;  ///< entry of the transfer table at or after this one
+  double max_slope_without_edge_per_m_;  ///< along a ray
+  std::vector<int> next_visible_;  ///< first visible entry of the transfer table from this one on
   Reach buffer_, kernel_;
-  std::vector<Place> places_;                         ///< [row][column]
+  std::vector<ConeOverlap> overlaps_;                 ///< [row][column]
   std::vector<std::vector<MacrocellBounds>> bounds_;  ///< [interval][row][column]
   glm::dvec3 forward_{0, 0, 1};
-  double spread_ = 0;  ///< how far rays' unit directions lie from `forward_`
+  double spread_ = 0;  ///< largest distance of rays' unit directions from `forward_`
 };
 
 }  // namespace wobblebench::render

@@ -1,4 +1,4 @@
-// Pass 3, first half: z filtered.
+// Pass 3, first half: filter of the z-buffer.
 #pragma once
 
 #include "render/gl/program.h"
@@ -6,15 +6,15 @@
 
 namespace wobblebench::render {
 
-/// The homogeneous filter of z over neighbours that have a surface, paper section 3.3. The fast
-/// form takes rows and then columns, and sums z relative to the distance of the picture's middle:
-/// what is left is the rounding of z itself, 2e-8 m at 0.4 m and 5e-7 m at 10 m.
+/// Homogeneous filter of z over neighbours that have a surface, paper section 3.3. Mode fast
+/// filters rows and then columns and sums z relative to the distance of the picture's centre, so
+/// that only the rounding of z itself remains: 2e-8 m at 0.4 m, 5e-7 m at 10 m.
 class DepthFilter {
  public:
   DepthFilter() = default;
   explicit DepthFilter(const RenderOptions& options);
 
-  /// Filters z as RayCaster::depth() gives it.
+  /// Filters RayCaster::depth().
   void filter(const Texture& depth);
 
   /// z in metres; kNoDepth where the pixel itself has no surface.
@@ -24,7 +24,7 @@ class DepthFilter {
   bool fast_ = false;
   Texture sums_, filtered_;
   Framebuffer sums_target_, filtered_target_;
-  FragmentProgram rows_, filter_;  ///< plain has no rows_
+  FragmentProgram rows_, filter_;  ///< rows_: mode fast only
 };
 
 }  // namespace wobblebench::render

@@ -11,17 +11,17 @@ namespace {
 
 enum Bindings { kPolarTable, kFrames, kPixels, kRows, kNormaliser };
 
-/// Slices of a group, one in each channel of a texel, and the pairs of neighbours among them.
+/// Slices of a group, one in each channel of a texel, and pairs of neighbours among them.
 constexpr int kSlices = 4;
 constexpr int kPairs = kSlices - 1;
 
-/// Groups on their way at once: enough to hide what a draw costs besides its pixels.
+/// Groups per draw: enough to hide the fixed cost of a draw.
 constexpr int kBatch = 6;
 
 Region pixels_that_rays_read(const SliceGeometry& geometry, const RenderOptions& options) {
   const int size = geometry.slice_size();
   if (!options.ray_casting.stop_at_box) return {0, 0, size, size};
-  return pixels_within(geometry, options.volume_of_interest, kernel_reach_m(options));
+  return pixels_within(geometry, options.volume_of_interest, kernel_radius_m(options));
 }
 
 Region with_border(const Region& region, int border) {
@@ -31,7 +31,7 @@ Region with_border(const Region& region, int border) {
           region.rows + 2 * border};
 }
 
-/// One axis of a filter over pixels, zeros beyond their border.
+/// A filter along one axis of an image, with zeros beyond its border.
 std::vector<double> filter_axis(const std::vector<double>& pixels,
                                 const Region& region,
                                 const std::vector<double>& weights,
@@ -41,10 +41,10 @@ std::vector<double> filter_axis(const std::vector<double>& pixels,
   std::vector<double> sums(pixels.size(), 0.0);
   for (int row = 0; row < region.rows; ++row) {
     for (int column = 0; column < region.columns; ++column) {
-      const int place = along_rows ? column : row;
+      const int index = along_rows ? column : row;
       const int count = along_rows ? region.columns : region.rows;
       const std::ptrdiff_t at = std::ptrdiff_t{row} * region.columns + column;
-      for (int tap = -std::min(half, place); tap <= std::min(half, count - 1 - place); ++tap) {
+      for (int tap = -std::min(half, index); tap <= std::min(half, count - 1 - index); ++tap) {
         sums[static_cast<std::size_t>(at)] += weights[static_cast<std::size_t>(tap + half)] *
                                               pixels[static_cast<std::size_t>(at + tap * stride)];
       }
@@ -53,19 +53,19 @@ std::vector<double> filter_axis(const std::vector<double>& pixels,
   return sums;
 }
 
-/// One over the weight of the pixels that hold data around each; 0 where there are none. With a
-/// lone tap those that hold data are left alone, and marked so.
+/// For each pixel, the inverse of the total weight of the pixels around it that hold data; 0 if
+/// none does. With a single tap, -1 for pixels that hold data and stay unfiltered.
 std::vector<float> normalisers(const std::vector<float>& polar_table,
                                const Region& region,
                                const std::vector<double>& weights,
-                               bool lone_tap) {
+                               bool single_tap) {
   std::vector<double> flags;
   for (std::size_t i = 2; i < polar_table.size(); i += 3) flags.push_back(polar_table[i]);
   const auto total = filter_axis(filter_axis(flags, region, weights, true), region, weights, false);
   std::vector<float> inverse;
   for (std::size_t i = 0; i < total.size(); ++i) {
-    const bool alone = lone_tap && flags[i] > 0;
-    inverse.push_back(alone ? -1.0f : total[i] > 0 ? static_cast<float>(1 / total[i]) : 0.0f);
+    const bool unfiltered = single_tap && flags[i] > 0;
+    inverse.push_back(unfiltered ? -1.0f : total[i] > 0 ? static_cast<float>(1 / total[i]) : 0.0f);
   }
   return inverse;
 }
@@ -84,7 +84,7 @@ std::vector<LayerGroup> groups_of(const std::vector<int>& layers) {
   return groups;
 }
 
-/// All four slices, then their pairs.
+/// Target of the last step: the group's four slices, then its pairs.
 Framebuffer target_of(const LayerGroup& group,
                       const SlicePairs& slices,
                       const Framebuffer::Layer& filtered) {
@@ -110,9 +110,9 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
                                      const RenderOptions& options)
     : frames_(geometry.frames()), frame_texture_(plan, options.scan_conversion.format, kBatch) {
   std::vector<double> weights = slice_weights(options);
-  // Even where pixels are left alone, those next to the sector take their neighbours' mean.
-  lone_tap_ = weights.size() == 1;
-  if (lone_tap_) weights.assign(3, 1.0 / 3);
+  // Without a filter too, pixels next to the sector take the mean of their neighbours in it.
+  single_tap_ = weights.size() == 1;
+  if (single_tap_) weights.assign(3, 1.0 / 3);
   border_ = static_cast<int>(weights.size()) / 2;
   const Region region = with_border(pixels_that_rays_read(geometry, options), border_);
   const std::vector<float> table = make_polar_table(geometry, region);
@@ -121,7 +121,7 @@ FastScanConverter::FastScanConverter(const SliceGeometry& geometry,
       Texture("scan-conversion LUT", TexelFormat::rgb32f, pixels, TextureFilter::nearest);
   polar_table_.upload(table);
   normaliser_ = Texture("slice normaliser", TexelFormat::r32f, pixels, TextureFilter::nearest);
-  normaliser_.upload(normalisers(table, region, weights, lone_tap_));
+  normaliser_.upload(normalisers(table, region, weights, single_tap_));
   const Extent batch = {region.columns, region.rows, kBatch, true};
   unfiltered_ = Texture("unfiltered slices", TexelFormat::rgba32f, batch, TextureFilter::nearest);
   rows_ =
@@ -145,7 +145,7 @@ void FastScanConverter::make_programs(const std::vector<double>& weights) {
                               .add("BIND_ROWS", kRows)
                               .add("BIND_NORMALISER", kNormaliser)
                               .add("TAPS", static_cast<int>(weights.size()))
-                              .add("LONE_TAP", lone_tap_);
+                              .add("SINGLE_TAP", single_tap_);
   const auto several = FragmentProgram::Layers::several;
   scan_convert_ = FragmentProgram({"scan_convert_layers.frag.glsl"}, defines, several);
   along_rows_ = FragmentProgram({"slice_rows.frag.glsl"}, defines, several);
@@ -157,7 +157,7 @@ void FastScanConverter::make_programs(const std::vector<double>& weights) {
 void FastScanConverter::convert(const std::vector<int>& layers,
                                 FrameStore& store,
                                 const SlicePairs& slices,
-                                const GroupDone& done) {
+                                const GroupCallback& on_group) {
   const std::vector<LayerGroup> groups = groups_of(layers);
   for (std::size_t first = 0; first < groups.size(); first += kBatch) {
     const auto begin = groups.begin() + static_cast<std::ptrdiff_t>(first);
@@ -165,7 +165,7 @@ void FastScanConverter::convert(const std::vector<int>& layers,
         begin, groups.end() - begin > kBatch ? begin + kBatch : groups.end());
     convert_batch(batch, store, slices);
     for (int i = 0; i < static_cast<int>(batch.size()); ++i) {
-      done(filtered_, i, batch[static_cast<std::size_t>(i)]);
+      on_group(filtered_, i, batch[static_cast<std::size_t>(i)]);
     }
   }
   check_gl("scan conversion");
@@ -176,15 +176,15 @@ void FastScanConverter::convert_batch(const std::vector<LayerGroup>& batch,
                                       const SlicePairs& slices) {
   upload(batch, store);
   const Region bordered = {0, 0, unfiltered_.extent().width, unfiltered_.extent().height};
-  std::vector<LayerPair> same;
+  std::vector<LayerPair> all_groups;
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
-    same.push_back({group, group});
+    all_groups.push_back({group, group});
   }
   scan_convert_.draw_layers(unfiltered_target_,
                             {{kPolarTable, &polar_table_}, {kFrames, &frame_texture_.texture()}},
                             bordered,
-                            same);
-  along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, same);
+                            all_groups);
+  along_rows_.draw_layers(rows_target_, {{kPixels, &unfiltered_}}, bordered, all_groups);
   for (int group = 0; group < static_cast<int>(batch.size()); ++group) {
     along_columns_.set("group", static_cast<double>(group))
         .draw(target_of(batch[static_cast<std::size_t>(group)], slices, {&filtered_, group}),
@@ -196,7 +196,7 @@ void FastScanConverter::upload(const std::vector<LayerGroup>& batch, FrameStore&
   for (std::size_t group = 0; group < batch.size(); ++group) {
     for (int slice = 0; slice <= batch[group].count; ++slice) {
       const std::vector<float>& samples =
-          store.mixed(std::min(batch[group].first + slice, frames_ - 1));
+          store.filtered(std::min(batch[group].first + slice, frames_ - 1));
       group_.resize(kSlices * samples.size());
       for (std::size_t i = 0; i < samples.size(); ++i) {
         group_[kSlices * i + static_cast<std::size_t>(slice)] = samples[i];

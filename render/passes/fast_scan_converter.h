@@ -1,4 +1,4 @@
-// Pass 1, mode fast: four frames in each texel, and only what rays read.
+// Pass 1, mode fast: scan conversion of four frames per texel, for the pixels that rays read.
 #pragma once
 
 #include <functional>
@@ -13,15 +13,15 @@
 namespace wobblebench::render {
 
 /// The pixels that rays read, of all slices: layer k holds slice k in red and slice k + 1 in green,
-/// so that one bilinear fetch reads both sides of a sample. On a CPU that costs half of what a
-/// trilinear fetch does.
+/// so that one bilinear fetch reads both neighbours of a sample. On a CPU that costs half as much
+/// as a trilinear fetch.
 class SlicePairs {
  public:
   /// Throws std::runtime_error when frames or slices are beyond the driver's limits.
   SlicePairs(const SliceGeometry& geometry, const RenderOptions& options);
 
   const Texture& texture() const { return texture_; }
-  /// The pixels of a slice that there are.
+  /// The pixels of a slice that are stored.
   const Region& region() const { return region_; }
 
  private:
@@ -29,29 +29,30 @@ class SlicePairs {
   Texture texture_;
 };
 
-/// Neighbouring layers that are made together, out of one slice more.
+/// Consecutive layers that are made together, out of `count` + 1 slices.
 struct LayerGroup {
   int first = 0;
   int count = 0;
 };
 
-/// Told of groups that are done: `slices` has those of one in the four channels of its layer
-/// `index`, in the pixels and the format of SlicePairs.
-using GroupDone = std::function<void(const Texture& slices, int index, const LayerGroup& layers)>;
+/// Called for each finished group: the four channels of layer `index` of `slices` hold its slices,
+/// in the pixels and the format of SlicePairs.
+using GroupCallback =
+    std::function<void(const Texture& slices, int index, const LayerGroup& layers)>;
 
-/// Scan conversion, then the filter within a slice (slice_weights()), one axis after the other.
+/// Scan conversion, then the filter within a slice (slice_weights()) along rows and columns.
 class FastScanConverter {
  public:
   FastScanConverter(const SliceGeometry& geometry,
                     const hw::AcquisitionPlan& plan,
                     const RenderOptions& options);
 
-  /// Makes these layers, ascending: slices k and k + 1 of each. Four slices, so three layers, cost
-  /// a CPU hardly more than one.
+  /// Makes these layers of `slices`, in ascending order. On a CPU four slices, which give three
+  /// layers, cost hardly more than one.
   void convert(const std::vector<int>& layers,
                FrameStore& store,
                const SlicePairs& slices,
-               const GroupDone& done);
+               const GroupCallback& on_group);
 
  private:
   void convert_batch(const std::vector<LayerGroup>& batch,
@@ -61,7 +62,7 @@ class FastScanConverter {
   void make_programs(const std::vector<double>& weights);
 
   int frames_;
-  bool lone_tap_ = false;  ///< pixels that hold data are not filtered
+  bool single_tap_ = false;  ///< pixels that hold data are not filtered
   std::vector<float> group_;
   int border_;  ///< pixels around the region that the filter reads
   FrameTexture frame_texture_;

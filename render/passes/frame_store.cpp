@@ -10,11 +10,11 @@
 namespace wobblebench::render {
 
 float clean_sample(float sample) {
-  // In whole numbers, in whose order positive floats lie, so that the compiler takes many at once:
-  // less than zero, infinity and NaN are beyond the greatest of them.
+  // On the bit patterns, which order as the positive floats do, so that the loop is vectorised:
+  // negative values, infinity and NaN lie above the largest finite float.
   const auto bits = std::bit_cast<std::uint32_t>(sample);
-  const bool measured = bits <= std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
-  return std::bit_cast<float>(measured ? std::min(bits, std::bit_cast<std::uint32_t>(1.0f)) : 0u);
+  const bool is_valid = bits <= std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
+  return std::bit_cast<float>(is_valid ? std::min(bits, std::bit_cast<std::uint32_t>(1.0f)) : 0u);
 }
 
 FrameStore::FrameStore(const hw::AcquisitionPlan& plan,
@@ -51,7 +51,7 @@ void FrameStore::put(int index, const hw::PolarFrame& frame) {
                  clean_[static_cast<std::size_t>(index)].begin(),
                  clean_sample);
   arrived_[static_cast<std::size_t>(index)] = true;
-  // Of a layer of several slices, the last is the first to see the frame.
+  // The first layer affected is the one whose last slice is the frame's first neighbour.
   const int last_layer = static_cast<int>(changed_.size()) - 1;
   const int first =
       std::min(std::max(first_neighbour(index) - slices_per_layer_ + 1, 0), last_layer);
@@ -59,16 +59,16 @@ void FrameStore::put(int index, const hw::PolarFrame& frame) {
   std::fill(changed_.begin() + first, changed_.begin() + last + 1, true);
 }
 
-bool FrameStore::settled(int layer) const {
+bool FrameStore::is_complete(int layer) const {
   const auto first = arrived_.begin() + first_neighbour(layer);
   const auto end = arrived_.begin() + last_neighbour(layer + slices_per_layer_ - 1) + 1;
   return std::find(first, end, false) == end;
 }
 
-std::vector<int> FrameStore::take_settled() {
+std::vector<int> FrameStore::take_complete() {
   std::vector<int> taken;
   for (int layer = 0; layer < static_cast<int>(changed_.size()); ++layer) {
-    if (!changed_[static_cast<std::size_t>(layer)] || !settled(layer)) continue;
+    if (!changed_[static_cast<std::size_t>(layer)] || !is_complete(layer)) continue;
     changed_[static_cast<std::size_t>(layer)] = false;
     taken.push_back(layer);
   }
@@ -92,20 +92,20 @@ void FrameStore::begin_volume() {
   arrived_.assign(arrived_.size(), false);
 }
 
-const std::vector<float>& FrameStore::mixed(int index) {
+const std::vector<float>& FrameStore::filtered(int index) {
   const int first = first_neighbour(index), last = last_neighbour(index);
   if (first == last) return clean_[static_cast<std::size_t>(index)];
   double total = 0;
   for (int f = first; f <= last; ++f)
     total += weights_[static_cast<std::size_t>(f - index + half_)];
-  mixed_.assign(samples_, 0.0f);
+  filtered_.assign(samples_, 0.0f);
   for (int f = first; f <= last; ++f) {
     const auto share =
         static_cast<float>(weights_[static_cast<std::size_t>(f - index + half_)] / total);
     const float* frame = clean_[static_cast<std::size_t>(f)].data();
-    for (std::size_t i = 0; i < samples_; ++i) mixed_[i] += share * frame[i];
+    for (std::size_t i = 0; i < samples_; ++i) filtered_[i] += share * frame[i];
   }
-  return mixed_;
+  return filtered_;
 }
 
 }  // namespace wobblebench::render

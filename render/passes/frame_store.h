@@ -1,4 +1,4 @@
-// The frames of the volume on its way to the slices.
+// CPU storage of the frames of the volume that is being received, and their filter across frames.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace wobblebench::render {
 
-/// Keeps each frame as it came, cleaned, and gives it mixed with its neighbours by the part of the
-/// 3D kernel that lies across frames. Mixing sticks is mixing slices, as all frames are converted
-/// alike, and sticks are fewer than pixels.
+/// Stores each frame, with its samples clamped (clean_sample()), and filters it with its neighbours
+/// by the part of the 3D kernel that lies across frames. Filtering sticks equals filtering slices,
+/// as scan conversion is linear and the same for all frames, and sticks are fewer than pixels.
 ///
-/// Tells which layers of the volume texture a frame changes, and which of them are settled: those
-/// whose every contributing frame has arrived since begin_volume(). Layer k holds slice k, or
+/// Tracks which layers of the volume texture a frame changes, and which of them are complete: all
+/// frames that contribute to them have arrived since begin_volume(). Layer k holds slice k, or
 /// slices k and k + 1.
 class FrameStore {
  public:
@@ -26,22 +26,22 @@ class FrameStore {
   /// another size.
   void put(int index, const hw::PolarFrame& frame);
 
-  /// Changed layers that are settled, ascending; they count as unchanged from then on.
-  std::vector<int> take_settled();
-  /// All changed layers.
-  std::vector<int> take_changed();
+  /// Changed layers that are complete, ascending; they count as unchanged from then on.
+  [[nodiscard]] std::vector<int> take_complete();
+  /// All changed layers, likewise.
+  [[nodiscard]] std::vector<int> take_changed();
 
-  /// Whether each frame has arrived since begin_volume().
+  /// Whether all frames have arrived since begin_volume().
   bool volume_complete() const;
   void begin_volume();
 
-  /// What the frame's slice is made from; valid until the next call.
-  const std::vector<float>& mixed(int index);
+  /// The frame filtered across frames, from which its slice is made; valid until the next call.
+  const std::vector<float>& filtered(int index);
 
  private:
   int first_neighbour(int slice) const;
   int last_neighbour(int slice) const;
-  bool settled(int layer) const;
+  bool is_complete(int layer) const;
 
   int frames_, half_, slices_per_layer_;
   std::vector<double> weights_;
@@ -49,11 +49,11 @@ class FrameStore {
   std::vector<std::vector<float>> clean_;
   std::vector<bool> arrived_;  ///< per frame
   std::vector<bool> changed_;  ///< per layer
-  std::vector<float> mixed_;
+  std::vector<float> filtered_;
 };
 
-/// What pass 1 makes of a sample before anything else: within [0, 1], 0 for NaN and infinities, so
-/// that a bad sample reaches no further than its own neighbourhood.
+/// A sample clamped to [0, 1], 0 for NaN and infinities, so that a bad sample affects its
+/// neighbourhood only.
 float clean_sample(float sample);
 
 }  // namespace wobblebench::render

@@ -38,7 +38,7 @@ FrameTexture::FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format
 const std::vector<std::uint16_t>& FrameTexture::fixed_point(const std::vector<float>& samples) {
   fixed_point_.resize(samples.size());
   std::transform(samples.begin(), samples.end(), fixed_point_.begin(), [](float sample) {
-    // Samples are not negative: to the nearest, and vectorised, as lround would not be.
+    // Rounds to nearest, as samples are not negative; vectorised, unlike lround.
     const float scaled = sample * 65535.0f + 0.5f;
     return static_cast<std::uint16_t>(scaled);
   });

@@ -1,4 +1,4 @@
-// Polar frames on the GPU.
+// Textures of polar frames.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@
 
 namespace wobblebench::render {
 
-/// Slices a texel: one, two neighbours, or a group of four.
+/// Texel formats of one slice, a pair of neighbours, or a group of four.
 struct SliceFormats {
   TexelFormat one, pair, group;
 };
 SliceFormats slice_formats(TextureFormat format);
 
-/// A frame (samples x lines) or a batch of groups of four frames, in 16 bits, or as floats where
-/// slices are: sticks lose nothing on their way up that slices would keep.
+/// A frame (samples x lines), or a batch of groups of four frames; 16-bit fixed point, or float
+/// where slices are float, so that the upload loses no precision that slices would keep.
 class FrameTexture {
  public:
-  /// One frame.
+  /// For one frame.
   FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format);
-  /// An array of groups, for linear fetches.
+  /// For an array of groups, with linear filtering.
   FrameTexture(const hw::AcquisitionPlan& plan, TextureFormat format, int groups);
 
   /// Samples in [0, 1], stick after stick.
   void upload(const std::vector<float>& samples);
-  /// Those of four frames in turn.
+  /// Samples in [0, 1] of four frames, interleaved.
   void upload_group(int group, const std::vector<float>& samples);
 
   const Texture& texture() const { return texture_; }

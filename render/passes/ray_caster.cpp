@@ -1,3 +1,5 @@
+// Pass 2 on the CPU side: the shader program and its uniforms. The edge becomes z in
+// shaders/edge_detector.glsl (Difference, Eq. (1)) and shaders/ray_march.glsl (its ray length).
 #include "render/passes/ray_caster.h"
 
 #include <cmath>
@@ -10,20 +12,20 @@ namespace {
 
 enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
 
-/// A longer buffer is an array: it would not stay in registers.
-constexpr int kLongestBlock = 16;
+/// Longest buffer processed in blocks; a longer one would not stay in registers.
+constexpr int kMaxBlock = 16;
 
-/// Steps by which a place among the slices may lie off a straight line through half a block.
+/// Steps by which slice coordinates may deviate from a straight line over half a block.
 constexpr double kStraightSteps = 0.02;
 
-/// Whether samples are taken in blocks (ray_blocks.glsl): where there is no kernel along the ray.
+/// Whether samples are processed in blocks (ray_blocks.glsl): without a kernel along the ray.
 bool in_blocks(const RayCastingOptions& o) {
-  return buffer_weights(o).size() == 1 && o.buffer_length <= kLongestBlock;
+  return buffer_weights(o).size() == 1 && o.buffer_length <= kMaxBlock;
 }
 
-/// Whether half a block is so short that depth and frame run nearly straight through it: a chord of
-/// length l at a distance d from the wobble axis lies within l^2 / (8 d) of its arc. What is left
-/// beside a parabola is smaller by l / d.
+/// Whether depth and frame are nearly linear over half a block: a chord of length l at a distance d
+/// from the wobble axis lies within l^2 / (8 d) of its arc. The deviation from a parabola is
+/// smaller by l / d.
 bool is_straight(const SliceGeometry& g, const RenderOptions& options) {
   const double half_block_steps = 0.5 * options.ray_casting.buffer_length;
   const double nearest_m = g.depth_min_m() - g.axis_z_m();
@@ -99,16 +101,16 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   const SkippableCells* cells = volume.cells();
   const bool leaps = cells && cells->can_leap();
   ray_cast_ = make_program(defines(geometry, options, leaps), is_fast(options));
-  look(options);
+  set_view(options);
   set_box(options);
   set_cone(volume.pixels());
   is_fast(options) ? set_fan() : set_motion_table();
-  if (leaps) set_leaps(*cells);
+  if (leaps) set_macrocells(*cells);
   set_sampling(options);
   check_gl("ray casting: setting up");
 }
 
-void RayCaster::look(const RenderOptions& options) {
+void RayCaster::set_view(const RenderOptions& options) {
   const Camera camera = make_camera(options);
   ray_cast_.set("center_m", camera.center)
       .set("right", camera.right)
@@ -147,7 +149,7 @@ void RayCaster::set_motion_table() {
   motion_table_ =
       Texture("motion LUT", TexelFormat::rgb32f, {table.size, table.size}, TextureFilter::linear);
   motion_table_.upload(table.values);
-  // The first and last entries' middles lie half a texel inside the texture.
+  // The centres of the first and last entries lie half a texel inside the texture.
   const double entries = table.size - 1, texels = table.size;
   const glm::dvec2 motion_scale(entries / texels / (table.y_max_m - table.y_min_m),
                                 entries / texels / (table.z_max_m - table.z_min_m));
@@ -166,21 +168,21 @@ void RayCaster::set_fan() {
   }
 }
 
-void RayCaster::set_leaps(const SkippableCells& cells) {
+void RayCaster::set_macrocells(const SkippableCells& cells) {
   const SliceGeometry& g = geometry_;
-  const MacrocellGrid& lattice = cells.lattice();
-  // Inward normals of the fan's sides, over (y, z - axis): phi = atan(-y / (z - axis)).
+  const MacrocellGrid& grid = cells.grid();
+  // Inward normals of the fan's sides over (y, z - axis): phi = atan(-y / (z - axis)).
   const double rounding_rad = 1e-5;
   const double first = g.phi_min_rad() - rounding_rad, last = g.phi_max_rad() + rounding_rad;
-  const glm::dvec2 origin_m(g.pixel_x_m(lattice.pixels.column - 0.5),
-                            g.pixel_depth_m(lattice.pixels.row - 0.5));
-  const glm::dvec2 end_m(g.pixel_x_m(lattice.pixels.column + lattice.cell_pixels - 0.5),
-                         g.pixel_depth_m(lattice.pixels.row + lattice.cell_pixels - 0.5));
+  const glm::dvec2 origin_m(g.pixel_x_m(grid.pixels.column - 0.5),
+                            g.pixel_depth_m(grid.pixels.row - 0.5));
+  const glm::dvec2 end_m(g.pixel_x_m(grid.pixels.column + grid.cell_pixels - 0.5),
+                         g.pixel_depth_m(grid.pixels.row + grid.cell_pixels - 0.5));
   ray_cast_.set("cell_origin_m", origin_m)
       .set("cell_m", end_m - origin_m)
       .set("fan_side_1", glm::dvec2(-std::cos(first), -std::sin(first)))
       .set("fan_side_2", glm::dvec2(std::cos(last), std::sin(last)))
-      .set("arm_max_m", g.r_max_m() - g.axis_z_m())
+      .set("axis_distance_max_m", g.r_max_m() - g.axis_z_m())
       .set("x_max_m", g.x_max_m());
 }
 
@@ -198,9 +200,9 @@ void RayCaster::set_sampling(const RenderOptions& options) {
 void RayCaster::cast(SliceVolume& volume) {
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
   const Texture* distances = volume.distances();
-  const Binding place =
+  const Binding slice_lookup =
       distances ? Binding{kDistances, distances} : Binding{kMotionTable, &motion_table_};
-  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, place, {kTransfer, &transfer_}});
+  ray_cast_.draw(target_, {{kSlices, &volume.slices()}, slice_lookup, {kTransfer, &transfer_}});
   check_gl("ray casting");
 }
 

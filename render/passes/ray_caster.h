@@ -1,4 +1,5 @@
-// Pass 2: rays through the slices; alpha blending and surface detection.
+// Pass 2: ray casting through the slices. Edge detection (Eq. (1)) gives z, alpha blending the
+// volume picture.
 #pragma once
 
 #include "render/camera.h"
@@ -9,28 +10,28 @@
 
 namespace wobblebench::render {
 
-/// Paper section 3.2. Mode `plain` takes every step of every ray. Mode `fast` leaps over what holds
-/// neither surface nor opacity (render/leaping/skippable_cells.h), and is the same otherwise.
+/// Paper section 3.2. Mode `plain` takes every step of every ray. Mode `fast` leaps over cells
+/// without surface and opacity (render/leaping/skippable_cells.h); otherwise it is the same.
 ///
-/// Taps outside the cone of valid data carry no weight.
+/// Taps of the kernel outside the cone of valid data carry no weight.
 ///
-/// Where z is: the ray length of the newest sample in the buffer when Difference reaches the
-/// threshold (the paper's definition), a smoothed sample belonging to its kernel's middle. For a
-/// step of contrast C across the surface and 0 < threshold < (buffer_length / 2) C, this lies past
-/// the edge by (threshold / C - 1/2) steps on average with refine_crossing, and by half a step more
-/// without. The buffer counts once it is full of samples in a row inside the cone.
+/// z is the ray length of the newest sample in the buffer when Difference of Eq. (1) reaches the
+/// threshold (the paper's definition); a smoothed sample lies at its kernel's middle. For a step of
+/// contrast C across the surface and 0 < threshold < (buffer_length / 2) C, z lies behind the edge
+/// by (threshold / C - 1/2) steps on average with refine_crossing, and by half a step more without.
+/// Difference is valid once the buffer holds buffer_length consecutive samples inside the cone.
 class RayCaster {
  public:
-  /// For `volume`, and all others of its maker.
+  /// For `volume` and all others of its factory.
   RayCaster(const SliceGeometry& geometry, const RenderOptions& options, const SliceVolume& volume);
 
-  /// From elsewhere, in the same projection.
-  void look(const RenderOptions& options);
+  /// Another view with the same projection.
+  void set_view(const RenderOptions& options);
   void cast(SliceVolume& volume);
 
-  /// Volume picture: RGB, opacity.
+  /// Volume picture: RGB and opacity.
   const Texture& color() const { return color_; }
-  /// Ray length at the surface, kNoDepth where there is none.
+  /// z: ray length at the surface in metres; kNoDepth if there is none.
   const Texture& depth() const { return depth_; }
 
  private:
@@ -38,7 +39,7 @@ class RayCaster {
   void set_cone(const Region& pixels);
   void set_motion_table();
   void set_fan();
-  void set_leaps(const SkippableCells& cells);
+  void set_macrocells(const SkippableCells& cells);
   void set_sampling(const RenderOptions& options);
 
   SliceGeometry geometry_;
@@ -47,7 +48,7 @@ class RayCaster {
   FragmentProgram ray_cast_;
 };
 
-/// z of a pixel without a surface in depth textures.
+/// z of a pixel without a surface, in depth textures.
 inline constexpr int kNoDepth = -1;
 
 }  // namespace wobblebench::render

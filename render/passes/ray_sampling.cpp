@@ -31,7 +31,7 @@ std::vector<double> gaussian_weights(int size) {
   return weights;
 }
 
-std::vector<double> boxed(const std::vector<double>& weights, int box) {
+std::vector<double> convolved_with_box(const std::vector<double>& weights, int box) {
   std::vector<double> mean(weights.size() + static_cast<std::size_t>(box) - 1, 0.0);
   for (std::size_t shift = 0; shift < static_cast<std::size_t>(box); ++shift) {
     for (std::size_t tap = 0; tap < weights.size(); ++tap) mean[shift + tap] += weights[tap] / box;
@@ -40,7 +40,7 @@ std::vector<double> boxed(const std::vector<double>& weights, int box) {
 }
 
 std::vector<double> buffer_weights(const RayCastingOptions& options) {
-  return boxed(gaussian_weights(ray_kernel_size(options)), options.window_2d);
+  return convolved_with_box(gaussian_weights(ray_kernel_size(options)), options.window_2d);
 }
 
 std::vector<double> blend_weights(const RayCastingOptions& options) {
@@ -52,7 +52,7 @@ std::vector<double> blend_weights(const RayCastingOptions& options) {
   return weights;
 }
 
-double kernel_reach_m(const RenderOptions& options) {
+double kernel_radius_m(const RenderOptions& options) {
   const int along = ray_kernel_size(options.ray_casting) / 2;
   const std::size_t across = buffer_weights(options.ray_casting).size() / 2;
   return step_m(options) * std::hypot(double(along), double(across), double(across));

@@ -1,5 +1,5 @@
-// What pass 2 computes on the CPU and sends to the shader: kernel weights and transfer function.
-// Shared with the reference, since they define the picture.
+// Kernel weights and transfer function of pass 2, computed on the CPU for the shader and the
+// double-precision reference.
 #pragma once
 
 #include <vector>
@@ -12,21 +12,22 @@ namespace wobblebench::render {
 /// 3, 1.25 for 5). The 3D kernel is its threefold product.
 std::vector<double> gaussian_weights(int size);
 
-/// Weights convolved with a box of so many taps, sum kept.
-std::vector<double> boxed(const std::vector<double>& weights, int box);
+/// Weights convolved with a normalised box of `box` taps.
+std::vector<double> convolved_with_box(const std::vector<double>& weights, int box);
 
-/// Taps across the ray for the sample that enters the buffer: the Gaussian of ray_kernel_size()
-/// taps, averaged over a window of `window_2d`. Length kernel + window - 1, sum 1.
+/// Taps across the ray for the sample that enters the buffer of Eq. (1): the Gaussian of
+/// ray_kernel_size() taps, averaged over a window of `window_2d`. Length kernel + window - 1, sum
+/// 1.
 std::vector<double> buffer_weights(const RayCastingOptions& options);
 
 /// Taps across the ray for the sample that is blended: the Gaussian, with zeros at both ends up to
 /// the length of buffer_weights().
 std::vector<double> blend_weights(const RayCastingOptions& options);
 
-/// How far from a place of the ray its taps lie at most.
-double kernel_reach_m(const RenderOptions& options);
+/// Largest distance of a kernel tap from its position on the ray.
+double kernel_radius_m(const RenderOptions& options);
 
-/// Grey and opacity of a sample, piecewise linear over the options' lists, constant beyond them.
+/// Grey level and opacity of a sample, piecewise linear over the options' lists, constant beyond.
 class TransferFunction {
  public:
   TransferFunction(const RayCastingOptions& options, double step_m);
@@ -42,6 +43,7 @@ class TransferFunction {
   double step_m_;
 };
 
+/// Entries of the transfer function's texture.
 inline constexpr int kTransferTableSize = 4096;
 
 }  // namespace wobblebench::render

@@ -1,4 +1,4 @@
-// Pass 1, mode plain: each frame's sticks to one Cartesian, filtered slice of the volume texture.
+// Pass 1, mode plain: scan conversion of each frame to a filtered slice of the volume texture.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace wobblebench::render {
 
-/// The volume texture: slice_size x slice_size x frames, zero where nothing has been written.
+/// The volume texture: slice_size x slice_size x frames, initially zero.
 class Slices {
  public:
   /// Throws std::runtime_error when frames or slices are beyond the driver's limits.
@@ -24,7 +24,7 @@ class Slices {
   std::vector<Framebuffer> layers_;
 };
 
-/// Paper section 3.1, frame by frame. The LUT is made once, on the CPU, for the plan.
+/// Paper section 3.1, one frame at a time. The LUT is computed once per plan, on the CPU.
 class ScanConverter {
  public:
   ScanConverter(const SliceGeometry& geometry,

@@ -7,7 +7,7 @@ namespace wobblebench::render {
 namespace {
 
 /// Depth from the centre of curvature and motor angle at (y, z); the closed form of
-/// hw::ProbeGeometry without x, which the motion leaves alone.
+/// hw::ProbeGeometry without x, which the motion does not change.
 struct MotionPoint {
   double depth_m, phi_rad;
 };
@@ -19,14 +19,14 @@ MotionPoint unwobble(double y_m, double z_m, double axis_z_m) {
           std::atan2(-side * y_m, std::max(std::abs(along), 1e-300))};
 }
 
-/// How far (y, z) is outside the fan's annulus, roughly: enough to say which entries are needed.
+/// Approximate distance of (y, z) from the fan's annulus, to select the entries that are needed.
 double outside_m(const MotionPoint& point, const SliceGeometry& g) {
   const double beyond_rad =
       std::max({0.0, point.phi_rad - g.phi_max_rad(), g.phi_min_rad() - point.phi_rad});
   const double beyond_m =
       std::max({0.0, point.depth_m - g.depth_max_m(), g.depth_min_m() - point.depth_m});
-  const double arm_m = std::abs(point.depth_m - g.axis_z_m());
-  return std::hypot(beyond_m, arm_m * std::sin(std::min(beyond_rad, kPi / 2)));
+  const double axis_distance_m = std::abs(point.depth_m - g.axis_z_m());
+  return std::hypot(beyond_m, axis_distance_m * std::sin(std::min(beyond_rad, kPi / 2)));
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ SlicePoint SliceGeometry::locate(const glm::dvec3& position_m, int sweep) const 
   const hw::PolarPoint polar = plan_.geometry().to_polar(position_m);
   const double r_m = r_min_m_ + polar.range_m;
   SlicePoint point;
-  point.across_m = position_m.x;
+  point.x_m = position_m.x;
   point.depth_m = r_m * std::cos(polar.theta_rad);
   point.frame = frame_at(polar.phi_rad) - frame_skew(sweep) * polar.theta_rad;
   const bool in_fan = frames_ == 1 ? polar.phi_rad >= phi_min_rad_ && polar.phi_rad <= phi_max_rad_
@@ -127,7 +127,8 @@ Region pixels_within(const SliceGeometry& g, const VolumeOfInterest& box, double
   const auto low = [&](int i) { return box.center_m[i] - box.size_m[i] / 2 - margin_m; };
   const auto high = [&](int i) { return box.center_m[i] + box.size_m[i] / 2 + margin_m; };
   const PixelRange columns = pixel_range(g.column(low(0)), g.column(high(0)), g.slice_size());
-  // Depths are distances from the wobble axis: of the box's nearest and farthest place.
+  // Depth is axis_z_m plus the distance from the wobble axis: of the box's nearest and farthest
+  // point.
   const auto nearest = [&](int i, double axis) {
     return std::max({low(i) - axis, axis - high(i), 0.0});
   };
@@ -136,7 +137,7 @@ Region pixels_within(const SliceGeometry& g, const VolumeOfInterest& box, double
   };
   const double near_m = std::hypot(nearest(1, 0), nearest(2, g.axis_z_m()));
   const double far_m = std::hypot(farthest(1, 0), farthest(2, g.axis_z_m()));
-  // Behind the axis depths count down from it.
+  // Behind the axis the distance is subtracted.
   const bool behind = low(2) < g.axis_z_m();
   const PixelRange rows = pixel_range(g.row(g.axis_z_m() + (behind ? -far_m : near_m)),
                                       g.row(g.axis_z_m() + far_m),
@@ -172,8 +173,8 @@ MotionTable make_motion_table(const SliceGeometry& g, int size) {
   table.y_max_m = reach_m * std::sin(widest_rad);
   table.z_max_m = g.r_max_m();
   table.z_min_m = g.axis_z_m() + near_arm_m * (near_arm_m > 0 ? std::cos(widest_rad) : 1.0);
-  // A margin of entries beyond the field on every side, so that a fetch clamped to the edge of the
-  // table reads an entry that is not flagged.
+  // A margin of entries around the field, so that a fetch clamped to the edge of the table reads an
+  // entry with flag 0.
   const double margin = 3.0 / size;
   const double y_margin_m = margin * 2 * table.y_max_m;
   const double z_margin_m = margin * (table.z_max_m - table.z_min_m);

@@ -13,7 +13,7 @@ bool in_slices(const RayCastingOptions& options) {
 
 std::vector<double> slice_weights(const RenderOptions& options) {
   const int box = options.scan_conversion.filter_size;
-  return boxed(frame_weights(options.ray_casting), box);
+  return convolved_with_box(frame_weights(options.ray_casting), box);
 }
 
 std::vector<double> frame_weights(const RayCastingOptions& options) {

@@ -1,5 +1,5 @@
-// The part of pass 1's and pass 2's filters that works on slices. Shared with the reference, since
-// it defines the picture.
+// How the 3D kernel of pass 2 splits into filters of slices, of frames, and along the ray, for the
+// GL passes and the double-precision reference.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,15 @@
 namespace wobblebench::render {
 
 /// Taps within a slice, along each axis: pass 1's box, convolved with the Gaussian of the 3D kernel
-/// where that lies in slices. Odd length, sum 1. A slice's pixel is the mean, weighted by the
-/// product of two taps, of the pixels around it that hold data.
+/// if that lies in slices. Odd length, sum 1. A pixel of a slice is the mean of the pixels around
+/// it that hold data, weighted by the product of the taps of both axes.
 std::vector<double> slice_weights(const RenderOptions& options);
 
-/// Taps across frames: the Gaussian of the 3D kernel where that lies in slices, else a lone 1. Taps
+/// Taps across frames: the Gaussian of the 3D kernel if that lies in slices, else a single 1. Taps
 /// beyond the first and last frame carry no weight.
 std::vector<double> frame_weights(const RayCastingOptions& options);
 
-/// Taps a side of the part of the 3D kernel that lies along the ray and across it; 1: none.
+/// Taps per side of the 3D kernel in ray space; 1: none.
 int ray_kernel_size(const RayCastingOptions& options);
 
 }  // namespace wobblebench::render

@@ -16,7 +16,7 @@ class PlainVolume : public SliceVolume {
       : converter_(converter), slices_(geometry, options.scan_conversion) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
-    for (int frame : layers) converter_.convert(store.mixed(frame), slices_.layer(frame));
+    for (int frame : layers) converter_.convert(store.filtered(frame), slices_.layer(frame));
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override {
@@ -41,14 +41,14 @@ class FastVolume : public SliceVolume {
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
     converter_.convert(
         layers, store, slices_, [this](const Texture& group, int index, const LayerGroup& made) {
-          empty_space_.bound(group, index, made);
+          empty_space_.update_bounds(group, index, made);
         });
   }
   const Texture& slices() const override { return slices_.texture(); }
   Region pixels() const override { return slices_.region(); }
   const SkippableCells* cells() const override { return &empty_space_.cells(); }
   const Texture* distances() override { return &empty_space_.distances(); }
-  void look(const RenderOptions& options) override { empty_space_.look(options); }
+  void set_view(const RenderOptions& options) override { empty_space_.set_view(options); }
 
  private:
   FastScanConverter& converter_;
@@ -58,7 +58,7 @@ class FastVolume : public SliceVolume {
 
 }  // namespace
 
-struct SliceVolumeMaker::Shared {
+struct SliceVolumeFactory::Shared {
   Shared(const hw::AcquisitionPlan& acquisition_plan, const RenderOptions& render_options)
       : plan(acquisition_plan),
         options(render_options),
@@ -77,23 +77,24 @@ struct SliceVolumeMaker::Shared {
   std::optional<FastScanConverter> fast;
 };
 
-SliceVolumeMaker::SliceVolumeMaker(const hw::AcquisitionPlan& plan, const RenderOptions& options)
+SliceVolumeFactory::SliceVolumeFactory(const hw::AcquisitionPlan& plan,
+                                       const RenderOptions& options)
     : shared_(std::make_unique<Shared>(plan, options)) {}
 
-SliceVolumeMaker::~SliceVolumeMaker() = default;
+SliceVolumeFactory::~SliceVolumeFactory() = default;
 
-std::unique_ptr<SliceVolume> SliceVolumeMaker::make() const {
+std::unique_ptr<SliceVolume> SliceVolumeFactory::make() const {
   Shared& s = *shared_;
   if (s.fast) return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options);
   return std::make_unique<PlainVolume>(*s.plain, s.geometry, s.options);
 }
 
-FrameStore SliceVolumeMaker::make_store() const {
+FrameStore SliceVolumeFactory::make_frame_store() const {
   const Shared& s = *shared_;
   return FrameStore(s.plan, frame_weights(s.options.ray_casting), s.fast ? 2 : 1);
 }
 
-const SliceGeometry& SliceVolumeMaker::geometry() const {
+const SliceGeometry& SliceVolumeFactory::geometry() const {
   return shared_->geometry;
 }
 

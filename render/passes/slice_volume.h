@@ -1,4 +1,4 @@
-// The volume on the GPU: pass 1 makes it, pass 2 reads it.
+// The volume on the GPU, written by pass 1 and read by pass 2.
 #pragma once
 
 #include <memory>
@@ -11,6 +11,7 @@
 
 namespace wobblebench::render {
 
+/// The slices of one volume and, in mode fast, its skippable cells.
 class SliceVolume {
  public:
   virtual ~SliceVolume() = default;
@@ -21,26 +22,27 @@ class SliceVolume {
   /// Pass 1 for these layers of the volume texture.
   virtual void make_layers(const std::vector<int>& layers, FrameStore& store) = 0;
   virtual const Texture& slices() const = 0;
-  /// The pixels of a slice that `slices` has.
+  /// The pixels of a slice that slices() stores.
   virtual Region pixels() const = 0;
 
-  /// Empty space, in mode fast; else null.
+  /// Skippable cells and their distance texture (SkippableCells::distances()) in mode fast; else
+  /// null.
   virtual const SkippableCells* cells() const { return nullptr; }
   virtual const Texture* distances() { return nullptr; }
-  /// Empty space depends on where the picture is seen from.
-  virtual void look(const RenderOptions&) {}
+  /// Which cells are skippable depends on the view.
+  virtual void set_view(const RenderOptions&) {}
 
-  int sweep = 1;  ///< which way the motor turned: hw::AcquisitionPlan::sweep_direction
+  int sweep = 1;  ///< of the motor, as hw::AcquisitionPlan::sweep_direction
 };
 
-/// Makes volumes of one plan; what they share is made once. They must not outlive it.
-class SliceVolumeMaker {
+/// Makes the volumes of one plan, which share its scan converter and must not outlive it.
+class SliceVolumeFactory {
  public:
-  SliceVolumeMaker(const hw::AcquisitionPlan& plan, const RenderOptions& options);
-  ~SliceVolumeMaker();
+  SliceVolumeFactory(const hw::AcquisitionPlan& plan, const RenderOptions& options);
+  ~SliceVolumeFactory();
 
-  std::unique_ptr<SliceVolume> make() const;
-  FrameStore make_store() const;
+  [[nodiscard]] std::unique_ptr<SliceVolume> make() const;
+  [[nodiscard]] FrameStore make_frame_store() const;
   const SliceGeometry& geometry() const;
 
  private:

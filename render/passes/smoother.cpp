@@ -7,7 +7,7 @@ namespace wobblebench::render {
 namespace {
 
 enum Bindings { kPicture, kSource };
-/// What a step of means makes of them; shaders/smooth_lines.frag.glsl.
+/// Operation of a step of shaders/smooth_lines.frag.glsl and smooth_guided.frag.glsl.
 enum StepKind { kMeans, kMoments, kCoefficients, kApply };
 
 Defines defines(const SmoothingOptions& options) {
@@ -104,7 +104,7 @@ Smoother::Smoother(const SmoothingOptions& options, int image_size, PipelineMode
 void Smoother::smooth(const Texture& picture) {
   const Texture* source = &picture;
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const bool to_smoothed = (steps_.size() - i) % 2 == 1;  // so that the last step's is
+    const bool to_smoothed = (steps_.size() - i) % 2 == 1;  // the last one is
     steps_[i].draw(to_smoothed ? smoothed_target_ : between_target_,
                    {{kPicture, &picture}, {kSource, source}});
     source = to_smoothed ? &smoothed_ : &between_;

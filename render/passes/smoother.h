@@ -1,4 +1,4 @@
-// Pass 4: the final picture smoothed.
+// Pass 4: smoothing of the shaded picture.
 #pragma once
 
 #include <vector>
@@ -11,21 +11,21 @@ namespace wobblebench::render {
 /// Paper section 3.4; the guided filter is that of docs/references.md [19].
 class Smoother {
  public:
-  /// Both modes give the same picture; `fast` takes the windows of box and guided line by line.
+  /// Both modes give the same picture; `fast` filters rows and columns in turn for box and guided.
   Smoother(const SmoothingOptions& options, int image_size, PipelineMode mode);
 
-  /// Takes and gives RGB in [0, 1].
+  /// `picture`: RGB in [0, 1].
   void smooth(const Texture& picture);
   const Texture& smoothed() const { return smoothed_; }
 
  private:
   Texture between_, smoothed_;
   Framebuffer between_target_, smoothed_target_;
-  /// Drawn one after the other, each from the picture and the step before.
+  /// Drawn in order, each from the picture and the result of the previous one.
   std::vector<FragmentProgram> steps_;
 };
 
-/// Bilateral filter: standard deviation over the picture, in pixels, for a filter of this size.
+/// Spatial standard deviation of the bilateral filter, in pixels.
 constexpr double bilateral_spatial_sigma(int filter_size) {
   return filter_size / 4.0;
 }

@@ -7,14 +7,14 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kDepth, kQuadrants, kNearest, kClear };
+enum Bindings { kDepth, kQuadrants, kNearest, kLitDepth };
 
 Defines shade_defines(const RenderOptions& options) {
   return Defines()
       .add("BIND_DEPTH", kDepth)
       .add("BIND_QUADRANTS", kQuadrants)
       .add("BIND_NEAREST", kNearest)
-      .add("BIND_CLEAR", kClear)
+      .add("BIND_LIT_DEPTH", kLitDepth)
       .add("FAST", options.pipeline.mode == PipelineMode::fast)
       .add("TILE", kShadowTile)
       .add("NO_SURFACE", kNoDepth)
@@ -73,7 +73,7 @@ void SurfaceShader::shade(const Texture& depth) {
                 {{kDepth, &filtered_depth()},
                  {kQuadrants, &tiles_.quadrants()},
                  {kNearest, &tiles_.nearest()},
-                 {kClear, &tiles_.clear()}});
+                 {kLitDepth, &tiles_.lit_depth()}});
   } else {
     shade_.draw(target_, {{kDepth, &filtered_depth()}});
   }

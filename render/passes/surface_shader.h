@@ -1,4 +1,4 @@
-// Pass 3: the z-buffer filtered, lit and shadowed.
+// Pass 3: filter, Blinn-Phong shading and cast shadows of the z-buffer.
 #pragma once
 
 #include "render/gl/program.h"
@@ -13,7 +13,7 @@ class SurfaceShader {
  public:
   explicit SurfaceShader(const RenderOptions& options);
 
-  /// Shades z as RayCaster::depth() gives it.
+  /// Shades RayCaster::depth().
   void shade(const Texture& depth);
 
   const Texture& filtered_depth() const { return filter_.filtered(); }

@@ -1,17 +1,29 @@
-// The yardstick: the same four passes on the CPU in double precision, written for clarity.
+// Reference renderer: the same four passes on the CPU in double precision, written for clarity.
 #pragma once
 
-#include "hw/probe/polar_volume.h"
 #include "render/options.h"
 #include "render/picture.h"
 
+namespace wobblebench::hw {
+class PolarVolume;
+}
+
 namespace wobblebench::render {
 
-/// Same inputs, same settings, same outputs as render_volume(); no pass times.
+/// Inputs and outputs of render_volume(), without pass times. Throws InvalidOption.
+///
+/// @code
+/// #include "hw/probe/polar_volume.h"
+/// const hw::PolarVolume volume(hw::AcquisitionPlan({}, {}));
+/// render::RenderOptions options;
+/// options.ray_casting.image_size = 64;
+/// const render::Picture picture = render::render_reference(volume, options);
+/// const render::Picture shaded = render::shade_depth(picture.depth_m, options);
+/// @endcode
 Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& options);
 
-/// Passes 3 and 4 alone, on any depth image: how the truth is shaded the same way.
-/// The depth image has image_size pixels a side; `volume` is black.
+/// Passes 3 and 4 on any depth image, such as the ground truth, of image_size pixels per side;
+/// `volume` is black. Throws InvalidOption.
 Picture shade_depth(const Image<float>& depth_m, const RenderOptions& options);
 
 }  // namespace wobblebench::render

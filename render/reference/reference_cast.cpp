@@ -1,3 +1,4 @@
+// Pass 2 of the reference. SurfaceFinder is where an edge becomes z.
 #include <cmath>
 #include <deque>
 #include <glm/geometric.hpp>
@@ -12,13 +13,13 @@
 namespace wobblebench::render::reference {
 namespace {
 
-/// Smoothed samples at one place of a ray; empty outside the cone.
+/// Smoothed samples at one position of a ray.
 struct RaySample {
-  double buffered;  ///< enters the difference buffer
-  double blended;   ///< is blended
+  double buffered;  ///< for the buffer of Eq. (1)
+  double blended;   ///< for alpha blending
 };
 
-/// Places around a point of a ray, one step apart along it and across it.
+/// One step along a ray and two across it.
 struct RayAxes {
   glm::dvec3 along, across_1, across_2;
 };
@@ -44,9 +45,10 @@ class RayTracer {
   Pixel trace(int column, int row) const;
 
  private:
-  std::optional<RaySample> smoothed(const glm::dvec3& place, const RayAxes& axes) const;
+  /// Empty outside the cone.
+  std::optional<RaySample> smoothed(const glm::dvec3& position, const RayAxes& axes) const;
   RayAxes axes(const hw::Ray& ray) const;
-  double smooth_across(const glm::dvec3& place,
+  double smooth_across(const glm::dvec3& position,
                        const RayAxes& axes,
                        const std::vector<double>& across_weights) const;
 
@@ -67,7 +69,7 @@ RayAxes RayTracer::axes(const hw::Ray& ray) const {
 }
 
 /// The 3D kernel in ray space, over the taps inside the cone.
-double RayTracer::smooth_across(const glm::dvec3& place,
+double RayTracer::smooth_across(const glm::dvec3& position,
                                 const RayAxes& axes,
                                 const std::vector<double>& across_weights) const {
   const int along_half = static_cast<int>(along_weights_.size()) / 2;
@@ -80,7 +82,7 @@ double RayTracer::smooth_across(const glm::dvec3& place,
                               across_weights.at(static_cast<std::size_t>(i + across_half)) *
                               across_weights.at(static_cast<std::size_t>(j + across_half));
         if (weight == 0) continue;
-        const auto tap = slices_.at(place + double(k) * axes.along + double(i) * axes.across_1 +
+        const auto tap = slices_.at(position + double(k) * axes.along + double(i) * axes.across_1 +
                                     double(j) * axes.across_2);
         if (!tap.inside) continue;
         sum += weight * tap.value;
@@ -91,15 +93,19 @@ double RayTracer::smooth_across(const glm::dvec3& place,
   return sum / total;
 }
 
-std::optional<RaySample> RayTracer::smoothed(const glm::dvec3& place, const RayAxes& axes) const {
-  if (!slices_.at(place).inside) return {};
+std::optional<RaySample> RayTracer::smoothed(const glm::dvec3& position,
+                                             const RayAxes& axes) const {
+  if (!slices_.at(position).inside) return {};
   RaySample sample{};
-  if (o_.mode != RenderMode::volume) sample.buffered = smooth_across(place, axes, buffer_weights_);
-  if (o_.mode != RenderMode::surface) sample.blended = smooth_across(place, axes, blend_weights_);
+  if (o_.mode != RenderMode::volume)
+    sample.buffered = smooth_across(position, axes, buffer_weights_);
+  if (o_.mode != RenderMode::surface)
+    sample.blended = smooth_across(position, axes, blend_weights_);
   return sample;
 }
 
-/// Eq. (1): the newer half of the buffer minus the older half, or the reverse for falling edges.
+/// Difference of Eq. (1): the newer half of the buffer minus the older half; negated for falling
+/// edges.
 double difference(const std::deque<double>& buffer, EdgeSign edge) {
   const auto middle = buffer.begin() + static_cast<std::ptrdiff_t>(buffer.size() / 2);
   const double older = std::accumulate(buffer.begin(), middle, 0.0);
@@ -107,17 +113,18 @@ double difference(const std::deque<double>& buffer, EdgeSign edge) {
   return edge == EdgeSign::rising ? newer - older : older - newer;
 }
 
-/// Looks for the surface along one ray.
+/// Finds the surface along one ray by edge detection, Eq. (1).
 class SurfaceFinder {
  public:
   SurfaceFinder(const RayCastingOptions& options, double step_m) : o_(options), step_m_(step_m) {}
 
-  void outside() {
+  /// The ray is outside the cone: empties the buffer.
+  void reset() {
     buffer_.clear();
     last_difference_.reset();
   }
 
-  /// Takes the next sample, at this ray length; z once the surface is found.
+  /// Adds the sample at this ray length; returns z if it completes an edge.
   std::optional<double> take(double sample, double distance_m) {
     buffer_.push_back(sample);
     if (buffer_.size() < static_cast<std::size_t>(o_.buffer_length)) return {};
@@ -154,7 +161,7 @@ RayTracer::Pixel RayTracer::trace(int column, int row) const {
     const auto sample = smoothed(ray.at(distance_m), ray_axes);
     if (!sample) {
       if (was_inside && o_.stop_on_leaving_cone) break;
-      finder.outside();
+      finder.reset();
       continue;
     }
     was_inside = true;

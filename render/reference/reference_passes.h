@@ -1,5 +1,4 @@
-// The passes of the double-precision reference, one by one (render/reference/reference.h puts them
-// together).
+// The single passes of the double-precision reference (render/reference/reference.h).
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -13,16 +12,16 @@
 
 namespace wobblebench::render::reference {
 
-/// What pass 1 makes: scan-converted, filtered slices.
+/// Result of pass 1: scan-converted, filtered slices.
 class SliceStack {
  public:
   SliceStack(const hw::PolarVolume& volume, const RenderOptions& options);
 
   struct Sample {
     double value = 0;
-    bool inside = false;  ///< of the cone of valid data
+    bool inside = false;  ///< in the cone of valid data
   };
-  /// Trilinear between slices, placed by the closed-form geometry.
+  /// Trilinear interpolation at a position of the probe frame, by the closed-form geometry.
   Sample at(const glm::dvec3& position_m) const;
 
   const SliceGeometry& geometry() const { return geometry_; }
@@ -37,7 +36,7 @@ class SliceStack {
   std::vector<Image<double>> slices_;
 };
 
-/// What pass 2 makes.
+/// Result of pass 2.
 struct Cast {
   Image<double> depth_m;  ///< NaN where there is no surface
   Image<glm::dvec3> volume;

@@ -1,3 +1,4 @@
+// Passes 3 and 4 of the reference.
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -22,7 +23,7 @@ void for_each_neighbour(const Image<Pixel>& image, int column, int row, int size
   }
 }
 
-/// Shades a height map, seen by a camera. Works in the probe frame.
+/// Shades the height map of a camera. Positions and directions are in the probe frame.
 class HeightMap {
  public:
   HeightMap(const Image<double>& depth_m, const RenderOptions& options)
@@ -46,26 +47,27 @@ class HeightMap {
   }
   glm::dvec3 tangent(int column, int row, int right, int down) const;
   glm::dvec3 normal(int column, int row) const;
-  Lighting light_at(const glm::dvec3& place, const glm::dvec3& to_viewer) const;
-  bool in_shadow(const glm::dvec3& place, const Lighting& light) const;
-  double pixels_per_m(const glm::dvec3& place, const glm::dvec3& direction) const;
+  Lighting light_at(const glm::dvec3& from, const glm::dvec3& to_viewer) const;
+  bool in_shadow(const glm::dvec3& from, const Lighting& light) const;
+  double pixels_per_m(const glm::dvec3& from, const glm::dvec3& direction) const;
 
   const Image<double>& depth_m_;
   const ShadingOptions& o_;
   Camera camera_;
 };
 
-/// Central difference, one-sided where a neighbour is missing; equally deep where both are.
+/// Central difference; one-sided where a neighbour is missing, at constant z where both are.
 glm::dvec3 HeightMap::tangent(int column, int row, int right, int down) const {
-  const double here = depth_m_.at(column, row);
+  const double z_m = depth_m_.at(column, row);
   const double before = depth(column - right, row - down),
                after = depth(column + right, row + down);
-  const bool alone = std::isnan(before) && std::isnan(after);
-  const bool look_back = alone || !std::isnan(before), look_on = alone || !std::isnan(after);
-  const glm::dvec3 from = look_back ? position(column - right, row - down, alone ? here : before)
-                                    : position(column, row, here);
-  const glm::dvec3 to = look_on ? position(column + right, row + down, alone ? here : after)
-                                : position(column, row, here);
+  const bool isolated = std::isnan(before) && std::isnan(after);
+  const bool use_before = isolated || !std::isnan(before),
+             use_after = isolated || !std::isnan(after);
+  const glm::dvec3 from = use_before ? position(column - right, row - down, isolated ? z_m : before)
+                                     : position(column, row, z_m);
+  const glm::dvec3 to = use_after ? position(column + right, row + down, isolated ? z_m : after)
+                                  : position(column, row, z_m);
   return to - from;
 }
 
@@ -75,19 +77,18 @@ glm::dvec3 HeightMap::normal(int column, int row) const {
   return size > 0 ? -away / size : -camera_.ray(column, row).direction;
 }
 
-HeightMap::Lighting HeightMap::light_at(const glm::dvec3& place,
-                                        const glm::dvec3& to_viewer) const {
+HeightMap::Lighting HeightMap::light_at(const glm::dvec3& from, const glm::dvec3& to_viewer) const {
   if (o_.light == Light::directional) {
     return {light_direction_in_probe(o_, camera_), std::numeric_limits<double>::infinity()};
   }
-  const glm::dvec3 offset = light_position_in_probe_m(o_, camera_) - place;
+  const glm::dvec3 offset = light_position_in_probe_m(o_, camera_) - from;
   const double distance_m = glm::length(offset);
   return {distance_m > 0 ? offset / distance_m : to_viewer, distance_m};
 }
 
 /// Derivative of Camera::project() along a unit direction, for the picture's faster axis.
-double HeightMap::pixels_per_m(const glm::dvec3& place, const glm::dvec3& direction) const {
-  const glm::dvec3 offset = place - camera_.center;
+double HeightMap::pixels_per_m(const glm::dvec3& from, const glm::dvec3& direction) const {
+  const glm::dvec3 offset = from - camera_.center;
   glm::dvec2 speed(glm::dot(direction, camera_.right), glm::dot(direction, camera_.down));
   if (camera_.projection == Projection::perspective) {
     const glm::dvec2 lateral(glm::dot(offset, camera_.right), glm::dot(offset, camera_.down));
@@ -98,22 +99,22 @@ double HeightMap::pixels_per_m(const glm::dvec3& place, const glm::dvec3& direct
   return std::max(std::abs(speed.x), std::abs(speed.y)) / camera_.pixel_m();
 }
 
-/// Fig. 4: from the pixel towards the light, one pixel of the picture at a time.
-bool HeightMap::in_shadow(const glm::dvec3& place, const Lighting& light) const {
+/// Shadow trace (Fig. 4) from a surface point towards the light, one pixel of the picture per step.
+bool HeightMap::in_shadow(const glm::dvec3& from, const Lighting& light) const {
   const bool parallel = camera_.projection == Projection::parallel;
   const double behind_m = parallel ? camera_.plane_distance_m : camera_.eye_distance_m;
   double travelled_m = 0;
   for (int i = 0; i < max_shadow_steps(camera_.image_size); ++i) {
-    const glm::dvec3 last = place + travelled_m * light.direction;
+    const glm::dvec3 last = from + travelled_m * light.direction;
     travelled_m += 1 / std::max(pixels_per_m(last, light.direction), 1e-3);
     if (travelled_m >= light.distance_m) return false;
-    const glm::dvec3 here = place + travelled_m * light.direction;
+    const glm::dvec3 here = from + travelled_m * light.direction;
     if (glm::dot(here - camera_.center, camera_.forward) + behind_m <= 0) return false;
-    const PicturePoint seen = camera_.project(here);
-    const double left = seen.column + 0.5, top = seen.row + 0.5;
+    const PicturePoint projected = camera_.project(here);
+    const double left = projected.column + 0.5, top = projected.row + 0.5;
     if (left < 0 || top < 0 || left >= depth_m_.width || top >= depth_m_.height) return false;
     const double height_m = depth_m_.at(static_cast<int>(left), static_cast<int>(top));
-    if (height_m + o_.shadow_bias_m < seen.depth_m) return true;
+    if (height_m + o_.shadow_bias_m < projected.depth_m) return true;
   }
   return false;
 }
@@ -123,9 +124,9 @@ glm::dvec3 HeightMap::shaded(int column, int row) const {
   const double z_m = depth_m_.at(column, row);
   if (std::isnan(z_m)) return glm::dvec3(0);
   const hw::Ray ray = camera_.ray(column, row);
-  const glm::dvec3 place = ray.at(z_m), to_viewer = -ray.direction;
+  const glm::dvec3 surface = ray.at(z_m), to_viewer = -ray.direction;
   const glm::dvec3 surface_normal = normal(column, row);
-  const Lighting light = light_at(place, to_viewer);
+  const Lighting light = light_at(surface, to_viewer);
   const double facing = glm::dot(surface_normal, light.direction);
   const glm::dvec3 base = o_.base_rgb;
   glm::dvec3 color = base * (o_.ambient + o_.diffuse * std::max(facing, 0.0));
@@ -134,15 +135,14 @@ glm::dvec3 HeightMap::shaded(int column, int row) const {
     const double along = glm::dot(surface_normal, halfway) / std::max(glm::length(halfway), 1e-20);
     color += o_.specular * std::pow(std::max(along, 0.0), o_.shininess);
   }
-  if (o_.shadows && in_shadow(place, light)) color *= o_.shadow_coefficient;
+  if (o_.shadows && in_shadow(surface, light)) color *= o_.shadow_coefficient;
   return glm::min(color, 1.0);
 }
 
-/// What a window of the guided filter (docs/references.md [19]) makes of its pixels: share * colour
-/// + rest.
+/// Linear map of a window of the guided filter (docs/references.md [19]): scale * colour + offset.
 struct GuidedWindow {
-  double share = 0;
-  glm::dvec3 rest{0};
+  double scale = 0;
+  glm::dvec3 offset{0};
 };
 
 GuidedWindow guided_window(const Image<glm::dvec3>& picture,
@@ -163,8 +163,8 @@ GuidedWindow guided_window(const Image<glm::dvec3>& picture,
     const glm::dvec3 change = picture.at(i, j) - mean;
     variance += glm::dot(change, change) / count;
   });
-  const double share = variance / (variance + options.range_sigma * options.range_sigma);
-  return {share, (1 - share) * mean};
+  const double scale = variance / (variance + options.range_sigma * options.range_sigma);
+  return {scale, (1 - scale) * mean};
 }
 
 Image<glm::dvec3> smooth_guided(const Image<glm::dvec3>& picture, const SmoothingOptions& options) {
@@ -181,7 +181,7 @@ Image<glm::dvec3> smooth_guided(const Image<glm::dvec3>& picture, const Smoothin
       double count = 0;
       for_each_neighbour(picture, column, row, options.filter_size, [&](int i, int j) {
         const GuidedWindow& window = windows.at(i, j);
-        sum += window.share * picture.at(column, row) + window.rest;
+        sum += window.scale * picture.at(column, row) + window.offset;
         ++count;
       });
       smoothed.at(column, row) = sum / count;

@@ -1,3 +1,4 @@
+// Pass 1 of the reference.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +10,7 @@
 namespace wobblebench::render::reference {
 namespace {
 
-/// A pixel of a slice without data.
+/// Value of a pixel without data.
 constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
 
 double sample_at(const hw::PolarFrame& frame, int samples_per_stick, int line, int sample) {
@@ -51,7 +52,8 @@ Image<double> scan_convert(const hw::PolarFrame& frame,
   return slice;
 }
 
-/// Mean of the pixels with data around one, weighted by the product of two taps; 0 without any.
+/// Mean of the pixels with data around a pixel, weighted by the product of the taps of both axes; 0
+/// if there are none.
 double mean_around(const Image<double>& slice,
                    int column,
                    int row,
@@ -73,7 +75,7 @@ double mean_around(const Image<double>& slice,
 }
 
 Image<double> filter(const Image<double>& slice, const std::vector<double>& weights) {
-  // Pixels next to the sector take their neighbours' mean, even where others are left alone.
+  // Pixels next to the sector take the mean of their neighbours in it, also without a filter.
   const std::vector<double> next_to_sector =
       weights.size() > 1 ? weights : std::vector<double>(3, 1.0 / 3);
   Image<double> filtered(slice.width, slice.height);
@@ -87,29 +89,29 @@ Image<double> filter(const Image<double>& slice, const std::vector<double>& weig
   return filtered;
 }
 
-/// A slice and its neighbours, weighted, as far as there are any.
+/// Weighted mean of a slice and its neighbours, as far as they exist.
 Image<double> across_frames(const std::vector<Image<double>>& slices,
                             int frame,
                             const std::vector<double>& weights) {
   const int half = static_cast<int>(weights.size()) / 2;
-  Image<double> mixed(slices.front().width, slices.front().height);
+  Image<double> mean(slices.front().width, slices.front().height);
   double total = 0;
   for (int offset = -half; offset <= half; ++offset) {
     const int neighbour = frame + offset;
     if (neighbour < 0 || neighbour >= static_cast<int>(slices.size())) continue;
     const double weight = weights[static_cast<std::size_t>(offset + half)];
     const auto& pixels = slices[static_cast<std::size_t>(neighbour)].pixels;
-    for (std::size_t i = 0; i < pixels.size(); ++i) mixed.pixels[i] += weight * pixels[i];
+    for (std::size_t i = 0; i < pixels.size(); ++i) mean.pixels[i] += weight * pixels[i];
     total += weight;
   }
-  for (double& pixel : mixed.pixels) pixel /= total;
-  return mixed;
+  for (double& pixel : mean.pixels) pixel /= total;
+  return mean;
 }
 
-/// A fractional pixel or frame as two neighbours and the share of the second, clamped to the edge.
+/// A fractional pixel or frame as two neighbours and the weight of the second, clamped to the edge.
 struct Between {
   int first, second;
-  double share;
+  double weight;
 };
 Between between(double at, int count) {
   const double clamped = std::clamp(at, 0.0, count - 1.0);
@@ -139,16 +141,16 @@ SliceStack::Sample SliceStack::at(const glm::dvec3& position_m) const {
   const SlicePoint point = geometry_.locate(position_m, sweep_);
   if (!point.inside) return {};
   const int size = geometry_.slice_size();
-  const Between x = between(geometry_.column(point.across_m), size);
+  const Between x = between(geometry_.column(point.x_m), size);
   const Between y = between(geometry_.row(point.depth_m), size);
   const Between f = between(point.frame, geometry_.frames());
   const auto in_slice = [&](int frame) {
     return std::lerp(
-        std::lerp(pixel(frame, x.first, y.first), pixel(frame, x.second, y.first), x.share),
-        std::lerp(pixel(frame, x.first, y.second), pixel(frame, x.second, y.second), x.share),
-        y.share);
+        std::lerp(pixel(frame, x.first, y.first), pixel(frame, x.second, y.first), x.weight),
+        std::lerp(pixel(frame, x.first, y.second), pixel(frame, x.second, y.second), x.weight),
+        y.weight);
   };
-  return {std::lerp(in_slice(f.first), in_slice(f.second), f.share), true};
+  return {std::lerp(in_slice(f.first), in_slice(f.second), f.weight), true};
 }
 
 }  // namespace wobblebench::render::reference

@@ -1,10 +1,9 @@
-// Pass 3, fast: the homogeneous filter of z as two passes of one dimension, rows and then columns.
-// In between are, for each pixel, the sum of z over its row's neighbours that have a surface, and
-// their number. textureLod at texels' middles, as llvmpipe fetches so at half texelFetch's cost.
+// Pass 3, mode fast: the homogeneous filter of z as two one-dimensional passes, rows then columns.
+// The intermediate texture holds, per pixel, the sum of z over the row's neighbours that have a
+// surface, and their number. textureLod at texel centres: on llvmpipe half the cost of texelFetch.
 layout(binding = BIND_DEPTH) uniform sampler2D depth;
 
-// What z is summed relative to: a distance in the middle of the relief keeps the digits that z
-// itself would lose.
+// z is summed relative to this distance, near the middle of the relief, to keep float precision.
 uniform float middle_m;
 
 #if COLUMNS
@@ -13,13 +12,13 @@ layout(location = 0) out float filtered;
 
 void main() {
   vec2 texel = 1.0 / vec2(textureSize(depth, 0));
-  vec2 place = gl_FragCoord.xy * texel;
+  vec2 uv = gl_FragCoord.xy * texel;
   vec2 sum = vec2(0.0);
   for (int k = -HALF_FILTER; k <= HALF_FILTER; ++k) {
-    float row = place.y + float(k) * texel.y;
-    if (row > 0.0 && row < 1.0) sum += textureLod(sums, vec2(place.x, row), 0.0).rg;
+    float row = uv.y + float(k) * texel.y;
+    if (row > 0.0 && row < 1.0) sum += textureLod(sums, vec2(uv.x, row), 0.0).rg;
   }
-  float z = textureLod(depth, place, 0.0).r;
+  float z = textureLod(depth, uv, 0.0).r;
   filtered = z < 0.0 ? z : middle_m + sum.x / sum.y;
 }
 #else
@@ -27,11 +26,11 @@ layout(location = 0) out vec2 sum;
 
 void main() {
   vec2 texel = 1.0 / vec2(textureSize(depth, 0));
-  vec2 place = gl_FragCoord.xy * texel;
+  vec2 uv = gl_FragCoord.xy * texel;
   sum = vec2(0.0);
   for (int k = -HALF_FILTER; k <= HALF_FILTER; ++k) {
-    float column = place.x + float(k) * texel.x;
-    float z = textureLod(depth, vec2(column, place.y), 0.0).r;
+    float column = uv.x + float(k) * texel.x;
+    float z = textureLod(depth, vec2(column, uv.y), 0.0).r;
     if (z >= 0.0 && column > 0.0 && column < 1.0) sum += vec2(z - middle_m, 1.0);
   }
 }

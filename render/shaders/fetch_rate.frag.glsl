@@ -1,11 +1,11 @@
-// Fetches and nothing else, as far as a shader can: for render/gl/fetch_count.h. From one layer, or
-// from between two of a 3D texture: what fetches cost that find their texels at hand.
-#if SAMPLER == 0
-layout(binding = 0) uniform sampler2D fetched;
-#elif SAMPLER == 1
-layout(binding = 0) uniform sampler3D fetched;
+// TAPS texture fetches per pixel and as little else as possible, for fetch_rate_per_us()
+// (render/gl/fetch_count.h). Neighbouring pixels read neighbouring texels, so they are cached.
+#if SAMPLER == SAMPLER_PLANE
+layout(binding = BIND_FETCHED) uniform sampler2D fetched;
+#elif SAMPLER == SAMPLER_VOLUME
+layout(binding = BIND_FETCHED) uniform sampler3D fetched;
 #else
-layout(binding = 0) uniform sampler2DArray fetched;
+layout(binding = BIND_FETCHED) uniform sampler2DArray fetched;
 #endif
 
 layout(location = 0) out float sum;
@@ -13,13 +13,13 @@ layout(location = 0) out float sum;
 void main() {
   vec4 all = vec4(0.0);
   for (int tap = 0; tap < TAPS; ++tap) {
-    vec2 at = (gl_FragCoord.xy + 0.37 * float(tap)) / float(SIDE);
-#if SAMPLER == 0
-    all += textureLod(fetched, at, 0.0);
-#elif SAMPLER == 1
-    all += textureLod(fetched, vec3(at, 0.5), 0.0);
+    vec2 uv = (gl_FragCoord.xy + 0.37 * float(tap)) / float(SIDE);
+#if SAMPLER == SAMPLER_PLANE
+    all += textureLod(fetched, uv, 0.0);
+#elif SAMPLER == SAMPLER_VOLUME
+    all += textureLod(fetched, vec3(uv, 0.5), 0.0);  // between two layers
 #else
-    all += textureLod(fetched, vec3(at, 0.0), 0.0);
+    all += textureLod(fetched, vec3(uv, 0.0), 0.0);
 #endif
   }
   sum = dot(all, vec4(1.0));

@@ -1,4 +1,4 @@
-// Put behind a shader whose fetches are counted.
+// Appended to a shader whose texture fetches are counted.
 #undef main
 void main() {
   counted_main();

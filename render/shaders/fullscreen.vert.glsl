@@ -1,4 +1,4 @@
-// One triangle over the whole target.
+// One triangle that covers the whole target.
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
   gl_Position = vec4(corner, 0.0, 1.0);

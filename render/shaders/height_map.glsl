@@ -1,7 +1,7 @@
-// The filtered z-buffer, as shading and shadows read it.
+// Pass 3, shared: access to the filtered z-buffer for shading and shadows.
 layout(binding = BIND_DEPTH) uniform sampler2D depth;
 
-// z at a pixel; negative where there is no surface or no picture.
+// z of a pixel in metres; negative without a surface or outside the picture.
 float depth_at(ivec2 pixel) {
   ivec2 size = textureSize(depth, 0);
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return NO_SURFACE;

@@ -1,9 +1,9 @@
-// Sends an instance's triangle to its layer, and says which layer to read.
+// Routes an instance's triangle to its target layer and passes on the source layer.
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;
 
-uniform int source_layers[MOST_LAYERS];
-uniform int target_layers[MOST_LAYERS];
+uniform int source_layers[MAX_LAYERS];
+uniform int target_layers[MAX_LAYERS];
 
 flat in int instance[];
 flat out int source_layer;

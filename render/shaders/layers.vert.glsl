@@ -1,4 +1,4 @@
-// One triangle over the whole target, in one layer for each instance.
+// One triangle that covers the whole target, per instance; each instance draws one layer.
 flat out int instance;
 
 void main() {

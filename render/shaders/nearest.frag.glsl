@@ -1,5 +1,5 @@
-// Pass 3, fast: the nearest z of each block of BLOCK x BLOCK pixels; NOTHING_NEAR where the block
-// has no surface.
+// Pass 3, mode fast: minimum z of each block of BLOCK x BLOCK pixels; NOTHING_NEAR if the block has
+// no surface.
 layout(binding = BIND_DEPTH) uniform sampler2D depth;
 
 layout(location = 0) out float nearest;

@@ -1,6 +1,6 @@
-// Pass 2, shared: the ray of a pixel, and where it begins and ends.
+// Pass 2, shared: the ray of a pixel and the boxes that it is clipped to.
 
-// Camera: see render/camera.h.
+// Camera of render/camera.h.
 uniform vec3 center_m;
 uniform vec3 right;
 uniform vec3 down;
@@ -9,12 +9,12 @@ uniform float pixel_m;
 uniform float image_size;
 uniform float plane_distance_m;
 uniform float eye_distance_m;
-// Where rays begin, and where they end.
+// Boxes in which rays begin and end, in the probe frame.
 uniform vec3 start_center_m, start_half_m;
 uniform vec3 end_center_m, end_half_m;
 uniform float step_m;
 
-// Part of a ray inside a box; empty if y < x.
+// Span of a ray inside a box, as ray lengths; empty if y < x.
 vec2 clip_to_box(vec3 origin, vec3 direction, vec3 center, vec3 half_size) {
   vec3 one = (center - half_size - origin) / direction;
   vec3 other = (center + half_size - origin) / direction;

@@ -1,7 +1,7 @@
-// Pass 2, mode fast: BUFFER samples at a time, where there is no kernel along the ray. The places
-// of samples in the circular buffer are then constants, and the buffer stays in registers; a
-// loop's own cost, which on a CPU is that of a fetch, falls on many samples.
-float older[BUFFER];  // the block before
+// Pass 2, mode fast without a kernel along the ray: edge detection (Eq. (1)) and blending of BUFFER
+// samples at a time. Indices into the circular buffer are then constants, the buffer stays in
+// registers, and the loop overhead, on a CPU as large as a fetch, is shared by many samples.
+float older[BUFFER];  // samples of the block before
 
 void empty_block() {
   for (int j = 0; j < BUFFER; ++j) older[j] = 0.0;
@@ -9,30 +9,31 @@ void empty_block() {
   difference = 0.0;
 }
 
-// Samples from `begin` on; true when the ray ends there.
-bool look_at_block(inout March march, int begin, int count) {
+// Processes the samples of steps `begin` to `begin` + BUFFER - 1, at most `count` - 1; true if the
+// ray ends among them.
+bool process_block(inout March march, int begin, int count) {
   const int half_buffer = BUFFER / 2;
   float newer[BUFFER];
   bool inside[BUFFER];
 #if STRAIGHT
-  // Places among the slices run along a parabola through the block's ends and middle.
+  // Slice coordinates follow a parabola through those of the block's ends and middle.
   float phi;
-  vec3 first = slice_coordinates(place_of(march, begin), phi);
-  vec3 middle = slice_coordinates(place_of(march, begin + half_buffer), phi);
-  vec3 last = slice_coordinates(place_of(march, begin + BUFFER), phi);
+  vec3 first = slice_coordinates(sample_position(march, begin), phi);
+  vec3 middle = slice_coordinates(sample_position(march, begin + half_buffer), phi);
+  vec3 last = slice_coordinates(sample_position(march, begin + BUFFER), phi);
 #endif
   for (int j = 0; j < BUFFER; ++j) {
 #if STRAIGHT
-    float share = float(j) / float(BUFFER);
-    vec3 at = (1.0 - share) * (1.0 - 2.0 * share) * first +
-              4.0 * share * (1.0 - share) * middle + share * (2.0 * share - 1.0) * last;
-    inside[j] = in_sector(at) && in_fan(at.z, 0.0);
+    float t = float(j) / float(BUFFER);
+    vec3 slice = (1.0 - t) * (1.0 - 2.0 * t) * first + 4.0 * t * (1.0 - t) * middle +
+                 t * (2.0 * t - 1.0) * last;
+    inside[j] = in_sector(slice) && in_fan(slice.z, 0.0);
 #else
     bool in_cone;
-    vec3 at = slice_place(place_of(march, begin + j), in_cone);
+    vec3 slice = to_slices(sample_position(march, begin + j), in_cone);
     inside[j] = in_cone;
 #endif
-    newer[j] = fetch_slices(at);
+    newer[j] = fetch_slices(slice);
   }
   bool ended = false;
   for (int j = 0; j < BUFFER; ++j) {
@@ -45,12 +46,13 @@ bool look_at_block(inout March march, int begin, int count) {
         for (int k = 0; k < BUFFER; ++k) newer[k] = k <= j ? 0.0 : newer[k];
       } else {
 #if DETECT
+        // As reaches_surface() of edge_detector.glsl.
         last_difference = difference;
         float halfway = j < half_buffer ? older[(j + half_buffer) % BUFFER]
                                         : newer[(j + half_buffer) % BUFFER];
         difference += edge_sign * (newer[j] - 2.0 * halfway + older[j]);
         ++taken;
-        if (march.detecting && taken >= BUFFER && difference >= threshold) {
+        if (march.detecting && taken >= BUFFER && difference >= threshold) {  // the edge becomes z
           z = march.start_m + (float(begin + j) + 0.5 - steps_past_crossing()) * step_m;
           march.detecting = false;
         }

@@ -1,9 +1,10 @@
-// Pass 2, shared: from sample to sample along a ray; alpha blending and edge detection.
+// Pass 2, shared: the march along a pixel's ray. process_sample() is where an edge becomes z (edge
+// detection, Eq. (1)) and where samples are alpha-blended, front to back.
 layout(binding = BIND_TRANSFER) uniform sampler2D transfer;
 
 uniform float opacity_limit;
 
-layout(location = 0) out float z;     // ray length at the surface; negative: none
+layout(location = 0) out float z;     // ray length at the surface, in metres; negative: none
 #if BLEND
 layout(location = 1) out vec4 color;  // volume picture: RGB and opacity
 #else
@@ -12,10 +13,10 @@ vec4 color;
 
 struct March {
   Ray ray;
-  float start_m;               // ray length where steps begin; samples lie in their middles
-  vec3 across_1, across_2;     // a step across the ray
-  bool was_inside;             // the cone
-  bool detecting, blending;    // what is still looked for
+  float start_m;             // ray length of the first step; a sample lies in its step's middle
+  vec3 across_1, across_2;   // one step across the ray
+  bool was_inside;           // the cone of valid data
+  bool detecting, blending;  // still to be done
 };
 
 March begin_march(Ray ray, float start_m) {
@@ -24,7 +25,7 @@ March begin_march(Ray ray, float start_m) {
   return March(ray, start_m, across_1, across_2, false, DETECT != 0, BLEND != 0);
 }
 
-// The march of a pixel's ray, and its number of steps; 0 where the ray misses the box.
+// Sets up the march of a pixel's ray and returns its number of steps; 0 if it misses the box.
 int begin_pixel(out March march) {
   color = vec4(0.0);
   z = NO_SURFACE;
@@ -36,21 +37,21 @@ int begin_pixel(out March march) {
   return int(floor((end.y - start.x) / step_m + 0.5));
 }
 
-vec3 place_of(March march, int current) {
-  return march.ray.origin + (march.start_m + (float(current) + 0.5) * step_m) * march.ray.direction;
+vec3 sample_position(March march, int step) {
+  return march.ray.origin + (march.start_m + (float(step) + 0.5) * step_m) * march.ray.direction;
 }
 
-// Front to back, through the transfer function.
+// Alpha blending, front to back, through the transfer function.
 void blend(float value) {
   // First and last entries of the table hold the values 0 and 1.
-  float at = (value * float(TRANSFER_SIZE - 1) + 0.5) / float(TRANSFER_SIZE);
-  vec2 grey_and_opacity = textureLod(transfer, vec2(at, 0.5), 0.0).rg;
+  float u = (value * float(TRANSFER_SIZE - 1) + 0.5) / float(TRANSFER_SIZE);
+  vec2 grey_and_opacity = textureLod(transfer, vec2(u, 0.5), 0.0).rg;
   float weight = (1.0 - color.a) * grey_and_opacity.g;
   color += vec4(vec3(weight * grey_and_opacity.r), weight);
 }
 
-// Looks at the sample in the kernel's middle, of this step; true when the ray ends there.
-bool look(inout March march, int current) {
+// Detection and blending for the sample of this step, in the kernel's middle; true if the ray ends.
+bool process_sample(inout March march, int step) {
   Smoothed newest = smoothed();
   if (!newest.inside) {
     empty_buffer();
@@ -58,8 +59,8 @@ bool look(inout March march, int current) {
   }
   march.was_inside = true;
 #if DETECT
-  if (march.detecting && reaches_surface(newest.buffered)) {
-    z = march.start_m + (float(current) + 0.5 - steps_past_crossing()) * step_m;
+  if (march.detecting && reaches_surface(newest.buffered)) {  // Eq. (1): the edge becomes z
+    z = march.start_m + (float(step) + 0.5 - steps_past_crossing()) * step_m;
     march.detecting = false;
   }
 #endif
@@ -69,7 +70,7 @@ bool look(inout March march, int current) {
     march.blending = color.a < opacity_limit;
   }
 #endif
-  // When both pictures are made, an opaque ray goes on until the surface is found, so that z does
+  // If both pictures are made, an opaque ray continues until the surface is found, so that z does
   // not depend on the transfer function.
   return !march.detecting && !march.blending;
 }

@@ -1,5 +1,5 @@
-// Pass 1, first half: sticks to a Cartesian slice. The LUT gives each pixel its line and sample,
-// and flags empty space, which is skipped and marked by a negative value.
+// Pass 1, first half, mode plain: scan conversion of a frame to a Cartesian slice (paper section
+// 3.1). The LUT holds line, sample and a flag per pixel; empty space is skipped and becomes EMPTY.
 layout(binding = BIND_POLAR_TABLE) uniform sampler2D polar_table;
 layout(binding = BIND_FRAME) uniform sampler2D frame;  // column: sample, row: line
 
@@ -11,7 +11,7 @@ void main() {
     value = EMPTY;
     return;
   }
-  // Bilinear by hand: a GPU's own filter has 8-bit fractions.
+  // Bilinear in the shader, as a GPU's own filter has 8-bit fractions.
   ivec2 last = textureSize(frame, 0) - 1;
   ivec2 near = ivec2(floor(entry.yx));
   ivec2 far = min(near + 1, last);

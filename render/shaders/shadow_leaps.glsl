@@ -1,31 +1,32 @@
-// Pass 3, fast: the samples of shadow_trace.glsl, TILE at a time. Where the nearest surface of the
-// tiles that these lie in is no nearer than the ray, none of them can be in shadow, and they are
-// leapt over. A ray in front of whatever is left of its way is done.
+// Pass 3, mode fast: cast shadows by the samples of shadow_trace.glsl, TILE at a time. If no
+// surface in the tiles of these samples is nearer than the ray, none of them is in shadow and they
+// are skipped. The trace ends when no surface ahead can be nearer than the ray.
 uniform float shadow_bias_m;
 
 const float FOREVER = 1e30;
-const float LONGEST_STEP = 1e3;  // metres, as shadow_trace.glsl has it
+const float LONGEST_STEP = 1e3;  // metres, as in shadow_trace.glsl
 
-// `seen` is a place of the picture, in shares of its side, and a depth.
-bool shadowed_at(vec3 seen) {
-  float height = textureLod(depth, seen.xy, 0.0).r;
-  return height >= 0.0 && height + shadow_bias_m < seen.z;
+// `projected`: picture coordinates as fractions of the picture's side (xy), depth in metres (z).
+bool shadowed_at(vec3 projected) {
+  float height = textureLod(depth, projected.xy, 0.0).r;
+  return height >= 0.0 && height + shadow_bias_m < projected.z;
 }
 
-// Tiles overhang the picture where its side is no multiple of theirs.
-vec4 tile_at(sampler2D tiles, vec2 place) {
+// The tiles extend beyond the picture if its side is not a multiple of theirs.
+vec4 tile_at(sampler2D tiles, vec2 uv) {
   float tiled = float(textureSize(tiles, 0).x) * float(TILE);
-  return textureLod(tiles, place * (image_size / tiled), 0.0);
+  return textureLod(tiles, uv * (image_size / tiled), 0.0);
 }
 
-vec3 to_shares(vec3 seen) { return vec3(seen.xy * (1.0 / image_size), seen.z); }
+vec3 to_fractions(vec3 projected) { return vec3(projected.xy * (1.0 / image_size), projected.z); }
 
 #if PERSPECTIVE
 
 layout(binding = BIND_QUADRANTS) uniform sampler2D quadrants;  // shadow_tiles.frag.glsl
-layout(binding = BIND_NEAREST) uniform sampler2D nearest;      // of the whole picture, 1 x 1
+layout(binding = BIND_NEAREST) uniform sampler2D nearest;      // minimum z of the picture, 1 x 1
 
-// Where the ray leaves the picture through its sides; `ahead` are z, `aside` x or y.
+// Ray length at which a ray leaves the picture sideways; `ahead` is z, `aside` x or y of its
+// origin, `forward` and `toward` are the components of its direction.
 float leaves_at(float aside, float toward, float ahead, float forward) {
   float half_view = 0.5 * image_size * pixel_m / eye_distance_m;
   vec2 gap = vec2(half_view * ahead - aside, half_view * ahead + aside);
@@ -34,34 +35,34 @@ float leaves_at(float aside, float toward, float ahead, float forward) {
              closing.y > 0.0 ? gap.y / closing.y : FOREVER);
 }
 
-bool in_shadow(vec3 place, vec3 to_light, float light_distance) {
-  float end = min(light_distance, to_light.z < 0.0 ? -place.z / to_light.z : FOREVER);
-  end = min(end, leaves_at(place.x, to_light.x, place.z, to_light.z));
-  end = min(end, leaves_at(place.y, to_light.y, place.z, to_light.z));
-  float end_depth = length(place + end * to_light);
-  // pixels_per_m() is crossing / z^2 all along a ray.
-  vec2 speed = (to_light.xy * place.z - place.xy * to_light.z) * (eye_distance_m / pixel_m);
+bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
+  float end = min(light_distance, to_light.z < 0.0 ? -position.z / to_light.z : FOREVER);
+  end = min(end, leaves_at(position.x, to_light.x, position.z, to_light.z));
+  end = min(end, leaves_at(position.y, to_light.y, position.z, to_light.z));
+  float end_depth = length(position + end * to_light);
+  // pixels_per_m() equals crossing / z^2 along the whole ray.
+  vec2 speed = (to_light.xy * position.z - position.xy * to_light.z) * (eye_distance_m / pixel_m);
   float crossing = max(abs(speed.x), abs(speed.y));
-  // A step of a ray that rises steeply crosses more than its pixel: such rays cannot leap.
-  bool leaps = -to_light.z * place.z * float(TILE) <= crossing;
-  float never_shadowed = textureLod(nearest, vec2(0.5), 0.0).r + shadow_bias_m;
-  float travelled = min(place.z * place.z / crossing, LONGEST_STEP);
+  // On a steeply rising ray a step crosses more than one pixel: such rays cannot leap.
+  bool leaps = -to_light.z * position.z * float(TILE) <= crossing;
+  float always_lit_depth = textureLod(nearest, vec2(0.5), 0.0).r + shadow_bias_m;
+  float travelled = min(position.z * position.z / crossing, LONGEST_STEP);
   for (int i = 0; i < MAX_SHADOW_STEPS && travelled < end; i += TILE) {
-    vec3 here = place + travelled * to_light;
-    vec3 seen = to_shares(to_picture(here));
-    if (max(seen.z, end_depth) <= never_shadowed) return false;
+    vec3 here = position + travelled * to_light;
+    vec3 projected = to_fractions(to_picture(here));
+    if (max(projected.z, end_depth) <= always_lit_depth) return false;
     float next = travelled;
     for (int k = 0; k < TILE; ++k) {
-      float ahead = place.z + next * to_light.z;
+      float ahead = position.z + next * to_light.z;
       next += min(ahead * ahead / crossing, LONGEST_STEP);
     }
-    float deepest = max(seen.z, length(place + min(next, end) * to_light));
-    float clear = quadrant(tile_at(quadrants, seen.xy), greaterThan(speed, vec2(0.0)));
-    bool leap = leaps && deepest <= clear + shadow_bias_m;
+    float deepest = max(projected.z, length(position + min(next, end) * to_light));
+    float nearest_m = quadrant(tile_at(quadrants, projected.xy), greaterThan(speed, vec2(0.0)));
+    bool leap = leaps && deepest <= nearest_m + shadow_bias_m;
     float stop = leap ? travelled : min(next, end);
     while (travelled < stop) {
-      here = place + travelled * to_light;
-      if (shadowed_at(to_shares(to_picture(here)))) return true;
+      here = position + travelled * to_light;
+      if (shadowed_at(to_fractions(to_picture(here)))) return true;
       travelled += min(here.z * here.z / crossing, LONGEST_STEP);
     }
     travelled = next;
@@ -71,27 +72,27 @@ bool in_shadow(vec3 place, vec3 to_light, float light_distance) {
 
 #else
 
-layout(binding = BIND_CLEAR) uniform sampler2D clear_depths;  // shadow_clear.frag.glsl
+layout(binding = BIND_LIT_DEPTH) uniform sampler2D lit_depths;  // shadow_lit_depth.frag.glsl
 
-// How many steps lead out of the picture through its sides.
-float leaves_at(float place, float stride) {
-  return stride > 0.0 ? (1.0 - place) / stride : stride < 0.0 ? -place / stride : FOREVER;
+// Number of steps after which a ray leaves the picture sideways.
+float leaves_at(float start, float stride) {
+  return stride > 0.0 ? (1.0 - start) / stride : stride < 0.0 ? -start / stride : FOREVER;
 }
 
-bool in_shadow(vec3 place, vec3 to_light, float light_distance) {
-  float step_m = 1.0 / max(pixels_per_m(place, to_light), 1.0 / LONGEST_STEP);
-  vec3 from = to_shares(to_picture(place));
-  vec3 stride = to_shares(step_m * vec3(to_light.xy / pixel_m, to_light.z));
+bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
+  float step_m = 1.0 / max(pixels_per_m(position, to_light), 1.0 / LONGEST_STEP);
+  vec3 from = to_fractions(to_picture(position));
+  vec3 stride = to_fractions(step_m * vec3(to_light.xy / pixel_m, to_light.z));
   float end = min(light_distance / step_m, stride.z < 0.0 ? -from.z / stride.z : FOREVER);
   end = min(end, min(leaves_at(from.x, stride.x), leaves_at(from.y, stride.y)));
   float travelled = 1.0;
   while (travelled < end) {
-    vec3 seen = from + travelled * stride;
-    vec2 clear = tile_at(clear_depths, seen.xy).xy;
+    vec3 projected = from + travelled * stride;
+    vec2 lit_depth = tile_at(lit_depths, projected.xy).xy;
     float next = travelled + float(TILE);
-    if (seen.z <= clear.y) end = min(end, next);
+    if (projected.z <= lit_depth.y) end = min(end, next);
     next = min(next, end);
-    bool leap = max(seen.z, from.z + next * stride.z) <= clear.x;
+    bool leap = max(projected.z, from.z + next * stride.z) <= lit_depth.x;
     for (float k = leap ? next : travelled; k < next; k += 1.0) {
       if (shadowed_at(from + k * stride)) return true;
     }

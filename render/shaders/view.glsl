@@ -1,10 +1,11 @@
-// Pixels in the viewer's axes (right, down, forward), from the middle of the view plane (parallel)
-// or the eye (perspective). Shared by the shaders of pass 3.
+// Pass 3, shared: conversions between picture coordinates (pixels; pixel centres at integers + 1/2)
+// and the viewer's axes (right, down, forward; origin in the middle of the view plane if parallel,
+// at the eye if perspective).
 uniform float pixel_m;
 uniform float image_size;
 uniform float eye_distance_m;
 
-// Direction of the ray through a place of the picture; pixels' middles at whole numbers + 1/2.
+// Direction of the ray through a point of the picture.
 vec3 view_direction(vec2 picture) {
 #if PERSPECTIVE
   return normalize(vec3((picture - 0.5 * image_size) * pixel_m, eye_distance_m));
@@ -21,21 +22,21 @@ vec3 view_position(vec2 picture, float depth) {
 #endif
 }
 
-// Where a place appears (xy), and its depth (z).
-vec3 to_picture(vec3 place) {
+// Picture coordinates (xy, pixels) and depth (z, metres) of a position.
+vec3 to_picture(vec3 position) {
 #if PERSPECTIVE
-  return vec3(place.xy * (eye_distance_m / place.z) / pixel_m + 0.5 * image_size, length(place));
+  return vec3(position.xy * (eye_distance_m / position.z) / pixel_m + 0.5 * image_size,
+              length(position));
 #else
-  return vec3(place.xy / pixel_m + 0.5 * image_size, place.z);
+  return vec3(position.xy / pixel_m + 0.5 * image_size, position.z);
 #endif
 }
 
-// How many pixels a place crosses for each metre that it moves along a unit direction, along the
-// picture's faster axis.
-float pixels_per_m(vec3 place, vec3 direction) {
+// Speed in the picture, in pixels per metre along a unit direction, on the faster of the two axes.
+float pixels_per_m(vec3 position, vec3 direction) {
 #if PERSPECTIVE
-  vec2 speed = (direction.xy * place.z - place.xy * direction.z) * eye_distance_m /
-               (place.z * place.z) / pixel_m;
+  vec2 speed = (direction.xy * position.z - position.xy * direction.z) * eye_distance_m /
+               (position.z * position.z) / pixel_m;
 #else
   vec2 speed = direction.xy / pixel_m;
 #endif

@@ -9,11 +9,11 @@ namespace wobblebench::render {
 namespace {
 
 RenderOptions random_view(std::mt19937& random) {
-  std::uniform_real_distribution<double> angle(-kPi, kPi), side(0.01, 0.2), place(-0.1, 0.1);
+  std::uniform_real_distribution<double> angle(-kPi, kPi), side(0.01, 0.2), center(-0.1, 0.1);
   RenderOptions options;
   options.view = {angle(random), angle(random), angle(random)};
   options.view.projection = random() % 2 == 0 ? Projection::parallel : Projection::perspective;
-  options.volume_of_interest.center_m = {place(random), place(random), place(random)};
+  options.volume_of_interest.center_m = {center(random), center(random), center(random)};
   options.volume_of_interest.size_m = {side(random), side(random), side(random)};
   options.ray_casting.image_size = 1 + static_cast<int>(random() % 512);
   return options;
@@ -24,7 +24,7 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
       << a.x << ' ' << a.y << ' ' << a.z << " against " << b.x << ' ' << b.y << ' ' << b.z;
 }
 
-TEST(Camera, AtRestLooksAlongZWithXRightAndYDown) {
+TEST(Camera, AtRestFacesZWithXRightAndYDown) {
   RenderOptions options;
   options.ray_casting.image_size = 100;
   const Camera camera = make_camera(options);
@@ -70,10 +70,10 @@ TEST(Camera, ProjectionInvertsRays) {
     const double column = share(random) * camera.image_size,
                  row = share(random) * camera.image_size;
     const double depth_m = depth(random);
-    const PicturePoint seen = camera.project(camera.ray(column, row).at(depth_m));
-    EXPECT_NEAR(seen.column, column, 1e-9 * camera.image_size);
-    EXPECT_NEAR(seen.row, row, 1e-9 * camera.image_size);
-    EXPECT_NEAR(seen.depth_m, depth_m, 1e-12);
+    const PicturePoint point = camera.project(camera.ray(column, row).at(depth_m));
+    EXPECT_NEAR(point.column, column, 1e-9 * camera.image_size);
+    EXPECT_NEAR(point.row, row, 1e-9 * camera.image_size);
+    EXPECT_NEAR(point.depth_m, depth_m, 1e-12);
   }
 }
 
@@ -86,11 +86,11 @@ TEST(Camera, ParallelViewPlaneLeavesTheWholeBoxBehindIt) {
     const auto& c = options.volume_of_interest.center_m;
     const auto& s = options.volume_of_interest.size_m;
     for (int corner = 0; corner < 8; ++corner) {
-      glm::dvec3 place;
+      glm::dvec3 position;
       for (int axis = 0; axis < 3; ++axis) {
-        place[axis] = c[axis] + ((corner >> axis & 1) - 0.5) * s[axis];
+        position[axis] = c[axis] + ((corner >> axis & 1) - 0.5) * s[axis];
       }
-      EXPECT_GE(camera.project(place).depth_m, -1e-12);
+      EXPECT_GE(camera.project(position).depth_m, -1e-12);
     }
   }
 }
@@ -108,11 +108,11 @@ TEST(ClipToBox, HoldsExactlyThePointsOfTheRayInTheBox) {
     const Span span = clip_to_box(ray, box);
     rays_that_hit += span.to_m >= span.from_m;
     const double t = along(random);
-    const glm::dvec3 place = ray.at(t);
+    const glm::dvec3 position = ray.at(t);
     double beyond_m = -1;  // largest distance beyond a face
     for (int axis = 0; axis < 3; ++axis) {
       beyond_m =
-          std::max(beyond_m, std::abs(place[axis] - box.center_m[axis]) - box.size_m[axis] / 2);
+          std::max(beyond_m, std::abs(position[axis] - box.center_m[axis]) - box.size_m[axis] / 2);
     }
     if (std::abs(beyond_m) < 1e-12) continue;
     EXPECT_EQ(t >= std::max(span.from_m, 0.0) && t <= span.to_m, beyond_m < 0 && t >= 0);

@@ -1,4 +1,4 @@
-// Mode fast makes the picture of mode plain: the bounds, on scenes and from all sides.
+// Mode fast renders the picture of mode plain, within bounds, for several scenes and views.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ const View kViews[] = {
 class FastAgainstPlain
     : public ::testing::TestWithParam<std::tuple<const char*, View, KernelSpace>> {};
 
-TEST_P(FastAgainstPlain, MakesTheSamePicture) {
+TEST_P(FastAgainstPlain, RendersTheSamePicture) {
   const auto& [scene, view, space] = GetParam();
   const hw::PolarVolume volume = scene_named(scene);
   RenderOptions options = testing::small_options();
@@ -82,34 +82,34 @@ RenderOptions random_options(std::mt19937& random) {
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  const auto whole = [&](int low, int high) {
+  const auto integer = [&](int low, int high) {
     return std::uniform_int_distribution<int>(low, high)(random);
   };
   RenderOptions options = testing::small_options();
   options.view = {uniform(-kPi, kPi), uniform(-kPi, kPi), uniform(-kPi, kPi)};
-  options.view.projection = whole(0, 2) == 0 ? Projection::perspective : Projection::parallel;
+  options.view.projection = integer(0, 2) == 0 ? Projection::perspective : Projection::parallel;
   options.view.eye_distance_m = uniform(0.02, 0.5);
   RayCastingOptions& o = options.ray_casting;
   o.image_size = 24;
-  o.steps = whole(8, 160);
-  o.buffer_length = 2 * whole(1, 12);
+  o.steps = integer(8, 160);
+  o.buffer_length = 2 * integer(1, 12);
   o.threshold = uniform(0.02, 0.4) * o.buffer_length / 2;
-  o.kernel_3d = 1 + 2 * whole(0, 2);
-  o.window_2d = 1 + 2 * whole(0, 1);
-  o.kernel_space = whole(0, 2) == 0 ? KernelSpace::ray : KernelSpace::slice;
-  o.edge = whole(0, 1) ? EdgeSign::rising : EdgeSign::falling;
-  o.mode = static_cast<RenderMode>(whole(0, 2));
-  o.stop_at_box = whole(0, 2) > 0;
-  o.stop_on_leaving_cone = whole(0, 1) > 0;
+  o.kernel_3d = 1 + 2 * integer(0, 2);
+  o.window_2d = 1 + 2 * integer(0, 1);
+  o.kernel_space = integer(0, 2) == 0 ? KernelSpace::ray : KernelSpace::slice;
+  o.edge = integer(0, 1) ? EdgeSign::rising : EdgeSign::falling;
+  o.mode = static_cast<RenderMode>(integer(0, 2));
+  o.stop_at_box = integer(0, 2) > 0;
+  o.stop_on_leaving_cone = integer(0, 1) > 0;
   options.volume_of_interest.center_m = {
       uniform(-0.04, 0.04), uniform(-0.04, 0.04), uniform(0.06, 0.16)};
   options.volume_of_interest.size_m = {uniform(0.02, 0.3), uniform(0.02, 0.3), uniform(0.02, 0.3)};
-  options.scan_conversion.slice_size = whole(24, 90);
-  options.scan_conversion.filter_size = 1 + 2 * whole(0, 2);
+  options.scan_conversion.slice_size = integer(24, 90);
+  options.scan_conversion.filter_size = 1 + 2 * integer(0, 2);
   return options;
 }
 
-TEST(FastAgainstPlainAtRandom, MakesTheSamePicture) {
+TEST(FastAgainstPlainAtRandom, RendersTheSamePicture) {
   std::mt19937 random(11);
   int compared = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -120,7 +120,7 @@ TEST(FastAgainstPlainAtRandom, MakesTheSamePicture) {
     const Picture plain = render_volume(testing::gl_context(), volume, options);
     options.pipeline.mode = PipelineMode::fast;
     const Picture fast = render_volume(testing::gl_context(), volume, options);
-    // A pixel or two of 576, where float arithmetic decides: rays that graze a border.
+    // Up to two pixels of 576 may differ by float rounding, on rays that graze a border.
     const auto depth = testing::compare(fast.depth_m, plain.depth_m);
     EXPECT_LE(depth.changed_share, 2.5 / 576);
     EXPECT_LE(depth.rms_m, kZRmsSteps * step_m(options));

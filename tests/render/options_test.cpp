@@ -11,7 +11,7 @@ TEST(RenderOptions, DefaultsAreValid) {
 
 struct Refusal {
   const char* name;
-  void (*spoil)(RenderOptions&);
+  void (*change)(RenderOptions&);
   const char* message;
 };
 
@@ -19,7 +19,7 @@ class RenderOptionsRefusal : public ::testing::TestWithParam<Refusal> {};
 
 TEST_P(RenderOptionsRefusal, NamesKeyValueAndWhatIsAllowed) {
   RenderOptions options;
-  GetParam().spoil(options);
+  GetParam().change(options);
   try {
     validate(options);
     FAIL() << "accepted";

@@ -1,4 +1,4 @@
-// What the renderer promises beyond agreeing with the reference.
+// Contract of the renderer beyond agreement with the reference.
 #include "render/renderer.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ bool same_bits(const Image<float>& a, const Image<float>& b) {
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
 }
 
-TEST(Renderer, GivesTheSameBitsAgain) {
+TEST(Renderer, RepeatsBitForBit) {
   const RenderOptions options = testing::small_options();
   const Picture one = render_volume(gl_context(), testing::noisy_scene(), options);
   const Picture two = render_volume(gl_context(), testing::noisy_scene(), options);
@@ -33,7 +33,7 @@ TEST(Renderer, GivesTheSameBitsAgain) {
   EXPECT_EQ(one.volume.pixels, two.volume.pixels);
 }
 
-TEST(Renderer, FramesMayComeInAnyOrder) {
+TEST(Renderer, AcceptsFramesInAnyOrder) {
   const hw::PolarVolume& volume = testing::noisy_scene();
   const RenderOptions options = testing::small_options();
   Renderer renderer(gl_context(), volume.plan(), options);
@@ -89,7 +89,7 @@ TEST(Renderer, MidVolumeShowsFramesAsTheyArrive) {
   }
 }
 
-TEST(Renderer, LooksFromElsewhereAsIfItHadAlwaysDone) {
+TEST(Renderer, SetViewGivesThePictureOfANewRenderer) {
   const hw::PolarVolume& scene = testing::noisy_scene();
   for (PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
     RenderOptions options = testing::small_options();
@@ -99,16 +99,16 @@ TEST(Renderer, LooksFromElsewhereAsIfItHadAlwaysDone) {
     renderer.render();
     options.view.yaw_rad = 35 * kDegree;
     options.view.pitch_rad = -20 * kDegree;
-    renderer.look(options.view);
+    renderer.set_view(options.view);
     EXPECT_TRUE(
         same_bits(renderer.render().depth_m, render_volume(gl_context(), scene, options).depth_m));
   }
 }
 
 /// A plane across the fan, scanned by a motor that turns within each frame, in both directions.
-TEST(Renderer, PlacesSticksOfATurningMotorWhereTheyLooked) {
+TEST(Renderer, PlacesSticksOfATurningMotorAtTheirAngles) {
   hw::AcquisitionOptions acquisition = testing::small_plan().acquisition();
-  acquisition.frames_per_volume = 11;  // coarse: a frame turns by half a millimetre a stick
+  acquisition.frames_per_volume = 11;  // coarse: half a millimetre per stick within a frame
   const auto field = testing::plane({0, 0, 0.12}, {0, 0.5, -1}, 6e-3);
   const auto rms_m = [&](hw::MotorMode motor, std::uint32_t volume_index, PipelineMode mode) {
     acquisition.motor = motor;
@@ -123,7 +123,7 @@ TEST(Renderer, PlacesSticksOfATurningMotorWhereTheyLooked) {
     const auto difference = testing::compare(got.depth_m, expected.depth_m);
     EXPECT_LE(difference.rms_m, 0.03 * step_m(options));
     EXPECT_LE(difference.changed_share, 0.002);
-    // The plane seen across the picture: along a row it is equally deep.
+    // The plane is tilted about x only, so z is constant along a row.
     double sum = 0;
     int count = 0;
     for (int row = 4; row < 36; ++row) {
@@ -138,8 +138,8 @@ TEST(Renderer, PlacesSticksOfATurningMotorWhereTheyLooked) {
     return std::sqrt(sum / count);
   };
   for (PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
-    // Taken for planes, frames of a turning motor would be wrong by up to half of 6.1 degrees at
-    // 0.1 m from the axis, on a slope of a half: 1.5 mm RMS.
+    // If frames of a turning motor were taken as planes, the error would be up to half of 6.1
+    // degrees at 0.1 m from the axis, on a slope of 1/2: 1.5 mm RMS.
     EXPECT_LT(rms_m(hw::MotorMode::stepped, 0, mode), 0.1e-3);
     EXPECT_LT(rms_m(hw::MotorMode::continuous, 0, mode), 0.2e-3);
     EXPECT_LT(rms_m(hw::MotorMode::alternating, 1, mode), 0.2e-3);
@@ -162,7 +162,7 @@ TEST(Renderer, NamesFourPassesWithTheirTimes) {
   EXPECT_EQ(renderer.render().passes[0].ms, 0);  // no frame since the last picture
 }
 
-TEST(Renderer, BothModeShowsTheSurfacesAndVolumesOfTheirOwnModes) {
+TEST(Renderer, BothModeEqualsSurfaceModeAndVolumeMode) {
   RenderOptions options = testing::small_options();
   options.ray_casting.opacity_limit = 0.3;  // opaque before some surfaces are found
   const auto in_mode = [&](RenderMode mode) {
@@ -196,7 +196,7 @@ TEST(Renderer, UniformDataHasNoSurfaceAtTheBordersOfTheCone) {
   }
 }
 
-TEST(Renderer, BadSamplesReachNoFurtherThanTheirNeighbourhood) {
+TEST(Renderer, BadSamplesAffectOnlyTheirNeighbourhood) {
   const hw::PolarVolume& clean = testing::noisy_scene();
   const hw::AcquisitionPlan& plan = clean.plan();
   RenderOptions options = testing::small_options();
@@ -204,9 +204,9 @@ TEST(Renderer, BadSamplesReachNoFurtherThanTheirNeighbourhood) {
   options.smoothing.filter_size = 1;
   const Picture expected = render_volume(gl_context(), clean, options);
   const int frame = 10, line = 24, sample = 60;
-  const glm::dvec3 place = plan.geometry().to_cartesian(
+  const glm::dvec3 position = plan.geometry().to_cartesian(
       {plan.sample_range_m(sample), plan.theta_rad(line), plan.frame_phi_rad(frame)});
-  const PicturePoint seen = make_camera(options).project(place);
+  const PicturePoint point = make_camera(options).project(position);
   const float bad_samples[] = {std::numeric_limits<float>::quiet_NaN(),
                                std::numeric_limits<float>::infinity(),
                                -std::numeric_limits<float>::infinity(),
@@ -226,7 +226,7 @@ TEST(Renderer, BadSamplesReachNoFurtherThanTheirNeighbourhood) {
         const float z = picture.depth_m.at(column, row), v = picture.volume.at(column, row).r;
         EXPECT_TRUE(std::isfinite(v));
         // Neighbouring sticks and frames are about 5 mm, less than 4 pixels, away; kernels add 2.
-        if (std::hypot(column - seen.column, row - seen.row) < 8) continue;
+        if (std::hypot(column - point.column, row - point.row) < 8) continue;
         EXPECT_EQ(std::isnan(z), std::isnan(expected.depth_m.at(column, row)));
         if (!std::isnan(z)) {
           EXPECT_EQ(z, expected.depth_m.at(column, row));
@@ -252,12 +252,12 @@ TEST(Renderer, TheLitSideOfASphereIsTheOneTowardsTheLight) {
   EXPECT_GT(lower_left, lower_right);
 }
 
-TEST(Renderer, RefusesWhatTheDriverCannotHold) {
+TEST(Renderer, RefusesTexturesBeyondTheDriversLimits) {
   hw::AcquisitionOptions acquisition;
   acquisition.frames_per_volume = 1024;
   RenderOptions options;
   options.scan_conversion.slice_size = 2048;
-  options.ray_casting.stop_at_box = false;  // else mode fast makes only what lies in the box
+  options.ray_casting.stop_at_box = false;  // else mode fast stores only the pixels in the box
   for (const auto& [mode, need] :
        {std::pair(PipelineMode::plain, "8192 MiB"), std::pair(PipelineMode::fast, "16368 MiB")}) {
     options.pipeline.mode = mode;

@@ -1,4 +1,4 @@
-// Every setting changed once: the whole GL pipeline against the double-precision reference.
+// The whole GL pipeline against the double-precision reference, with each setting changed once.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,8 +47,8 @@ TEST_P(EachSetting, RendersLikeTheReference) {
   EXPECT_LE(depth.changed_share, setting.changed_share);
   RecordProperty("z_rms_steps", std::to_string(depth.rms_m / step_m(options)));
   RecordProperty("changed_share", std::to_string(depth.changed_share));
-  const bool looks_for_surface = options.ray_casting.mode != RenderMode::volume;
-  EXPECT_EQ(testing::hits(expected.depth_m) > 0, looks_for_surface);
+  const bool detects_surface = options.ray_casting.mode != RenderMode::volume;
+  EXPECT_EQ(testing::hits(expected.depth_m) > 0, detects_surface);
 
   const auto filtered = testing::compare(got.filtered_depth_m, expected.filtered_depth_m);
   EXPECT_LE(filtered.rms_m, setting.z_rms_steps * step_m(options));
@@ -84,7 +84,7 @@ const Setting kSettings[] = {
        o.ray_casting.buffer_length = 64;
        o.ray_casting.threshold = 4;
      }},
-    // In noise alone Difference creeps over 0, and the last bits decide where.
+    // In noise Difference crosses 0 slowly, so rounding decides where.
     {"threshold_zero", [](RenderOptions& o) { o.ray_casting.threshold = 0; }, 0.5},
     {"threshold_negative", [](RenderOptions& o) { o.ray_casting.threshold = -1; }},
     {"edge_falling",
@@ -98,7 +98,7 @@ const Setting kSettings[] = {
        o.ray_casting.window_2d = 5;
        o.ray_casting.kernel_3d = 1;
      }},
-    // One pixel of 1600 that fires a step apart is 0.025 steps RMS.
+    // One pixel of 1600 that is detected a step apart is 0.025 steps RMS.
     {"unrefined_crossing", [](RenderOptions& o) { o.ray_casting.refine_crossing = false; }, 0.05},
     {"goes_on_beyond_the_box", [](RenderOptions& o) { o.ray_casting.stop_at_box = false; }},
     {"goes_on_beyond_the_cone",
@@ -123,8 +123,8 @@ const Setting kSettings[] = {
        o.ray_casting.threshold = 0.2;
      }},
     {"format_r32f", [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r32f; }},
-    // 8-bit samples and 8-bit filter weights move Difference, and with it z, visibly: the bounds
-    // say by how much, and why r8 is no default.
+    // 8-bit samples and 8-bit filter weights change Difference and z: the bounds show by how much,
+    // and why r8 is not the default.
     {"format_r8",
      [](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r8; },
      1.5,
@@ -134,7 +134,7 @@ const Setting kSettings[] = {
     {"slice_filter_7", [](RenderOptions& o) { o.scan_conversion.filter_size = 7; }},
     {"odd_slice_size", [](RenderOptions& o) { o.scan_conversion.slice_size = 101; }},
     {"perspective", [](RenderOptions& o) { o.view.projection = Projection::perspective; }},
-    // Ray lengths of 10 m leave float 1e-6 m: a thousandth of a step here.
+    // At ray lengths of 10 m float resolves 1e-6 m, a thousandth of a step here.
     {"perspective_from_afar",
      [](RenderOptions& o) {
        o.view.projection = Projection::perspective;
@@ -214,9 +214,9 @@ void write_pgm(const std::string& path, const Image<std::uint8_t>& image) {
             static_cast<std::streamsize>(image.pixels.size()));
 }
 
-// Holds what the reference cannot: that GL and reference have not drifted together. After a change
-// that is meant, WOBBLEBENCH_WRITE_GOLDEN=1 writes the sheet anew: look at it.
-TEST(GoldenSettings, LookAsTheyDid) {
+// Detects a common change of GL and reference. After an intended change, WOBBLEBENCH_WRITE_GOLDEN=1
+// rewrites the sheet; inspect it.
+TEST(GoldenSettings, MatchTheGoldenSheet) {
   if (!testing::gl_context().renderer_string().starts_with("llvmpipe")) {
     GTEST_SKIP() << "the golden sheet is llvmpipe's";
   }
@@ -224,7 +224,7 @@ TEST(GoldenSettings, LookAsTheyDid) {
   if (std::getenv("WOBBLEBENCH_WRITE_GOLDEN")) write_pgm(kGolden, got);
   const Image<std::uint8_t> golden = read_pgm(kGolden);
   ASSERT_EQ(golden.pixels.size(), got.pixels.size()) << kGolden;
-  constexpr int kGreyLevels = 3;  // compilers of other drivers round otherwise
+  constexpr int kGreyLevels = 3;  // other drivers' compilers round differently
   for (int k = 0; k < static_cast<int>(std::size(kSettings)); ++k) {
     int failing = 0;
     for (int i = 0; i < 1600; ++i) {

@@ -1,4 +1,4 @@
-// Where pass 2 puts known surfaces: closed forms, with the bias that RayCaster's comment states.
+// z of known surfaces against closed forms, with the bias stated at RayCaster.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kContrast = testing::kInside - testing::kOutside;
 
-/// Sampled densely: sticks and frames about 0.5 mm apart, so that the edge is sharp on the scale of
-/// the buffer (half of it: 8 steps of 0.31 mm).
+/// Sticks and frames about 0.5 mm apart, so that the edge is sharp compared with half the buffer
+/// (8 steps of 0.31 mm).
 hw::AcquisitionPlan dense_plan() {
   hw::AcquisitionOptions acquisition;
   acquisition.depth_m = 0.08;
@@ -76,7 +76,7 @@ Errors errors(const Picture& picture,
 struct Surface {
   const char* name;
   testing::Field field;
-  /// Ray length at the surface; NaN where the test does not look.
+  /// Ray length at the surface; NaN: not tested.
   std::function<double(const hw::Ray&)> truth;
 };
 
@@ -87,7 +87,7 @@ Surface plane(const char* name, const glm::dvec3& normal) {
           }};
 }
 
-/// Looked at where its surface is within 45 degrees of facing the viewer.
+/// Tested where its normal is within 45 degrees of the viewer's direction.
 Surface sphere() {
   const glm::dvec3 center(0.001, -0.001, 0.095);
   const double radius_m = 0.009;
@@ -102,7 +102,7 @@ Surface sphere() {
 
 class SurfacePosition : public ::testing::TestWithParam<Surface> {};
 
-TEST_P(SurfacePosition, IsPastTheEdgeByThresholdOverContrastLessHalfAStep) {
+TEST_P(SurfacePosition, IsBehindTheEdgeByThresholdOverContrastMinusHalfAStep) {
   const auto volume = testing::sample_field(dense_plan(), GetParam().field);
   for (double contrasts : {3.0, 4.0, 5.0}) {
     const RenderOptions options = dense_options(contrasts * kContrast);
@@ -114,13 +114,13 @@ TEST_P(SurfacePosition, IsPastTheEdgeByThresholdOverContrastLessHalfAStep) {
   }
 }
 
-TEST_P(SurfacePosition, OfTheFirstStepBeyondIsHalfAStepDeeper) {
+TEST_P(SurfacePosition, WithoutInterpolationIsHalfAStepDeeper) {
   const auto volume = testing::sample_field(dense_plan(), GetParam().field);
   RenderOptions options = dense_options(4 * kContrast);
   options.ray_casting.refine_crossing = false;
   const Picture picture = render_volume(testing::gl_context(), volume, options);
   const Errors e = errors(picture, options, GetParam().truth);
-  EXPECT_NEAR(e.mean, 4, 0.25);  // the half step is a mean over where edges fall between samples
+  EXPECT_NEAR(e.mean, 4, 0.25);  // the half step is a mean over edge positions
 }
 
 TEST_P(SurfacePosition, DoesNotDependOnTheKernel) {
@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(Each,
                                            sphere()),
                          [](const auto& param_info) { return param_info.param.name; });
 
-TEST(SurfacePositionFalling, OfTheFarSideOfASlabIsThatOfAFallingEdge) {
+TEST(SurfacePositionFalling, FindsTheFarSideOfASlabAsAFallingEdge) {
   const auto slab = [](const glm::dvec3& p) {
     return p.z > 0.084 && p.z < 0.092 ? testing::kInside : testing::kOutside;
   };

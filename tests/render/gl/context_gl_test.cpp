@@ -1,4 +1,4 @@
-// Contexts of every backend, one after the other and side by side.
+// Contexts of each backend, in sequence and at the same time.
 #include "render/gl/context.h"
 
 #include <gtest/gtest.h>
@@ -14,17 +14,17 @@
 namespace wobblebench::render {
 namespace {
 
-/// What make_context says of a backend that it cannot make; empty if it can.
+/// Error message of make_context for a backend; empty if it succeeds.
 std::string refusal(const std::string& backend) {
   try {
-    make_context(backend);
+    static_cast<void>(make_context(backend));
   } catch (const std::runtime_error& error) {
     return error.what();
   }
   return {};
 }
 
-/// Bit for bit: NaN, where there is no surface, is equal to itself.
+/// Bitwise, so that NaN (no surface) equals itself.
 template <class Pixel>
 bool same_bits(const Image<Pixel>& a, const Image<Pixel>& b) {
   return a.pixels.size() == b.pixels.size() && !a.pixels.empty() &&
@@ -56,11 +56,11 @@ TEST(GlContext, NamesItsBackendAndRenderer) {
   }
 }
 
-TEST(GlContext, AnUnknownBackendSaysWhichThereAre) {
+TEST(GlContext, ErrorOfAnUnknownBackendListsAllBackends) {
   EXPECT_EQ(refusal("glide"), "GL backend glide: this build has osmesa, egl, egl-device");
 }
 
-TEST(GlContext, WhatCannotBeMadeSaysWhyInOneLineThatNamesTheBackend) {
+TEST(GlContext, ErrorIsOneLineThatNamesTheBackend) {
   for (const std::string& backend : context_backends()) {
     const std::string reason = refusal(backend);
     if (reason.empty()) continue;
@@ -69,8 +69,8 @@ TEST(GlContext, WhatCannotBeMadeSaysWhyInOneLineThatNamesTheBackend) {
   }
 }
 
-/// Says on stderr how the backend is refused where the environment variable hides a part of it. In
-/// a process of its own, which has not asked before: libEGL looks for its drivers once.
+/// Prints the error for a backend of which the environment variable hides a part. For a process of
+/// its own, as libEGL searches for its drivers once.
 void refuse_without(const char* variable, const std::string& backend) {
   setenv(variable, "/nonexistent", 1);
   const std::string reason = refusal(backend);
@@ -78,7 +78,7 @@ void refuse_without(const char* variable, const std::string& backend) {
   std::exit(0);
 }
 
-TEST(GlContextDeathTest, WithoutAVendorOfEglItSaysWhatToInstall) {
+TEST(GlContextDeathTest, WithoutAnEglVendorNamesThePackage) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(refuse_without("__EGL_VENDOR_LIBRARY_DIRS", "egl"),
               ::testing::ExitedWithCode(0),
@@ -88,7 +88,7 @@ TEST(GlContextDeathTest, WithoutAVendorOfEglItSaysWhatToInstall) {
               "egl-device: .*: install (libegl-mesa0|libegl1)");
 }
 
-TEST(GlContextDeathTest, WithoutADriverItSaysWhatToInstallOrHowManyDevicesItAsked) {
+TEST(GlContextDeathTest, WithoutADriverNamesThePackageOrTheNumberOfDevices) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(refuse_without("LIBGL_DRIVERS_PATH", "egl"),
               ::testing::ExitedWithCode(0),
@@ -99,7 +99,7 @@ TEST(GlContextDeathTest, WithoutADriverItSaysWhatToInstallOrHowManyDevicesItAske
               "install lib|is made by another)");
 }
 
-/// Another backend, made beside osmesa.
+/// A backend beside osmesa.
 class OtherBackend : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
@@ -113,7 +113,7 @@ class OtherBackend : public ::testing::TestWithParam<std::string> {
   std::unique_ptr<GlContext> other_;
 };
 
-TEST_P(OtherBackend, GivesTheSamePictureToTheBit) {
+TEST_P(OtherBackend, RendersTheSamePictureBitForBit) {
   const Picture theirs = picture_of(*other_);
   const std::string renderer = other_->renderer_string();
   const Picture ours = picture_of(*osmesa_);
@@ -125,7 +125,7 @@ TEST_P(OtherBackend, GivesTheSamePictureToTheBit) {
   expect_same(ours, theirs);
 }
 
-TEST_P(OtherBackend, TakesTurnsWithOsmesa) {
+TEST_P(OtherBackend, AlternatesWithOsmesa) {
   const hw::PolarVolume& volume = testing::noisy_scene();
   const Picture expected = picture_of(*other_);
   Renderer here(*osmesa_, volume.plan(), testing::small_options());
@@ -139,7 +139,7 @@ TEST_P(OtherBackend, TakesTurnsWithOsmesa) {
   expect_same(ours, picture_of(*osmesa_));
 }
 
-TEST_P(OtherBackend, OutlivesTheContextThatWasCurrentLast) {
+TEST_P(OtherBackend, WorksAfterTheCurrentContextIsDestroyed) {
   const Picture expected = picture_of(*other_);
   osmesa_->make_current();
   osmesa_.reset();

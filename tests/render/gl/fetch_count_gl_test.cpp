@@ -23,7 +23,7 @@ const PassTime& pass_of(const Picture& picture, const std::string& name) {
 
 class FetchCountOfSampler : public ::testing::TestWithParam<Sampler> {};
 
-TEST_P(FetchCountOfSampler, IsPixelsTimesTaps) {
+TEST_P(FetchCountOfSampler, EqualsPixelsTimesTaps) {
   gl_context();
   FetchCounter counter;
   const bool is_plane = GetParam() == Sampler::plane;
@@ -33,9 +33,7 @@ TEST_P(FetchCountOfSampler, IsPixelsTimesTaps) {
                         TextureFilter::linear);
   const Texture sums("sums", TexelFormat::r32f, {8, 6}, TextureFilter::nearest);
   const Framebuffer target({&sums});
-  const FragmentProgram program(
-      {"fetch_rate.frag.glsl"},
-      Defines().add("SAMPLER", static_cast<int>(GetParam())).add("TAPS", 5).add("SIDE", 8));
+  const FragmentProgram program({"fetch_rate.frag.glsl"}, fetch_rate_defines(GetParam(), 5, 8));
   program.draw(target, {{0, &fetched}});
   const FetchCounts expected = {
       {{GetParam(), TexelFormat::rg16, TextureFilter::linear}, 8 * 6 * 5}};
@@ -47,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Samplers,
                          FetchCountOfSampler,
                          ::testing::Values(Sampler::plane, Sampler::volume, Sampler::layers));
 
-/// Rays that nothing ends before the box's far side.
+/// Settings with which every ray runs to the far side of the box.
 RenderOptions endless_rays() {
   RenderOptions options = testing::small_options();
   options.pipeline.mode = PipelineMode::plain;
@@ -58,7 +56,7 @@ RenderOptions endless_rays() {
   return options;
 }
 
-TEST(FetchCount, OfPlainRaysIsAMotionTableFetchForEachStep) {
+TEST(FetchCount, InModePlainIncludesOneMotionTableFetchPerStep) {
   const RenderOptions options = endless_rays();
   GlContext& context = gl_context();
   const FetchCounter counter;
@@ -67,13 +65,13 @@ TEST(FetchCount, OfPlainRaysIsAMotionTableFetchForEachStep) {
   const std::int64_t size = options.ray_casting.image_size;
   const TextureFetch motion_table = {Sampler::plane, TexelFormat::rgb32f, TextureFilter::linear};
   EXPECT_EQ(fetches.at(motion_table), size * size * options.ray_casting.steps);
-  // Slices are read within the cone alone.
+  // Slices are read only inside the cone.
   const TextureFetch slices = {Sampler::volume, TexelFormat::r16, TextureFilter::linear};
   EXPECT_LT(fetches.at(slices), fetches.at(motion_table));
   EXPECT_GT(fetches.at(slices), 0);
 }
 
-TEST(FetchCount, LeavesThePictureAsItIs) {
+TEST(FetchCount, DoesNotChangeThePicture) {
   for (const PipelineMode mode : {PipelineMode::plain, PipelineMode::fast}) {
     RenderOptions options = testing::small_options();
     options.pipeline.mode = mode;
@@ -88,7 +86,7 @@ TEST(FetchCount, LeavesThePictureAsItIs) {
   }
 }
 
-TEST(FetchCount, OfModeFastIsAFractionOfPlain) {
+TEST(FetchCount, IsLowerInModeFast) {
   const hw::PolarVolume volume = testing::noisy_scene();
   const auto total = [&](PipelineMode mode) {
     RenderOptions options = testing::small_options();
@@ -97,13 +95,13 @@ TEST(FetchCount, OfModeFastIsAFractionOfPlain) {
     const FetchCounter counter;
     const Picture picture = render_volume(context, volume, options);
     std::int64_t sum = 0;
-    for (const auto& [kind, count] : pass_of(picture, "ray_casting").fetches) sum += count;
+    for (const auto& [fetch, count] : pass_of(picture, "ray_casting").fetches) sum += count;
     return sum;
   };
   EXPECT_LT(total(PipelineMode::fast), total(PipelineMode::plain));
 }
 
-TEST(FetchCount, HasOneCounterAtATime) {
+TEST(FetchCount, AllowsOneCounterAtATime) {
   gl_context();
   const FetchCounter counter;
   EXPECT_THROW(FetchCounter(), std::logic_error);

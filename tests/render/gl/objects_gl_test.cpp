@@ -13,7 +13,7 @@ namespace {
 
 using testing::gl_context;
 
-/// What a callable's runtime_error says; empty if it throws none.
+/// Message of the runtime_error that a callable throws; empty if none.
 template <class Function>
 std::string error_of(Function function) {
   try {
@@ -36,7 +36,7 @@ TEST(Texture, IsEmptyUntilMadeAndAfterMoving) {
   EXPECT_FALSE(made);  // NOLINT(bugprone-use-after-move): the empty state is part of the contract
 }
 
-TEST(Texture, StartsAsZerosAndGivesBackWhatWasUploaded) {
+TEST(Texture, StartsAtZeroAndReturnsWhatWasUploaded) {
   gl_context();
   for (TexelFormat format : {TexelFormat::r16, TexelFormat::r32f}) {
     Texture texture("test", format, {3, 2}, TextureFilter::nearest);
@@ -56,7 +56,7 @@ TEST(Texture, RefusesTheWrongNumberOfValues) {
   EXPECT_THROW(texture.upload(std::vector<float>(5)), std::logic_error);
 }
 
-TEST(Texture, BeyondTheDriversLimitsIsRefusedWithValueAndLimit) {
+TEST(Texture, BeyondTheDriversLimitsThrowsWithValueAndLimit) {
   gl_context();
   const std::string side = error_of([] {
     Texture("a wide one", TexelFormat::r8, {100000, 1}, TextureFilter::nearest);
@@ -73,7 +73,7 @@ TEST(Texture, BeyondTheDriversLimitsIsRefusedWithValueAndLimit) {
   EXPECT_NO_THROW(check_gl("after the refusals"));
 }
 
-TEST(FragmentProgram, ErrorsNameTheFileAndCarryTheLog) {
+TEST(FragmentProgram, ErrorsContainFileNameAndLog) {
   gl_context();
   EXPECT_EQ(error_of([] { FragmentProgram({"missing.glsl"}, Defines()); }),
             "no shader missing.glsl in this build");
@@ -83,16 +83,16 @@ TEST(FragmentProgram, ErrorsNameTheFileAndCarryTheLog) {
   EXPECT_NE(error.find("BIND_PICTURE"), std::string::npos) << error;
 }
 
-TEST(FragmentProgram, AMisspeltUniformIsOurMistake) {
+TEST(FragmentProgram, AMisspelledUniformIsALogicError) {
   gl_context();
   FragmentProgram program(
       {"smooth.frag.glsl"},
       Defines().add("BIND_PICTURE", 0).add("HALF_FILTER", 1).add("BILATERAL", 0));
-  EXPECT_NO_THROW(program.set("range_sigma", 1.0));  // optimised away: the box has no use for it
+  EXPECT_NO_THROW(program.set("range_sigma", 1.0));  // optimised away: unused by the box filter
   EXPECT_THROW(program.set("rnage_sigma", 1.0), std::logic_error);
 }
 
-TEST(CheckGl, NamesTheErrorAndThePlace) {
+TEST(CheckGl, NamesTheErrorAndTheOperation) {
   gl_context();
   check_gl("before");
   Texture texture("test", TexelFormat::r32f, {4, 4}, TextureFilter::nearest);
@@ -107,7 +107,7 @@ TEST(CheckGl, NamesTheErrorAndThePlace) {
   EXPECT_EQ(error.rfind("attaching: GL_INVALID_", 0), 0u) << error;
 }
 
-TEST(PassTimer, AddsUpAndAgreesWithItself) {
+TEST(PassTimer, AccumulatesConsistentTimes) {
   gl_context();
   PassTimer timer;
   PassTime time{"nothing"};

@@ -1,4 +1,4 @@
-// What rays may leap over, from bounds of the slices; no GL.
+// Skippable cells from bounds of the slices; no GL.
 #include "render/leaping/skippable_cells.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace wobblebench::render {
 namespace {
 
-/// The part of the small scene's slices inside the cone, so that no cell lies on its border.
+/// The part of the small scene's slices inside the cone, so that no cell lies on the border.
 struct Fixture {
   hw::AcquisitionPlan plan = testing::small_plan();
   RenderOptions options = testing::small_options();
@@ -33,30 +33,30 @@ int count_sampled(const std::vector<std::uint8_t>& distances) {
   return static_cast<int>(std::count(distances.begin(), distances.end(), 0));
 }
 
-std::vector<MacrocellBounds> flat(const MacrocellGrid& lattice, float value) {
-  return std::vector<MacrocellBounds>(static_cast<std::size_t>(lattice.columns * lattice.rows),
+std::vector<MacrocellBounds> flat(const MacrocellGrid& grid, float value) {
+  return std::vector<MacrocellBounds>(static_cast<std::size_t>(grid.columns * grid.rows),
                                       MacrocellBounds{value, value, {}, {}});
 }
 
-/// Place of a cell among distances().
+/// Index of a cell in distances().
 std::size_t at(const MacrocellGrid& l, int interval, int row, int column) {
   return static_cast<std::size_t>((interval * l.rows + row) * l.columns + column);
 }
 
-TEST(SkippableCells, FlatSlicesAreQuietThroughout) {
+TEST(SkippableCells, ConstantSlicesAreSkippedEntirely) {
   const Fixture fixture;
   SkippableCells cells = fixture.cells();
   ASSERT_TRUE(cells.can_leap());
-  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 1));
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 1));
   const auto distances = cells.distances();
   EXPECT_EQ(count_sampled(distances), 0);
-  EXPECT_EQ(*std::min_element(distances.begin(), distances.end()), kFarthestCell);
+  EXPECT_EQ(*std::min_element(distances.begin(), distances.end()), kMaxCellDistance);
 }
 
-TEST(SkippableCells, DistancesCountCellsAlongTheFarthestAxis) {
+TEST(SkippableCells, DistancesAreChebyshevDistances) {
   const Fixture fixture;
   SkippableCells cells = fixture.cells();
-  const MacrocellGrid& l = cells.lattice();
+  const MacrocellGrid& l = cells.grid();
   std::mt19937 random(3);
   for (int k = 0; k < 20; ++k) {
     auto bounds = flat(l, 0.5f);
@@ -68,7 +68,7 @@ TEST(SkippableCells, DistancesCountCellsAlongTheFarthestAxis) {
   for (int trial = 0; trial < 300; ++trial) {
     const int k = int(random() % unsigned(l.intervals)), j = int(random() % unsigned(l.rows)),
               i = int(random() % unsigned(l.columns));
-    int nearest = kFarthestCell;
+    int nearest = kMaxCellDistance;
     for (int z = 0; z < l.intervals; ++z) {
       for (int y = 0; y < l.rows; ++y) {
         for (int x = 0; x < l.columns; ++x) {
@@ -82,11 +82,12 @@ TEST(SkippableCells, DistancesCountCellsAlongTheFarthestAxis) {
   }
 }
 
-TEST(SkippableCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
+TEST(SkippableCells, AnEdgeIsSampledDownstreamWithinTheBuffer) {
   const Fixture fixture;
   SkippableCells cells = fixture.cells();
-  const MacrocellGrid& l = cells.lattice();
-  const int interval = 9, row = l.rows / 2, column = l.columns / 2;  // rays lean towards interval 0
+  const MacrocellGrid& l = cells.grid();
+  const int interval = 9, row = l.rows / 2,
+            column = l.columns / 2;  // rays point slightly towards interval 0
   for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(l, 0.5f));
   auto bounds = flat(l, 0.5f);
   bounds[static_cast<std::size_t>(row * l.columns + column)].depth.rise = 0.9f;
@@ -94,65 +95,65 @@ TEST(SkippableCells, AnEdgeIsSampledWhereTheBufferLooksBackAtIt) {
   const auto distances = cells.distances();
   EXPECT_EQ(distances[at(l, interval, row, column)], 0);
   EXPECT_EQ(distances[at(l, interval, row + 1, column)], 0);  // downstream: rays run along depth
-  EXPECT_NE(distances[at(l, interval, row - 1, column)], 0);  // upstream the edge is yet to come
+  EXPECT_NE(distances[at(l, interval, row - 1, column)], 0);  // upstream of the edge
   EXPECT_NE(distances[at(l, interval, row, column + 1)], 0);  // rays do not run along x
   EXPECT_NE(distances[at(l, interval + 3, row, column)], 0);
 }
 
-TEST(SkippableCells, AnEdgeOfTheOtherSignIsQuiet) {
+TEST(SkippableCells, AnEdgeOfTheOtherSignIsSkipped) {
   Fixture fixture;
   for (EdgeSign edge : {EdgeSign::rising, EdgeSign::falling}) {
     fixture.options.ray_casting.edge = edge;
     SkippableCells cells = fixture.cells();
-    auto bounds = flat(cells.lattice(), 0.5f);
+    auto bounds = flat(cells.grid(), 0.5f);
     for (MacrocellBounds& b : bounds) b.depth.fall = 0.9f;
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
     EXPECT_EQ(count_sampled(cells.distances()) > 0, edge == EdgeSign::falling);
   }
 }
 
-TEST(SkippableCells, SlopesBelowTheThresholdAreQuietAndAboveItAreNot) {
+TEST(SkippableCells, SlopesBelowTheThresholdAreSkippedAndAboveItSampled) {
   const Fixture fixture;
   SkippableCells cells = fixture.cells();
   const RayCastingOptions& o = fixture.options.ray_casting;
-  // Difference of a ramp: (n / 2)^2 steps of slope.
+  // Difference of a ramp, Eq. (1): (n / 2)^2 step slope.
   const double pixel_m = fixture.geometry.pixel_depth_m(1) - fixture.geometry.pixel_depth_m(0);
   const double step = fixture.options.volume_of_interest.size_m[2] / o.steps;
-  const double firing_rise =
+  const double detectable_rise =
       o.threshold / (0.25 * o.buffer_length * o.buffer_length * step) * pixel_m;
   for (const double share : {0.9, 1.05}) {
-    auto bounds = flat(cells.lattice(), 0.5f);
-    for (MacrocellBounds& b : bounds) b.depth.rise = static_cast<float>(share * firing_rise);
+    auto bounds = flat(cells.grid(), 0.5f);
+    for (MacrocellBounds& b : bounds) b.depth.rise = static_cast<float>(share * detectable_rise);
     for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
     EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
   }
 }
 
-TEST(SkippableCells, WhatIsVisibleIsSampled) {
+TEST(SkippableCells, VisibleCellsAreSampled) {
   Fixture fixture;
   fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
   SkippableCells cells = fixture.cells();
-  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.19f));
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.19f));
   EXPECT_EQ(count_sampled(cells.distances()), 0);
-  cells.set_bounds(5, flat(cells.lattice(), 0.21f));
-  EXPECT_EQ(count_sampled(cells.distances()), cells.lattice().columns * cells.lattice().rows);
+  cells.set_bounds(5, flat(cells.grid(), 0.21f));
+  EXPECT_EQ(count_sampled(cells.distances()), cells.grid().columns * cells.grid().rows);
 }
 
 TEST(SkippableCells, TheConesBorderIsSampled) {
   Fixture fixture;
   fixture.options.volume_of_interest.size_m = {0.3, 0.3, 0.3};
   SkippableCells cells = fixture.cells();
-  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.lattice(), 0.5f));
+  for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), 0.5f));
   const auto distances = cells.distances();
   EXPECT_GT(count_sampled(distances), 0);
   EXPECT_LT(count_sampled(distances), int(distances.size()) / 2);
 }
 
-TEST(SkippableCells, EverythingIsSampledWhereFramesAreNoNeighbours) {
+TEST(SkippableCells, EverythingIsSampledWithASingleFrame) {
   Fixture fixture;
-  hw::AcquisitionOptions lone = fixture.plan.acquisition();
-  lone.frames_per_volume = 1;
-  fixture.plan = hw::AcquisitionPlan(hw::ProbeOptions{}, lone);
+  hw::AcquisitionOptions single = fixture.plan.acquisition();
+  single.frames_per_volume = 1;
+  fixture.plan = hw::AcquisitionPlan(hw::ProbeOptions{}, single);
   fixture.geometry = SliceGeometry(fixture.plan, 128);
   EXPECT_FALSE(fixture.cells().can_leap());
   const auto distances = fixture.cells().distances();

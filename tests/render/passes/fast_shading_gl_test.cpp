@@ -1,4 +1,4 @@
-// Passes 3 and 4: fast against plain, pixel by pixel, over random reliefs.
+// Passes 3 and 4: mode fast against mode plain, pixel by pixel, for random height maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ namespace {
 
 using testing::gl_context;
 
-/// Boxes of random depth within 40 mm about the middle of the picture, with holes between them and
-/// single pixels missing: cliffs, grooves, and surface on both sides of a near light.
+/// Height map of boxes with random z within 40 mm of `middle_m`, with holes and single pixels
+/// missing: cliffs, grooves, and surfaces on both sides of a near light.
 std::vector<float> random_relief(int size, double middle_m, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int end) {
@@ -47,8 +47,8 @@ struct LightCase {
   double left_rad, up_rad, distance_m;
 };
 
-/// On the viewer's line, oblique, grazing from each side, and within the relief. Point lights are
-/// not right over pixels' middles or corners: samples on pixels' borders are anybody's.
+/// Along the view, oblique, grazing from each side, and inside the relief. Point lights do not lie
+/// above pixel centres or corners, as the pixel of a sample on a border depends on rounding.
 const LightCase kLights[] = {
     {Light::directional, 0, 0, 1},
     {Light::directional, 0, 25 * kDegree, 1},
@@ -100,7 +100,7 @@ class FastShading : public ::testing::TestWithParam<std::tuple<Projection, int>>
   }
 };
 
-TEST_P(FastShading, IsThePlainPicture) {
+TEST_P(FastShading, EqualsModePlain) {
   gl_context();
   RenderOptions o = options();
   const int size = o.ray_casting.image_size;
@@ -130,7 +130,7 @@ TEST_P(FastShading, IsThePlainPicture) {
       ++pixels;
     }
   }
-  // In float a sample can fall on the other side of a pixel's border, or of the bias.
+  // Float rounding can move a sample across a pixel's border or across the bias.
   EXPECT_LE(other, 1e-3 * pixels);
   if (size >= 8) {
     EXPECT_GT(dark, 0.1 * pixels);
@@ -144,7 +144,7 @@ std::string case_name(const ::testing::TestParamInfo<FastShading::ParamType>& in
   return (projection == Projection::parallel ? "parallel_" : "perspective_") + std::to_string(size);
 }
 
-// One pixel; smaller than a kernel or a tile; whole tiles, and not.
+// One pixel; smaller than a kernel or a tile; whole tiles; partial tiles.
 INSTANTIATE_TEST_SUITE_P(Sizes,
                          FastShading,
                          ::testing::Combine(::testing::Values(Projection::parallel,
@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes,
                                             ::testing::Values(1, 5, 13, 64, 150)),
                          case_name);
 
-// Rays that come down to a light within the relief pass a low cover beside it only at their end.
+// Rays that descend to a light inside the relief pass below a low cover only at their end.
 TEST(FastShadingInput, ACoverBesideALowLightCastsItsShadow) {
   gl_context();
   RenderOptions o;
@@ -173,7 +173,7 @@ TEST(FastShadingInput, ACoverBesideALowLightCastsItsShadow) {
   const Shaded fast = shade(depth, o, PipelineMode::fast);
   o.shading.shadows = false;
   const Shaded unshadowed = shade(depth, o, PipelineMode::plain);
-  for (std::size_t column = 0; column < 16; ++column) {  // the last one sees over the ledge
+  for (std::size_t column = 0; column < 16; ++column) {  // the next one is lit over the ledge
     const std::size_t pixel = 64 * 32 + column;
     EXPECT_LT(plain.rgba[4 * pixel], 0.7f * unshadowed.rgba[4 * pixel]) << column;
     EXPECT_LT(largest_change(plain, fast, pixel), 2e-3f) << column;
@@ -182,7 +182,7 @@ TEST(FastShadingInput, ACoverBesideALowLightCastsItsShadow) {
 
 class FastSmoothing : public ::testing::TestWithParam<SmoothingFilter> {};
 
-TEST_P(FastSmoothing, IsThePlainPicture) {
+TEST_P(FastSmoothing, EqualsModePlain) {
   gl_context();
   for (int side : {1, 2, 7, 33}) {
     std::mt19937 random(static_cast<unsigned>(side));

@@ -1,4 +1,3 @@
-// Frames on their way to the slices.
 #include "render/passes/frame_store.h"
 
 #include <gtest/gtest.h>
@@ -27,26 +26,26 @@ hw::PolarFrame frame_of(float value) {
 
 const std::vector<double> kThree = {0.25, 0.5, 0.25};
 
-TEST(FrameStore, MixesNeighboursAndLeavesOutThoseThatAreNot) {
+TEST(FrameStore, FiltersExistingNeighbours) {
   FrameStore store(plan_of(4), kThree, 1);
   for (int f = 0; f < 4; ++f) store.put(f, frame_of(0.1f * float(f + 1)));
-  EXPECT_FLOAT_EQ(store.mixed(1)[0], 0.25f * 0.1f + 0.5f * 0.2f + 0.25f * 0.3f);
-  EXPECT_FLOAT_EQ(store.mixed(0)[5], (0.5f * 0.1f + 0.25f * 0.2f) / 0.75f);
-  EXPECT_FLOAT_EQ(store.mixed(3)[5], (0.25f * 0.3f + 0.5f * 0.4f) / 0.75f);
+  EXPECT_FLOAT_EQ(store.filtered(1)[0], 0.25f * 0.1f + 0.5f * 0.2f + 0.25f * 0.3f);
+  EXPECT_FLOAT_EQ(store.filtered(0)[5], (0.5f * 0.1f + 0.25f * 0.2f) / 0.75f);
+  EXPECT_FLOAT_EQ(store.filtered(3)[5], (0.25f * 0.3f + 0.5f * 0.4f) / 0.75f);
 }
 
-TEST(FrameStore, SettlesALayerWhenAllThatItIsMadeFromHasArrived) {
+TEST(FrameStore, CompletesALayerWhenAllItsFramesHaveArrived) {
   FrameStore store(plan_of(5), kThree, 1);
   store.put(0, frame_of(1));
-  EXPECT_TRUE(store.take_settled().empty());
+  EXPECT_TRUE(store.take_complete().empty());
   store.put(1, frame_of(1));
-  EXPECT_EQ(store.take_settled(), std::vector<int>{0});
+  EXPECT_EQ(store.take_complete(), std::vector<int>{0});
   store.put(2, frame_of(1));
-  EXPECT_EQ(store.take_settled(), std::vector<int>{1});
+  EXPECT_EQ(store.take_complete(), std::vector<int>{1});
   store.put(3, frame_of(1));
   store.put(4, frame_of(1));
   EXPECT_TRUE(store.volume_complete());
-  EXPECT_EQ(store.take_settled(), (std::vector<int>{2, 3, 4}));
+  EXPECT_EQ(store.take_complete(), (std::vector<int>{2, 3, 4}));
   store.begin_volume();
   EXPECT_FALSE(store.volume_complete());
   EXPECT_TRUE(store.take_changed().empty());
@@ -62,18 +61,18 @@ TEST(FrameStore, AFrameChangesItsNeighboursOnce) {
 TEST(FrameStore, ALayerOfTwoSlicesWaitsForBoth) {
   FrameStore store(plan_of(5), kThree, 2);
   for (int f = 0; f < 2; ++f) store.put(f, frame_of(1));
-  EXPECT_TRUE(store.take_settled().empty());  // slice 1 is made from frame 2 too
+  EXPECT_TRUE(store.take_complete().empty());  // slice 1 is made from frame 2 too
   store.put(2, frame_of(1));
-  EXPECT_EQ(store.take_settled(), std::vector<int>{0});
+  EXPECT_EQ(store.take_complete(), std::vector<int>{0});
   store.put(3, frame_of(1));
   store.put(4, frame_of(1));
-  EXPECT_EQ(store.take_settled(), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(store.take_complete(), (std::vector<int>{1, 2, 3}));
   store.begin_volume();
   store.put(2, frame_of(1));
   EXPECT_EQ(store.take_changed(), (std::vector<int>{0, 1, 2, 3}));
 }
 
-TEST(FrameStore, EveryLayerIsSettledExactlyOnceWhateverTheOrder) {
+TEST(FrameStore, EachLayerIsCompletedExactlyOnceInAnyOrder) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 100; ++trial) {
     const int slices = 1 + trial % 2;
@@ -82,7 +81,7 @@ TEST(FrameStore, EveryLayerIsSettledExactlyOnceWhateverTheOrder) {
     std::shuffle(order.begin(), order.end(), random);
     for (int frame : order) {
       store.put(frame, frame_of(0.5f));
-      for (int layer : store.take_settled()) ++taken[static_cast<std::size_t>(layer)];
+      for (int layer : store.take_complete()) ++taken[static_cast<std::size_t>(layer)];
     }
     EXPECT_EQ(taken, std::vector<int>(taken.size(), 1));
   }

@@ -7,7 +7,7 @@
 namespace wobblebench::render {
 namespace {
 
-TEST(Lighting, NoAngleIsTheViewersOwnDirection) {
+TEST(Lighting, ZeroAnglesPointToTheViewer) {
   ShadingOptions options;
   options.light_up_rad = 0;
   EXPECT_EQ(light_direction(options), glm::dvec3(0, 0, -1));

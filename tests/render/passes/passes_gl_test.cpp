@@ -1,4 +1,4 @@
-// Each GL pass alone against the same pass of the double-precision reference.
+// Each GL pass against the same pass of the double-precision reference.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ using testing::gl_context;
 struct FormatCase {
   const char* name;
   TextureFormat format;
-  double tolerance;  ///< half a grey level of frame and of slice, or float arithmetic
+  double tolerance;  ///< half a grey level of frame and of slice each, or float rounding
 };
 
 class PassOne : public ::testing::TestWithParam<std::tuple<FormatCase, PipelineMode>> {};
@@ -36,16 +36,16 @@ RenderOptions slice_options(int slice_size, int filter_size, TextureFormat forma
   return options;
 }
 
-/// The volume texture's layers that hold these frames' slices, made as the renderer makes them; the
-/// others are left alone.
+/// Layers of the volume texture that hold the slices of `frames`, made as the renderer makes them;
+/// the others stay zero.
 class Layers {
  public:
   Layers(const hw::PolarVolume& volume,
          const RenderOptions& options,
          const std::vector<int>& frames)
-      : maker_(volume.plan(), options), made_(maker_.make()) {
-    FrameStore store = maker_.make_store();
-    const int count = maker_.geometry().frames();
+      : factory_(volume.plan(), options), made_(factory_.make()) {
+    FrameStore store = factory_.make_frame_store();
+    const int count = factory_.geometry().frames();
     for (int f = 0; f < count; ++f) store.put(f, volume.frame(f));
     is_pairs_ = options.pipeline.mode == PipelineMode::fast;
     std::vector<int> layers;
@@ -57,17 +57,17 @@ class Layers {
   Region pixels() const { return made_->pixels(); }
   float at(int frame, int column, int row) const {
     const Region p = pixels();
-    const int place = (layer_of(frame) * p.rows + row - p.row) * p.columns + column - p.column;
+    const int index = (layer_of(frame) * p.rows + row - p.row) * p.columns + column - p.column;
     const int channel = is_pairs_ && layer_of(frame) != frame ? 1 : 0;
-    return texels_[static_cast<std::size_t>(is_pairs_ ? 2 * place + channel : place)];
+    return texels_[static_cast<std::size_t>(is_pairs_ ? 2 * index + channel : index)];
   }
 
  private:
   int layer_of(int frame) const {
-    return is_pairs_ ? std::min(frame, maker_.geometry().frames() - 2) : frame;
+    return is_pairs_ ? std::min(frame, factory_.geometry().frames() - 2) : frame;
   }
 
-  SliceVolumeMaker maker_;
+  SliceVolumeFactory factory_;
   std::unique_ptr<SliceVolume> made_;
   bool is_pairs_ = false;
   std::vector<float> texels_;
@@ -85,7 +85,7 @@ double worst_difference(const Layers& layers, const reference::SliceStack& expec
   return worst;
 }
 
-TEST_P(PassOne, MakesTheReferencesSlices) {
+TEST_P(PassOne, EqualsTheReference) {
   gl_context();
   const auto [format, mode] = GetParam();
   const hw::PolarVolume& volume = testing::noisy_scene();
@@ -100,7 +100,7 @@ TEST_P(PassOne, MakesTheReferencesSlices) {
         EXPECT_LT(worst_difference(layers, expected, frame), format.tolerance)
             << "frame " << frame << ", filter " << filter_size << ", kernel " << kernel;
       }
-      for (int i = 0; i < 96; ++i) EXPECT_EQ(layers.at(5, i, i), 0);  // has not been made
+      for (int i = 0; i < 96; ++i) EXPECT_EQ(layers.at(5, i, i), 0);  // not made
     }
   }
 }
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Formats,
                                                               PipelineMode::plain)),
                          testing::NamedByCaseAndMode{});
 
-TEST(PassOneInput, InModeFastMakesOnlyWhatRaysRead) {
+TEST(PassOneInput, InModeFastOnlyPixelsThatRaysReadAreStored) {
   gl_context();
   const hw::PolarVolume& volume = testing::noisy_scene();
   RenderOptions options = testing::small_options();
@@ -128,7 +128,7 @@ TEST(PassOneInput, InModeFastMakesOnlyWhatRaysRead) {
   EXPECT_LT(worst_difference(layers, expected, 11), 2.0 / 65535);
 }
 
-TEST(PassOneInput, KeepsAConstantFrameConstantUpToTheSectorsEdge) {
+TEST(PassOneInput, AConstantFrameIsConstantUpToTheSectorsEdge) {
   gl_context();
   const hw::AcquisitionPlan plan = testing::small_plan();
   const auto volume = testing::sample_field(plan, [](const glm::dvec3&) { return 0.5; });
@@ -205,7 +205,7 @@ TEST_P(PassThree, ShadesLikeTheReference) {
       failing += difference > 2e-3;
     }
   }
-  // What is left are pixels on the border of a shadow, where the last bit of float decides.
+  // The rest are pixels on the border of a shadow, where float rounding decides.
   EXPECT_LE(failing, 0.002 * 3 * double(z.size()));
 }
 

@@ -25,7 +25,7 @@ TEST(GaussianWeights, AreNormalisedSymmetricAndGaussian) {
   }
 }
 
-TEST(BufferWeights, WithoutAWindowAreTheKernel) {
+TEST(BufferWeights, EqualTheKernelWithoutAWindow) {
   RayCastingOptions options;
   EXPECT_EQ(buffer_weights(options), std::vector<double>{1});  // the kernel lies in the slices
   options.kernel_space = KernelSpace::ray;
@@ -33,7 +33,7 @@ TEST(BufferWeights, WithoutAWindowAreTheKernel) {
   EXPECT_EQ(blend_weights(options), gaussian_weights(3));
 }
 
-TEST(BufferWeights, OfAWindowAloneAreItsMean) {
+TEST(BufferWeights, AreTheWindowsMeanWithoutAKernel) {
   RayCastingOptions options;
   options.kernel_3d = 1;
   options.window_2d = 5;
@@ -41,7 +41,7 @@ TEST(BufferWeights, OfAWindowAloneAreItsMean) {
   EXPECT_EQ(blend_weights(options), (std::vector<double>{0, 0, 1, 0, 0}));
 }
 
-TEST(BufferWeights, OfKernelAndWindowAreTheirConvolution) {
+TEST(BufferWeights, ConvolveKernelAndWindow) {
   RayCastingOptions options;
   options.kernel_space = KernelSpace::ray;
   options.kernel_3d = 5;
@@ -64,7 +64,7 @@ TEST(TransferFunction, IsLinearBetweenItsValuesAndConstantBeyond) {
   EXPECT_NEAR(transfer.step_opacity(0.5), 0.25, 1e-15);
 }
 
-TEST(TransferFunction, OpacityOfALengthDoesNotDependOnTheStep) {
+TEST(TransferFunction, OpacityPerLengthDoesNotDependOnTheStep) {
   const RayCastingOptions options;
   for (double value : {0.1, 0.3, 0.6, 1.0}) {
     const double whole = TransferFunction(options, 1e-3).step_opacity(value);
@@ -73,7 +73,7 @@ TEST(TransferFunction, OpacityOfALengthDoesNotDependOnTheStep) {
   }
 }
 
-TEST(TransferFunction, TableIsCloseToTheFunctionInBetween) {
+TEST(TransferFunction, TableInterpolatesTheFunction) {
   const RayCastingOptions options;
   const TransferFunction transfer(options, 0.156e-3);
   const auto table = transfer.table(kTransferTableSize);

@@ -21,7 +21,7 @@ hw::AcquisitionPlan plan(double sector_deg,
   return {probe, acquisition};
 }
 
-TEST(SliceGeometry, PixelsAndPlacesAreInverse) {
+TEST(SliceGeometry, PixelsAndCoordinatesAreInverse) {
   const SliceGeometry geometry(plan(77, 61, 27e-3), 100);
   for (double pixel : {0.0, 12.5, 99.0}) {
     EXPECT_NEAR(geometry.column(geometry.pixel_x_m(pixel)), pixel, 1e-11);
@@ -39,44 +39,44 @@ TEST(SliceGeometry, BoundsTheSectorTightly) {
   }
 }
 
-TEST(SliceGeometry, FindsEachSampleWhereItWasTaken) {
+TEST(SliceGeometry, LocatesEachSampleAtItsIndices) {
   const hw::AcquisitionPlan p = plan(77, 61, 27e-3);
   const SliceGeometry geometry(p, 64);
   std::mt19937 random(1);
   for (int i = 0; i < 500; ++i) {
     const int line = static_cast<int>(random() % 64), sample = static_cast<int>(random() % 512);
     const int frame = static_cast<int>(random() % 37);
-    const double theta_rad = p.theta_rad(line) * (1 - 1e-12);  // keeps edge lines inside
+    const double theta_rad = p.theta_rad(line) * (1 - 1e-12);  // keeps lines on the edge inside
     const double phi_rad = p.frame_phi_rad(frame) * (1 - 1e-12);
-    const glm::dvec3 place =
+    const glm::dvec3 position =
         p.geometry().to_cartesian({p.sample_range_m(sample), theta_rad, phi_rad});
-    const SlicePoint point = geometry.locate(place);
+    const SlicePoint point = geometry.locate(position);
     ASSERT_TRUE(point.inside);
     EXPECT_NEAR(point.frame, frame, 1e-9);
-    const auto index = geometry.polar_index(point.across_m, point.depth_m);
+    const auto index = geometry.polar_index(point.x_m, point.depth_m);
     ASSERT_TRUE(index.inside);
     EXPECT_NEAR(index.line, line, 1e-8);
     EXPECT_NEAR(index.sample, sample, 1e-8);
   }
 }
 
-TEST(SliceGeometry, ALoneFrameFillsItsFanAndALoneStickItsSector) {
+TEST(SliceGeometry, ASingleFrameFillsItsFanAndASingleStickItsSector) {
   hw::AcquisitionOptions acquisition;
   acquisition.frames_per_volume = 1;
   acquisition.sticks_per_frame = 1;
   const hw::AcquisitionPlan p({}, acquisition);
   const SliceGeometry geometry(p, 64);
   for (double share : {-0.49, 0.0, 0.49}) {
-    const glm::dvec3 place = p.geometry().to_cartesian(
+    const glm::dvec3 position = p.geometry().to_cartesian(
         {0.05, share * acquisition.sector_rad, -share * acquisition.fan_rad});
-    const SlicePoint point = geometry.locate(place);
+    const SlicePoint point = geometry.locate(position);
     EXPECT_TRUE(point.inside);
     EXPECT_EQ(point.frame, 0);
-    EXPECT_EQ(geometry.polar_index(point.across_m, point.depth_m).line, 0);
+    EXPECT_EQ(geometry.polar_index(point.x_m, point.depth_m).line, 0);
   }
 }
 
-TEST(SliceGeometry, KnowsWhatIsOutsideTheCone) {
+TEST(SliceGeometry, ExcludesPositionsOutsideTheCone) {
   const hw::AcquisitionPlan p = plan(77, 61, 27e-3);
   const SliceGeometry geometry(p, 64);
   const hw::ProbeGeometry probe = p.geometry();
@@ -125,7 +125,7 @@ struct TableCase {
 
 class MotionTableAccuracy : public ::testing::TestWithParam<TableCase> {};
 
-TEST_P(MotionTableAccuracy, IsBeyondWhatPassTwoCanTell) {
+TEST_P(MotionTableAccuracy, IsWithinTolerance) {
   const TableCase& c = GetParam();
   const hw::AcquisitionPlan p = plan(c.sector_deg, c.fan_deg, c.wobble_radius_m);
   const SliceGeometry geometry(p, 64);
@@ -134,10 +134,10 @@ TEST_P(MotionTableAccuracy, IsBeyondWhatPassTwoCanTell) {
   std::uniform_real_distribution<double> half(-0.5, 0.5), range(0.01, 0.16);
   double worst_depth_m = 0, worst_frame = 0;
   for (int i = 0; i < 20000; ++i) {
-    const glm::dvec3 place = p.geometry().to_cartesian(
+    const glm::dvec3 position = p.geometry().to_cartesian(
         {range(random), half(random) * c.sector_deg * kDegree, half(random) * c.fan_deg * kDegree});
-    const SlicePoint exact = geometry.locate(place);
-    const glm::dvec3 fetched = fetch(table, place.y, place.z);
+    const SlicePoint exact = geometry.locate(position);
+    const glm::dvec3 fetched = fetch(table, position.y, position.z);
     ASSERT_GT(fetched.z, 0.999);
     worst_depth_m = std::max(worst_depth_m, std::abs(fetched.x - exact.depth_m));
     worst_frame = std::max(worst_frame, std::abs(fetched.y - exact.frame));
@@ -146,7 +146,8 @@ TEST_P(MotionTableAccuracy, IsBeyondWhatPassTwoCanTell) {
   EXPECT_LT(worst_frame, c.frame_tolerance);
 }
 
-// A wide fan about an axis near the face curves most: the cells near the axis set the tolerance.
+// A wide fan about an axis near the face has the largest curvature: the entries near the axis
+// determine the tolerance.
 INSTANTIATE_TEST_SUITE_P(Each,
                          MotionTableAccuracy,
                          ::testing::Values(TableCase{"paper", 77, 61, 27e-3, 1e-6, 1e-3},
@@ -172,10 +173,10 @@ TEST(FieldBox, HoldsTheWholeCone) {
     const hw::AcquisitionPlan p = plan(170, 170, wobble_radius_m);
     const VolumeOfInterest box = field_box(SliceGeometry(p, 64));
     for (int i = 0; i < 5000; ++i) {
-      const glm::dvec3 place = p.geometry().to_cartesian(
+      const glm::dvec3 position = p.geometry().to_cartesian(
           {range(random), half(random) * 170 * kDegree, half(random) * 170 * kDegree});
       for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_LE(std::abs(place[axis] - box.center_m[axis]), box.size_m[axis] / 2 + 1e-12);
+        EXPECT_LE(std::abs(position[axis] - box.center_m[axis]), box.size_m[axis] / 2 + 1e-12);
       }
     }
   }

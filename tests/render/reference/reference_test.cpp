@@ -1,5 +1,5 @@
-// Closed forms of passes 3 and 4, and what the reference must do with blank and bad data. The GL
-// passes are held to the reference in passes_gl_test and settings_gl_test.
+// Closed forms of passes 3 and 4, and the reference on blank and uniform data. passes_gl_test and
+// settings_gl_test compare the GL passes with the reference.
 #include "render/reference/reference.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ RenderOptions bare_options() {
   return options;
 }
 
-TEST(ShadeDepth, AFlatSurfaceHasTheBlinnPhongValue) {
+TEST(ShadeDepth, AFlatSurfaceHasTheValueOfEquation2) {
   RenderOptions options = bare_options();
   options.shading.light_left_rad = 20 * kDegree;
   options.shading.light_up_rad = 30 * kDegree;
@@ -44,7 +44,7 @@ TEST(ShadeDepth, AFlatSurfaceHasTheBlinnPhongValue) {
   }
 }
 
-TEST(ShadeDepth, ASlopeThatFacesTheLightGetsAllOfIt) {
+TEST(ShadeDepth, ASlopeThatFacesTheLightIsFullyLit) {
   RenderOptions options = bare_options();
   options.shading.specular = 0;
   options.shading.light_up_rad = 0;
@@ -107,7 +107,7 @@ TEST(ShadeDepth, RefusesAPictureOfAnotherSize) {
   EXPECT_THROW(shade_depth(Image<float>(32, 64), bare_options()), InvalidOption);
 }
 
-TEST(ShadeDepth, FiltersKeepWhatIsConstant) {
+TEST(ShadeDepth, FiltersPreserveConstants) {
   RenderOptions options = bare_options();
   options.shading.depth_filter_size = 9;
   options.shading.light_up_rad = 0.3;
@@ -126,7 +126,7 @@ TEST(ShadeDepth, FiltersKeepWhatIsConstant) {
   }
 }
 
-TEST(ShadeDepth, BilateralKeepsAnEdgeThatTheBoxBlurs) {
+TEST(ShadeDepth, BilateralPreservesAnEdgeThatTheBoxBlurs) {
   RenderOptions options = bare_options();
   options.shading.shadows = false;
   Image<float> depth(64, 64, kNoSurface);

@@ -16,9 +16,9 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
 }
 
 /// Uniform in [-1, 1].
-double hash(const glm::dvec3& place, std::uint64_t seed) {
+double hash(const glm::dvec3& position, std::uint64_t seed) {
   std::uint64_t h = mix(seed + 0x9e3779b97f4a7c15ULL);
-  for (int axis = 0; axis < 3; ++axis) h = mix(h ^ std::bit_cast<std::uint64_t>(place[axis]));
+  for (int axis = 0; axis < 3; ++axis) h = mix(h ^ std::bit_cast<std::uint64_t>(position[axis]));
   return 2 * (static_cast<double>(h >> 11) * 0x1p-53) - 1;
 }
 
@@ -36,9 +36,9 @@ hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
     stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
     const double theta_rad = plan.theta_rad(static_cast<int>(stick.index.line));
     for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
-      const glm::dvec3 place =
+      const glm::dvec3 position =
           geometry.to_cartesian({plan.sample_range_m(k), theta_rad, stick.motor_angle_rad});
-      stick.samples.push_back(static_cast<float>(field(place)));
+      stick.samples.push_back(static_cast<float>(field(position)));
     }
     volume.place(stick);
   }
@@ -52,21 +52,21 @@ double soft_step(double distance_m, double inside, double outside, double ramp_m
 }
 
 Field sphere(const glm::dvec3& center_m, double radius_m, double ramp_m) {
-  return [=](const glm::dvec3& place) {
-    return soft_step(glm::distance(place, center_m) - radius_m, kInside, kOutside, ramp_m);
+  return [=](const glm::dvec3& position) {
+    return soft_step(glm::distance(position, center_m) - radius_m, kInside, kOutside, ramp_m);
   };
 }
 
 Field plane(const glm::dvec3& point_m, const glm::dvec3& normal, double ramp_m) {
   const glm::dvec3 unit = glm::normalize(normal);
-  return [=](const glm::dvec3& place) {
-    return soft_step(glm::dot(place - point_m, unit), kInside, kOutside, ramp_m);
+  return [=](const glm::dvec3& position) {
+    return soft_step(glm::dot(position - point_m, unit), kInside, kOutside, ramp_m);
   };
 }
 
 Field noisy(Field field, double amplitude, std::uint64_t seed) {
-  return [=](const glm::dvec3& place) {
-    return std::clamp(field(place) + amplitude * hash(place, seed), 0.0, 1.0);
+  return [=](const glm::dvec3& position) {
+    return std::clamp(field(position) + amplitude * hash(position, seed), 0.0, 1.0);
   };
 }
 

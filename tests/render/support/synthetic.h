@@ -1,4 +1,5 @@
-// Volumes made from a formula, sampled exactly where each stick's samples lie.
+// Synthetic volumes, sampled from a formula at the position of each sample, and comparisons of
+// pictures.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace wobblebench::render::testing {
 
-/// Brightness at a place of the probe frame.
+/// Sample value at a position of the probe frame.
 using Field = std::function<double(const glm::dvec3&)>;
 
 /// `volume`: its index in the stream.
@@ -21,24 +22,24 @@ hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
                              const Field& field,
                              std::uint32_t volume = 0);
 
-/// Brightness of a body with a signed distance, negative inside: `inside` and `outside`, with a
-/// linear ramp of this width across the surface (0: a hard step).
+/// Sample value at a signed distance from a surface, negative inside: `inside` or `outside`, with a
+/// linear ramp of this width across the surface (0: a step).
 double soft_step(double distance_m, double inside, double outside, double ramp_m);
 
 Field sphere(const glm::dvec3& center_m, double radius_m, double ramp_m);
-/// The half space beyond `point`, `normal` looking towards the probe.
+/// The half space beyond `point`; `normal` points to the probe.
 Field plane(const glm::dvec3& point_m, const glm::dvec3& normal, double ramp_m);
-/// The same field with noise of this amplitude, a hash of the place: the same on every call.
+/// The field plus uniform noise of this amplitude, a hash of position and seed.
 Field noisy(Field field, double amplitude, std::uint64_t seed);
 
-/// A small acquisition, dense enough for its field of view, and settings that render it quickly.
+/// A small acquisition, dense enough for its field of view, and settings that render it fast.
 hw::AcquisitionPlan small_plan();
 RenderOptions small_options();
 
-/// A volume that has everything: a noisy soft sphere in front of a tilted plane.
+/// A noisy sphere with a soft edge in front of a tilted plane.
 const hw::PolarVolume& noisy_scene();
 
-/// Names of tests over (case with a name, mode).
+/// Name of a test with parameters (case with a name, mode).
 struct NamedByCaseAndMode {
   template <class Info>
   std::string operator()(const Info& info) const {
@@ -49,23 +50,24 @@ struct NamedByCaseAndMode {
 
 inline constexpr double kInside = 0.9, kOutside = 0.1;
 
-/// How two depth images differ.
+/// Difference of two depth images.
 struct DepthDifference {
   double rms_m = 0;
   double largest_m = 0;
-  double changed_share = 0;  ///< of pixels: surface in one only
+  double changed_share = 0;  ///< share of pixels with a surface in only one
   int both = 0;              ///< pixels with a surface in both
 };
 DepthDifference compare(const Image<float>& a, const Image<float>& b);
 
-/// How two pictures differ: the largest difference of a channel, and the share of pixels where it
-/// is above `tolerance`.
+/// Difference of two pictures: the largest of any channel, and the share of pixels in which it
+/// exceeds `tolerance`.
 struct ColorDifference {
   double largest = 0;
   double failing_share = 0;
 };
 ColorDifference compare(const Image<glm::vec3>& a, const Image<glm::vec3>& b, double tolerance);
 
+/// Pixels with a surface.
 int hits(const Image<float>& depth_m);
 
 }  // namespace wobblebench::render::testing

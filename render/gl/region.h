@@ -1,9 +1,9 @@
-// Part of a picture or a slice.
+// A rectangle of pixels.
 #pragma once
 
 namespace wobblebench::render {
 
-/// Pixels of a rectangle.
+/// A rectangle of a picture, slice or framebuffer, in pixels.
 struct Region {
   int column = 0;
   int row = 0;
