@@ -209,6 +209,11 @@ void describe(O& o, Visitor& v) {
   v.real("range_sigma", o.range_sigma, 1, 0.001, 10);
 }
 
+/// Spatial standard deviation of the bilateral filter, in pixels.
+constexpr double bilateral_spatial_sigma(int filter_size) {
+  return filter_size / 4.0;
+}
+
 /// All settings of a renderer.
 ///
 /// @code

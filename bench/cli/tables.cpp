@@ -9,9 +9,9 @@
 #include "bench/report/report.h"
 #include "bench/scene/adopt_plan.h"
 #include "bench/tables/measure.h"
-#include "bench/tables/tables_report.h"
 #include "bench/tables/table_scans.h"
 #include "bench/tables/tables_figure.h"
+#include "bench/tables/tables_report.h"
 
 namespace wobblebench::bench {
 

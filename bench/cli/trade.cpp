@@ -7,8 +7,8 @@
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
-#include "bench/studies/trade/rung_memory.h"
 #include "bench/report/trade/rung_trade_report.h"
+#include "bench/studies/trade/rung_memory.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 

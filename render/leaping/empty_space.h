@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "render/geometry/layer_group.h"
 #include "render/gl/program.h"
 #include "render/leaping/skippable_cells.h"
-#include "render/passes/fast_scan_converter.h"
 
 namespace wobblebench::render {
 

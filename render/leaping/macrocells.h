@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/region.h"
-#include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 

@@ -1,7 +1,7 @@
 #include "render/leaping/shadow_tiles.h"
 
 #include "render/camera.h"
-#include "render/passes/lighting.h"
+#include "render/geometry/lighting.h"
 
 namespace wobblebench::render {
 namespace {

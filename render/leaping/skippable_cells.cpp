@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/camera.h"
-#include "render/passes/ray_sampling.h"
+#include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::render {
 namespace {

@@ -5,9 +5,9 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "render/geometry/slice_geometry.h"
 #include "render/leaping/macrocells.h"
 #include "render/options.h"
-#include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "render/passes/ray_sampling.h"
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/ray_sampling.h"
+#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {

@@ -4,11 +4,12 @@
 #include <functional>
 #include <vector>
 
+#include "render/geometry/layer_group.h"
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
 #include "render/passes/frame_store.h"
 #include "render/passes/frame_texture.h"
-#include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 
@@ -27,12 +28,6 @@ class SlicePairs {
  private:
   Region region_;
   Texture texture_;
-};
-
-/// Consecutive layers that are made together, out of `count` + 1 slices.
-struct LayerGroup {
-  int first = 0;
-  int count = 0;
 };
 
 /// Called for each finished group: the four channels of layer `index` of `slices` hold its slices,

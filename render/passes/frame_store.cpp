@@ -1,21 +1,12 @@
 #include "render/passes/frame_store.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
-namespace wobblebench::render {
+#include "render/geometry/sample.h"
 
-float clean_sample(float sample) {
-  // On the bit patterns, which order as the positive floats do, so that the loop is vectorised:
-  // negative values, infinity and NaN lie above the largest finite float.
-  const auto bits = std::bit_cast<std::uint32_t>(sample);
-  const bool is_valid = bits <= std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
-  return std::bit_cast<float>(is_valid ? std::min(bits, std::bit_cast<std::uint32_t>(1.0f)) : 0u);
-}
+namespace wobblebench::render {
 
 FrameStore::FrameStore(const hw::AcquisitionPlan& plan,
                        const std::vector<double>& weights,

@@ -52,8 +52,4 @@ class FrameStore {
   std::vector<float> filtered_;
 };
 
-/// A sample clamped to [0, 1], 0 for NaN and infinities, so that a bad sample affects its
-/// neighbourhood only.
-float clean_sample(float sample);
-
 }  // namespace wobblebench::render

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "render/passes/ray_sampling.h"
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/ray_sampling.h"
+#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {

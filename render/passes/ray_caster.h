@@ -3,9 +3,9 @@
 #pragma once
 
 #include "render/camera.h"
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
-#include "render/passes/slice_geometry.h"
 #include "render/passes/slice_volume.h"
 
 namespace wobblebench::render {

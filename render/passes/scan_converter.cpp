@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {

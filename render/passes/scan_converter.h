@@ -3,10 +3,10 @@
 
 #include <vector>
 
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
 #include "render/passes/frame_texture.h"
-#include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 

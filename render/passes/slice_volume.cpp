@@ -2,10 +2,10 @@
 
 #include <optional>
 
+#include "render/geometry/slice_kernel.h"
 #include "render/leaping/empty_space.h"
 #include "render/passes/fast_scan_converter.h"
 #include "render/passes/scan_converter.h"
-#include "render/passes/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/objects.h"
 #include "render/leaping/skippable_cells.h"
 #include "render/passes/frame_store.h"
-#include "render/passes/slice_geometry.h"
 
 namespace wobblebench::render {
 

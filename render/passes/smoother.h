@@ -25,9 +25,4 @@ class Smoother {
   std::vector<FragmentProgram> steps_;
 };
 
-/// Spatial standard deviation of the bilateral filter, in pixels.
-constexpr double bilateral_spatial_sigma(int filter_size) {
-  return filter_size / 4.0;
-}
-
 }  // namespace wobblebench::render

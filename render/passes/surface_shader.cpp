@@ -1,7 +1,7 @@
 #include "render/passes/surface_shader.h"
 
 #include "render/camera.h"
-#include "render/passes/lighting.h"
+#include "render/geometry/lighting.h"
 #include "render/passes/ray_caster.h"
 
 namespace wobblebench::render {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "render/passes/ray_sampling.h"
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/ray_sampling.h"
+#include "render/geometry/slice_kernel.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render::reference {

@@ -6,8 +6,8 @@
 
 #include "hw/probe/polar_volume.h"
 #include "render/camera.h"
+#include "render/geometry/slice_geometry.h"
 #include "render/options.h"
-#include "render/passes/slice_geometry.h"
 #include "render/picture.h"
 
 namespace wobblebench::render::reference {

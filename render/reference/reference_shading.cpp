@@ -5,8 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/parallel.h"
-#include "render/passes/lighting.h"
-#include "render/passes/smoother.h"
+#include "render/geometry/lighting.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render::reference {

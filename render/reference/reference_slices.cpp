@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "render/passes/frame_store.h"
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/sample.h"
+#include "render/geometry/slice_kernel.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render::reference {

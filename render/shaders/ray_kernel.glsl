@@ -8,7 +8,7 @@ layout(binding = BIND_SLICES) uniform sampler3D slices;
 #endif
 
 uniform vec2 slice_scale, slice_offset;  // (x, depth) to texture coordinates
-// Kernel weights, computed on the CPU (render/passes/ray_sampling.h): along the ray, and across it
+// Kernel weights, computed on the CPU (render/geometry/ray_sampling.h): along the ray, and across it
 // for the sample that enters the buffer and for the one that is blended.
 uniform float along_weights[KERNEL];
 uniform float buffer_weights[TAPS];

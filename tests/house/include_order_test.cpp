@@ -67,7 +67,8 @@ TEST(IncludeOrder, EveryIncludeOfOursIsAFile) {
   const std::set<std::string> known(files.begin(), files.end());
   for (const auto& file : files) {
     for (const auto& include : graph().direct(file)) {
-      if (!kMayInclude.contains(room_of(include)) || include.find('/') == std::string::npos) continue;
+      if (!kMayInclude.contains(room_of(include)) || include.find('/') == std::string::npos)
+        continue;
       EXPECT_TRUE(known.contains(include)) << file << " includes " << include;
     }
   }
@@ -81,8 +82,8 @@ std::map<std::string, std::set<std::string>> folder_edges() {
     const std::string from = folder_of(file);
     for (const auto& include : graph().direct(file)) {
       const std::string to = folder_of(include);
-      const bool inner = room_of(include) == room_of(file) && to != from &&
-                         from != room_of(file) && to != room_of(file);
+      const bool inner = room_of(include) == room_of(file) && to != from && from != room_of(file) &&
+                         to != room_of(file);
       if (inner) edges[from].insert(to);
     }
   }

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "render/camera.h"
-#include "render/passes/slice_geometry.h"
+#include "render/geometry/slice_geometry.h"
 #include "render/reference/reference.h"
 #include "tests/render/support/gl_fixture.h"
 #include "tests/render/support/synthetic.h"

@@ -1,5 +1,7 @@
 #include "render/passes/frame_store.h"
 
+#include "render/geometry/sample.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "render/passes/lighting.h"
+#include "render/geometry/lighting.h"
 
 #include <cmath>
 

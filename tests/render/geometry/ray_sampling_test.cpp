@@ -1,4 +1,4 @@
-#include "render/passes/ray_sampling.h"
+#include "render/geometry/ray_sampling.h"
 
 #include <gtest/gtest.h>
 

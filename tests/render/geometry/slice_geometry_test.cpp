@@ -1,4 +1,4 @@
-#include "render/passes/slice_geometry.h"
+#include "render/geometry/slice_geometry.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/slice_kernel.h"
 
-#include "render/passes/ray_sampling.h"
+#include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::render {
 namespace {

@@ -1,9 +1,9 @@
-#include "render/passes/ray_sampling.h"
+#include "render/geometry/ray_sampling.h"
 
 #include <cmath>
 
 #include "render/camera.h"
-#include "render/passes/slice_kernel.h"
+#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {
