@@ -238,16 +238,16 @@ TEST(Motion, TangentIsTheDerivative) {
   Dice dice(8);
   for (int i = 0; i < 300; ++i) {
     const Motion motion(dice.options(), kJoint);
-    const Moment moment = motion.at(dice.within(0, 2));
+    const Deformation moment = motion.at(dice.within(0, 2));
     const glm::dvec3 rest_m = dice.place(0.1);
-    const Moment::Tangent tangent = moment.tangent(rest_m);
-    EXPECT_LT(glm::distance(tangent.place_m, moment.from_rest(rest_m)), 1e-12);
+    const Deformation::Tangent tangent = moment.tangent(rest_m);
+    EXPECT_LT(glm::distance(tangent.position_m, moment.from_rest(rest_m)), 1e-12);
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 step(0);
       step[axis] = 1e-6;
       const glm::dvec3 slope =
           (moment.from_rest(rest_m + step) - moment.from_rest(rest_m - step)) / 2e-6;
-      EXPECT_LT(glm::distance(tangent.turn[axis], slope), 1e-6);
+      EXPECT_LT(glm::distance(tangent.jacobian[axis], slope), 1e-6);
     }
   }
 }
@@ -256,20 +256,20 @@ TEST(Motion, KnowsWhatMovesAsOne) {
   MotionOptions options;
   options.velocity_m_s = {0.01, 0.02, -0.03};
   options.head_turn_rad = 0.4;
-  const Moment moment = Motion(options, kJoint).at(0.3);
+  const Deformation moment = Motion(options, kJoint).at(0.3);
   const auto out = [](double from_center_m) {
     return kJoint.center_m + glm::dvec3(0, from_center_m, 0);
   };
-  EXPECT_EQ(moment.turn_within(out(30e-3), 9e-3), Moment::Turn::whole);
-  EXPECT_EQ(moment.turn_within(out(30e-3), 11e-3), Moment::Turn::bends);
-  EXPECT_EQ(moment.turn_within(out(45e-3), 1e-6), Moment::Turn::bends);
-  EXPECT_EQ(moment.turn_within(out(60e-3), 9e-3), Moment::Turn::rests);
-  EXPECT_NEAR(moment.as_one_m(out(60e-3)), 10e-3, 1e-12);
-  EXPECT_NEAR(moment.as_one_m(out(30e-3)), 10e-3, 1e-12);
-  EXPECT_EQ(moment.as_one_m(out(45e-3)), 0);
+  EXPECT_EQ(moment.turn_within(out(30e-3), 9e-3), Deformation::Turn::full);
+  EXPECT_EQ(moment.turn_within(out(30e-3), 11e-3), Deformation::Turn::partial);
+  EXPECT_EQ(moment.turn_within(out(45e-3), 1e-6), Deformation::Turn::partial);
+  EXPECT_EQ(moment.turn_within(out(60e-3), 9e-3), Deformation::Turn::none);
+  EXPECT_NEAR(moment.rigid_radius_m(out(60e-3)), 10e-3, 1e-12);
+  EXPECT_NEAR(moment.rigid_radius_m(out(30e-3)), 10e-3, 1e-12);
+  EXPECT_EQ(moment.rigid_radius_m(out(45e-3)), 0);
   for (const auto& [turn, rest_m] :
-       {std::pair{Moment::Turn::whole, out(30e-3)}, {Moment::Turn::rests, out(60e-3)}}) {
-    const Moment::Tangent whole = moment.tangent_of(turn);
+       {std::pair{Deformation::Turn::full, out(30e-3)}, {Deformation::Turn::none, out(60e-3)}}) {
+    const Deformation::Tangent whole = moment.tangent_of(turn);
     EXPECT_LT(glm::distance(whole.place_m + whole.turn * rest_m, moment.from_rest(rest_m)), 1e-12);
   }
 }

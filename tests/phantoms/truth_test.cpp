@@ -211,7 +211,7 @@ TEST(SurfaceFinder, CautiousDistanceIsNeverMoreThanTheTrueOne) {
   for (int i = 0; i < 50000; ++i) {
     const glm::dvec3 at{coordinate(random), coordinate(random), coordinate(random)};
     const double truth = glm::length(at) - 20e-3;
-    const double cautious = finder.cautious_distance(0, at);
+    const double cautious = finder.distance_bound(0, at);
     if (const auto exact = finder.target_distance(0, at)) {
       ASSERT_EQ(cautious, exact->value_m);
       // At the band's rim its neighbours beyond are taken for nearer than they are.
