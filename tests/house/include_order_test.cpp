@@ -82,10 +82,7 @@ TEST(IncludeOrder, TheTablesAreMeasuredWithoutASimulator) {
 }
 
 /// Our headers that are heavy themselves, and stay in .cpp files too.
-const std::set<std::string> kHeavyOfOurs = {"phantoms/grids.h",
-                                            "phantoms/shapes/level_set.h",
-                                            "phantoms/shapes/calibration.h",
-                                            "phantoms/io/vdb_metadata.h",
+const std::set<std::string> kHeavyOfOurs = {"phantoms/float_grid.h",
                                             "phantoms/io/vdb_file.h",
                                             "phantoms/io/clearance.h",
                                             "sim/tissue/extended_distance.h"};
@@ -97,7 +94,8 @@ bool is_heavy_header(const std::string& file) {
 }
 
 TEST(IncludeOrder, HeavyHeadersStayInSources) {
-  const std::regex heavy("^(openvdb|ceres|opencv2|OpenImageIO)/");
+  // openvdb/version.h only defines macros: a forward declaration needs it.
+  const std::regex heavy("^(openvdb/(?!version\\.h)|ceres/|opencv2/|OpenImageIO/)");
   for (const auto& [room, unused] : kMayInclude) {
     for (const auto& [file, path] : includes_of(room)) {
       if (!file.ends_with(".h") || is_heavy_header(file)) continue;
