@@ -9,11 +9,12 @@ namespace wobblebench::phantoms {
 /// One row of the material table.
 ///
 /// @code
+/// #include <iostream>
 /// const phantoms::Material& fat = phantoms::material("fat");
 /// const phantoms::Material& muscle = phantoms::material("muscle");
 /// const double reflection = (muscle.impedance_rayl - fat.impedance_rayl) /
 ///                           (muscle.impedance_rayl + fat.impedance_rayl);
-/// const bool visible = reflection > 0.1;
+/// std::cout << reflection;  // amplitude, at normal incidence
 /// @endcode
 struct Material {
   std::string name;

@@ -69,11 +69,12 @@ void validate(const MotionOptions& options);
 /// Obtained once per time from Motion::at(), then applied to many positions. Metres, phantom frame.
 ///
 /// @code
+/// #include <iostream>
 /// const phantoms::Motion motion(phantoms::MotionOptions{.velocity_m_s = {0.01, 0, 0}}, {});
 /// const phantoms::Deformation deformation = motion.at(0.5);
 /// const glm::dvec3 now_m = deformation.from_rest({0, 0, 0.02});  // (0.005, 0, 0.02)
 /// const glm::dvec3 rest_m = deformation.to_rest(now_m);          // (0, 0, 0.02)
-/// const bool moved = now_m != rest_m;
+/// std::cout << now_m.x << " " << rest_m.x;
 /// @endcode
 class Deformation {
  public:
@@ -120,11 +121,12 @@ class Deformation {
 /// Const functions may be called from any thread.
 ///
 /// @code
+/// #include <iostream>
 /// phantoms::MotionOptions options;
 /// options.breath_amplitude_m = 5e-3;
 /// const phantoms::Motion motion(options, std::nullopt);
-/// const glm::dvec3 at_1_s_m = motion.from_rest({0, 0, 0.02}, 1.0);  // (0, 0.005, 0.02)
-/// const bool displaced = at_1_s_m.y > 4.9e-3 && motion.rigid();
+/// const glm::dvec3 now_m = motion.from_rest({0, 0, 0.02}, 1.0);  // (0, 0.005, 0.02)
+/// std::cout << now_m.y << (motion.rigid() ? " rigid" : " head turns");
 /// @endcode
 class Motion {
  public:
@@ -133,6 +135,7 @@ class Motion {
   /// Throws as validate() does, and if the options have a head turn but there is no joint.
   Motion(const MotionOptions& options, const std::optional<Joint>& joint);
 
+  /// Nothing moves at any time.
   bool still() const;
   /// No head turn: straight lines remain straight.
   bool rigid() const;

@@ -85,10 +85,11 @@ class Phantom {
 /// position.
 ///
 /// @code
+/// #include <iostream>
 /// const phantoms::Placement placement{phantoms::rotation_xyz({0, 0.1, 0}), {0, 0, 0.11}};
-/// const glm::dvec3 origin_in_probe_m = placement.to_probe(glm::dvec3(0));
-/// const glm::dvec3 back_m = placement.to_phantom(origin_in_probe_m);  // (0, 0, 0)
-/// const bool exact = back_m == glm::dvec3(0);
+/// const glm::dvec3 origin_m = placement.to_probe(glm::dvec3(0));  // (0, 0, 0.11), probe frame
+/// const glm::dvec3 back_m = placement.to_phantom(origin_m);       // (0, 0, 0), phantom frame
+/// std::cout << origin_m.z << " " << back_m.z;
 /// @endcode
 struct Placement {
   glm::dmat3 rotation{1.0};

@@ -25,8 +25,7 @@ struct SurfaceHit {
 /// const phantoms::SurfaceFinder finder(sphere);
 /// const glm::dvec3 origin(0, 0, -0.1), direction(0, 0, 1);
 /// const auto hit = finder.first_hit(origin, direction, 0, 0.2);
-/// if (hit) std::cout << hit->distance_m << " m to " << sphere.surfaces()[hit->surface].name;  //
-/// 0.08
+/// if (hit) std::cout << hit->distance_m << " m, surface " << hit->surface;  // 0.08 m, surface 0
 /// @endcode
 class SurfaceFinder {
  public:
