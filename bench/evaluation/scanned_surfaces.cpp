@@ -37,9 +37,9 @@ double seconds(hw::DeviceTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-std::vector<phantoms::Moment> moments_of_first_volume(const phantoms::Motion& motion,
+std::vector<phantoms::Deformation> moments_of_first_volume(const phantoms::Motion& motion,
                                                       const hw::AcquisitionPlan& plan) {
-  std::vector<phantoms::Moment> moments;
+  std::vector<phantoms::Deformation> moments;
   if (motion.still()) return moments;
   const auto& acquisition = plan.acquisition();
   for (std::uint32_t f = 0; f < static_cast<std::uint32_t>(acquisition.frames_per_volume); ++f) {
@@ -66,7 +66,7 @@ ScannedSurfaces::ScannedSurfaces(const phantoms::Phantom& phantom,
       bounds_(
           motion_bounds(motion, in_phantom(places, placement), seconds(plan.volume_end_time(0)))),
       finder_(phantom, reach_m, bounds_.at_rest),
-      moments_(std::make_shared<const std::vector<phantoms::Moment>>(
+      moments_(std::make_shared<const std::vector<phantoms::Deformation>>(
           moments_of_first_volume(motion, plan))) {}
 
 hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {

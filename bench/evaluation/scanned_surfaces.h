@@ -54,7 +54,7 @@ class ScannedSurfaces {
     double at_m = 0;
     hw::StickIndex stick;
     glm::dvec3 rest_m{0};
-    std::vector<double> distance_m;  ///< to each target, as cautious_distance() gives it
+    std::vector<double> distance_m;  ///< to each target, as distance_bound() gives it
   };
 
   glm::dvec3 to_rest(const glm::dvec3& position_m, const hw::StickIndex& stick) const;
@@ -85,7 +85,7 @@ class ScannedSurfaces {
   MotionBounds bounds_;
   phantoms::SurfaceFinder finder_;
   /// The phantom at the time of each stick, [frame * lines + line]; none for a still one.
-  std::shared_ptr<const std::vector<phantoms::Moment>> moments_;
+  std::shared_ptr<const std::vector<phantoms::Deformation>> moments_;
 };
 
 }  // namespace wobblebench::bench

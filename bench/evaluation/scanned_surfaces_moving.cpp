@@ -24,7 +24,7 @@ void ScannedSurfaces::look(const hw::Ray& ray, double at_m, Spot& spot) const {
   spot.rest_m = to_rest(position, spot.stick);
   spot.distance_m.clear();
   for (int target = 0; target < finder_.targets(); ++target) {
-    spot.distance_m.push_back(finder_.cautious_distance(target, spot.rest_m));
+    spot.distance_m.push_back(finder_.distance_bound(target, spot.rest_m));
   }
 }
 
