@@ -1,4 +1,4 @@
-// What may be a name: text that reports can hold and terminals can show.
+// Checks of text: UTF-8, control characters.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ inline bool is_control(char c) {
   return byte < 0x20 || byte == 0x7f;
 }
 
-/// Bytes of the UTF-8 sequence that `text` begins with; 0: it begins with none (RFC 3629: no
-/// overlong forms, no surrogates, nothing above U+10FFFF).
+/// Length in bytes of the UTF-8 sequence at the start of `text`, which must not be empty; 0 if
+/// there is no valid one (RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF).
 inline std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -31,6 +31,7 @@ inline std::size_t utf8_length(std::string_view text) {
   return length;
 }
 
+/// The empty string is valid.
 inline bool is_utf8(std::string_view text) {
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
@@ -40,8 +41,8 @@ inline bool is_utf8(std::string_view text) {
   return true;
 }
 
-/// UTF-8 without control characters.
-inline bool is_printable(std::string_view text) {
+/// UTF-8 without ASCII control characters: text that terminals and JSON reports can show.
+inline bool is_printable_text(std::string_view text) {
   return is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
 }
 

@@ -27,6 +27,15 @@ function(wobblebench_precompile target)
   endif()
 endfunction()
 
+# wobblebench_precompile_for(TARGET "a.cpp;…" HEADER…): in every build, parses the headers once for these
+# sources of the target, which include them, and leaves its other sources alone.
+function(wobblebench_precompile_for target users)
+  get_target_property(others ${target} SOURCES)
+  list(REMOVE_ITEM others ${users})
+  set_source_files_properties(${others} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  target_precompile_headers(${target} PRIVATE ${ARGN})
+endfunction()
+
 # wobblebench_module(NAME SOURCES a.cpp … PUBLIC lib … PRIVATE lib …)
 # A static library `wobblebench_NAME`, alias `wobblebench::NAME`. Our sources include its headers by their path
 # below the project; installed ones lie below wobblebench/ (cmake/Install.cmake).

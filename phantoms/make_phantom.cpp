@@ -1,11 +1,11 @@
-// The table of phantoms by name, and what each refuses.
+// The phantoms by name, and the checks of their options.
 #include <cmath>
 #include <numeric>
 #include <sstream>
 
-#include "phantoms/invalid_phantom.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/phantom.h"
+#include "phantoms/refusal.h"
 #include "phantoms/shapes/builders.h"
 
 namespace wobblebench::phantoms {
@@ -14,10 +14,10 @@ namespace {
 struct Source {
   std::string name;
   Phantom (*build)(const PhantomOptions&);
-  void (*check)(const PhantomOptions&);  // what the ranges of single options do not say
+  void (*check)(const PhantomOptions&);  // beyond the ranges of single options
 };
 
-// Coarser voxels lose what the phantom is for.
+// Coarser voxels do not resolve the phantom.
 void check_voxel(const PhantomOptions& options, double coarsest_m) {
   if (options.voxel_m <= coarsest_m * (1 + 1e-12)) return;
   std::ostringstream allowed;
@@ -41,7 +41,7 @@ void check_thickness(const PhantomOptions& options) {
 
 void check_fetal_face(const PhantomOptions& options) {
   check_voxel(options, 2e-3);
-  // Thinner tissues vanish between voxels.
+  // Voxels do not resolve thinner tissues.
   constexpr double kThinnest = 6e-3;
   if (options.maternal_layer_m == 0 || options.maternal_layer_m >= kThinnest) return;
   throw refusal("maternal_layer_mm", options.maternal_layer_m * 1e3, "must be 0 or at least 6");

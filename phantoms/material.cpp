@@ -6,7 +6,7 @@ namespace wobblebench::phantoms {
 namespace {
 
 // Sound speed, impedance and attenuation: as `source` says. Backscatter and roughness are assumed
-// throughout: they are chosen so that fluid is black, tissue is grey and skin stands out.
+// throughout, chosen so that fluid is black, tissue grey, and skin brighter.
 std::vector<Material> make_table() {
   constexpr double kMrayl = 1e6;
   const std::string assumed_echo = "; backscatter and roughness assumed";

@@ -1,4 +1,4 @@
-// Acoustic materials.
+// Acoustic materials and their built-in table.
 #pragma once
 
 #include <string>
@@ -7,22 +7,31 @@
 namespace wobblebench::phantoms {
 
 /// One row of the material table.
+///
+/// @code
+/// #include <iostream>
+/// const phantoms::Material& fat = phantoms::material("fat");
+/// const phantoms::Material& muscle = phantoms::material("muscle");
+/// const double reflection = (muscle.impedance_rayl - fat.impedance_rayl) /
+///                           (muscle.impedance_rayl + fat.impedance_rayl);
+/// std::cout << reflection;  // amplitude, at normal incidence
+/// @endcode
 struct Material {
   std::string name;
   double sound_speed_m_s = 1540;
   double impedance_rayl = 1.63e6;          ///< density times sound speed
   double attenuation_db_per_cm_mhz = 0.5;  ///< one way
   double backscatter_db = -200;  ///< mean echo amplitude against a perfect mirror; -200: none
-  double roughness = 0;          ///< share of an interface's echo that is diffuse, 0 to 1
-  std::string source;  ///< where the figures come from; "assumed" where they are not known
+  double roughness = 0;          ///< diffuse fraction of an interface's echo, 0 to 1
+  std::string source;            ///< origin of the figures; "assumed" where none are published
 };
 
-/// Position of a material in a phantom's table; the value of the material-index grid.
+/// Row of a material in a phantom's table; the voxel value of the grid "material" of a .vdb.
 using MaterialIndex = int;
 
-/// The built-in table (docs/references.md names the sources). Throws std::out_of_range for a name
-/// that it does not hold, naming those that it does.
+/// The built-in table; docs/references.md lists the sources.
 const std::vector<Material>& material_table();
+/// Its row of this name. Throws std::out_of_range, naming all rows, if there is none.
 const Material& material(const std::string& name);
 /// Row of `name` in material_table().
 MaterialIndex material_index(const std::string& name);

@@ -1,5 +1,5 @@
-// How a phantom moves: a map between where tissue is now and where it lies at rest, in the phantom
-// frame. Grids stay as they are; who asks about a place at a time asks about its place at rest.
+// Motion of a phantom: maps between positions of tissue at a time and its positions at rest, in the
+// phantom frame. The grids do not change: a position at a time is mapped to rest and sampled there.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -11,10 +11,10 @@
 
 namespace wobblebench::phantoms {
 
-/// A part of a phantom that can turn by itself: within `inner_m` of the centre tissue turns as one,
-/// beyond `outer_m` it rests, between them each spherical shell turns by its share (twice
-/// continuously differentiable). Every shell slides in itself, so that volume is kept and the
-/// inverse is exact.
+/// A part of a phantom that can turn by itself: within `inner_m` of the centre tissue turns
+/// rigidly, beyond `outer_m` not at all; in between each spherical shell turns by an angle that
+/// falls from full to 0 with the radius (twice continuously differentiable). Since each shell is
+/// mapped onto itself, volume is preserved and the inverse is exact.
 struct Joint {
   glm::dvec3 center_m{0};
   double inner_m = 0;
@@ -27,22 +27,22 @@ enum class HeadAxis {
   tilt,   ///< about z
 };
 
-/// How the parts of the motion change with time t. Parts that are zero do not move.
+/// The components of the motion as functions of time t. Components of amplitude zero are absent.
 ///   head       angle = head_turn sin(2 pi t / period) about the joint, right-handed
 ///   breath     y += amplitude sin(2 pi t / period)
 ///   heartbeat  z += amplitude sin^2(pi s / 0.3) while s < 0.3, s = the fraction of the period: a
 ///              beat of 0.3 periods, then rest; smooth (C1), 0 at t = 0
 ///   turning    p = R p, R turns by turn_rate t about the phantom's origin, about x, then y, then z
 ///   path       p += velocity t
-/// A place at rest goes through them in this order: head, breath and heartbeat, turning, path.
+/// A position at rest is mapped by them in this order: head, breath and heartbeat, turning, path.
 struct MotionOptions {
-  glm::dvec3 velocity_m_s{0, 0, 0};     ///< of the whole phantom from time 0
+  glm::dvec3 velocity_m_s{0, 0, 0};     ///< of the whole phantom, from time 0
   glm::dvec3 turn_rate_rad_s{0, 0, 0};  ///< about the phantom's origin, x then y then z
   double breath_amplitude_m = 0;        ///< peak displacement along y, a sine
   double breath_period_s = 4;
-  double heartbeat_amplitude_m = 0;  ///< peak displacement along z, a short beat each period
-  double heartbeat_period_s = 0.43;  ///< 140 a minute, a fetus
-  double head_turn_rad = 0;          ///< peak angle of the head, a sine; phantoms with a joint only
+  double heartbeat_amplitude_m = 0;  ///< peak displacement along z, one short beat per period
+  double heartbeat_period_s = 0.43;  ///< 140 beats per minute, as of a fetus
+  double head_turn_rad = 0;  ///< peak angle of the head, a sine; needs a phantom with a joint
   double head_turn_period_s = 2;
   HeadAxis head_axis = HeadAxis::shake;
 };
@@ -65,36 +65,47 @@ void describe(O& o, Visitor& v) {
 /// Throws InvalidPhantom "KEY = VALUE: what is allowed".
 void validate(const MotionOptions& options);
 
-/// All of a motion at one time; who asks for many places at a time asks this.
-class Moment {
+/// The deformation of a phantom at one time: maps positions at rest to current positions, and back.
+/// Obtained once per time from Motion::at(), then applied to many positions. Metres, phantom frame.
+///
+/// @code
+/// #include <iostream>
+/// const phantoms::Motion motion(phantoms::MotionOptions{.velocity_m_s = {0.01, 0, 0}}, {});
+/// const phantoms::Deformation deformation = motion.at(0.5);
+/// const glm::dvec3 now_m = deformation.from_rest({0, 0, 0.02});  // (0.005, 0, 0.02)
+/// const glm::dvec3 rest_m = deformation.to_rest(now_m);          // (0, 0, 0.02)
+/// std::cout << now_m.x << " " << rest_m.x;
+/// @endcode
+class Deformation {
  public:
   glm::dvec3 to_rest(const glm::dvec3& now_m) const;
   glm::dvec3 from_rest(const glm::dvec3& rest_m) const;
 
-  /// How a body moves about a place at rest.
+  /// How much of the head's turn a body takes part in.
   enum class Turn {
-    rests,  ///< without the head
-    whole,  ///< with the head, as one
-    bends,  ///< between both
+    none,     ///< it does not turn with the head
+    full,     ///< it turns rigidly with the head
+    partial,  ///< it deforms, or reaches across a limit of the joint
   };
-  /// Of all within a distance of a place at rest.
+  /// Of a ball about a position at rest.
   Turn turn_within(const glm::dvec3& rest_m, double radius_m) const;
-  /// All this close to a place at rest moves as one; 0 where tissue bends.
-  double as_one_m(const glm::dvec3& rest_m) const;
+  /// Radius of a ball about a position at rest that moves rigidly; 0 where tissue deforms.
+  double rigid_radius_m(const glm::dvec3& rest_m) const;
 
-  /// from_rest() and its derivative, column by axis.
+  /// from_rest() and its Jacobian, column by axis.
   struct Tangent {
-    glm::dvec3 place_m{0};
-    glm::dmat3 turn{1.0};
+    glm::dvec3 position_m{0};
+    glm::dmat3 jacobian{1.0};
   };
   Tangent tangent(const glm::dvec3& rest_m) const;
-  /// The tangent of what rests, or of what turns as a whole, at the phantom's origin.
+  /// The rigid transform of tissue that turns with the head fully or not at all, as the tangent at
+  /// the phantom's origin. Not for Turn::partial.
   Tangent tangent_of(Turn turn) const;
 
  private:
   friend class Motion;
-  Moment() = default;
-  glm::dvec3 head_turned(const glm::dvec3& place_m, double angle_rad) const;
+  Deformation() = default;
+  glm::dvec3 head_turned(const glm::dvec3& position_m, double angle_rad) const;
   Tangent moved(const Tangent& turned) const;
 
   Joint joint_;
@@ -106,21 +117,31 @@ class Moment {
   glm::dvec3 path_m_{0};
 };
 
-/// Where tissue is at a time in seconds of device time. At time 0 everything is at rest. Const
-/// functions may be called from any thread.
+/// Position of tissue as a function of device time in seconds. At time 0 everything is at rest.
+/// Const functions may be called from any thread.
+///
+/// @code
+/// #include <iostream>
+/// phantoms::MotionOptions options;
+/// options.breath_amplitude_m = 5e-3;
+/// const phantoms::Motion motion(options, std::nullopt);
+/// const glm::dvec3 now_m = motion.from_rest({0, 0, 0.02}, 1.0);  // (0, 0.005, 0.02)
+/// std::cout << now_m.y << (motion.rigid() ? " rigid" : " head turns");
+/// @endcode
 class Motion {
  public:
   /// Nothing moves.
   Motion() = default;
-  /// Throws as validate() does, and where a head turn is asked for without a joint.
+  /// Throws as validate() does, and if the options have a head turn but there is no joint.
   Motion(const MotionOptions& options, const std::optional<Joint>& joint);
 
+  /// Nothing moves at any time.
   bool still() const;
-  /// Lines stay lines: no head turn.
+  /// No head turn: straight lines remain straight.
   bool rigid() const;
 
-  Moment at(double time_s) const;
-  /// Each the exact inverse of the other.
+  Deformation at(double time_s) const;
+  /// Exact inverses of each other.
   glm::dvec3 to_rest(const glm::dvec3& now_m, double time_s) const {
     return at(time_s).to_rest(now_m);
   }

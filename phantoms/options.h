@@ -1,31 +1,45 @@
-// What a scene may ask of a phantom.
+// Options of a phantom: which one, and its parameters.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "base/options.h"
 #include "base/units.h"
-#include "phantoms/invalid_phantom.h"
 
 namespace wobblebench::phantoms {
 
-/// Only the fields that the named phantom uses count.
+/// Options or a file that no phantom can be made of; what() is one line.
+///
+/// @code
+/// #include <iostream>
+/// try {
+///   phantoms::validate(phantoms::PhantomOptions{.name = "sphere", .radius_m = 0});
+/// } catch (const phantoms::InvalidPhantom& error) {
+///   std::cerr << error.what();  // radius_mm = 0: must be within 1 and 100
+/// }
+/// @endcode
+class InvalidPhantom : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Fields that the named phantom does not use are ignored, but checked.
 struct PhantomOptions {
   std::string name = "fetal_face";  ///< a name of phantom_names(), or "mesh", "vdb", "file"
-  /// mesh: an .obj, .stl or .ply; vdb: level sets of other programs; file: what write_phantom
-  /// wrote.
+  /// mesh: an .obj, .stl or .ply; vdb: level sets of other programs; file: from write_phantom().
   std::string file;
-  double voxel_m = 0.5e-3;            ///< all but vdb and file, which have their own
+  double voxel_m = 0.5e-3;            ///< for all but vdb and file, which state their own
   double gestational_age_weeks = 21;  ///< fetal_face
-  /// fetal_face: the mother's skin, fat and muscle between the probe's face and the uterine wall,
-  /// on the axis of the probe. 0: the uterine wall reaches the probe.
+  /// fetal_face: thickness of the mother's skin, fat and muscle between the probe's face and the
+  /// uterine wall, on the axis of the probe. 0: the uterine wall reaches the probe.
   double maternal_layer_m = 18e-3;
   double radius_m = 20e-3;  ///< sphere, cyst
-  /// steps: how much each tread stands out before the one to its left.
+  /// steps: height of each tread above the one to its left.
   std::vector<double> step_heights_m = {1e-3, 2e-3, 3e-3, 5e-3, 8e-3};
   double thickness_m = 3e-3;  ///< bone_plate
-  double tilt_x_rad = 0;      ///< plane, bone_plate: the normal turned about x …
+  double tilt_x_rad = 0;      ///< plane, bone_plate: the normal is rotated about x …
   double tilt_y_rad = 0;      ///< … and about y
 
   // mesh and vdb; materials are names of material_table().
@@ -33,8 +47,8 @@ struct PhantomOptions {
   std::vector<std::string> grids;                        ///< vdb: in painter's order; none: all
   std::vector<std::string> materials = {"soft_tissue"};  ///< within each surface; one: within all
   std::string background = "amniotic_fluid";             ///< outside all surfaces
-  bool target = true;                ///< whether the renderer looks for these surfaces …
-  std::vector<std::string> targets;  ///< … vdb: for which of the grids; none: all
+  bool target = true;                ///< whether the renderer is to detect the surfaces …
+  std::vector<std::string> targets;  ///< … vdb: of these grids; none: of all
 };
 
 template <OptionsOf<PhantomOptions> O, class Visitor>
@@ -60,7 +74,7 @@ void describe(O& o, Visitor& v) {
 /// fetal_face, plane, steps, sphere, points, cyst, bone_plate, speckle_block.
 const std::vector<std::string>& phantom_names();
 
-/// Finds out all that can be known without building: ranges, names, the voxels that the phantom
+/// Checks all that can be checked without building: ranges, names, the voxel size that the phantom
 /// needs, a file that is missing or empty. Throws InvalidPhantom "KEY = VALUE: what is allowed".
 void validate(const PhantomOptions& options);
 

@@ -1,9 +1,9 @@
-// What is scanned: closed surfaces as OpenVDB level sets, the materials that they enclose, and the
-// exact truth about them. OpenVDB itself stays behind phantoms/grids.h, for .cpp files only.
+// Phantoms: closed surfaces as OpenVDB level sets, and the materials that they enclose. This header
+// does not include OpenVDB; phantoms/grids.h gives access to the grids.
 //
-// Frame of reference ("phantom frame", docs/units.md): metres, right-handed, the same axes as the
-// probe frame: x to the right of the picture, y down the picture, z away from the probe. The origin
-// is the phantom's own centre; `Placement` puts it into the probe frame.
+// Phantom frame (docs/units.md): metres, right-handed, axes parallel to those of the probe frame at
+// rest: x to the right of the picture, y down the picture, z away from the probe. The origin is the
+// phantom's own centre; `Placement` transforms to the probe frame.
 #pragma once
 
 #include <filesystem>
@@ -28,15 +28,24 @@ struct Box {
   glm::dvec3 high{0};
 };
 
-/// One closed surface. Later surfaces of a phantom win where they overlap earlier ones.
+/// One closed surface. Where surfaces overlap, the material of the last one applies.
 struct Surface {
   std::string name;
   MaterialIndex inside = 0;  ///< material within the surface
-  bool is_target =
-      false;  ///< a surface that the renderer looks for: fluid on one side, tissue on the other
+  /// Whether the renderer is to detect this surface: fluid on one side, tissue on the other.
+  bool is_target = false;
 };
 
 /// An immutable phantom. Cheap to copy: the grids are shared.
+///
+/// @code
+/// #include <iostream>
+/// const phantoms::Phantom phantom = phantoms::make_phantom({.name = "cyst", .radius_m = 10e-3});
+/// for (const phantoms::Surface& surface : phantom.surfaces()) {
+///   std::cout << surface.name << ": " << phantom.materials()[surface.inside].name << "\n";
+/// }
+/// phantoms::write_phantom(phantom, "cyst.vdb");
+/// @endcode
 class Phantom {
  public:
   Phantom(std::string name,
@@ -52,13 +61,13 @@ class Phantom {
   const std::vector<Material>& materials() const { return materials_; }
   MaterialIndex background() const { return background_; }  ///< outside all surfaces
   const std::vector<Surface>& surfaces() const { return surfaces_; }
-  /// Where a sonographer would set the box of the picture: it starts in the fluid. Phantom frame.
+  /// The volume of interest that a sonographer would set; starts in the fluid. Phantom frame.
   const Box& region_of_interest() const { return region_of_interest_; }
-  /// Where the phantom's origin belongs in the probe frame of the default probe (face at z = 40
-  /// mm).
+  /// Position of the phantom's origin in the frame of the default probe, whose face is at z = 40
+  /// mm.
   const glm::dvec3& suggested_position_m() const { return suggested_position_m_; }
   const Grids& grids() const { return *grids_; }
-  /// What of it can turn by itself: the head of fetal_face.
+  /// The part that can turn by itself: the head of fetal_face.
   const std::optional<Joint>& joint() const { return joint_; }
 
  private:
@@ -72,7 +81,16 @@ class Phantom {
   std::optional<Joint> joint_;
 };
 
-/// Where the phantom stands: probe = rotation * phantom + position.
+/// Rigid transform from the phantom frame to the probe frame: probe = rotation * phantom +
+/// position.
+///
+/// @code
+/// #include <iostream>
+/// const phantoms::Placement placement{phantoms::rotation_xyz({0, 0.1, 0}), {0, 0, 0.11}};
+/// const glm::dvec3 origin_m = placement.to_probe(glm::dvec3(0));  // (0, 0, 0.11), probe frame
+/// const glm::dvec3 back_m = placement.to_phantom(origin_m);       // (0, 0, 0), phantom frame
+/// std::cout << origin_m.z << " " << back_m.z;
+/// @endcode
 struct Placement {
   glm::dmat3 rotation{1.0};
   glm::dvec3 position_m{0};
@@ -85,7 +103,7 @@ struct Placement {
   glm::dvec3 direction_to_probe(const glm::dvec3& direction) const;
 };
 
-/// Rotations about x, then y, then z, in radians.
+/// Rotation about x, then y, then z, by angles in radians.
 glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
 
 /// Builds, imports or reads the named phantom. Throws InvalidPhantom as validate(), make_mesh(),
@@ -93,9 +111,9 @@ glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
 Phantom make_phantom(const PhantomOptions& options);
 
 /// Writes `phantom` as .vdb (float level sets in metres, one for each surface; an Int32 grid
-/// "material" of table rows; the table itself as metadata) to exactly this path. A file that cannot
-/// be written whole is removed; who must not lose an older one, or may be interrupted, writes to a
-/// name of its own and renames. Throws std::runtime_error "PATH: reason".
+/// "material" of table rows; the table itself as metadata) to exactly this path, not atomically: an
+/// existing file is overwritten, and removed if writing fails. Throws std::runtime_error
+/// "PATH: reason".
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path);
 
 /// Reads what write_phantom wrote. Throws InvalidPhantom "PATH: reason" for anything else.

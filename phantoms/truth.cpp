@@ -2,21 +2,22 @@
 
 #include <openvdb/math/Ray.h>
 #include <openvdb/math/Stencils.h>
-#include <openvdb/tools/FastSweeping.h>
+#include <openvdb/openvdb.h>
 #include <openvdb/tools/RayIntersector.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/clearance.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-using Grid = openvdb::FloatGrid;
-// Two refinements: the linear search alone errs by some hundredths of a voxel on curved surfaces.
+using Grid = FloatGrid;
+// Two refinements: the linear search alone is off by some hundredths of a voxel on curved surfaces.
 using Search = openvdb::tools::LinearSearchImpl<Grid, 2, double>;
 using Intersector =
     openvdb::tools::LevelSetRayIntersector<Grid,
@@ -25,31 +26,22 @@ using Intersector =
                                            openvdb::math::Ray<double>>;
 using Stencil = openvdb::math::BoxStencil<const Grid>;
 
-openvdb::Vec3d to_vdb(const glm::dvec3& v) {
-  return {v.x, v.y, v.z};
-}
-glm::dvec3 to_glm(const openvdb::Vec3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-/// What of the grid lies in the box and a margin around it. Signs within stay what they are.
+// The part of the grid within the box and a margin around it; signs within it are kept.
 Grid::ConstPtr clipped(const Grid::ConstPtr& grid, const Box& box, double margin_m) {
-  Grid::Ptr clip = grid->deepCopy();
+  Grid::Ptr clip = deep_copy(*grid);
   clip->clipGrid({to_vdb(box.low - margin_m), to_vdb(box.high + margin_m)});
   return clip;
 }
 
-/// The grid with a band that holds every point in the box that lies within `reach_m` of the
-/// surface.
+// The grid with a band that contains every point of the box within `reach_m` of the surface.
 Grid::ConstPtr with_reach(Grid::ConstPtr grid, double reach_m, const std::optional<Box>& within) {
   const double voxel_m = grid->voxelSize()[0];
   const double missing_m = reach_m - static_cast<double>(grid->background());
   if (missing_m <= 0) return grid;
   if (within) grid = clipped(grid, *within, reach_m + 2 * voxel_m);
   if (grid->empty()) return grid;
-  // Over faces alone a band grows by less than a voxel a step along diagonals.
-  return openvdb::tools::dilateSdf(
-      *grid, static_cast<int>(std::ceil(missing_m / voxel_m)), openvdb::tools::NN_FACE_EDGE);
+  return widen_band(
+      *grid, static_cast<int>(std::ceil(missing_m / voxel_m)), Neighbours::faces_and_edges);
 }
 
 }  // namespace
@@ -65,7 +57,7 @@ struct SurfaceFinder::State {
           clearance(std::move(c)) {}
     Target(const Target& other) : Target(other.surface, other.grid, other.clearance) {}
 
-    // Trilinear distance; nothing beyond the narrow band.
+    // Trilinear; nullopt outside the narrow band.
     std::optional<Distance> distance(const glm::dvec3& position) {
       const openvdb::Vec3d index = grid->worldToIndex(to_vdb(position));
       if (!values.isValueOn(openvdb::Coord::round(index))) return std::nullopt;
@@ -73,18 +65,18 @@ struct SurfaceFinder::State {
       return Distance{stencil.interpolation(index), to_glm(stencil.gradient(index))};
     }
 
-    double cautious_distance(const glm::dvec3& position) {
+    double distance_bound(const glm::dvec3& position) {
       const openvdb::Vec3d index = grid->worldToIndex(to_vdb(position));
       float value = 0;
       if (values.probeValue(openvdb::Coord::round(index), value)) {
         stencil.moveTo(index);
         return stencil.interpolation(index);
       }
-      // The nearest voxel, less than one away, is beyond the band.
-      const double beyond_m =
+      // Minus 1: the nearest voxel, less than one away, lies outside the band.
+      const double bound_m =
           static_cast<double>(grid->background()) +
           grid->voxelSize()[0] * (clearance->voxels(openvdb::Coord::round(index)) - 1);
-      return std::copysign(beyond_m, static_cast<double>(value));
+      return std::copysign(bound_m, static_cast<double>(value));
     }
 
     int surface;
@@ -123,17 +115,18 @@ std::optional<SurfaceHit> SurfaceFinder::first_hit(const glm::dvec3& origin,
   for (State::Target& target : state_->targets) {
     const double limit_m = nearest ? nearest->distance_m : to_m;
     if (!(from_m < limit_m)) continue;
-    // The search looks from voxel to voxel: it needs room to see a crossing just before the limit.
+    // The search steps from voxel to voxel: it needs a margin to detect a crossing just before the
+    // limit.
     const double end_m = limit_m + 2 * target.grid->voxelSize()[0];
     // OpenVDB's rays begin beyond 0.
     const double begin_m = std::max(from_m, openvdb::math::Delta<double>::value());
     const openvdb::math::Ray<double> ray(to_vdb(origin), to_vdb(direction), begin_m, end_m);
-    openvdb::Vec3d place;
-    if (!target.intersector.intersectsWS(ray, place)) continue;
-    const double distance_m = glm::dot(to_glm(place) - origin, direction);
+    openvdb::Vec3d crossing;
+    if (!target.intersector.intersectsWS(ray, crossing)) continue;
+    const double distance_m = glm::dot(to_glm(crossing) - origin, direction);
     if (distance_m > limit_m) continue;
-    const auto there = target.distance(to_glm(place));
-    const glm::dvec3 normal = there ? glm::normalize(there->gradient) : -direction;
+    const auto field = target.distance(to_glm(crossing));
+    const glm::dvec3 normal = field ? glm::normalize(field->gradient) : -direction;
     nearest = SurfaceHit{distance_m, normal, target.surface};
   }
   return nearest;
@@ -162,8 +155,8 @@ std::optional<SurfaceFinder::Distance> SurfaceFinder::target_distance(
   return state_->targets.at(static_cast<std::size_t>(target)).distance(position);
 }
 
-double SurfaceFinder::cautious_distance(int target, const glm::dvec3& position) const {
-  return state_->targets.at(static_cast<std::size_t>(target)).cautious_distance(position);
+double SurfaceFinder::distance_bound(int target, const glm::dvec3& position) const {
+  return state_->targets.at(static_cast<std::size_t>(target)).distance_bound(position);
 }
 
 }  // namespace wobblebench::phantoms

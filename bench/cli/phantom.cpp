@@ -7,7 +7,7 @@
 #include "bench/cli/progress.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
-#include "phantoms/grid_memory.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-// What a fetus of a given age measures on average.
+// Mean fetal biometry by gestational age.
 #pragma once
 
 namespace wobblebench::phantoms {

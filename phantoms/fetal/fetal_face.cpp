@@ -1,4 +1,4 @@
-// The fetal face phantom: the head, what lies about it, and the mother's tissue in front.
+// The fetal_face phantom: head, body, hand, cord, amniotic cavity, and maternal tissue in front.
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -25,15 +25,15 @@ double face_scale(const FetalBiometry& biometry) {
 
 FetalHead posed_head(double weeks) {
   const FetalBiometry biometry = fetal_biometry(weeks);
-  FetalHead head = sculpt_head(biometry);
-  // A fetus seldom faces the probe squarely.
+  FetalHead head = make_head(biometry);
+  // Slightly turned: a fetus seldom faces the probe squarely.
   head.landmarks.head_to_phantom =
       rotation_xyz({glm::radians(-4.0), glm::radians(8.0), glm::radians(-5.0)});
   head.landmarks.head_position_m = face_scale(biometry) * kMillimetre * glm::dvec3(0, -5, 2);
   return head;
 }
 
-// Where the cavity begins on a line along z.
+// z of the cavity's front wall on the line along z through (x, y), by bisection.
 double cavity_front_m(double scale, double x, double y) {
   const CavitySize size = cavity_size(scale);
   double outside = size.center_m.z - 1.5 * size.radii_m.z, inside = size.center_m.z;
@@ -44,9 +44,9 @@ double cavity_front_m(double scale, double x, double y) {
   return outside;
 }
 
-// The face some 60 mm before the probe, the head in the middle of the sweep; an older and so larger
-// fetus lies deeper, which leaves some 23 to 29 mm to the fluid (mean 29 mm, at least 17 mm: Carson
-// 1989); deeper still where the mother's tissue needs more.
+// The face some 60 mm in front of the probe, the head in the middle of the sweep; an older, larger
+// fetus lies deeper, so that the fluid begins at 23 to 29 mm (mean 29 mm, at least 17 mm: Carson
+// 1989); deeper still where the maternal layer is thicker.
 glm::dvec3 position_for(double scale, double maternal_layer_m) {
   const double y = 6 * kMillimetre * scale,
                usual_z = 105 * kMillimetre + 20 * kMillimetre * (scale - 1);
@@ -54,7 +54,7 @@ glm::dvec3 position_for(double scale, double maternal_layer_m) {
   return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
 }
 
-// Everything that is looked at, as signed distances in the phantom frame.
+// Signed distances of all parts, in the phantom frame.
 class FetalScene {
  public:
   explicit FetalScene(const PhantomOptions& options)
@@ -62,15 +62,15 @@ class FetalScene {
         scale_(face_scale(biometry_)),
         head_(posed_head(options.gestational_age_weeks)),
         to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
-        body_(sculpt_body(scale_)),
-        hand_(sculpt_hand(scale_)),
+        body_(make_body(scale_)),
+        hand_(make_hand(scale_)),
         cord_(scale_),
         position_m_(position_for(scale_, options.maternal_layer_m)),
-        mother_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
+        maternal_layer_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
 
-  double muscle(const glm::dvec3& p) const { return mother_.muscle(p); }
-  double fat(const glm::dvec3& p) const { return mother_.fat(p); }
-  double mothers_skin(const glm::dvec3& p) const { return mother_.skin(p); }
+  double muscle(const glm::dvec3& p) const { return maternal_layer_.muscle(p); }
+  double fat(const glm::dvec3& p) const { return maternal_layer_.fat(p); }
+  double maternal_skin(const glm::dvec3& p) const { return maternal_layer_.skin(p); }
   double cavity(const glm::dvec3& p) const { return cavity_distance(p, scale_); }
   double cord(const glm::dvec3& p) const { return cord_.distance(p); }
   double skin(const glm::dvec3& p) const {
@@ -85,21 +85,22 @@ class FetalScene {
     return std::min(head_.eyes[0].distance(q), head_.eyes[1].distance(q));
   }
 
-  /// Holds the cavity, and so all that lies in it.
+  /// Contains the cavity, and so all that lies in it.
   Box cavity_bounds() const {
     const CavitySize size = cavity_size(scale_);
     return {size.center_m - 1.15 * size.radii_m, size.center_m + 1.15 * size.radii_m};
   }
-  Box mother_bounds() const { return mother_.bounds(); }
-  /// From the fluid before the nose to behind the ears, from above the crown to the upper chest.
+  Box maternal_bounds() const { return maternal_layer_.bounds(); }
+  /// From the fluid in front of the nose to behind the ears, from above the crown to the upper
+  /// chest.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
     return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, -18 * kMillimetre * scale_},
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
-  /// The smallest ball that holds the skull (measured on the grids, 20 to 30 weeks), and a reach
-  /// that ends before the wall and hardly takes the hand along.
+  /// Inner radius: the smallest ball that contains the skull (measured on the grids, 20 to 30
+  /// weeks). Outer radius: short of the cavity's wall; the hand moves little.
   Joint joint() const {
     const glm::dvec3 in_head{
         0, -0.065 * biometry_.biparietal_m, 0.48 * biometry_.occipitofrontal_m};
@@ -115,13 +116,13 @@ class FetalScene {
   }
 
   FetalBiometry biometry_;
-  double scale_;  // of the face against that of 21 weeks
+  double scale_;  // of the face, relative to 21 weeks
   FetalHead head_;
   glm::dmat3 to_head_;
-  Sculpture body_, hand_;
+  CsgBody body_, hand_;
   UmbilicalCord cord_;
   glm::dvec3 position_m_;
-  MaternalLayer mother_;
+  MaternalLayer maternal_layer_;
 };
 
 struct Part {
@@ -133,11 +134,11 @@ struct Part {
 };
 
 // In painter's order.
-constexpr Part kMother[] = {
+constexpr Part kMaternalParts[] = {
     {"maternal_muscle", "muscle", false, &FetalScene::muscle, Distances::exact},
     {"maternal_fat", "fat", false, &FetalScene::fat, Distances::exact},
-    {"maternal_skin", "skin", false, &FetalScene::mothers_skin, Distances::exact}};
-constexpr Part kWithin[] = {
+    {"maternal_skin", "skin", false, &FetalScene::maternal_skin, Distances::exact}};
+constexpr Part kFetalParts[] = {
     {"cavity", "amniotic_fluid", true, &FetalScene::cavity, Distances::exact},
     {"cord", "umbilical_cord", true, &FetalScene::cord, Distances::first_order},
     {"skin", "fetal_skin", true, &FetalScene::skin, Distances::first_order},
@@ -162,9 +163,9 @@ Phantom make_fetal_face(const PhantomOptions& options) {
         build_level_set(part.name, distance, bounds, options.voxel_m, part.distances));
   };
   if (options.maternal_layer_m > 0) {
-    for (const Part& part : kMother) add(part, scene.mother_bounds());
+    for (const Part& part : kMaternalParts) add(part, scene.maternal_bounds());
   }
-  for (const Part& part : kWithin) add(part, scene.cavity_bounds());
+  for (const Part& part : kFetalParts) add(part, scene.cavity_bounds());
   return Phantom("fetal_face",
                  material_table(),
                  material_index("uterus_wall"),

@@ -9,7 +9,7 @@ namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kSkullThicknessM =
-    1.5 * kMillimetre;  // fetal bone and periosteum, as a beam sees them
+    1.5 * kMillimetre;  // fetal bone and periosteum, as imaged by ultrasound
 
 // The lips of the 21-week face, below the tip of the upper lip.
 constexpr double kMouthM = 2.1 * kMillimetre, kLowerLipM = 4.4 * kMillimetre;
@@ -19,22 +19,22 @@ struct FaceHeights {
   double subnasale, upper_lip, mouth, lower_lip, menton;
 };
 
-// Sculpts in millimetres of the 21-week face, scaled to the age.
-class HeadSculptor {
+// Builds the head from shapes in millimetres of the 21-week face, scaled to the age.
+class HeadBuilder {
  public:
-  HeadSculptor(const FetalBiometry& biometry, const FaceHeights& heights)
+  HeadBuilder(const FetalBiometry& biometry, const FaceHeights& heights)
       : biometry_(biometry),
         scale_(biometry.binocular_m / fetal_biometry(21).binocular_m),
         heights_(heights) {}
 
-  FetalHead sculpt() {
-    place_cranium();
-    model_face_mass();
-    model_eyes();
-    model_nose();
-    model_lips();
-    model_ears();
-    model_skull();
+  FetalHead build() {
+    add_cranium();
+    add_face();
+    add_eyes();
+    add_nose();
+    add_lips();
+    add_ears();
+    add_skull();
     return head_;
   }
 
@@ -44,20 +44,20 @@ class HeadSculptor {
   TubePoint ball(double x, double y, double z, double radius) const {
     return {at(x, y, z), mm(radius)};
   }
-  Ellipsoid lump(glm::dvec3 center, glm::dvec3 radii) const {
+  Ellipsoid ellipsoid(glm::dvec3 center, glm::dvec3 radii) const {
     return {mm(1) * center, mm(1) * radii};
   }
-  // Heights above in the units of at().
+  // A height in metres, in the units of at().
   double height(double metres) const { return metres / mm(1); }
 
-  void place_cranium();
-  void model_face_mass();
-  void model_eyes();
-  void carve_lid_slit();
-  void model_nose();
-  void model_lips();
-  void model_ears();
-  void model_skull();
+  void add_cranium();
+  void add_face();
+  void add_eyes();
+  void subtract_lid_slit();
+  void add_nose();
+  void add_lips();
+  void add_ears();
+  void add_skull();
 
   const FetalBiometry& biometry_;
   double scale_;
@@ -66,97 +66,98 @@ class HeadSculptor {
   FetalHead head_;
 };
 
-void HeadSculptor::place_cranium() {
+void HeadBuilder::add_cranium() {
   const glm::dvec3 radii{
       biometry_.biparietal_m / 2, 0.52 * biometry_.biparietal_m, biometry_.occipitofrontal_m / 2};
   cranium_ = {{0, -0.27 * biometry_.biparietal_m, radii.z + mm(0.8)}, radii};
   head_.landmarks.skull_center_m = cranium_.center;
   Ellipsoid scalp = cranium_;
   scalp.radii_m += mm(3.0);
-  head_.skin.add(scalp, 0);
+  head_.skin.unite(scalp, 0);
   head_.landmarks.crown_m = scalp.center - glm::dvec3(0, scalp.radii_m.y, 0);
 }
 
-void HeadSculptor::model_face_mass() {
-  Sculpture& skin = head_.skin;
+void HeadBuilder::add_face() {
+  CsgBody& skin = head_.skin;
   const double chin = height(heights_.menton), mouth = height(heights_.mouth);
-  skin.add(lump({0, 9, 22}, {20.5, 20, 20}), mm(8));
-  skin.add_pair(Tube{{ball(16, 9, 30, 8), ball(10.5, chin - 13, 17, 7)}}, mm(7));
-  skin.add_pair(Tube{{ball(10.5, chin - 13, 17, 7), ball(5, chin - 8.5, 9, 5.5)}}, mm(6));
-  skin.add_pair(lump({18.5, -2, 19}, {3.5, 5, 7}), mm(6));
-  skin.add_pair(lump({13.6, mouth - 6, 11.6}, {9.8, 9.4, 9.4}), mm(7));
+  skin.unite(ellipsoid({0, 9, 22}, {20.5, 20, 20}), mm(8));
+  skin.unite_pair(Tube{{ball(16, 9, 30, 8), ball(10.5, chin - 13, 17, 7)}}, mm(7));
+  skin.unite_pair(Tube{{ball(10.5, chin - 13, 17, 7), ball(5, chin - 8.5, 9, 5.5)}}, mm(6));
+  skin.unite_pair(ellipsoid({18.5, -2, 19}, {3.5, 5, 7}), mm(6));
+  skin.unite_pair(ellipsoid({13.6, mouth - 6, 11.6}, {9.8, 9.4, 9.4}), mm(7));
   // Muzzle: the rounded base that carries the lips.
-  skin.add(lump({0, mouth - 1.5, 8}, {9.5, 8.5, 8}), mm(6));
-  skin.add(lump({0, chin - 4.7, 3.4}, {6.8, 4.7, 4.4}), mm(5));
+  skin.unite(ellipsoid({0, mouth - 1.5, 8}, {9.5, 8.5, 8}), mm(6));
+  skin.unite(ellipsoid({0, chin - 4.7, 3.4}, {6.8, 4.7, 4.4}), mm(5));
 }
 
-void HeadSculptor::model_eyes() {
+void HeadBuilder::add_eyes() {
   const double radius = (biometry_.binocular_m - biometry_.interocular_m) / 4;
   const glm::dvec3 center{
       (biometry_.binocular_m + biometry_.interocular_m) / 4, mm(0.8), mm(3.6) + radius};
   head_.landmarks.eye_center_m = center;
   head_.eyes[1] = {center, glm::dvec3(radius)};
   head_.eyes[0] = {center * glm::dvec3(-1, 1, 1), glm::dvec3(radius)};
-  Sculpture& skin = head_.skin;
-  skin.add_pair(Tube{{ball(4, -5.5, 4, 3), ball(11, -7.5, 4.5, 3), ball(19, -5, 13, 3)}}, mm(6));
-  skin.carve_pair(Ellipsoid{center - glm::dvec3(0, 0, radius + mm(4.6)), at(8.5, 6.0, 5.0)}, mm(4));
-  skin.add_pair(Ellipsoid{center, glm::dvec3(radius + mm(1.2))}, mm(1.8));
-  carve_lid_slit();
+  CsgBody& skin = head_.skin;
+  skin.unite_pair(Tube{{ball(4, -5.5, 4, 3), ball(11, -7.5, 4.5, 3), ball(19, -5, 13, 3)}}, mm(6));
+  skin.subtract_pair(Ellipsoid{center - glm::dvec3(0, 0, radius + mm(4.6)), at(8.5, 6.0, 5.0)},
+                     mm(4));
+  skin.unite_pair(Ellipsoid{center, glm::dvec3(radius + mm(1.2))}, mm(1.8));
+  subtract_lid_slit();
 }
 
-void HeadSculptor::carve_lid_slit() {
+void HeadBuilder::subtract_lid_slit() {
   const glm::dvec3 center = head_.eyes[1].center;
   const double lid = head_.eyes[1].radii_m.x + mm(1.35);
-  // From the inner to the outer corner, sagging as closed lids do; angles on the lid in degrees.
+  // From the inner to the outer corner of the closed, sagging lids; angles on the lid in degrees.
   const double across[] = {-62, -35, 0, 35, 62}, down[] = {14, 27, 32, 27, 12};
   std::vector<TubePoint> slit;
   for (int i = 0; i < 5; ++i) {
     const double a = glm::radians(across[i]), d = glm::radians(down[i]);
-    const glm::dvec3 way{std::sin(a) * std::cos(d), std::sin(d), -std::cos(a) * std::cos(d)};
-    slit.push_back({center + lid * way, mm(i == 0 || i == 4 ? 0.35 : 0.8)});
+    const glm::dvec3 direction{std::sin(a) * std::cos(d), std::sin(d), -std::cos(a) * std::cos(d)};
+    slit.push_back({center + lid * direction, mm(i == 0 || i == 4 ? 0.35 : 0.8)});
   }
-  head_.skin.carve_pair(smooth_tube(slit, 4), mm(0.7));
+  head_.skin.subtract_pair(smooth_tube(slit, 4), mm(0.7));
 }
 
-void HeadSculptor::model_nose() {
-  Sculpture& skin = head_.skin;
+void HeadBuilder::add_nose() {
+  CsgBody& skin = head_.skin;
   const double base = height(heights_.subnasale);
   const std::vector<TubePoint> ridge = {
       ball(0, -3, 5.2, 3.2), ball(0, 2, 2.2, 2.8), ball(0, base - 4.2, -2.0, 2.8)};
-  skin.add(smooth_tube(ridge, 4), mm(3.5));
-  skin.add(lump({0, base - 2.9, -3.2}, {2.9, 2.7, 2.7}), mm(2.0));
-  skin.add_pair(lump({3.6, base - 2.1, -0.4}, {2.5, 2.3, 2.9}), mm(2.0));
-  skin.carve_pair(Tube{{ball(2.3, base + 0.9, -3.0, 0.95), ball(2.1, base - 1.8, -1.6, 0.8)}},
-                  mm(0.7));
+  skin.unite(smooth_tube(ridge, 4), mm(3.5));
+  skin.unite(ellipsoid({0, base - 2.9, -3.2}, {2.9, 2.7, 2.7}), mm(2.0));
+  skin.unite_pair(ellipsoid({3.6, base - 2.1, -0.4}, {2.5, 2.3, 2.9}), mm(2.0));
+  skin.subtract_pair(Tube{{ball(2.3, base + 0.9, -3.0, 0.95), ball(2.1, base - 1.8, -1.6, 0.8)}},
+                     mm(0.7));
 }
 
-void HeadSculptor::model_lips() {
-  Sculpture& skin = head_.skin;
+void HeadBuilder::add_lips() {
+  CsgBody& skin = head_.skin;
   const double upper = height(heights_.upper_lip), mouth = height(heights_.mouth),
                lower = height(heights_.lower_lip), base = height(heights_.subnasale);
-  skin.carve(Tube{{ball(0, base + 0.8, -0.4, 1.2), ball(0, upper - 0.7, -2.1, 1.5)}}, mm(1.4));
+  skin.subtract(Tube{{ball(0, base + 0.8, -0.4, 1.2), ball(0, upper - 0.7, -2.1, 1.5)}}, mm(1.4));
   // Cupid's bow: the upper lip dips in the middle and falls towards the corners.
   const std::vector<TubePoint> bow = {ball(7.4, mouth + 0.3, 3.4, 1.0),
                                       ball(5.2, mouth - 1.1, 1.2, 1.6),
                                       ball(2.1, upper - 0.4, -0.4, 1.9),
                                       ball(0, upper + 0.3, -0.5, 1.7)};
-  skin.add_pair(smooth_tube(bow, 8), mm(1.1));
+  skin.unite_pair(smooth_tube(bow, 8), mm(1.1));
   const std::vector<TubePoint> roll = {ball(7.2, mouth + 1.1, 3.4, 1.0),
                                        ball(4.6, lower - 0.3, 0.8, 2.0),
                                        ball(0, lower + 0.1, -0.3, 2.4)};
-  skin.add_pair(smooth_tube(roll, 8), mm(1.0));
+  skin.unite_pair(smooth_tube(roll, 8), mm(1.0));
   const std::vector<TubePoint> line = {ball(7.8, mouth + 0.7, 2.5, 0.6),
                                        ball(5.2, mouth + 0.2, 0.1, 0.6),
                                        ball(2.2, mouth - 0.2, -1.2, 0.6),
                                        ball(0, mouth + 0.3, -1.4, 0.6)};
-  skin.carve_pair(smooth_tube(line, 8), mm(0.8));
-  // The fold under the lower lip is shallow: this fills it.
-  skin.add(lump({0, lower + 4.0, 5.6}, {6.5, 3.6, 4.4}), mm(2));
+  skin.subtract_pair(smooth_tube(line, 8), mm(0.8));
+  // Makes the fold under the lower lip shallow.
+  skin.unite(ellipsoid({0, lower + 4.0, 5.6}, {6.5, 3.6, 4.4}), mm(2));
 }
 
-void HeadSculptor::model_ears() {
+void HeadBuilder::add_ears() {
   const double side = biometry_.biparietal_m / 2 / mm(1);
-  Sculpture& skin = head_.skin;
+  CsgBody& skin = head_.skin;
   const std::vector<TubePoint> helix = {ball(side - 2.0, 9.5, 30, 1.6),
                                         ball(side + 1.8, 8.0, 32, 1.8),
                                         ball(side + 3.6, 3.0, 35, 1.5),
@@ -164,34 +165,34 @@ void HeadSculptor::model_ears() {
                                         ball(side + 3.8, -5.5, 33, 1.4),
                                         ball(side + 2.0, -4.5, 30, 1.3),
                                         ball(side + 1.0, -1.0, 29, 1.3)};
-  skin.add_pair(Tube{{ball(side, 6, 31, 2.2), ball(side + 1.8, -1, 33.5, 2.6)}}, mm(2));
-  skin.add_pair(smooth_tube(helix, 3), mm(1.0));
+  skin.unite_pair(Tube{{ball(side, 6, 31, 2.2), ball(side + 1.8, -1, 33.5, 2.6)}}, mm(2));
+  skin.unite_pair(smooth_tube(helix, 3), mm(1.0));
 }
 
-void HeadSculptor::model_skull() {
-  Sculpture& skull = head_.skull;
-  skull.add(cranium_, 0);
+void HeadBuilder::add_skull() {
+  CsgBody& skull = head_.skull;
+  skull.unite(cranium_, 0);
   const double chin = height(heights_.menton);
-  // The bones of the face meet the braincase below the plane of BPD and OFD.
-  skull.add(lump({0, 9, 21}, {17, 14, 15}), mm(3));
-  skull.add_pair(Tube{{ball(15, 8, 30, 3), ball(9, chin - 11, 15, 3)}}, mm(3));
-  skull.add_pair(Tube{{ball(9, chin - 11, 15, 3), ball(0, chin - 6, 8, 2.6)}}, mm(3));
+  // The facial bones meet the braincase below the BPD/OFD plane.
+  skull.unite(ellipsoid({0, 9, 21}, {17, 14, 15}), mm(3));
+  skull.unite_pair(Tube{{ball(15, 8, 30, 3), ball(9, chin - 11, 15, 3)}}, mm(3));
+  skull.unite_pair(Tube{{ball(9, chin - 11, 15, 3), ball(0, chin - 6, 8, 2.6)}}, mm(3));
   Ellipsoid within = cranium_;
   within.radii_m -= kSkullThicknessM;
-  head_.brain.add(within, 0);
+  head_.brain.unite(within, 0);
   for (Ellipsoid orbit : head_.eyes) {
-    skull.carve(orbit, mm(0.5));
+    skull.subtract(orbit, mm(0.5));
     orbit.radii_m += kSkullThicknessM;
-    head_.brain.carve(orbit, mm(0.5));
+    head_.brain.subtract(orbit, mm(0.5));
   }
 }
 
-// The mid-line profile of the skin, as a caliper in the sagittal plane finds it.
+// The profile of the skin in the median plane.
 class Profile {
  public:
-  explicit Profile(const Sculpture& skin) : skin_(skin) {}
+  explicit Profile(const CsgBody& skin) : skin_(skin) {}
 
-  // Depth at which a line of sight at height y meets the skin.
+  // z at which a ray along +z at height y meets the skin, by sphere tracing.
   double depth(double y) const {
     double z = -20 * kMillimetre;
     for (int step = 0; step < 200; ++step) {
@@ -202,7 +203,7 @@ class Profile {
     return z;
   }
 
-  // Point of extreme depth between two heights; sign +1: deepest, -1: most prominent.
+  // Point of extreme z between two heights; sign +1: deepest, -1: most prominent.
   glm::dvec3 extreme(double from, double to, double sign) const {
     constexpr int kSteps = 120;
     glm::dvec3 best{0, from, depth(from)};
@@ -214,7 +215,7 @@ class Profile {
     return best;
   }
 
-  // Lowest point of the chin not further than `reach` behind `front`.
+  // Lowest point of the chin, at most `reach` behind `front`.
   glm::dvec3 lowest(const glm::dvec3& front, double reach) const {
     glm::dvec3 best = front;
     for (int step = 0; step <= 60; ++step) {
@@ -230,10 +231,10 @@ class Profile {
   }
 
  private:
-  const Sculpture& skin_;
+  const CsgBody& skin_;
 };
 
-void find_landmarks(const Sculpture& skin, const FaceHeights& heights, FetalLandmarks& found) {
+void find_landmarks(const CsgBody& skin, const FaceHeights& heights, FetalLandmarks& found) {
   const Profile profile(skin);
   found.nose_tip_m = profile.extreme(0, heights.subnasale, -1);
   found.subnasale_m = profile.extreme(found.nose_tip_m.y, heights.upper_lip, +1);
@@ -247,18 +248,19 @@ void find_landmarks(const Sculpture& skin, const FaceHeights& heights, FetalLand
 
 }  // namespace
 
-FetalHead sculpt_head(const FetalBiometry& biometry) {
+FetalHead make_head(const FetalBiometry& biometry) {
   const double scale = biometry.binocular_m / fetal_biometry(21).binocular_m;
   FaceHeights heights{};
   heights.subnasale = 11.6 * kMillimetre * scale;
   heights.upper_lip = heights.subnasale + biometry.philtrum_m;
   heights.menton = heights.upper_lip + kLowerLipM * scale + biometry.chin_m;
-  // Fillets shift the extremes of the profile; each round takes out what the last one measured.
+  // Fillets shift the extremes of the profile: each round corrects the heights by the measured
+  // error.
   constexpr int kRounds = 12;
   for (int round = 0;; ++round) {
     heights.mouth = heights.upper_lip + kMouthM * scale;
     heights.lower_lip = heights.upper_lip + kLowerLipM * scale;
-    FetalHead head = HeadSculptor(biometry, heights).sculpt();
+    FetalHead head = HeadBuilder(biometry, heights).build();
     FetalLandmarks& found = head.landmarks;
     find_landmarks(head.skin, heights, found);
     if (round == kRounds) return head;

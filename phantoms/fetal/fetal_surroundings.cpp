@@ -14,26 +14,27 @@ TubePoint ball(double scale, double x, double y, double z, double radius) {
   return {scale * kMillimetre * glm::dvec3(x, y, z), scale * kMillimetre * radius};
 }
 
-Ellipsoid lump(double scale, glm::dvec3 center, glm::dvec3 radii) {
+Ellipsoid ellipsoid(double scale, glm::dvec3 center, glm::dvec3 radii) {
   return {scale * kMillimetre * center, scale * kMillimetre * radii};
 }
 
 }  // namespace
 
-Sculpture sculpt_body(double s) {
-  Sculpture body;
-  body.add(Tube{{ball(s, 0, 6, 44, 13), ball(s, 0, 34, 42, 14)}}, 0);
-  body.add(lump(s, {0, 56, 38}, {25, 27, 21}), 8 * s * kMillimetre);
+CsgBody make_body(double s) {
+  CsgBody body;
+  body.unite(Tube{{ball(s, 0, 6, 44, 13), ball(s, 0, 34, 42, 14)}}, 0);
+  body.unite(ellipsoid(s, {0, 56, 38}, {25, 27, 21}), 8 * s * kMillimetre);
   const Tube shoulder{{ball(s, 12, 37, 44, 9), ball(s, 26, 40, 40, 8.5), ball(s, 34, 62, 34, 7)}};
-  body.add_pair(shoulder, 6 * s * kMillimetre);
+  body.unite_pair(shoulder, 6 * s * kMillimetre);
   return body;
 }
 
-Sculpture sculpt_hand(double s) {
-  Sculpture hand;
-  hand.add(Tube{{ball(s, 34, 62, 34, 7), ball(s, 37, 55, 12, 5.4), ball(s, 28.5, 32, 6, 4.2)}}, 0);
+CsgBody make_hand(double s) {
+  CsgBody hand;
+  hand.unite(Tube{{ball(s, 34, 62, 34, 7), ball(s, 37, 55, 12, 5.4), ball(s, 28.5, 32, 6, 4.2)}},
+             0);
   // Back of the hand, then the fingers curled towards the palm, index to little finger.
-  hand.add(lump(s, {25.5, 24, 4}, {6, 7, 4.2}), 3.5 * s * kMillimetre);
+  hand.unite(ellipsoid(s, {25.5, 24, 4}, {6, 7, 4.2}), 3.5 * s * kMillimetre);
   const glm::dvec2 knuckle[] = {{19.8, 20.2}, {23.0, 17.8}, {26.5, 17.4}, {29.6, 19.2}};
   const double length[] = {0.95, 1.05, 1.0, 0.82};
   for (int finger = 0; finger < 4; ++finger) {
@@ -43,17 +44,17 @@ Sculpture sculpt_hand(double s) {
                                           ball(s, x - 0.4, y - 0.5 * l, -4.6 * l, 1.9),
                                           ball(s, x - 0.8, y + 4.6 * l, -5.2 * l, 1.75),
                                           ball(s, x - 0.6, y + 6.0 * l, -2.5, 1.6)};
-    hand.add(smooth_tube(bones, 4), 0.6 * s * kMillimetre);
+    hand.unite(smooth_tube(bones, 4), 0.6 * s * kMillimetre);
   }
   const std::vector<TubePoint> thumb = {ball(s, 24, 30, 2, 2.6),
                                         ball(s, 19.2, 28, -2.0, 2.3),
                                         ball(s, 18.0, 24.1, -4.4, 2.0),
                                         ball(s, 20.2, 21.6, -6.0, 1.7)};
-  hand.add(smooth_tube(thumb, 4), 0.9 * s * kMillimetre);
+  hand.unite(smooth_tube(thumb, 4), 0.9 * s * kMillimetre);
   return hand;
 }
 
-UmbilicalCord::Strand UmbilicalCord::cut(const Tube& tube) {
+UmbilicalCord::Strand UmbilicalCord::divided(const Tube& tube) {
   constexpr std::size_t kSegments = 3;
   Strand strand;
   for (std::size_t from = 0; from + 1 < tube.points.size(); from += kSegments) {
@@ -92,7 +93,7 @@ UmbilicalCord::UmbilicalCord(double s) {
     }
     along += glm::distance(here, next);
   }
-  for (const Tube& tube : wound) strands_.push_back(cut(tube));
+  for (const Tube& tube : wound) strands_.push_back(divided(tube));
   bound_ = path.bound();
   bound_.radius_m += offset + radius;
 }
@@ -100,15 +101,15 @@ UmbilicalCord::UmbilicalCord(double s) {
 double UmbilicalCord::strand_distance(const Strand& strand, const glm::dvec3& position) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Piece& piece : strand) {
-    const double at_least = glm::distance(position, piece.bound.center) - piece.bound.radius_m;
-    if (at_least < nearest) nearest = std::min(nearest, piece.tube.distance(position));
+    const double lower_bound = glm::distance(position, piece.bound.center) - piece.bound.radius_m;
+    if (lower_bound < nearest) nearest = std::min(nearest, piece.tube.distance(position));
   }
   return nearest;
 }
 
 double UmbilicalCord::distance(const glm::dvec3& position) const {
-  const double at_least = glm::distance(position, bound_.center) - bound_.radius_m;
-  if (at_least > 10 * kMillimetre) return at_least;
+  const double lower_bound = glm::distance(position, bound_.center) - bound_.radius_m;
+  if (lower_bound > 10 * kMillimetre) return lower_bound;
   double cord = strand_distance(strands_[0], position);
   for (std::size_t i = 1; i < strands_.size(); ++i) {
     cord = smooth_union(cord, strand_distance(strands_[i], position), 1.0 * kMillimetre);
@@ -123,7 +124,8 @@ CavitySize cavity_size(double s) {
 double cavity_distance(const glm::dvec3& position, double s) {
   const CavitySize size = cavity_size(s);
   const glm::dvec3 p = position - size.center_m;
-  // Wall: (x/a)^4 + (y/b)^4 + (z/c)^4 = 1 swollen by slow waves along x and y.
+  // Wall: (x/a)^4 + (y/b)^4 + (z/c)^4 = 1, displaced by waves along x and y; distance = level over
+  // its gradient's magnitude.
   const glm::dvec3 u = p / size.radii_m, cubes = u * u * u;
   const double norm = std::sqrt(std::sqrt(glm::dot(cubes, u)));
   const double unit = s * kMillimetre, kx = 1 / (27 * unit), ky = 1 / (30 * unit);

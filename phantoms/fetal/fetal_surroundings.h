@@ -1,39 +1,39 @@
-// What lies about the fetal head, in the phantom frame: fluid, body, hand and cord.
+// What surrounds the fetal head, in the phantom frame: amniotic cavity, body, hand and cord.
 #pragma once
 
-#include "phantoms/shapes/sculpture.h"
+#include "phantoms/shapes/csg_body.h"
 
 namespace wobblebench::phantoms {
 
-/// All lengths of the 21-week fetus times `scale`.
-Sculpture sculpt_body(double scale);
-Sculpture sculpt_hand(double scale);
+/// All lengths are those of the 21-week fetus times `scale`.
+CsgBody make_body(double scale);
+CsgBody make_hand(double scale);
 
-/// Three strands wound about a loop beside the face.
+/// Three strands twisted about a curve beside the face.
 class UmbilicalCord {
  public:
   explicit UmbilicalCord(double scale);
   double distance(const glm::dvec3& position) const;
 
  private:
-  // A strand in pieces, each with its bound, so that distant pieces cost little.
+  // A strand in pieces with bounds, so that distant pieces are skipped.
   struct Piece {
     Tube tube;
     Ball bound;
   };
   using Strand = std::vector<Piece>;
-  static Strand cut(const Tube& tube);
+  static Strand divided(const Tube& tube);
   static double strand_distance(const Strand& strand, const glm::dvec3& position);
 
   std::vector<Strand> strands_;
   Ball bound_;
 };
 
-/// The amniotic cavity: rounded, slightly irregular; the distance of its wall, within some
-/// percent as far as the narrow band reaches.
+/// Signed distance of the wall of the amniotic cavity, a slightly irregular superellipsoid; within
+/// some percent inside the narrow band.
 double cavity_distance(const glm::dvec3& position, double scale);
 
-/// Half the extent of the cavity and its centre.
+/// Centre and semi-axes of the cavity.
 struct CavitySize {
   glm::dvec3 center_m;
   glm::dvec3 radii_m;

@@ -7,14 +7,14 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// Radius of the default probe's face: the interfaces are centred where its sticks come from.
+// Radius of the default probe's face: the interfaces are centred on the origin of its sticks.
 constexpr double kFaceRadius_m = 40 * kMillimetre;
 
-// The bodies are cut off this far behind the foremost point of the face, where its rim has curved
-// out of the tissue.
+// The bodies end this far behind the foremost point of the face, where its curved rim has left the
+// tissue.
 constexpr double kRim_m = 16 * kMillimetre;
 
-// Slow waves of up to 2 times 1, on a plane.
+// Sum of two plane waves of unit amplitude, wavelength about 40 mm.
 double waves(double phase, double x, double y) {
   constexpr double k = 2 * kPi / (40 * kMillimetre);
   return std::sin(k * x + 0.6 * k * y + phase) + std::sin(0.7 * k * y - 0.4 * k * x + 2 * phase);
@@ -39,7 +39,7 @@ MaternalLayer::Interface MaternalLayer::interface(double depth_m) const {
   const double curvature_radius = kFaceRadius_m + 4 * depth_m;
   const double across = std::sqrt(curvature_radius * along);
   const double phase = depth_m / (6 * kMillimetre);
-  // Waves of up to 0.5 mm about the mean: slopes up to 0.16.
+  // Undulation of at most 0.5 mm times waves(): slopes up to 0.16.
   return {{face_m_ - glm::dvec3(0, 0, kFaceRadius_m), {across, across, along}},
           std::min(0.02 * depth_m, 0.5 * kMillimetre),
           phase,
@@ -48,9 +48,9 @@ MaternalLayer::Interface MaternalLayer::interface(double depth_m) const {
 
 double MaternalLayer::distance(const Interface& interface, const glm::dvec3& p) const {
   const glm::dvec3 arm = p - face_m_;
-  const double uneven =
-      interface.unevenness_m * (waves(interface.phase, arm.x, arm.y) - interface.wave_on_axis);
-  return std::max(interface.mean.distance(p) - uneven, -kRim_m - arm.z);
+  const double offset =
+      interface.undulation_m * (waves(interface.phase, arm.x, arm.y) - interface.wave_at_axis);
+  return std::max(interface.mean.distance(p) - offset, -kRim_m - arm.z);
 }
 
 Box MaternalLayer::bounds() const {

@@ -6,38 +6,38 @@
 
 namespace wobblebench::phantoms {
 
-/// Where one of its tissues ends, on the axis below the probe's face.
+/// Depths at which its tissues end, on the axis below the probe's face.
 struct MaternalDepths {
   double skin_m = 0;
   double fat_m = 0;
   double muscle_m = 0;  ///< the whole thickness
 };
 
-/// Skin 2 mm, at most a fifth of the whole; of the rest 60 % is fat (all assumed).
+/// Skin: 2 mm, at most a fifth of the whole. Fat: 60 % of the rest. All assumed.
 MaternalDepths maternal_depths(double thickness_m);
 
-/// Bodies about the probe's face, each of which ends where its tissue meets the next: painted
-/// muscle, fat, skin. Where the probe presses, tissue follows its face; the deeper, the flatter.
-/// Each interface is uneven by its own slow waves. Phantom frame.
+/// Nested bodies around the probe's face, each ending at the interface to the next tissue, in
+/// painter's order muscle, fat, skin. The skin follows the face of the probe; deeper interfaces are
+/// flatter. Each interface has an undulation of its own. Phantom frame.
 class MaternalLayer {
  public:
   /// `face_m`: the point of the probe's face on its axis.
   MaternalLayer(double thickness_m, const glm::dvec3& face_m);
 
-  /// Distances, within some percent as far as the narrow band reaches.
+  /// Signed distances, within some percent inside the narrow band.
   double skin(const glm::dvec3& p) const { return distance(skin_, p); }
   double fat(const glm::dvec3& p) const { return distance(fat_, p); }
   double muscle(const glm::dvec3& p) const { return distance(muscle_, p); }
 
-  /// Holds all of them.
+  /// Contains all of them.
   Box bounds() const;
 
  private:
   struct Interface {
     Ellipsoid mean;
-    double unevenness_m;
+    double undulation_m;
     double phase;
-    double wave_on_axis;
+    double wave_at_axis;
   };
   Interface interface(double depth_m) const;
   double distance(const Interface& interface, const glm::dvec3& p) const;

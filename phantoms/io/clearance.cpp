@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "phantoms/float_grid.h"
+
 namespace wobblebench::phantoms {
 namespace {
 
@@ -15,10 +17,10 @@ int floor_divided(int a, int b) {
 
 }  // namespace
 
-Clearance::Clearance(const openvdb::FloatGrid& grid) {
+Clearance::Clearance(const FloatGrid& grid) {
   const openvdb::CoordBBox band = grid.evalActiveVoxelBoundingBox();
   if (band.empty()) return;
-  // Whole leaves, so that each leaf lies in one block.
+  // A block is a whole number of leaves across, so that each leaf lies in one block.
   const int leaves = band.dim()[band.maxExtent()] / 8 + 2;
   block_voxels_ = 8 * ((leaves + kMostBlocks - 1) / kMostBlocks);
   blocks_ = {block_of(band.min()), block_of(band.max())};
@@ -27,11 +29,11 @@ Clearance::Clearance(const openvdb::FloatGrid& grid) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     if (leaf->isEmpty()) continue;
     const openvdb::Coord block = block_of(leaf->origin());
-    if (steps_[slot(block)] == 0) continue;
-    steps_[slot(block)] = 0;
+    if (steps_[index_of(block)] == 0) continue;
+    steps_[index_of(block)] = 0;
     occupied.push_back(block);
   }
-  count_from(std::move(occupied));
+  propagate(std::move(occupied));
 }
 
 openvdb::Coord Clearance::block_of(const openvdb::Coord& voxel) const {
@@ -40,7 +42,7 @@ openvdb::Coord Clearance::block_of(const openvdb::Coord& voxel) const {
           floor_divided(voxel.z(), block_voxels_)};
 }
 
-std::size_t Clearance::slot(const openvdb::Coord& block) const {
+std::size_t Clearance::index_of(const openvdb::Coord& block) const {
   const openvdb::Coord at = block - blocks_.min(), size = blocks_.dim();
   return (static_cast<std::size_t>(at.x()) * static_cast<std::size_t>(size.y()) +
           static_cast<std::size_t>(at.y())) *
@@ -48,15 +50,15 @@ std::size_t Clearance::slot(const openvdb::Coord& block) const {
          static_cast<std::size_t>(at.z());
 }
 
-/// Shell after shell, over faces, edges and corners.
-void Clearance::count_from(std::vector<openvdb::Coord> shell) {
+// Breadth first, one shell of blocks at a time, over faces, edges and corners.
+void Clearance::propagate(std::vector<openvdb::Coord> shell) {
   for (std::uint8_t step = 1; !shell.empty() && step < kFar; ++step) {
     std::vector<openvdb::Coord> next;
     for (const openvdb::Coord& block : shell) {
       openvdb::CoordBBox around(block.offsetBy(-1), block.offsetBy(1));
       around.intersect(blocks_);
       for (const openvdb::Coord& neighbour : around) {
-        std::uint8_t& known = steps_[slot(neighbour)];
+        std::uint8_t& known = steps_[index_of(neighbour)];
         if (known <= step) continue;
         known = step;
         next.push_back(neighbour);
@@ -66,11 +68,11 @@ void Clearance::count_from(std::vector<openvdb::Coord> shell) {
   }
 }
 
-double Clearance::voxels(const openvdb::Coord& at) const {
+double Clearance::voxels(const openvdb::Coord& voxel) const {
   if (steps_.empty()) return std::numeric_limits<double>::infinity();
-  const openvdb::Coord block = block_of(at);
+  const openvdb::Coord block = block_of(voxel);
   if (blocks_.isInside(block)) {
-    return block_voxels_ * std::max(0.0, steps_[slot(block)] - 1.0);
+    return block_voxels_ * std::max(0.0, steps_[index_of(block)] - 1.0);
   }
   int beyond = 0;
   for (int axis = 0; axis < 3; ++axis) {

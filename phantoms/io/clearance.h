@@ -1,31 +1,33 @@
-// How much room there is around the narrow band of a level set. Heavy: include it from .cpp files
-// only.
+// Distance from a voxel to the narrow band of a level set, as a lower bound. Heavy: include it from
+// .cpp files only.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include <openvdb/math/Coord.h>
 
 #include <cstdint>
 #include <vector>
 
+#include "phantoms/float_grid_fwd.h"
+
 namespace wobblebench::phantoms {
 
-/// Blocks of voxels, each with the number of blocks to the nearest that holds a part of the band.
-/// At most 128 blocks a side, however large the grid.
+/// Chebyshev distance transform over blocks of voxels: for each block, the number of blocks to the
+/// nearest one that holds a voxel of the band. At most 128 blocks a side, however large the grid.
 class Clearance {
  public:
-  explicit Clearance(const openvdb::FloatGrid& grid);
+  explicit Clearance(const FloatGrid& grid);
 
-  /// A distance, in voxels, within which no voxel of the band lies; 0 near it.
-  double voxels(const openvdb::Coord& at) const;
+  /// A distance, in voxels, within which no voxel of the band lies; 0 near the band.
+  double voxels(const openvdb::Coord& voxel) const;
 
  private:
   openvdb::Coord block_of(const openvdb::Coord& voxel) const;
-  std::size_t slot(const openvdb::Coord& block) const;
-  void count_from(std::vector<openvdb::Coord> occupied);
+  std::size_t index_of(const openvdb::Coord& block) const;
+  void propagate(std::vector<openvdb::Coord> occupied);
 
   int block_voxels_ = 8;
   openvdb::CoordBBox blocks_;
-  std::vector<std::uint8_t> steps_;  ///< [slot of the block]
+  std::vector<std::uint8_t> steps_;  ///< [index of the block]
 };
 
 }  // namespace wobblebench::phantoms

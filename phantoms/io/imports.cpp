@@ -1,7 +1,6 @@
 #include "phantoms/io/imports.h"
 
 #include <unistd.h>
-#include "phantoms/invalid_phantom.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <system_error>
 
 #include "phantoms/io/mesh_file.h"
+#include "phantoms/refusal.h"
 #include "phantoms/shapes/calibration.h"
 
 namespace wobblebench::phantoms {
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Front of an imported body below the face of the default probe, in its frame.
+// z of the front of an imported body in the frame of the default probe: 65 mm below its face.
 constexpr double kFront_m = (40 + 65) * 1e-3;
 
 void check_readable(const std::string& file, const std::string& kind) {
@@ -112,7 +112,7 @@ Phantom imported_phantom(const PhantomOptions& options,
                          std::vector<Surface> surfaces,
                          const Box& bounds,
                          std::shared_ptr<const Grids> grids) {
-  // A picture of the front: a box with room around it.
+  // The region of interest contains the front, with a margin.
   const double half_x = std::clamp(bounds.high.x + 5e-3, 15e-3, 60e-3);
   const double half_y = std::clamp(bounds.high.y + 5e-3, 15e-3, 60e-3);
   const double front = bounds.low.z - 10e-3;

@@ -16,7 +16,7 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// What Assimp would abort at when it cuts polygons into triangles.
+// Checks for faces on which Assimp's triangulation would abort.
 void check_faces(const aiScene& scene) {
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
     const aiMesh& mesh = *scene.mMeshes[i];
@@ -31,7 +31,7 @@ void check_faces(const aiScene& scene) {
   }
 }
 
-// Assimp's own words, as far as a line can hold them.
+// Assimp's message, as one line of UTF-8.
 std::string reason_of(const Assimp::Importer& importer) {
   std::string text = importer.GetErrorString();
   std::replace_if(text.begin(), text.end(), is_control, ' ');

@@ -1,4 +1,4 @@
-// Meshes from disk, through Assimp.
+// Reading mesh files, by Assimp.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,12 @@
 
 namespace wobblebench::phantoms {
 
-/// As ".stl", whatever the case of the letters.
+/// Such as ".stl", in lower case.
 std::string lower_case_extension(const std::filesystem::path& path);
 
-/// All triangles of all meshes of the file, in its unit, its polygons cut into triangles, points
-/// and lines left out. Throws std::invalid_argument with one line for what is not readable as its
-/// extension says, has no triangles, or has vertices that are not finite.
-TriangleMesh read_mesh(const std::filesystem::path& path);
+/// All triangles of all meshes of the file, in its unit; polygons are triangulated, points and
+/// lines dropped. Throws std::invalid_argument with one line for a file that is not readable in the
+/// format of its extension, has no triangles, or has vertices that are not finite.
+[[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
 }  // namespace wobblebench::phantoms

@@ -1,4 +1,5 @@
-// Closed triangle meshes to level sets.
+// Imports closed triangle meshes as level sets.
+#include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetMeasure.h>
 #include <openvdb/tools/MeshToVolume.h>
 
@@ -10,9 +11,10 @@
 #include <stdexcept>
 
 #include "base/text.h"
-#include "phantoms/invalid_phantom.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/mesh_file.h"
+#include "phantoms/refusal.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 
@@ -42,25 +44,26 @@ void check_volumes(const std::vector<double>& shells) {
   }
 }
 
-// Peak on the way. Measured: 28 to 32 bytes for each voxel of the band (of 10 that stay), balls of
-// 100 to 200 mm and cubes of 200 mm at 0.125 to 0.5 mm.
+// Peak memory of the conversion. Measured: 28 to 32 bytes per voxel of the band (10 of them
+// remain), for balls of 100 to 200 mm and cubes of 200 mm at voxels of 0.125 to 0.5 mm.
 double estimated_bytes(const TriangleMesh& mesh, double voxel_m) {
   const double band_voxels = 2 * kHalfWidthVoxels * surface_area(mesh) / (voxel_m * voxel_m);
   return 32 * band_voxels;
 }
 
-openvdb::FloatGrid::Ptr level_set_of(const TriangleMesh& mesh, double voxel_m) {
+FloatGrid::Ptr level_set_of(const TriangleMesh& mesh, double voxel_m) {
   std::vector<openvdb::Vec3s> points;
   for (const glm::dvec3& v : mesh.vertices) points.emplace_back(v.x, v.y, v.z);
   std::vector<openvdb::Vec3I> triangles;
   for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxel_m);
-  return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
+  return openvdb::tools::meshToLevelSet<FloatGrid>(
       *transform, points, triangles, float(kHalfWidthVoxels));
 }
 
-// Surfaces that cross themselves, or lie within one another, lose what is within the outermost.
-void check_enclosed(const openvdb::FloatGrid& grid, double volume_m3, double area_m2) {
+// A level set keeps only the outermost surface: where surfaces cross themselves or lie within one
+// another, its volume differs from that of the triangles.
+void check_enclosed(const FloatGrid& grid, double volume_m3, double area_m2) {
   const double enclosed = openvdb::tools::levelSetVolume(grid);
   const double allowed = 0.1 * grid.voxelSize()[0] * area_m2;
   if (std::abs(enclosed - volume_m3) <= allowed) return;
@@ -70,7 +73,8 @@ void check_enclosed(const openvdb::FloatGrid& grid, double volume_m3, double are
   throw std::invalid_argument(reason.str());
 }
 
-void place(TriangleMesh& mesh, double unit_m) {
+// Scales to metres and moves the centre of the bounding box to the origin.
+void center(TriangleMesh& mesh, double unit_m) {
   for (glm::dvec3& vertex : mesh.vertices) vertex *= unit_m;
   const Box box = bounds(mesh);
   for (glm::dvec3& vertex : mesh.vertices) vertex -= 0.5 * (box.low + box.high);
@@ -78,14 +82,14 @@ void place(TriangleMesh& mesh, double unit_m) {
 
 std::string surface_name(const std::string& file) {
   const std::string stem = std::filesystem::path(file).stem().string();
-  return is_printable(stem) ? stem : "mesh";
+  return is_printable_text(stem) ? stem : "mesh";
 }
 
 Phantom import_mesh(const PhantomOptions& options) {
   initialize_openvdb();
   TriangleMesh mesh = welded(read_mesh(options.file));
   if (mesh.triangles.empty()) throw std::invalid_argument("has no triangle of any area");
-  place(mesh, options.unit_m);
+  center(mesh, options.unit_m);
   check_edges(edge_faults(mesh));
   const std::vector<double> shells = shell_volumes(mesh);
   check_volumes(shells);
@@ -98,7 +102,7 @@ Phantom import_mesh(const PhantomOptions& options) {
   return imported_phantom(options,
                           {{name, material_index(options.materials.front()), options.target}},
                           bounds(mesh),
-                          only(grid));
+                          single_grid(grid));
 }
 
 }  // namespace

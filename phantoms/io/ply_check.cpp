@@ -1,9 +1,10 @@
 #include "phantoms/io/ply_check.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -19,7 +20,7 @@ enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
 struct Property {
   Number value = Number::f32;
   bool is_list = false;
-  Number count = Number::u8;  // of a list
+  Number count = Number::u8;  // type of a list's length
 };
 
 struct Element {
@@ -73,7 +74,7 @@ Property read_property(std::istream& words) {
   return property;
 }
 
-// A line of the header; some programs end it as Windows does.
+// A line of the header, without its end of line (LF or CR LF).
 std::string next_line(std::istream& in) {
   std::string line;
   if (!std::getline(in, line)) throw damaged("its header ends too early");
@@ -102,7 +103,7 @@ Header read_header(std::istream& in) {
   }
 }
 
-// The numbers of the body, one after the other.
+// Reads the numbers of the body one after the other.
 class Body {
  public:
   Body(std::istream& in, const std::string& format) : in_(in), format_(format) {
@@ -146,15 +147,13 @@ class Body {
 
   template <class T>
   T next_bytes() {
-    char bytes[sizeof(T)];
-    if (!in_.read(bytes, sizeof bytes)) throw damaged("it ends too early");
+    std::array<char, sizeof(T)> bytes;
+    if (!in_.read(bytes.data(), bytes.size())) throw damaged("it ends too early");
     const bool is_big = format_ == "binary_big_endian";
     if (is_big != (std::endian::native == std::endian::big)) {
-      std::reverse(bytes, bytes + sizeof bytes);
+      std::reverse(bytes.begin(), bytes.end());
     }
-    T value;
-    std::memcpy(&value, bytes, sizeof value);
-    return value;
+    return std::bit_cast<T>(bytes);
   }
 
   std::istream& in_;

@@ -1,13 +1,13 @@
-// Whether a PLY is whole. Assimp 5.2 reads on behind the end of one that is cut short.
+// A check of PLY files before Assimp 5.2 reads them: it reads past the end of a truncated one.
 #pragma once
 
 #include <filesystem>
 
 namespace wobblebench::phantoms {
 
-/// Walks through the file as its header describes it. Throws std::invalid_argument with one line
-/// for a header or a body that ends too early, a word that is no number, a face of less than three
-/// corners, and corners that are no vertices.
+/// Parses the file as its header describes it. Throws std::invalid_argument with one line for a
+/// truncated header or body, a word that is no number, a face of fewer than three corners, or a
+/// vertex index out of range.
 void check_ply(const std::filesystem::path& path);
 
 }  // namespace wobblebench::phantoms

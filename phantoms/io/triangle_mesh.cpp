@@ -12,7 +12,7 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 
-bool lies_before(const glm::dvec3& a, const glm::dvec3& b) {
+bool is_less(const glm::dvec3& a, const glm::dvec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
@@ -23,7 +23,7 @@ double cone6(const TriangleMesh& mesh, const Triangle& t, const glm::dvec3& apex
   return glm::dot(a, glm::cross(b, c));
 }
 
-// Vertices in sets; those of one shell end up in one set.
+// Union-find over the vertices: those of one shell form one set.
 class Shells {
  public:
   explicit Shells(std::size_t vertices) : parent_(vertices) {
@@ -48,18 +48,18 @@ TriangleMesh welded(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return lies_before(mesh.vertices[a], mesh.vertices[b]);
+    return is_less(mesh.vertices[a], mesh.vertices[b]);
   });
   TriangleMesh result;
-  std::vector<std::uint32_t> place(mesh.vertices.size());
+  std::vector<std::uint32_t> merged(mesh.vertices.size());
   for (const std::uint32_t vertex : order) {
     if (result.vertices.empty() || result.vertices.back() != mesh.vertices[vertex]) {
       result.vertices.push_back(mesh.vertices[vertex]);
     }
-    place[vertex] = std::uint32_t(result.vertices.size() - 1);
+    merged[vertex] = std::uint32_t(result.vertices.size() - 1);
   }
   for (const Triangle& t : mesh.triangles) {
-    const Triangle at{place[t[0]], place[t[1]], place[t[2]]};
+    const Triangle at{merged[t[0]], merged[t[1]], merged[t[2]]};
     if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) result.triangles.push_back(at);
   }
   return result;
@@ -105,7 +105,7 @@ std::vector<double> shell_volumes(const TriangleMesh& mesh) {
   std::vector<bool> used(mesh.vertices.size(), false);
   for (const Triangle& t : mesh.triangles) {
     const std::uint32_t root = shells.root(t[0]);
-    // Cones from a vertex of the shell itself stay small, wherever the file's origin lies.
+    // The apex is a vertex of the shell: a distant one would cost precision.
     by_root[root] += cone6(mesh, t, mesh.vertices[root]) / 6;
     used[root] = true;
   }

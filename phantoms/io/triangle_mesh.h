@@ -1,4 +1,4 @@
-// Triangles as they come from a file, and whether they enclose a body.
+// Triangle meshes: welding, closedness, orientation, volume and area.
 #pragma once
 
 #include <array>
@@ -10,22 +10,22 @@
 
 namespace wobblebench::phantoms {
 
-/// Seen from outside, the vertices of a triangle go round counter-clockwise.
+/// The vertices of a triangle are counter-clockwise as seen from outside.
 struct TriangleMesh {
   using Triangle = std::array<std::uint32_t, 3>;
   std::vector<glm::dvec3> vertices;
   std::vector<Triangle> triangles;
 };
 
-/// Makes one vertex of those at exactly the same place (each triangle of an STL brings its own),
-/// and drops triangles that two equal corners leave without an area.
+/// Merges vertices of exactly equal positions (each triangle of an STL has its own), and drops
+/// triangles with two equal corners.
 TriangleMesh welded(const TriangleMesh& mesh);
 
-/// What keeps a welded mesh from being a closed surface.
+/// Edges that keep a welded mesh from being a closed, oriented surface.
 struct EdgeFaults {
-  std::size_t open = 0;      ///< edges of one triangle alone
+  std::size_t open = 0;      ///< edges of only one triangle
   std::size_t crowded = 0;   ///< edges of more than two
-  std::size_t opposite = 0;  ///< edges whose two triangles face opposite ways
+  std::size_t opposite = 0;  ///< edges whose two triangles are oriented oppositely
 };
 EdgeFaults edge_faults(const TriangleMesh& mesh);
 
@@ -33,7 +33,7 @@ EdgeFaults edge_faults(const TriangleMesh& mesh);
 std::vector<double> shell_volumes(const TriangleMesh& mesh);
 
 double surface_area(const TriangleMesh& mesh);
-/// Holds all triangles; vertices of none do not count.
+/// Bounding box of all triangles; vertices of no triangle are ignored.
 Box bounds(const TriangleMesh& mesh);
 
 }  // namespace wobblebench::phantoms

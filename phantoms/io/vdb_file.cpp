@@ -9,17 +9,17 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "phantoms/shapes/level_set.h"
+#include "phantoms/float_grid.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-// What stands ahead of each grid in a file. Files that were written as a stream have no places to
-// go to and are not looked into.
-class Contents : public openvdb::io::Archive {
+// Reads the descriptor and metadata of each grid and skips its values. Files that were written as a
+// stream hold no offsets to skip by; they are not read.
+class FileSummary : public openvdb::io::Archive {
  public:
   openvdb::SharedPtr<Archive> copy() const override {
-    return openvdb::SharedPtr<Archive>(new Contents(*this));
+    return openvdb::SharedPtr<Archive>(new FileSummary(*this));
   }
   double stated_bytes(std::istream& in) {
     readHeader(in);
@@ -31,22 +31,22 @@ class Contents : public openvdb::io::Archive {
     if (!inputHasGridOffsets()) return 0;
     double bytes = 0;
     for (int left = readGridCount(in); left > 0; --left) {
-      openvdb::io::GridDescriptor place;
-      place.read(in);
-      place.seekToGrid(in);
+      openvdb::io::GridDescriptor descriptor;
+      descriptor.read(in);
+      descriptor.seekToGrid(in);
       readGridCompression(in);
       openvdb::MetaMap of_grid;
       of_grid.readMeta(in);
       const auto stated =
           of_grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
       if (stated) bytes += double(stated->value());
-      place.seekToEnd(in);
+      descriptor.seekToEnd(in);
     }
     return bytes;
   }
 };
 
-// Calls use(stream) and turns what goes wrong into one line.
+// Calls use(stream); throws every failure as std::invalid_argument with one line.
 template <class Use>
 auto with_file(const std::filesystem::path& path, const Use& use) {
   initialize_openvdb();
@@ -57,7 +57,7 @@ auto with_file(const std::filesystem::path& path, const Use& use) {
     }
     std::ifstream in(path, std::ios::binary);
     if (!in) throw std::invalid_argument("cannot be opened");
-    // OpenVDB goes on with what it did not get from a file that is cut short; a size, say.
+    // OpenVDB does not check its reads: from a truncated file it would take arbitrary sizes.
     in.exceptions(std::ios::failbit | std::ios::badbit);
     return use(in);
   } catch (const std::ios::failure&) {
@@ -77,10 +77,10 @@ VdbFile read_vdb(const std::filesystem::path& path) {
 }
 
 double stated_bytes(const std::filesystem::path& path) {
-  return with_file(path, [](std::ifstream& in) { return Contents().stated_bytes(in); });
+  return with_file(path, [](std::ifstream& in) { return FileSummary().stated_bytes(in); });
 }
 
-void check_level_set(const std::string& name, const openvdb::FloatGrid& grid) {
+void check_level_set(const std::string& name, const FloatGrid& grid) {
   if (grid.getGridClass() != openvdb::GRID_LEVEL_SET) {
     throw std::invalid_argument("grid \"" + name + "\" is not of the class level set");
   }

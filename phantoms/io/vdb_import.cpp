@@ -1,4 +1,4 @@
-// Level sets of other programs.
+// Imports level sets that other programs wrote.
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
@@ -8,16 +8,16 @@
 #include <stdexcept>
 
 #include "base/text.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
-#include "phantoms/invalid_phantom.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/vdb_file.h"
-#include "phantoms/io/vdb_metadata.h"
+#include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-using Grid = openvdb::FloatGrid;
+using Grid = FloatGrid;
 
 // Narrower bands cannot be interpolated on both sides of the surface.
 constexpr double kNarrowestBandVoxels = 1.5;
@@ -39,7 +39,7 @@ bool is_level_set(const openvdb::GridBase& grid) {
 std::string contents(const openvdb::GridPtrVec& grids) {
   std::vector<std::string> words;
   for (const auto& grid : grids) {
-    const std::string name = is_printable(grid->getName()) ? grid->getName() : "(unprintable)";
+    const std::string name = is_printable_text(grid->getName()) ? grid->getName() : "(unprintable)";
     words.push_back(name + " (" + grid->valueType() + " " +
                     openvdb::GridBase::gridClassToString(grid->getGridClass()) + ")");
   }
@@ -48,19 +48,20 @@ std::string contents(const openvdb::GridPtrVec& grids) {
 
 Grid::Ptr level_set_of(const openvdb::GridBase::Ptr& grid) {
   const std::string& name = grid->getName();
-  if (!is_printable(name)) throw std::invalid_argument("a grid's name is not printable UTF-8 text");
+  if (!is_printable_text(name))
+    throw std::invalid_argument("a grid's name is not printable UTF-8 text");
   if (!grid->isType<Grid>()) {
     throw std::invalid_argument(grid_word(name) + "holds " + grid->valueType() + ", not float");
   }
   auto distances = openvdb::gridPtrCast<Grid>(grid);
   check_level_set(name, *distances);
   if (distances->empty()) throw std::invalid_argument(grid_word(name) + "is empty");
-  // Grids of a file may share a tree.
-  return distances->isTreeUnique() ? distances : distances->deepCopy();
+  // Grids of a file may share one tree, and ours are changed.
+  return distances->isTreeUnique() ? distances : deep_copy(*distances);
 }
 
-// The grids that the scene names, or all level sets.
-std::vector<Grid::Ptr> chosen(const VdbFile& file, const std::vector<std::string>& names) {
+// The grids that the scene names, or all level sets if it names none.
+std::vector<Grid::Ptr> selected(const VdbFile& file, const std::vector<std::string>& names) {
   std::vector<Grid::Ptr> found;
   for (const auto& grid : file.grids) {
     if (names.empty() && is_level_set(*grid)) found.push_back(level_set_of(grid));
@@ -91,7 +92,7 @@ std::vector<std::string> names_of(const std::vector<Grid::Ptr>& grids) {
   return names;
 }
 
-void check_one_lattice(const std::vector<Grid::Ptr>& grids) {
+void check_same_voxels(const std::vector<Grid::Ptr>& grids) {
   for (const auto& grid : grids) {
     if (grid->transform() == grids.front()->transform()) continue;
     throw std::invalid_argument(grid_word(grid->getName()) + "has other voxels than " +
@@ -100,21 +101,22 @@ void check_one_lattice(const std::vector<Grid::Ptr>& grids) {
   }
 }
 
-// Mean slope over the voxels next to the surface: 1 for distances in the unit of the voxels.
-double mean_slope(const Grid& grid) {
+// Mean gradient magnitude over the voxels next to the surface: 1 for distances in the unit of the
+// voxel size.
+double mean_gradient(const Grid& grid) {
   const auto tree = grid.getConstAccessor();
   const double voxel = grid.voxelSize()[0];
   double sum = 0, count = 0;
   for (auto value = grid.cbeginValueOn(); value; ++value) {
     if (!value.isVoxelValue() || std::abs(*value) > voxel) continue;
-    openvdb::Vec3d rise;
+    openvdb::Vec3d difference;
     for (int axis = 0; axis < 3; ++axis) {
       openvdb::Coord low = value.getCoord(), high = low;
       low[axis] -= 1;
       high[axis] += 1;
-      rise[axis] = double(tree.getValue(high)) - double(tree.getValue(low));
+      difference[axis] = double(tree.getValue(high)) - double(tree.getValue(low));
     }
-    sum += rise.length() / (2 * voxel);
+    sum += difference.length() / (2 * voxel);
     ++count;
   }
   return count > 0 ? sum / count : 0;
@@ -124,7 +126,7 @@ void check_distances(const std::string& name, const Grid& grid) {
   if (double(grid.background()) < kNarrowestBandVoxels * grid.voxelSize()[0]) {
     throw std::invalid_argument(grid_word(name) + "has a narrow band of less than 1.5 voxels");
   }
-  const double slope = mean_slope(grid);
+  const double slope = mean_gradient(grid);
   if (slope > 0.7 && slope < 1.4) return;
   std::ostringstream reason;
   reason << grid_word(name) << "does not hold distances in the unit of its voxels: their mean slope"
@@ -132,8 +134,8 @@ void check_distances(const std::string& name, const Grid& grid) {
   throw std::invalid_argument(reason.str());
 }
 
-// Where the grid is negative, in metres.
-Box inside_of(const std::string& name, const Grid& grid) {
+// Bounding box of the negative values, in metres.
+Box bounds_of(const std::string& name, const Grid& grid) {
   openvdb::CoordBBox box;
   for (auto value = grid.cbeginValueAll(); value; ++value) {
     if (*value < 0) box.expand(value.getBoundingBox());
@@ -144,17 +146,18 @@ Box inside_of(const std::string& name, const Grid& grid) {
   return {to_glm(world.min()), to_glm(world.max())};
 }
 
-Box hull(const std::vector<Grid::Ptr>& grids) {
+Box bounds_of(const std::vector<Grid::Ptr>& grids) {
   Box all;
   for (std::size_t i = 0; i < grids.size(); ++i) {
-    const Box one = inside_of(grids[i]->getName(), *grids[i]);
+    const Box one = bounds_of(grids[i]->getName(), *grids[i]);
     if (i == 0) all = one;
     all = {glm::min(all.low, one.low), glm::max(all.high, one.high)};
   }
   return all;
 }
 
-// From the file's unit to metres. Values far inside may be unsigned in files of other programs.
+// Scales from the file's unit to metres. Other programs may store unsigned values far inside: the
+// flood fill restores their sign.
 void scale(Grid& grid, double unit_m) {
   for (auto value = grid.beginValueAll(); value; ++value) {
     value.setValue(float(*value * unit_m));
@@ -191,14 +194,14 @@ std::vector<Surface> surfaces_of(const PhantomOptions& options,
   return surfaces;
 }
 
-// The file's grids, checked, in metres, about the origin.
+// The phantom of the file's grids, checked, in metres, centred on the origin.
 Phantom import_vdb(const PhantomOptions& options) {
   const double file_bytes = double(std::filesystem::file_size(options.file));
   check_bytes(std::max(stated_bytes(options.file), file_bytes), ": use larger voxels");
-  const std::vector<Grid::Ptr> grids = chosen(read_vdb(options.file), options.grids);
+  const std::vector<Grid::Ptr> grids = selected(read_vdb(options.file), options.grids);
   const std::vector<std::string> names = names_of(grids);
   std::vector<Surface> surfaces = surfaces_of(options, names);
-  check_one_lattice(grids);
+  check_same_voxels(grids);
   double bytes = 0;
   for (const auto& grid : grids) {
     check_distances(grid->getName(), *grid);
@@ -206,7 +209,7 @@ Phantom import_vdb(const PhantomOptions& options) {
   }
   check_bytes(bytes, ": use larger voxels");
   for (const auto& grid : grids) scale(*grid, options.unit_m);
-  Box bounds = hull(grids);
+  Box bounds = bounds_of(grids);
   check_size(bounds, grids.front()->voxelSize()[0]);
   const glm::dvec3 middle = 0.5 * (bounds.low + bounds.high);
   auto result = std::make_shared<Grids>();

@@ -1,8 +1,9 @@
-// Phantoms from the .vdb that vdb_write.cpp wrote.
+// Reads phantoms that vdb_write.cpp wrote.
 #include <cmath>
 #include <stdexcept>
 
 #include "base/text.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/io/vdb_metadata.h"
@@ -10,7 +11,7 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// Metadata of a file, each entry required to be there with its type.
+// Metadata of a file; a missing entry or one of another type is an error.
 class Metadata {
  public:
   explicit Metadata(const openvdb::MetaMap& meta) : meta_(meta) {}
@@ -20,10 +21,10 @@ class Metadata {
     if (meta_[key] == nullptr) throw std::invalid_argument("has no metadata \"" + key + "\"");
     return meta_.metaValue<T>(key);
   }
-  /// Reports hold these, and JSON holds nothing but UTF-8.
+  /// Printable, since reports show it and JSON is UTF-8.
   std::string text(const std::string& key) const {
     auto value = get<std::string>(key);
-    if (is_printable(value)) return value;
+    if (is_printable_text(value)) return value;
     throw std::invalid_argument("metadata \"" + key + "\" is not printable UTF-8 text");
   }
   int integer(const std::string& key, int low, int high) const {
@@ -48,7 +49,7 @@ class Metadata {
   const openvdb::MetaMap& meta_;
 };
 
-constexpr int kMostEntries = 10000;  // a damaged count must not fill the memory
+constexpr int kMostEntries = 10000;  // a damaged count must not exhaust memory
 
 std::vector<Material> read_materials(const Metadata& meta) {
   std::vector<Material> materials;
@@ -74,11 +75,10 @@ std::optional<Joint> read_joint(const openvdb::MetaMap& file_meta, const Metadat
                               "\" must be larger than \"" + kJointInnerKey + "\"");
 }
 
-openvdb::FloatGrid::ConstPtr find_level_set(const openvdb::GridPtrVec& grids,
-                                            const std::string& name) {
+FloatGrid::ConstPtr find_level_set(const openvdb::GridPtrVec& grids, const std::string& name) {
   for (const auto& grid : grids) {
     if (grid->getName() != name) continue;
-    auto distances = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    auto distances = openvdb::gridPtrCast<FloatGrid>(grid);
     if (!distances) throw std::invalid_argument("grid \"" + name + "\" is not a float grid");
     check_level_set(name, *distances);
     return distances;

@@ -1,4 +1,4 @@
-// Phantoms to .vdb.
+// Writes phantoms as .vdb.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
@@ -9,33 +9,33 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/vdb_metadata.h"
-#include "phantoms/shapes/level_set.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-// Table row at every voxel: later surfaces paint over earlier ones.
+// Row of the material table at every voxel, in painter's order.
 openvdb::Int32Grid::Ptr material_grid(const Phantom& phantom) {
-  auto painted = openvdb::Int32Grid::create(phantom.background());
-  painted->setName("material");
+  auto materials = openvdb::Int32Grid::create(phantom.background());
+  materials->setName("material");
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const openvdb::FloatGrid& distance = *phantom.grids().signed_distance[i];
-    if (i == 0) painted->setTransform(distance.transform().copy());
+    const FloatGrid& distance = *phantom.grids().signed_distance[i];
+    if (i == 0) materials->setTransform(distance.transform().copy());
     const MaterialIndex inside = phantom.surfaces()[i].inside;
-    auto brush = painted->getAccessor();
+    auto accessor = materials->getAccessor();
     for (auto value = distance.cbeginValueAll(); value; ++value) {
       if (*value >= 0) continue;
       if (value.isVoxelValue()) {
-        brush.setValueOn(value.getCoord(), inside);
+        accessor.setValueOn(value.getCoord(), inside);
       } else {
-        painted->tree().sparseFill(value.getBoundingBox(), inside, true);
+        materials->tree().sparseFill(value.getBoundingBox(), inside, true);
       }
     }
   }
-  openvdb::tools::prune(painted->tree());
-  return painted;
+  openvdb::tools::prune(materials->tree());
+  return materials;
 }
 
 openvdb::MetaMap metadata_of(const Phantom& phantom) {
@@ -86,7 +86,7 @@ void write_stream(const Phantom& phantom, std::ofstream& out) {
   openvdb::GridPtrVec grids;
   for (const auto& grid : phantom.grids().signed_distance) {
     // A shallow copy: the tree is shared and not changed.
-    grids.push_back(openvdb::ConstPtrCast<openvdb::FloatGrid>(grid));
+    grids.push_back(openvdb::ConstPtrCast<FloatGrid>(grid));
   }
   grids.push_back(material_grid(phantom));
   openvdb::io::Stream(out).write(grids, metadata_of(phantom));

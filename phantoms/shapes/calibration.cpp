@@ -1,4 +1,4 @@
-// Bodies in fluid whose truth has a closed form.
+// Bodies in fluid whose surfaces have a closed form: plane, sphere, points.
 #include "phantoms/shapes/calibration.h"
 #include "base/units.h"
 
@@ -11,10 +11,9 @@
 #include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
-namespace {}  // namespace
 
 Phantom make_plane(const PhantomOptions& options) {
-  // The slab is wider than the field of the default probe at any tilt that options allow.
+  // Wider than the field of the default probe at every allowed tilt.
   const glm::dvec3 half{120 * kMillimetre, 120 * kMillimetre, 20 * kMillimetre};
   const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
   const auto distance = [=](const glm::dvec3& position) {
@@ -28,7 +27,7 @@ Phantom make_plane(const PhantomOptions& options) {
                  {{"slab", material_index("soft_tissue"), true}},
                  box_from(-kBoxDepth_m / 2, 35 * kMillimetre),
                  kCalibrationPosition,
-                 only(grid));
+                 single_grid(grid));
 }
 
 Phantom make_sphere(const PhantomOptions& options) {
@@ -39,7 +38,7 @@ Phantom make_sphere(const PhantomOptions& options) {
                               cube(radius + 2 * kHalfWidthVoxels * options.voxel_m),
                               options.voxel_m,
                               Distances::exact);
-  // A ball of any allowed size keeps 40 mm of fluid between itself and the probe.
+  // At least 40 mm of fluid between the ball and the probe, at every allowed radius.
   const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, radius + 80 * kMillimetre)};
   return Phantom("sphere",
                  material_table(),
@@ -48,7 +47,7 @@ Phantom make_sphere(const PhantomOptions& options) {
                  box_from(-radius - 10 * kMillimetre,
                           std::clamp(1.5 * radius, 30 * kMillimetre, 40 * kMillimetre)),
                  position,
-                 only(grid));
+                 single_grid(grid));
 }
 
 Phantom make_points(const PhantomOptions& options) {
@@ -72,7 +71,7 @@ Phantom make_points(const PhantomOptions& options) {
                  {{"points", material_index("point_target"), true}},
                  {-reach, reach},
                  kCalibrationPosition,
-                 only(grid));
+                 single_grid(grid));
 }
 
 }  // namespace wobblebench::phantoms

@@ -1,5 +1,6 @@
 #include "phantoms/shapes/level_set.h"
 
+#include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetTracker.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tools/SignedFloodFill.h>
@@ -11,19 +12,21 @@
 #include <utility>
 #include <vector>
 
+#include "phantoms/float_grid.h"
+
 namespace wobblebench::phantoms {
 namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Leaves = std::vector<std::unique_ptr<Leaf>>;
 
-constexpr int kBrick = 64;  // voxels; bricks are the grain of the parallel work
+constexpr int kBlock = 64;  // voxels; one parallel task searches one block
 constexpr int kLeaf = Leaf::DIM;
 
-// Smooth shapes may state up to this much more than the true distance far from their surface.
+// Factor by which first-order shapes may overestimate the distance far from their surface.
 constexpr double kOverstatement = 1.3;
 
-// Finds the leaves that the band of one surface touches, from coarse cells to fine.
+// Octree search for the leaves that the band of one surface touches.
 class BandSearch {
  public:
   BandSearch(const DistanceFunction& distance, double voxel_m, double band_m)
@@ -71,32 +74,30 @@ class BandSearch {
   double band_m_;
 };
 
-std::vector<openvdb::Coord> bricks_of(const Box& bounds, double voxel_m) {
-  const auto floor_brick = [&](double m) { return int(std::floor(m / voxel_m / kBrick)); };
-  std::vector<openvdb::Coord> bricks;
-  for (int x = floor_brick(bounds.low.x); x <= floor_brick(bounds.high.x); ++x) {
-    for (int y = floor_brick(bounds.low.y); y <= floor_brick(bounds.high.y); ++y) {
-      for (int z = floor_brick(bounds.low.z); z <= floor_brick(bounds.high.z); ++z) {
-        bricks.emplace_back(x * kBrick, y * kBrick, z * kBrick);
+std::vector<openvdb::Coord> blocks_of(const Box& bounds, double voxel_m) {
+  const auto floor_block = [&](double m) { return int(std::floor(m / voxel_m / kBlock)); };
+  std::vector<openvdb::Coord> blocks;
+  for (int x = floor_block(bounds.low.x); x <= floor_block(bounds.high.x); ++x) {
+    for (int y = floor_block(bounds.low.y); y <= floor_block(bounds.high.y); ++y) {
+      for (int z = floor_block(bounds.low.z); z <= floor_block(bounds.high.z); ++z) {
+        blocks.emplace_back(x * kBlock, y * kBlock, z * kBlock);
       }
     }
   }
-  return bricks;
+  return blocks;
 }
 
-openvdb::FloatGrid::Ptr evaluate_band(const DistanceFunction& distance,
-                                      const Box& bounds,
-                                      double voxel_m,
-                                      double band_m) {
-  const std::vector<openvdb::Coord> bricks = bricks_of(bounds, voxel_m);
-  std::vector<Leaves> found(bricks.size());
+FloatGrid::Ptr evaluate_band(const DistanceFunction& distance,
+                             const Box& bounds,
+                             double voxel_m,
+                             double band_m) {
+  const std::vector<openvdb::Coord> blocks = blocks_of(bounds, voxel_m);
+  std::vector<Leaves> found(blocks.size());
   const BandSearch search(distance, voxel_m, band_m);
-  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
-    search.collect(bricks[i], kBrick, found[i]);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    search.collect(blocks[i], kBlock, found[i]);
   });
-  auto grid = openvdb::FloatGrid::create(float(band_m));
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(voxel_m));
-  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  auto grid = create_level_set(voxel_m, band_m);
   for (Leaves& leaves : found) {
     for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());
   }
@@ -104,13 +105,13 @@ openvdb::FloatGrid::Ptr evaluate_band(const DistanceFunction& distance,
   return grid;
 }
 
-// Voxels this close to the surface get their distance from the function's own slope and then stay,
+// Voxels this close to the surface get value over gradient as their distance and are then frozen,
 // so that solving for the others does not move the surface.
 constexpr double kFrozenVoxels = 1.2;
 
-// Value over slope is the distance to first order. Creases have no slope of their own: no value is
-// stretched by more than a rounded edge asks for.
-float distance_by_slope(const openvdb::FloatGrid::ConstAccessor& tree,
+// Value over gradient magnitude: the distance to first order. At creases, where the gradient
+// vanishes, the factor is limited to that of a rounded edge.
+float first_order_distance(const FloatGrid::ConstAccessor& tree,
                         const openvdb::Coord& at,
                         double voxel_m) {
   double slope2 = 0;
@@ -126,17 +127,17 @@ float distance_by_slope(const openvdb::FloatGrid::ConstAccessor& tree,
 
 // Solves the eikonal equation outwards from the surface: a step moves by 0.9 voxel, so six reach
 // the rim of the band. First order in space, since the voxels that matter most are frozen.
-void renormalise(openvdb::FloatGrid& grid) {
-  using Tracker = openvdb::tools::LevelSetTracker<openvdb::FloatGrid>;
+void renormalise(FloatGrid& grid) {
+  using Tracker = openvdb::tools::LevelSetTracker<FloatGrid>;
   const double voxel_m = grid.voxelSize()[0];
-  const openvdb::FloatGrid::Ptr raw = grid.deepCopy();
+  const FloatGrid::Ptr raw = deep_copy(grid);
   Tracker::MaskTreeType moving(grid.tree(), false, openvdb::TopologyCopy());
   openvdb::tree::LeafManager<Tracker::MaskTreeType> masks(moving);
   masks.foreach ([&](Tracker::MaskTreeType::LeafNodeType& mask, std::size_t) {
     const auto tree = raw->getConstAccessor();
     Leaf& leaf = *grid.tree().probeLeaf(mask.origin());
     for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
-      voxel.setValue(distance_by_slope(tree, voxel.getCoord(), voxel_m));
+      voxel.setValue(first_order_distance(tree, voxel.getCoord(), voxel_m));
       if (std::abs(*voxel) < kFrozenVoxels * voxel_m) mask.setValueOff(voxel.pos());
     }
   });
@@ -147,7 +148,7 @@ void renormalise(openvdb::FloatGrid& grid) {
   tracker.normalize(&moving);
 }
 
-void trim(openvdb::FloatGrid& grid, double band_m) {
+void trim(FloatGrid& grid, double band_m) {
   openvdb::tree::LeafManager<openvdb::FloatTree> leaves(grid.tree());
   leaves.foreach ([band_m](Leaf& leaf, std::size_t) {
     for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
@@ -162,16 +163,11 @@ void trim(openvdb::FloatGrid& grid, double band_m) {
 
 }  // namespace
 
-void initialize_openvdb() {
-  static const bool once = (openvdb::initialize(), true);
-  (void)once;
-}
-
-openvdb::FloatGrid::Ptr build_level_set(const std::string& name,
-                                        const DistanceFunction& distance,
-                                        const Box& bounds,
-                                        double voxel_m,
-                                        Distances distances) {
+FloatGrid::Ptr build_level_set(const std::string& name,
+                               const DistanceFunction& distance,
+                               const Box& bounds,
+                               double voxel_m,
+                               Distances distances) {
   initialize_openvdb();
   const double band_m = kHalfWidthVoxels * voxel_m;
   const bool exact = distances == Distances::exact;

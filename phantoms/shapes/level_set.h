@@ -1,11 +1,11 @@
-// Signed-distance functions to OpenVDB level sets. Heavy: include it from .cpp files only.
+// Level sets sampled from signed-distance functions.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "phantoms/float_grid_fwd.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::phantoms {
@@ -17,20 +17,17 @@ using DistanceFunction = std::function<double(const glm::dvec3&)>;
 inline constexpr int kHalfWidthVoxels = 4;
 
 enum class Distances {
-  exact,       ///< the function is a distance: keep its values
-  first_order  ///< exact on the surface only: solve |gradient| = 1 in the band
+  exact,       ///< the function is a distance: its values are kept
+  first_order  ///< zero on the surface only: |gradient| = 1 is solved for in the band
 };
 
-/// The narrow-band level set of the surface within `bounds` (which must hold it whole, or cut it
-/// where nobody looks). The function is evaluated near its surface only; the grid's bytes do not
-/// depend on the number of threads.
-openvdb::FloatGrid::Ptr build_level_set(const std::string& name,
-                                        const DistanceFunction& distance,
-                                        const Box& bounds,
-                                        double voxel_m,
-                                        Distances distances);
-
-/// Registers OpenVDB's types, once.
-void initialize_openvdb();
+/// The narrow-band level set of the surface within `bounds`, which must contain the surface, or cut
+/// it outside every field of view. The function is evaluated near its surface only; the grid's
+/// bytes do not depend on the number of threads.
+[[nodiscard]] std::shared_ptr<FloatGrid> build_level_set(const std::string& name,
+                                                         const DistanceFunction& distance,
+                                                         const Box& bounds,
+                                                         double voxel_m,
+                                                         Distances distances);
 
 }  // namespace wobblebench::phantoms

@@ -8,13 +8,13 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// Exact distance to the hull of two balls.
+// Exact distance to the convex hull of two balls.
 double round_cone_distance(const glm::dvec3& position, const TubePoint& a, const TubePoint& b) {
   const glm::dvec3 axis = b.center - a.center;
   const double length2 = glm::dot(axis, axis);
   const double taper = a.radius_m - b.radius_m;
   const glm::dvec3 from_a = position - a.center;
-  if (length2 <= taper * taper) {  // one ball holds the other
+  if (length2 <= taper * taper) {  // one ball contains the other
     return taper > 0 ? glm::length(from_a) - a.radius_m
                      : glm::length(position - b.center) - b.radius_m;
   }

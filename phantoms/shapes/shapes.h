@@ -7,13 +7,13 @@
 
 namespace wobblebench::phantoms {
 
-/// A ball that encloses a shape.
+/// A bounding sphere.
 struct Ball {
   glm::dvec3 center{0};
   double radius_m = 0;
 };
 
-/// First-order distance: exact on the surface, within some percent near it.
+/// Distance to first order: exact on the surface, within some percent near it.
 struct Ellipsoid {
   glm::dvec3 center{0};
   glm::dvec3 radii_m{1};
@@ -29,7 +29,7 @@ struct TubePoint {
   double radius_m = 0;
 };
 
-/// A chain of round cones through the points; the exact distance outside.
+/// A chain of round cones through the points; the distance is exact outside.
 struct Tube {
   std::vector<TubePoint> points;
 
@@ -37,13 +37,14 @@ struct Tube {
   Ball bound() const;
 };
 
-/// The tube through a Catmull-Rom curve of `points`, `pieces` segments between each two of them.
+/// The tube along a Catmull-Rom spline through `points`, with `pieces` segments between neighbours.
 Tube smooth_tube(const std::vector<TubePoint>& points, int pieces);
 
-/// Exact distance of the box of these half sizes about the origin.
+/// Exact distance to the box of these half sizes about the origin.
 double box_distance(const glm::dvec3& position, const glm::dvec3& half_m);
 
-/// Union and difference with a fillet: beyond |a - b| >= fillet they are the sharp ones.
+/// Smooth union and difference of two distances (quadratic smooth minimum, Quilez): sharp where
+/// |a - b| >= fillet.
 double smooth_union(double a, double b, double fillet_m);
 double smooth_difference(double body, double tool, double fillet_m);
 

@@ -1,4 +1,4 @@
-// A staircase of known heights.
+// The steps phantom: a staircase of known heights.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -19,7 +19,7 @@ constexpr double kHalfWidth_m = 120 * kMillimetre;  // wider than the field of t
 
 using Polygon = std::vector<glm::dvec2>;
 
-// The body across y as (x, z): the back, then the treads from left to right.
+// The cross section of the body in the xz plane: the back, then the treads from left to right.
 Polygon profile(const std::vector<double>& heights_m) {
   const double treads = double(heights_m.size()) + 1;
   Polygon corners = {{kHalfWidth_m, kBack_m}, {-kHalfWidth_m, kBack_m}, {-kHalfWidth_m, 0}};
@@ -34,7 +34,7 @@ Polygon profile(const std::vector<double>& heights_m) {
   return corners;
 }
 
-// Exact, negative inside; the sign by the parity of crossings along +x.
+// Exact signed distance, negative inside; the sign by the parity of crossings along +x.
 double polygon_distance(const Polygon& corners, const glm::dvec2& p) {
   double nearest2 = std::numeric_limits<double>::infinity();
   bool inside = false;
@@ -58,16 +58,16 @@ Phantom make_steps(const PhantomOptions& options) {
   const double total =
       std::accumulate(options.step_heights_m.begin(), options.step_heights_m.end(), 0.0);
   const auto distance = [&](const glm::dvec3& p) {
-    // The profile drawn out along y.
-    const glm::dvec2 beyond{polygon_distance(corners, {p.x, p.z}), std::abs(p.y) - kHalfWidth_m};
-    return glm::length(glm::max(beyond, 0.0)) + std::min(std::max(beyond.x, beyond.y), 0.0);
+    // The profile extruded along y.
+    const glm::dvec2 outside{polygon_distance(corners, {p.x, p.z}), std::abs(p.y) - kHalfWidth_m};
+    return glm::length(glm::max(outside, 0.0)) + std::min(std::max(outside.x, outside.y), 0.0);
   };
   const double margin = 2 * kHalfWidthVoxels * options.voxel_m;
   const glm::dvec3 half{kHalfWidth_m, kHalfWidth_m, 0};
   const Box bounds{-half - glm::dvec3(margin) - glm::dvec3(0, 0, total),
                    half + glm::dvec3(margin) + glm::dvec3(0, 0, kBack_m)};
   auto grid = build_level_set("stairs", distance, bounds, options.voxel_m, Distances::exact);
-  // However high they are, 40 mm of fluid stay between the stairs and the probe.
+  // At least 40 mm of fluid between the stairs and the probe, at every allowed height.
   const glm::dvec3 position{0, 0, std::max(kCalibrationPosition.z, total + 80 * kMillimetre)};
   return Phantom("steps",
                  material_table(),
@@ -75,7 +75,7 @@ Phantom make_steps(const PhantomOptions& options) {
                  {{"stairs", material_index("soft_tissue"), true}},
                  box_from(-total - 10 * kMillimetre, 35 * kMillimetre),
                  position,
-                 only(grid));
+                 single_grid(grid));
 }
 
 }  // namespace wobblebench::phantoms

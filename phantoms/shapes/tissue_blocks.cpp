@@ -1,4 +1,4 @@
-// Phantoms that are tissue everywhere, with or without something in it.
+// Phantoms whose field is filled with tissue: speckle block, cyst, bone plate.
 #include <algorithm>
 #include <glm/geometric.hpp>
 
@@ -9,7 +9,6 @@
 #include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
-namespace {}  // namespace
 
 Phantom make_speckle_block(const PhantomOptions& options) {
   const glm::dvec3 half{150 * kMillimetre, 150 * kMillimetre, 120 * kMillimetre};
@@ -22,7 +21,7 @@ Phantom make_speckle_block(const PhantomOptions& options) {
                  {{"block", material_index("soft_tissue"), false}},
                  cube(35 * kMillimetre),
                  kCalibrationPosition,
-                 only(grid));
+                 single_grid(grid));
 }
 
 Phantom make_cyst(const PhantomOptions& options) {
@@ -33,21 +32,22 @@ Phantom make_cyst(const PhantomOptions& options) {
                               cube(radius + 2 * kHalfWidthVoxels * options.voxel_m),
                               options.voxel_m,
                               Distances::exact);
-  // The picture starts in the fluid and shows the back wall: the front of its box is a square
-  // within the cyst's largest circle.
+  // The region of interest starts in the fluid and contains the back wall: its front face is a
+  // square within the cyst's equator.
   const double half = 0.65 * radius;
-  // 30 mm of tissue before it, and what lies behind a cyst of the default size above the noise.
+  // 30 mm of tissue in front of it; echoes from behind a cyst of the default size are above the
+  // noise.
   return Phantom("cyst",
                  material_table(),
                  material_index("soft_tissue"),
                  {{"cyst", material_index("amniotic_fluid"), true}},
                  box_from(0, half),
                  {0, 0, radius + 70 * kMillimetre},
-                 only(grid));
+                 single_grid(grid));
 }
 
 Phantom make_bone_plate(const PhantomOptions& options) {
-  // Narrower than the field, so that tissue in its shadow lies beside tissue that is not.
+  // Narrower than the field, so that shadowed tissue lies beside insonified tissue.
   const glm::dvec3 half{15 * kMillimetre, 15 * kMillimetre, options.thickness_m / 2};
   const glm::dmat3 turn = rotation_xyz({options.tilt_x_rad, options.tilt_y_rad, 0});
   const auto distance = [=](const glm::dvec3& position) {
@@ -58,15 +58,15 @@ Phantom make_bone_plate(const PhantomOptions& options) {
                               cube(glm::length(half) + options.thickness_m),
                               options.voxel_m,
                               Distances::exact);
-  // Its front 40 mm below the face: the shadow of a plate of the default thickness stays above the
-  // noise for some 30 mm behind it.
+  // Its front 40 mm below the probe's face: behind a plate of the default thickness the echoes are
+  // above the noise for some 30 mm.
   return Phantom("bone_plate",
                  material_table(),
                  material_index("soft_tissue"),
                  {{"plate", material_index("cortical_bone"), false}},
                  box_from(-15 * kMillimetre, 35 * kMillimetre),
                  {0, 0, 80 * kMillimetre},
-                 only(grid));
+                 single_grid(grid));
 }
 
 }  // namespace wobblebench::phantoms

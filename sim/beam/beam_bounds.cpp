@@ -148,12 +148,12 @@ class SlabWalk {
         lattice_(lattice),
         end_m_(end_m),
         half_m_(0.5 * std::sqrt(3.0) * kMostStretch * lattice.side_m) {
-    for (const Turn turn : {Turn::rests, Turn::whole}) {
+    for (const Turn turn : {Turn::none, Turn::full}) {
       const glm::dmat3& map = view.whole(turn).turn;
       half_[static_cast<std::size_t>(turn)] = {half_extent(map, 1, lattice.side_m),
                                                half_extent(map, 2, lattice.side_m)};
     }
-    half_[static_cast<std::size_t>(Turn::bends)] = {half_m_, half_m_};
+    half_[static_cast<std::size_t>(Turn::partial)] = {half_m_, half_m_};
   }
 
   void collect(std::vector<TouchedParcel>& touched) const {
@@ -165,7 +165,7 @@ class SlabWalk {
   }
 
  private:
-  using Turn = phantoms::Moment::Turn;
+  using Turn = phantoms::Deformation::Turn;
 
   void slab(double from_m, double to_m, std::vector<TouchedParcel>& touched) const {
     const auto [low, high] = bounds(from_m, to_m);
@@ -176,7 +176,7 @@ class SlabWalk {
           const glm::dvec3 rest_m = lattice_.center(index);
           const Turn turn = view_.turn_within(rest_m, 0.5 * std::sqrt(3.0) * lattice_.side_m);
           const glm::dvec3 center =
-              turn == Turn::bends ? view_.to_beam(rest_m) : view_.whole(turn)(rest_m);
+              turn == Turn::partial ? view_.to_beam(rest_m) : view_.whole(turn)(rest_m);
           if (center.x < from_m || center.x >= to_m) continue;
           if (center.x > end_m_ + half_m_) continue;
           const BeamBounds::Reach& half = half_[static_cast<std::size_t>(turn)];
@@ -236,7 +236,7 @@ StickView::StickView(const ScannedTissue& subject, const Sightline& line)
       across_(across_stick(line.ray)),
       moment_(subject.motion.at(line.time_s)),
       rigid_(subject.motion.rigid()) {
-  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
+  for (const auto turn : {phantoms::Deformation::Turn::none, phantoms::Deformation::Turn::full}) {
     whole_[static_cast<std::size_t>(turn)] = seen(moment_.tangent_of(turn), glm::dvec3(0));
   }
 }
@@ -254,7 +254,7 @@ glm::dvec3 StickView::to_rest(const glm::dvec3& beam_m) const {
   return moment_.to_rest(subject_.placement.to_phantom(probe_m));
 }
 
-RestToBeam StickView::seen(const phantoms::Moment::Tangent& tangent,
+RestToBeam StickView::seen(const phantoms::Deformation::Tangent& tangent,
                            const glm::dvec3& rest_m) const {
   const auto beam = [&](const glm::dvec3& v) {
     return glm::dvec3(
@@ -263,9 +263,9 @@ RestToBeam StickView::seen(const phantoms::Moment::Tangent& tangent,
   const glm::dvec3 origin = subject_.placement.to_probe(glm::dvec3(0));
   RestToBeam map;
   for (int axis = 0; axis < 3; ++axis) {
-    map.turn[axis] = beam(subject_.placement.to_probe(tangent.turn[axis]) - origin);
+    map.turn[axis] = beam(subject_.placement.to_probe(tangent.jacobian[axis]) - origin);
   }
-  map.shift = beam(subject_.placement.to_probe(tangent.place_m) - ray_.origin) - map.turn * rest_m;
+  map.shift = beam(subject_.placement.to_probe(tangent.position_m) - ray_.origin) - map.turn * rest_m;
   return map;
 }
 

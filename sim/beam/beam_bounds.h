@@ -34,10 +34,10 @@ class StickView {
   /// The map of all tissue, if it moves as one.
   const RestToBeam& map() const { return whole_[0]; }
   /// How tissue moves within a distance of a place at rest, and the map of what moves as one.
-  phantoms::Moment::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
+  phantoms::Deformation::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
     return moment_.turn_within(rest_m, radius_m);
   }
-  const RestToBeam& whole(phantoms::Moment::Turn turn) const {
+  const RestToBeam& whole(phantoms::Deformation::Turn turn) const {
     return whole_[static_cast<std::size_t>(turn)];
   }
   /// The map near a place: exact there, and to first order around it.
@@ -47,11 +47,11 @@ class StickView {
   const ScannedTissue& subject_;
   hw::Ray ray_;
   AcrossStick across_;
-  phantoms::Moment moment_;
+  phantoms::Deformation moment_;
   bool rigid_;
   RestToBeam whole_[2];  ///< of what rests, and of what turns as a whole
 
-  RestToBeam seen(const phantoms::Moment::Tangent& tangent, const glm::dvec3& rest_m) const;
+  RestToBeam seen(const phantoms::Deformation::Tangent& tangent, const glm::dvec3& rest_m) const;
 };
 
 /// Widths of the tube along the stick, each the largest within a distance.

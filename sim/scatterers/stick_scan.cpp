@@ -70,8 +70,8 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
 void StickScan::begin() {
   begun_ = true;
   buffers_.echoes.begin(scene_, way_);
-  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
-    if (view_.rigid() && turn == phantoms::Moment::Turn::whole) break;
+  for (const auto turn : {phantoms::Deformation::Turn::none, phantoms::Deformation::Turn::full}) {
+    if (view_.rigid() && turn == phantoms::Deformation::Turn::full) break;
     const auto part = static_cast<std::size_t>(turn);
     direction_[part] = direction_of(view_.whole(turn));
     fill_grids(view_.whole(turn), buffers_.whole[part]);
@@ -105,7 +105,7 @@ void StickScan::fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octa
 std::vector<OctaveCells>& StickScan::place_parcel(const glm::dvec3& center, Parcel& parcel) {
   const double side_m = scene_.parcels.side_m();
   const auto turn = view_.turn_within(center, 0.5 * std::sqrt(3.0) * side_m);
-  if (turn != phantoms::Moment::Turn::bends) {
+  if (turn != phantoms::Deformation::Turn::partial) {
     const auto part = static_cast<std::size_t>(turn);
     parcel.map = view_.whole(turn);
     parcel.direction = direction_[part];

@@ -1,22 +1,23 @@
 #include "sim/tissue/extended_distance.h"
 
-#include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <cmath>
 #include <utility>
 
+#include "phantoms/float_grid.h"
+
 namespace wobblebench::sim {
 
 namespace {
 
-using Grid = openvdb::FloatGrid;
+using Grid = phantoms::FloatGrid;
 
-/// Share of a narrow band within which interpolation is not bent by its flat outside.
+/// Fraction of the narrow band within which interpolation does not reach the constant background.
 constexpr double kTrusted = 0.75;
 
-/// Voxels in a step of the lattice, if all its points are voxels of the grid; else 0.
+/// Voxels per step if all nodes are voxel centres of the grid; else 0.
 int voxels_per_step(const Grid& grid, double step_m) {
   const openvdb::Vec3d origin = grid.worldToIndex(openvdb::Vec3d(0));
   const openvdb::Vec3d diagonal = grid.worldToIndex(openvdb::Vec3d(step_m)) - origin;
@@ -37,11 +38,11 @@ openvdb::Coord scaled(const openvdb::Coord& c, int factor) {
 
 }  // namespace
 
-GridReader::GridReader(const Grid& grid, double lattice_step_m)
+GridReader::GridReader(const Grid& grid, double step_m)
     : accessor_(grid.getConstAccessor()),
       grid_(&grid),
-      step_m_(lattice_step_m),
-      voxels_per_step_(voxels_per_step(grid, lattice_step_m)),
+      step_m_(step_m),
+      voxels_per_step_(voxels_per_step(grid, step_m)),
       origin_(openvdb::Coord::round(grid.worldToIndex(openvdb::Vec3d(0)))) {}
 
 float GridReader::at_node(const openvdb::Coord& node) {
@@ -49,48 +50,46 @@ float GridReader::at_node(const openvdb::Coord& node) {
   return accessor_.getValue(scaled(node, voxels_per_step_) + origin_);
 }
 
-float GridReader::at(const openvdb::Vec3d& place_m) {
-  return openvdb::tools::BoxSampler::sample(accessor_, grid_->worldToIndex(place_m));
+float GridReader::at(const openvdb::Vec3d& position_m) {
+  return openvdb::tools::BoxSampler::sample(accessor_, grid_->worldToIndex(position_m));
 }
 
 ExtendedDistance::ExtendedDistance(Grid::ConstPtr fine, double step_m, double reach_m)
     : fine_(std::move(fine)), step_m_(step_m), band_m_(static_cast<double>(fine_->background())) {
-  if (!fine_->empty() && band_m_ < reach_m) widen(reach_m);
+  if (!fine_->empty() && band_m_ < reach_m) extend(reach_m);
 }
 
-void ExtendedDistance::widen(double reach_m) {
+void ExtendedDistance::extend(double reach_m) {
   const double coarse_m = 2 * step_m_, voxel_m = fine_->voxelSize()[0];
-  auto coarse = Grid::create(static_cast<float>(band_m_));
-  coarse->setTransform(openvdb::math::Transform::createLinearTransform(coarse_m));
-  coarse->setGridClass(openvdb::GRID_LEVEL_SET);
+  const Grid::Ptr coarse = phantoms::create_level_set(coarse_m, band_m_);
   GridReader source(*fine_, coarse_m);
   auto target = coarse->getAccessor();
   for (auto voxel = fine_->cbeginValueOn(); voxel; ++voxel) {
     const openvdb::Vec3d at = fine_->indexToWorld(voxel.getCoord());
     const openvdb::Coord node = openvdb::Coord::round(at / coarse_m);
-    // The voxels around a node speak for it, once.
+    // A node is computed once, for the first voxel next to it.
     if ((at - node.asVec3d() * coarse_m).length() > voxel_m || target.isValueOn(node)) continue;
     const float value = source.at_node(node);
     if (std::abs(static_cast<double>(value)) < kTrusted * band_m_) target.setValueOn(node, value);
   }
   openvdb::tools::signedFloodFill(coarse->tree());
   const int layers = static_cast<int>(std::ceil((reach_m - kTrusted * band_m_) / coarse_m)) + 1;
-  wide_ = openvdb::tools::dilateSdf(*coarse, layers);
+  coarse_ = phantoms::widen_band(*coarse, layers, phantoms::Neighbours::faces);
 }
 
 ExtendedDistance::Reader::Reader(const ExtendedDistance& source)
     : trusted_m_(static_cast<float>(kTrusted * source.band_m_)),
       step_m_(source.step_m_),
       fine_(*source.fine_, source.step_m_) {
-  if (source.wide_) wide_.emplace(*source.wide_, 2 * source.step_m_);
+  if (source.coarse_) coarse_.emplace(*source.coarse_, 2 * source.step_m_);
 }
 
 float ExtendedDistance::Reader::at(const openvdb::Coord& node) {
   const float near = fine_.at_node(node);
-  if (!wide_ || std::abs(near) < trusted_m_) return near;
+  if (!coarse_ || std::abs(near) < trusted_m_) return near;
   const bool shared = ((node.x() | node.y() | node.z()) & 1) == 0;
-  if (!shared) return wide_->at(node.asVec3d() * step_m_);
-  return wide_->at_node({node.x() / 2, node.y() / 2, node.z() / 2});
+  if (!shared) return coarse_->at(node.asVec3d() * step_m_);
+  return coarse_->at_node({node.x() / 2, node.y() / 2, node.z() / 2});
 }
 
 }  // namespace wobblebench::sim

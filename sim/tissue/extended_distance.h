@@ -1,60 +1,62 @@
-// Signed distances farther from a surface than its level set's narrow band knows them, at the
-// points of a lattice. Heavy: include it from .cpp files only.
+// Signed distances of a surface beyond the narrow band of its level set, at the nodes of a regular
+// grid. Heavy: include it from .cpp files only.
 #pragma once
 
-#include <openvdb/openvdb.h>
+#include <openvdb/Grid.h>
 
 #include <optional>
 
+#include "phantoms/float_grid_fwd.h"
+
 namespace wobblebench::sim {
 
-/// A level set at any place, read by one thread. Lattice points that are voxels need no
-/// interpolation.
+/// A level set, sampled by one thread at nodes: the integer multiples of a step. Nodes that are
+/// voxel centres need no interpolation.
 class GridReader {
  public:
-  GridReader(const openvdb::FloatGrid& grid, double lattice_step_m);
+  GridReader(const phantoms::FloatGrid& grid, double step_m);
 
-  /// At a point of the lattice.
   float at_node(const openvdb::Coord& node);
-  float at(const openvdb::Vec3d& place_m);
+  /// Trilinear.
+  float at(const openvdb::Vec3d& position_m);
 
  private:
-  openvdb::FloatGrid::ConstAccessor accessor_;
-  const openvdb::FloatGrid* grid_;
+  phantoms::FloatGrid::ConstAccessor accessor_;
+  const phantoms::FloatGrid* grid_;
   double step_m_;
-  int voxels_per_step_;  ///< 0: lattice points lie between voxels
+  int voxels_per_step_;  ///< 0: nodes are not voxel centres
   openvdb::Coord origin_;
 };
 
-/// One surface, near and a little farther: the phantom's own narrow band, and a coarser level set
-/// that knows distances up to the reach (first order, by fast sweeping). The coarser one has every
-/// second point of the lattice.
+/// The distances of one surface: the phantom's own narrow band, and beyond it a coarser level set
+/// with distances up to the reach (first order, by fast sweeping). The nodes of the coarser one are
+/// every second node.
 class ExtendedDistance {
  public:
   ExtendedDistance() = default;
-  ExtendedDistance(openvdb::FloatGrid::ConstPtr fine, double step_m, double reach_m);
+  ExtendedDistance(phantoms::FloatGrid::ConstPtr fine, double step_m, double reach_m);
 
   /// Access for one thread.
   class Reader {
    public:
     explicit Reader(const ExtendedDistance& source);
-    /// Signed distance, exact within the reach; beyond it only its sign counts.
+    /// Signed distance within the reach; beyond it only its sign is valid.
     float at(const openvdb::Coord& node);
 
    private:
     float trusted_m_;
     double step_m_;
     GridReader fine_;
-    std::optional<GridReader> wide_;
+    std::optional<GridReader> coarse_;
   };
 
  private:
-  void widen(double reach_m);
+  void extend(double reach_m);
 
-  openvdb::FloatGrid::ConstPtr fine_;
+  phantoms::FloatGrid::ConstPtr fine_;
   double step_m_ = 0;
   double band_m_ = 0;
-  openvdb::FloatGrid::Ptr wide_;
+  phantoms::FloatGrid::Ptr coarse_;
 };
 
 }  // namespace wobblebench::sim

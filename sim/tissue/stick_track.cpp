@@ -33,7 +33,7 @@ struct Straight {
 };
 
 Straight straight(const ScannedTissue& subject,
-                  const phantoms::Moment& moment,
+                  const phantoms::Deformation& moment,
                   const Sightline& line,
                   double from_m,
                   double to_m) {
@@ -279,11 +279,11 @@ void follow(const ScannedTissue& subject,
   track.layers.clear();
   track.nodes.clear();
   Follower follower(subject, surfaces, track);
-  const phantoms::Moment moment = subject.motion.at(line.time_s);
+  const phantoms::Deformation moment = subject.motion.at(line.time_s);
   double from_m = 0;
   while (from_m < depth_m) {
     const glm::dvec3 rest_m = moment.to_rest(subject.placement.to_phantom(line.ray.at(from_m)));
-    const double to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.as_one_m(rest_m)));
+    const double to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.rigid_radius_m(rest_m)));
     follower.walk(straight(subject, moment, line, from_m, to_m));
     from_m = to_m;
   }

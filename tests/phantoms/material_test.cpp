@@ -17,7 +17,7 @@ TEST(Material, TableHoldsThePublishedFigures) {
   EXPECT_DOUBLE_EQ(material("cortical_bone").impedance_rayl, 6.5e6);
 }
 
-TEST(Material, EveryRowIsPhysicalNamedOnceAndSourced) {
+TEST(Material, EveryRowIsPhysicalUniqueAndSourced) {
   std::set<std::string> names;
   for (const Material& row : material_table()) {
     SCOPED_TRACE(row.name);
@@ -28,18 +28,18 @@ TEST(Material, EveryRowIsPhysicalNamedOnceAndSourced) {
     EXPECT_LE(row.backscatter_db, 0);
     EXPECT_TRUE(row.roughness >= 0 && row.roughness <= 1);
     EXPECT_FALSE(row.source.empty());
-    // No published backscatter stands behind these figures, so each row that scatters says so.
-    const bool says_so = row.source.find("assumed") != std::string::npos;
-    EXPECT_TRUE(says_so || row.backscatter_db == -200);
+    // Backscatter is assumed in every row that scatters.
+    const bool is_marked = row.source.find("assumed") != std::string::npos;
+    EXPECT_TRUE(is_marked || row.backscatter_db == -200);
   }
 }
 
-TEST(Material, UnknownNameListsTheKnownOnes) {
+TEST(Material, UnknownNameThrowsWithAllNames) {
   try {
-    material("unobtainium");
+    material("no_such_material");
     FAIL();
   } catch (const std::out_of_range& error) {
-    EXPECT_NE(std::string(error.what()).find("unobtainium"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("no_such_material"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("fetal_skin"), std::string::npos);
   }
 }

@@ -1,5 +1,5 @@
-// Motion against closed forms: both ways are inverse, parts act alone and in their order, and a
-// turning head keeps volume and smoothness.
+// Motion against closed forms: exact inverses, each component alone and their order, and the head
+// turn's preservation of volume and smoothness.
 #include "phantoms/motion.h"
 
 #include <gtest/gtest.h>
@@ -27,14 +27,11 @@ std::string refusal(const MotionOptions& options, const std::optional<Joint>& jo
   return "accepted";
 }
 
-class Dice {
+class RandomScene {
  public:
-  explicit Dice(unsigned seed) : random_(seed) {}
+  explicit RandomScene(unsigned seed) : random_(seed) {}
   double within(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  glm::dvec3 place(double reach) {
-    return {within(-reach, reach), within(-reach, reach), within(-reach, reach)};
   }
   glm::dvec3 vector(double reach) {
     return {within(-reach, reach), within(-reach, reach), within(-reach, reach)};
@@ -57,34 +54,35 @@ class Dice {
   std::mt19937 random_;
 };
 
-TEST(Motion, BothWaysAreInverse) {
-  Dice dice(1);
+TEST(Motion, ToRestAndFromRestAreInverse) {
+  RandomScene random(1);
   double moved = 0;
   for (int scene = 0; scene < 200; ++scene) {
-    const Motion motion(dice.options(), kJoint);
+    const Motion motion(random.options(), kJoint);
     for (int i = 0; i < 50; ++i) {
-      const glm::dvec3 place = dice.place(0.12);
-      const double time = dice.within(0, 5);
-      const glm::dvec3 now = motion.from_rest(place, time);
-      ASSERT_LT(glm::distance(motion.to_rest(now, time), place), 1e-12);
-      ASSERT_LT(glm::distance(motion.from_rest(motion.to_rest(place, time), time), place), 1e-12);
-      moved += glm::distance(now, place) / (200 * 50);
+      const glm::dvec3 position = random.vector(0.12);
+      const double time = random.within(0, 5);
+      const glm::dvec3 now = motion.from_rest(position, time);
+      ASSERT_LT(glm::distance(motion.to_rest(now, time), position), 1e-12);
+      ASSERT_LT(glm::distance(motion.from_rest(motion.to_rest(position, time), time), position),
+                1e-12);
+      moved += glm::distance(now, position) / (200 * 50);
     }
   }
-  EXPECT_GT(moved, 10e-3) << "something moved";
+  EXPECT_GT(moved, 10e-3) << "mean displacement";
 }
 
 TEST(Motion, IsAtRestAtTimeZero) {
-  Dice dice(2);
+  RandomScene random(2);
   for (int scene = 0; scene < 50; ++scene) {
-    const Motion motion(dice.options(), kJoint);
-    const glm::dvec3 place = dice.place(0.1);
-    EXPECT_EQ(motion.from_rest(place, 0), place);
+    const Motion motion(random.options(), kJoint);
+    const glm::dvec3 position = random.vector(0.1);
+    EXPECT_EQ(motion.from_rest(position, 0), position);
   }
   EXPECT_EQ(Motion().from_rest({1, 2, 3}, 7), glm::dvec3(1, 2, 3));
 }
 
-TEST(Motion, KnowsWhetherItIsStillOrRigid) {
+TEST(Motion, IsStillOrRigidAsItsOptionsSay) {
   EXPECT_TRUE(Motion().still());
   EXPECT_TRUE(Motion().rigid());
   MotionOptions path, turn, breath, heart, head;
@@ -131,7 +129,7 @@ TEST(Motion, BreathIsASineAlongY) {
   }
 }
 
-TEST(Motion, HeartBeatsShortlyAndSmoothlyAlongZ) {
+TEST(Motion, HeartbeatIsAShortSmoothPulseAlongZ) {
   MotionOptions options;
   options.heartbeat_amplitude_m = 2e-3;
   options.heartbeat_period_s = 0.4;
@@ -156,7 +154,7 @@ TEST(Motion, HeartBeatsShortlyAndSmoothlyAlongZ) {
   }
 }
 
-TEST(Motion, HeadTurnsAsOneWithinTheJoint) {
+TEST(Motion, HeadTurnsRigidlyWithinTheJoint) {
   for (const auto axis : {HeadAxis::nod, HeadAxis::shake, HeadAxis::tilt}) {
     MotionOptions options;
     options.head_turn_rad = 0.3;
@@ -166,16 +164,16 @@ TEST(Motion, HeadTurnsAsOneWithinTheJoint) {
     glm::dvec3 angles{0};
     angles[static_cast<int>(axis)] = 0.3;  // at a quarter of the period
     const glm::dmat3 turn = rotation_xyz(angles);
-    Dice dice(3);
+    RandomScene random(3);
     for (int i = 0; i < 500; ++i) {
-      const glm::dvec3 arm = dice.place(0.08);
+      const glm::dvec3 arm = random.vector(0.08);
       const glm::dvec3 now = motion.from_rest(kJoint.center_m + arm, 0.5) - kJoint.center_m;
       if (glm::length(arm) < kJoint.inner_m) {
         EXPECT_LT(glm::distance(now, turn * arm), 1e-15);
       } else if (glm::length(arm) > kJoint.outer_m) {
         EXPECT_LT(glm::distance(now, arm), 1e-16);
       } else {
-        EXPECT_NEAR(glm::length(now), glm::length(arm), 1e-15) << "shells slide in themselves";
+        EXPECT_NEAR(glm::length(now), glm::length(arm), 1e-15) << "shells map onto themselves";
       }
     }
   }
@@ -188,7 +186,7 @@ double shell_angle(const Motion& motion, double radius_m) {
   return std::atan2(-now.z, now.x);
 }
 
-TEST(Motion, HeadsShareFadesTwiceSmoothly) {
+TEST(Motion, HeadTurnFallsOffTwiceDifferentiably) {
   MotionOptions options;
   options.head_turn_rad = 0.4;
   options.head_turn_period_s = 2;
@@ -214,67 +212,70 @@ TEST(Motion, HeadsShareFadesTwiceSmoothly) {
   }
 }
 
-TEST(Motion, TurningHeadKeepsVolume) {
-  Dice dice(4);
-  MotionOptions options = dice.options();
+TEST(Motion, HeadTurnPreservesVolume) {
+  RandomScene random(4);
+  MotionOptions options = random.options();
   options.head_turn_rad = 0.6;
   const Motion motion(options, kJoint);
   const double h = 1e-6;
   for (int i = 0; i < 500; ++i) {
-    const glm::dvec3 place = kJoint.center_m + dice.place(40e-3);
+    const glm::dvec3 position = kJoint.center_m + random.vector(40e-3);
     glm::dmat3 gradient;
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 step{0};
       step[axis] = h;
       gradient[axis] =
-          (motion.from_rest(place + step, 0.8) - motion.from_rest(place - step, 0.8)) / (2 * h);
+          (motion.from_rest(position + step, 0.8) - motion.from_rest(position - step, 0.8)) /
+          (2 * h);
     }
     ASSERT_NEAR(glm::determinant(gradient), 1, 1e-5);
   }
 }
 
-/// The derivative in closed form against central differences, inside, in and beyond the shell.
+// The Jacobian in closed form against central differences, inside, within and outside the shell.
 TEST(Motion, TangentIsTheDerivative) {
-  Dice dice(8);
+  RandomScene random(8);
   for (int i = 0; i < 300; ++i) {
-    const Motion motion(dice.options(), kJoint);
-    const Moment moment = motion.at(dice.within(0, 2));
-    const glm::dvec3 rest_m = dice.place(0.1);
-    const Moment::Tangent tangent = moment.tangent(rest_m);
-    EXPECT_LT(glm::distance(tangent.place_m, moment.from_rest(rest_m)), 1e-12);
+    const Motion motion(random.options(), kJoint);
+    const Deformation deformation = motion.at(random.within(0, 2));
+    const glm::dvec3 rest_m = random.vector(0.1);
+    const Deformation::Tangent tangent = deformation.tangent(rest_m);
+    EXPECT_LT(glm::distance(tangent.position_m, deformation.from_rest(rest_m)), 1e-12);
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 step(0);
       step[axis] = 1e-6;
       const glm::dvec3 slope =
-          (moment.from_rest(rest_m + step) - moment.from_rest(rest_m - step)) / 2e-6;
-      EXPECT_LT(glm::distance(tangent.turn[axis], slope), 1e-6);
+          (deformation.from_rest(rest_m + step) - deformation.from_rest(rest_m - step)) / 2e-6;
+      EXPECT_LT(glm::distance(tangent.jacobian[axis], slope), 1e-6);
     }
   }
 }
 
-TEST(Motion, KnowsWhatMovesAsOne) {
+TEST(Motion, RigidRegionsOfTheHeadTurn) {
   MotionOptions options;
   options.velocity_m_s = {0.01, 0.02, -0.03};
   options.head_turn_rad = 0.4;
-  const Moment moment = Motion(options, kJoint).at(0.3);
+  const Deformation deformation = Motion(options, kJoint).at(0.3);
   const auto out = [](double from_center_m) {
     return kJoint.center_m + glm::dvec3(0, from_center_m, 0);
   };
-  EXPECT_EQ(moment.turn_within(out(30e-3), 9e-3), Moment::Turn::whole);
-  EXPECT_EQ(moment.turn_within(out(30e-3), 11e-3), Moment::Turn::bends);
-  EXPECT_EQ(moment.turn_within(out(45e-3), 1e-6), Moment::Turn::bends);
-  EXPECT_EQ(moment.turn_within(out(60e-3), 9e-3), Moment::Turn::rests);
-  EXPECT_NEAR(moment.as_one_m(out(60e-3)), 10e-3, 1e-12);
-  EXPECT_NEAR(moment.as_one_m(out(30e-3)), 10e-3, 1e-12);
-  EXPECT_EQ(moment.as_one_m(out(45e-3)), 0);
+  EXPECT_EQ(deformation.turn_within(out(30e-3), 9e-3), Deformation::Turn::full);
+  EXPECT_EQ(deformation.turn_within(out(30e-3), 11e-3), Deformation::Turn::partial);
+  EXPECT_EQ(deformation.turn_within(out(45e-3), 1e-6), Deformation::Turn::partial);
+  EXPECT_EQ(deformation.turn_within(out(60e-3), 9e-3), Deformation::Turn::none);
+  EXPECT_NEAR(deformation.rigid_radius_m(out(60e-3)), 10e-3, 1e-12);
+  EXPECT_NEAR(deformation.rigid_radius_m(out(30e-3)), 10e-3, 1e-12);
+  EXPECT_EQ(deformation.rigid_radius_m(out(45e-3)), 0);
   for (const auto& [turn, rest_m] :
-       {std::pair{Moment::Turn::whole, out(30e-3)}, {Moment::Turn::rests, out(60e-3)}}) {
-    const Moment::Tangent whole = moment.tangent_of(turn);
-    EXPECT_LT(glm::distance(whole.place_m + whole.turn * rest_m, moment.from_rest(rest_m)), 1e-12);
+       {std::pair{Deformation::Turn::full, out(30e-3)}, {Deformation::Turn::none, out(60e-3)}}) {
+    const Deformation::Tangent whole = deformation.tangent_of(turn);
+    EXPECT_LT(
+        glm::distance(whole.position_m + whole.jacobian * rest_m, deformation.from_rest(rest_m)),
+        1e-12);
   }
 }
 
-TEST(Motion, PartsActInTheirOrder) {
+TEST(Motion, ComponentsActInTheirOrder) {
   MotionOptions options;
   options.velocity_m_s = {10e-3, 0, 0};
   options.turn_rate_rad_s = {0, 0, kPi / 2};
@@ -296,7 +297,7 @@ TEST(Motion, PartsActInTheirOrder) {
   EXPECT_LT(glm::distance(motion.from_rest(kJoint.center_m + arm, 1), expected), 1e-15);
 }
 
-TEST(Motion, RefusesWithKeyValueAndWhatIsAllowed) {
+TEST(Motion, RefusalsStateKeyValueAndAllowedRange) {
   MotionOptions options;
   options.velocity_m_s = {0, 0, 0.6};
   EXPECT_EQ(refusal(options), "velocity_mm_s = 600: must be within -500 and 500");

@@ -11,19 +11,20 @@
 #include <stdexcept>
 
 #include "phantoms/fetal/fetal_landmarks.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-// Material at a place, by the rule that later surfaces win.
-std::string material_at(const Phantom& phantom, const glm::dvec3& place) {
+// Material at a position: that of the last surface that contains it.
+std::string material_at(const Phantom& phantom, const glm::dvec3& position) {
   MaterialIndex found = phantom.background();
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
     const auto& grid = *phantom.grids().signed_distance[i];
-    const auto ijk =
-        openvdb::Coord::round(grid.worldToIndex(openvdb::Vec3d(place.x, place.y, place.z)));
+    const auto ijk = openvdb::Coord::round(
+        grid.worldToIndex(openvdb::Vec3d(position.x, position.y, position.z)));
     if (grid.tree().getValue(ijk) < 0) found = phantom.surfaces()[i].inside;
   }
   return phantom.materials()[found].name;
@@ -38,8 +39,8 @@ std::string refusal(const PhantomOptions& options) {
   return "accepted";
 }
 
-// The same, without building.
-std::string refusal_ahead(const PhantomOptions& options) {
+// By validate(), without building.
+std::string refusal_by_validate(const PhantomOptions& options) {
   try {
     validate(options);
   } catch (const InvalidPhantom& error) {
@@ -48,7 +49,7 @@ std::string refusal_ahead(const PhantomOptions& options) {
   return "accepted";
 }
 
-TEST(Placement, GoesThereAndBack) {
+TEST(Placement, TransformsAreInverse) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return glm::dvec3(number(random), number(random), number(random)); };
@@ -57,9 +58,9 @@ TEST(Placement, GoesThereAndBack) {
     const glm::dvec3 p = vector();
     EXPECT_LT(glm::distance(placement.to_phantom(placement.to_probe(p)), p), 1e-14);
     const glm::dvec3 q = vector();
-    const glm::dvec3 there = placement.to_probe(q) - placement.to_probe(p);
-    EXPECT_LT(glm::distance(placement.direction_to_probe(q - p), there), 1e-14);
-    EXPECT_LT(glm::distance(placement.direction_to_phantom(there), q - p), 1e-14);
+    const glm::dvec3 difference = placement.to_probe(q) - placement.to_probe(p);
+    EXPECT_LT(glm::distance(placement.direction_to_probe(q - p), difference), 1e-14);
+    EXPECT_LT(glm::distance(placement.direction_to_phantom(difference), q - p), 1e-14);
   }
 }
 
@@ -84,20 +85,21 @@ TEST(MakePhantom, BuildsEveryName) {
     EXPECT_EQ(phantom.name(), name);
     const Box& box = phantom.region_of_interest();
     EXPECT_TRUE(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z);
-    EXPECT_GT(phantom.suggested_position_m().z + box.low.z, 40e-3 + 20e-3) << "before the probe";
+    EXPECT_GT(phantom.suggested_position_m().z + box.low.z, 40e-3 + 20e-3)
+        << "in front of the probe";
     for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
       EXPECT_GT(phantom.grids().signed_distance[i]->activeVoxelCount(), 100u);
     }
   }
 }
 
-TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
+TEST(MakePhantom, RefusalsStateKeyValueAndAllowedRange) {
   PhantomOptions options;
-  options.name = "doll";
-  EXPECT_EQ(
-      refusal(options),
-      "name = \"doll\": must be one of fetal_face, plane, steps, sphere, points, cyst, bone_plate, "
-      "speckle_block, mesh, vdb, file");
+  options.name = "unknown";
+  EXPECT_EQ(refusal(options),
+            "name = \"unknown\": must be one of fetal_face, plane, steps, sphere, points, cyst, "
+            "bone_plate, "
+            "speckle_block, mesh, vdb, file");
   options = {};
   options.gestational_age_weeks = 19;
   EXPECT_EQ(refusal(options), "gestational_age_weeks = 19: must be within 20 and 30");
@@ -113,9 +115,9 @@ TEST(MakePhantom, RefusesWithKeyValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal(options), "file = \"\": must be the path of a .vdb");
 }
 
-TEST(ValidatePhantom, KnowsAheadWhatMakePhantomRefuses) {
-  PhantomOptions doll, old, coarse, unnamed, missing, folder;
-  doll.name = "doll";
+TEST(ValidatePhantom, RefusesWhatMakePhantomRefuses) {
+  PhantomOptions unknown, old, coarse, unnamed, missing, folder;
+  unknown.name = "unknown";
   old.gestational_age_weeks = 99;
   coarse.name = "sphere";
   coarse.radius_m = 5e-3;
@@ -123,13 +125,14 @@ TEST(ValidatePhantom, KnowsAheadWhatMakePhantomRefuses) {
   unnamed.name = missing.name = folder.name = "file";
   missing.file = "no/such.vdb";
   folder.file = "/";
-  for (const auto& options : {doll, old, coarse, unnamed, missing, folder}) {
-    EXPECT_NE(refusal_ahead(options), "accepted");
-    EXPECT_EQ(refusal_ahead(options), refusal(options));
+  for (const auto& options : {unknown, old, coarse, unnamed, missing, folder}) {
+    EXPECT_NE(refusal_by_validate(options), "accepted");
+    EXPECT_EQ(refusal_by_validate(options), refusal(options));
   }
-  EXPECT_EQ(refusal_ahead(coarse), "voxel_mm = 4: must be at most 2.5 for the phantom sphere");
-  EXPECT_EQ(refusal_ahead(missing), "file = \"no/such.vdb\": no such file");
-  EXPECT_EQ(refusal_ahead({}), "accepted");
+  EXPECT_EQ(refusal_by_validate(coarse),
+            "voxel_mm = 4: must be at most 2.5 for the phantom sphere");
+  EXPECT_EQ(refusal_by_validate(missing), "file = \"no/such.vdb\": no such file");
+  EXPECT_EQ(refusal_by_validate({}), "accepted");
 }
 
 TEST(MakePhantom, PlaneCrossesItsWholeBox) {
@@ -151,7 +154,7 @@ TEST(MakePhantom, PlaneCrossesItsWholeBox) {
 }
 
 // The grid of a surface by its name.
-const openvdb::FloatGrid& grid_of(const Phantom& phantom, const std::string& name) {
+const FloatGrid& grid_of(const Phantom& phantom, const std::string& name) {
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
     if (phantom.surfaces()[i].name == name) return *phantom.grids().signed_distance[i];
   }
@@ -168,7 +171,7 @@ class FetalScene : public testing::TestWithParam<double> {
     if (built == nullptr) built = std::make_unique<Phantom>(make_phantom(options));
     phantom_ = built.get();
   }
-  // One phantom an age serves all tests: building it is what takes time.
+  // Building is slow: one phantom per age, shared by all tests.
   static inline std::map<double, std::unique_ptr<Phantom>> built_;
   const Phantom* phantom_ = nullptr;
 };
@@ -177,14 +180,14 @@ TEST_P(FetalScene, BoxStartsInTheFluid) {
   const Box& box = phantom_->region_of_interest();
   for (double u = 0; u <= 1; u += 0.05) {
     for (double v = 0; v <= 1; v += 0.05) {
-      const glm::dvec3 place{
+      const glm::dvec3 position{
           glm::mix(box.low.x, box.high.x, u), glm::mix(box.low.y, box.high.y, v), box.low.z};
-      ASSERT_EQ(material_at(*phantom_, place), "amniotic_fluid") << u << " " << v;
+      ASSERT_EQ(material_at(*phantom_, position), "amniotic_fluid") << u << " " << v;
     }
   }
 }
 
-TEST_P(FetalScene, MotherLiesBetweenProbeAndFluid) {
+TEST_P(FetalScene, MaternalTissueLiesBetweenProbeAndFluid) {
   const SurfaceFinder finder(*phantom_);
   const double face_z = 40e-3 - phantom_->suggested_position_m().z;
   const auto wall = finder.first_hit({0, 0, face_z}, {0, 0, 1}, 0, 0.2);
@@ -198,10 +201,10 @@ TEST_P(FetalScene, MotherLiesBetweenProbeAndFluid) {
   EXPECT_EQ(phantom_->surfaces()[face->surface].name, "skin");
   EXPECT_GT(face->distance_m - wall->distance_m, 14e-3);
   EXPECT_FALSE(finder.first_hit({0, 0, face_z}, {0, 0, 1}, 0, wall->distance_m - 1e-3))
-      << "the mother's own interfaces are no targets";
+      << "maternal interfaces are no targets";
 }
 
-TEST_P(FetalScene, FirstCrossingsPartFluidFromTissue) {
+TEST_P(FetalScene, FirstHitsLieOnTheSurfaces) {
   const SurfaceFinder finder(*phantom_);
   const Box& box = phantom_->region_of_interest();
   std::mt19937 random(5);
@@ -214,8 +217,8 @@ TEST_P(FetalScene, FirstCrossingsPartFluidFromTissue) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(slant(random), slant(random), 1));
     const auto hit = finder.first_hit(eye, direction, 0, 0.3);
     ASSERT_TRUE(hit) << "the cavity is closed";
-    const glm::dvec3 place = eye + hit->distance_m * direction;
-    const auto gap = finder.distance(place);
+    const glm::dvec3 position = eye + hit->distance_m * direction;
+    const auto gap = finder.distance(position);
     ASSERT_TRUE(gap);
     ASSERT_NEAR(gap->value_m, 0, 0.02e-3);
     hits += phantom_->surfaces()[hit->surface].name == "skin";
@@ -246,7 +249,7 @@ TEST_P(FetalScene, BoneLiesUnderSkinAndBrainUnderBone) {
   inside_of("eyes", "skin");
 }
 
-// Distances from the joint's centre of a surface's voxels: nearest and farthest.
+// Smallest and largest distance of a surface's voxels from the joint's centre.
 std::pair<double, double> reach_from_joint(const Phantom& phantom, const std::string& name) {
   const auto& grid = grid_of(phantom, name);
   double nearest = 1, farthest = 0;
@@ -260,16 +263,16 @@ std::pair<double, double> reach_from_joint(const Phantom& phantom, const std::st
   return {nearest, farthest};
 }
 
-TEST_P(FetalScene, HeadTurnsWithinTheFluid) {
+TEST_P(FetalScene, HeadTurnsWithoutTheWall) {
   ASSERT_TRUE(phantom_->joint());
   const Joint& joint = *phantom_->joint();
   EXPECT_LT(joint.inner_m, joint.outer_m);
-  EXPECT_LT(reach_from_joint(*phantom_, "skull").second, joint.inner_m) << "bone turns as one";
+  EXPECT_LT(reach_from_joint(*phantom_, "skull").second, joint.inner_m) << "bone turns rigidly";
   EXPECT_LT(reach_from_joint(*phantom_, "eyes").second, joint.inner_m);
   EXPECT_GT(reach_from_joint(*phantom_, "cavity").first, joint.outer_m) << "the wall rests";
 }
 
-TEST_P(FetalScene, HeadHardlyTakesTheRestAlong) {
+TEST_P(FetalScene, HeadTurnMovesTheRestLittle) {
   const Joint& joint = *phantom_->joint();
   MotionOptions options;
   options.head_turn_rad = 10 * std::numbers::pi / 180;
@@ -277,9 +280,9 @@ TEST_P(FetalScene, HeadHardlyTakesTheRestAlong) {
   const Motion motion(options, joint);
   const double scale =
       fetal_landmarks(GetParam()).eye_center_m.x / fetal_landmarks(21).eye_center_m.x;
-  const auto moves = [&](const glm::dvec3& place_mm) {
-    const glm::dvec3 place = 1e-3 * scale * place_mm;
-    return glm::distance(motion.from_rest(place, 0.5), place) / scale;
+  const auto moves = [&](const glm::dvec3& position_mm) {
+    const glm::dvec3 position = 1e-3 * scale * position_mm;
+    return glm::distance(motion.from_rest(position, 0.5), position) / scale;
   };
   EXPECT_GT(moves({0, 0, 0}), 5e-3) << "the face turns";
   // The middle of the hand, its knuckles, the chest and the shoulders; see fetal_surroundings.cpp.

@@ -1,4 +1,4 @@
-// The ray intersector against closed forms.
+// Ray hits and distances against closed forms.
 #include "phantoms/truth.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Phantom ball(double radius_m) {
   return make_phantom(options);
 }
 
-TEST(SurfaceFinder, MeetsTheSphereFromAfar) {
+TEST(SurfaceFinder, HitsTheSphereFromOutside) {
   constexpr double kRadius = 20e-3;
   const Phantom phantom = ball(kRadius);
   const SurfaceFinder finder(phantom);
@@ -51,7 +51,7 @@ TEST(SurfaceFinder, MeetsTheSphereFromAfar) {
   }
 }
 
-TEST(SurfaceFinder, LeavesTheSphereFromWithin) {
+TEST(SurfaceFinder, HitsTheSphereFromInside) {
   constexpr double kRadius = 20e-3;
   const Phantom phantom = ball(kRadius);
   const SurfaceFinder finder(phantom);
@@ -69,7 +69,7 @@ TEST(SurfaceFinder, LeavesTheSphereFromWithin) {
   }
 }
 
-TEST(SurfaceFinder, MissesWhatTheRayPasses) {
+TEST(SurfaceFinder, MissesTheSphere) {
   const Phantom phantom = ball(20e-3);
   const SurfaceFinder finder(phantom);
   std::mt19937 random(3);
@@ -80,7 +80,7 @@ TEST(SurfaceFinder, MissesWhatTheRayPasses) {
   }
 }
 
-TEST(SurfaceFinder, KeepsToTheRangeAsked) {
+TEST(SurfaceFinder, FindsHitsWithinTheRangeOnly) {
   const Phantom phantom = ball(20e-3);
   const SurfaceFinder finder(phantom);
   const glm::dvec3 eye{1e-3, 2e-3, -100e-3}, ahead{0, 0, 1};
@@ -104,7 +104,7 @@ TEST_P(TiltedPlane, IsWhereItsNormalSays) {
   options.voxel_m = kVoxel;
   const Phantom phantom = make_phantom(options);
   const SurfaceFinder finder(phantom);
-  // -z turned about x, then about y; written out so as not to share rotation_xyz's code.
+  // -z rotated about x, then about y, independently of rotation_xyz().
   const double a = options.tilt_x_rad, b = options.tilt_y_rad;
   const glm::dvec3 normal{-std::sin(b) * std::cos(a), std::sin(a), -std::cos(b) * std::cos(a)};
   std::mt19937 random(4);
@@ -114,8 +114,8 @@ TEST_P(TiltedPlane, IsWhereItsNormalSays) {
     const glm::dvec3 direction = glm::normalize(glm::dvec3(slant(random), slant(random), 1));
     const double cosine = -glm::dot(direction, normal);
     const double truth = glm::dot(eye, normal) / cosine;
-    const glm::dvec3 place = eye + truth * direction;
-    if (cosine < 0.2 || truth < 0 || glm::length(place) > 100e-3) continue;
+    const glm::dvec3 position = eye + truth * direction;
+    if (cosine < 0.2 || truth < 0 || glm::length(position) > 100e-3) continue;
     const auto hit = finder.first_hit(eye, direction, 0, 1);
     ASSERT_TRUE(hit) << "ray " << i;
     ASSERT_NEAR(hit->distance_m, truth, 1e-3 * kVoxel / cosine) << "a trilinear plane is exact";
@@ -131,8 +131,8 @@ INSTANTIATE_TEST_SUITE_P(Tilts,
                                          glm::dvec2(0.4, 0.7),
                                          glm::dvec2(-1.0, 0.2)));
 
-TEST(SurfaceFinder, MeetsThePlaneAlongTheAxes) {
-  // Rays along a grid line, through voxel centres and on the faces of bricks.
+TEST(SurfaceFinder, HitsThePlaneAlongTheAxes) {
+  // Rays along a grid line, through voxel centres and on the faces of leaves.
   PhantomOptions options;
   options.name = "plane";
   options.voxel_m = kVoxel;
@@ -145,7 +145,7 @@ TEST(SurfaceFinder, MeetsThePlaneAlongTheAxes) {
   }
 }
 
-TEST(SurfaceFinder, SeesACrossingJustBeforeTheLimit) {
+TEST(SurfaceFinder, FindsACrossingJustBeforeTheLimit) {
   const Phantom phantom = ball(20e-3);
   const SurfaceFinder finder(phantom);
   std::mt19937 random(6);
@@ -172,7 +172,7 @@ TEST(SurfaceFinder, DistanceIsSignedAndEndsWithTheBand) {
   EXPECT_FALSE(finder.distance({0, 0, 1}));
 }
 
-TEST(SurfaceFinder, ABoxLeavesOutWhatIsFarFromItAndNothingElse) {
+TEST(SurfaceFinder, ABoxLimitsWhereBandsAreWidened) {
   constexpr double kReach = 6e-3;
   const Phantom phantom = ball(20e-3);
   const Box box{{-4e-3, -10e-3, -30e-3}, {25e-3, 12e-3, 5e-3}};
@@ -187,21 +187,21 @@ TEST(SurfaceFinder, ABoxLeavesOutWhatIsFarFromItAndNothingElse) {
     if (std::abs(truth) > kReach - kVoxel) continue;
     const auto a = whole.distance(at), b = part.distance(at);
     ASSERT_TRUE(a && b) << i;
-    ASSERT_NEAR(b->value_m, truth, kVoxel) << "what was widened is known to first order";
+    ASSERT_NEAR(b->value_m, truth, kVoxel) << "widened bands are first order";
     ASSERT_NEAR(b->value_m, a->value_m, 0.02 * kVoxel);
     ++known;
   }
   EXPECT_GT(known, 2000);
   EXPECT_TRUE(whole.distance({-25e-3, 0, 0}));
-  EXPECT_FALSE(part.distance({-25e-3, 0, 0})) << "nobody asks there";
+  EXPECT_FALSE(part.distance({-25e-3, 0, 0})) << "outside the box";
 }
 
-TEST(SurfaceFinder, ABoxFarFromEverythingFindsNothing) {
+TEST(SurfaceFinder, ABoxFarFromAllSurfacesHasNoDistances) {
   const SurfaceFinder finder(ball(20e-3), 6e-3, Box{glm::dvec3(80e-3), glm::dvec3(100e-3)});
   EXPECT_FALSE(finder.distance({90e-3, 90e-3, 90e-3}));
 }
 
-TEST(SurfaceFinder, CautiousDistanceIsNeverMoreThanTheTrueOne) {
+TEST(SurfaceFinder, DistanceBoundIsALowerBound) {
   const Phantom phantom = ball(20e-3);
   const SurfaceFinder finder(phantom);
   ASSERT_EQ(finder.targets(), 1);
@@ -211,22 +211,22 @@ TEST(SurfaceFinder, CautiousDistanceIsNeverMoreThanTheTrueOne) {
   for (int i = 0; i < 50000; ++i) {
     const glm::dvec3 at{coordinate(random), coordinate(random), coordinate(random)};
     const double truth = glm::length(at) - 20e-3;
-    const double cautious = finder.cautious_distance(0, at);
+    const double bound = finder.distance_bound(0, at);
     if (const auto exact = finder.target_distance(0, at)) {
-      ASSERT_EQ(cautious, exact->value_m);
-      // At the band's rim its neighbours beyond are taken for nearer than they are.
+      ASSERT_EQ(bound, exact->value_m);
+      // At the rim of the band, interpolation uses the constant background: too small.
       if (std::abs(truth) < 3 * kVoxel) {
-        ASSERT_NEAR(cautious, truth, 0.1 * kVoxel);
+        ASSERT_NEAR(bound, truth, 0.1 * kVoxel);
       } else {
-        ASSERT_LE(std::abs(cautious), std::abs(truth) + 0.1 * kVoxel);
+        ASSERT_LE(std::abs(bound), std::abs(truth) + 0.1 * kVoxel);
       }
       continue;
     }
-    ASSERT_EQ(cautious < 0, truth < 0);
-    ASSERT_LE(std::abs(cautious), std::abs(truth));
-    // Nor so much less that a march in its steps would crawl.
-    ASSERT_GE(std::abs(cautious), std::abs(truth) / 3 - 16 * kVoxel);
-    ASSERT_GT(std::abs(cautious), 2 * kVoxel);
+    ASSERT_EQ(bound < 0, truth < 0);
+    ASSERT_LE(std::abs(bound), std::abs(truth));
+    // Not so much less that sphere tracing would take many steps.
+    ASSERT_GE(std::abs(bound), std::abs(truth) / 3 - 16 * kVoxel);
+    ASSERT_GT(std::abs(bound), 2 * kVoxel);
   }
 }
 
@@ -266,7 +266,7 @@ TEST(SurfaceFinder, FindsNoTargetInTheSpeckleBlock) {
   EXPECT_FALSE(finder.distance({0, 0, 0}));
 }
 
-TEST(SurfaceFinder, MeetsFifteenPointsAtThreeDepths) {
+TEST(SurfaceFinder, HitsFifteenPointsAtThreeDepths) {
   PhantomOptions options;
   options.name = "points";
   options.voxel_m = 0.25e-3;

@@ -249,7 +249,7 @@ std::optional<double> patiently(const hw::Ray& ray,
     const glm::dvec3 rest =
         motion.to_rest(placement.to_phantom(place), stick_time_s(geometry, place));
     std::vector<double> now;
-    for (int t = 0; t < finder.targets(); ++t) now.push_back(finder.cautious_distance(t, rest));
+    for (int t = 0; t < finder.targets(); ++t) now.push_back(finder.distance_bound(t, rest));
     for (std::size_t t = 0; t < before.size(); ++t) {
       const auto surface = static_cast<std::size_t>(finder.surface(static_cast<int>(t)));
       const auto inside = static_cast<std::size_t>(s.subject.phantom.surfaces()[surface].inside);

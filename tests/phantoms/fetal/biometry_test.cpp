@@ -1,4 +1,4 @@
-// Calipers on the grids of the fetal_face phantom, against the published means.
+// Caliper measurements on the grids of the fetal_face phantom, against the published means.
 #include <gtest/gtest.h>
 #include <openvdb/math/Stencils.h>
 
@@ -9,6 +9,7 @@
 #include "base/units.h"
 #include "phantoms/fetal/fetal_biometry.h"
 #include "phantoms/fetal/fetal_landmarks.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kAllowed = 1.0 * kMillimetre;
 
-// One level set, addressed in the head's own frame.
+// A level set, sampled in the head frame.
 class Caliper {
  public:
   Caliper(const Phantom& phantom, const std::string& surface, const FetalLandmarks& pose)
@@ -30,8 +31,8 @@ class Caliper {
     return stencil_.interpolation(index);
   }
 
-  /// First place where the grid turns negative on the way, by steps and bisection.
-  glm::dvec3 meet(const glm::dvec3& from, const glm::dvec3& direction, double reach_m) {
+  /// First zero crossing along the ray, by steps and bisection.
+  glm::dvec3 first_hit(const glm::dvec3& from, const glm::dvec3& direction, double reach_m) {
     const double step = 0.3 * kMillimetre;
     for (double t = step; t < reach_m; t += step) {
       if (distance(from + t * direction) >= 0) continue;
@@ -42,13 +43,13 @@ class Caliper {
       }
       return from + high * direction;
     }
-    ADD_FAILURE() << "nothing met";
+    ADD_FAILURE() << "no hit";
     return from;
   }
 
-  /// Skin of the mid-line at height y, as seen from in front.
+  /// Point of the median plane's front profile at height y.
   glm::dvec3 profile(double y) {
-    return meet({0, y, -15 * kMillimetre}, {0, 0, 1}, 60 * kMillimetre);
+    return first_hit({0, y, -15 * kMillimetre}, {0, 0, 1}, 60 * kMillimetre);
   }
 
   /// The profile's extreme between two heights; sign +1: deepest, -1: most prominent.
@@ -62,7 +63,7 @@ class Caliper {
   }
 
  private:
-  static openvdb::FloatGrid::ConstPtr find(const Phantom& phantom, const std::string& name) {
+  static FloatGrid::ConstPtr find(const Phantom& phantom, const std::string& name) {
     for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
       if (phantom.surfaces()[i].name == name) return phantom.grids().signed_distance[i];
     }
@@ -70,8 +71,8 @@ class Caliper {
   }
 
   FetalLandmarks pose_;
-  openvdb::FloatGrid::ConstPtr grid_;
-  openvdb::math::BoxStencil<const openvdb::FloatGrid> stencil_;
+  FloatGrid::ConstPtr grid_;
+  openvdb::math::BoxStencil<const FloatGrid> stencil_;
 };
 
 class Biometry : public testing::TestWithParam<double> {
@@ -79,7 +80,7 @@ class Biometry : public testing::TestWithParam<double> {
   void SetUp() override {
     PhantomOptions options;
     options.gestational_age_weeks = GetParam();
-    options.maternal_layer_m = 0;  // not what is measured
+    options.maternal_layer_m = 0;  // has no effect on the measures
     options.voxel_m = GetParam() == 21 ? 0.5 * kMillimetre : 1.0 * kMillimetre;
     phantom_ = std::make_unique<Phantom>(make_phantom(options));
     marks_ = fetal_landmarks(GetParam());
@@ -92,8 +93,8 @@ class Biometry : public testing::TestWithParam<double> {
   FetalBiometry mean_{};
 };
 
-// One phantom an age serves all measures: building it is what takes time.
-TEST_P(Biometry, IsThatOfTheAge) {
+// Building is slow: one phantom per age for all measures.
+TEST_P(Biometry, AgreesWithTheMeansOfTheAge) {
   {
     SCOPED_TRACE("BPD and HC: outer surface of the bone in the plane of BPD and OFD");
     Caliper skull = caliper("skull");
@@ -101,8 +102,8 @@ TEST_P(Biometry, IsThatOfTheAge) {
     double widest = 0, around = 0;
     for (double z = -10 * kMillimetre; z <= 10 * kMillimetre; z += 0.5 * kMillimetre) {
       const glm::dvec3 middle = center + glm::dvec3(0, 0, z);
-      const glm::dvec3 left = skull.meet(middle - glm::dvec3(0.1, 0, 0), {1, 0, 0}, 0.1);
-      const glm::dvec3 right = skull.meet(middle + glm::dvec3(0.1, 0, 0), {-1, 0, 0}, 0.1);
+      const glm::dvec3 left = skull.first_hit(middle - glm::dvec3(0.1, 0, 0), {1, 0, 0}, 0.1);
+      const glm::dvec3 right = skull.first_hit(middle + glm::dvec3(0.1, 0, 0), {-1, 0, 0}, 0.1);
       widest = std::max(widest, glm::distance(left, right));
     }
     constexpr int kSteps = 360;
@@ -110,7 +111,7 @@ TEST_P(Biometry, IsThatOfTheAge) {
     for (int i = 0; i <= kSteps; ++i) {
       const double angle = 2 * std::acos(-1.0) * i / kSteps;
       const glm::dvec3 outwards{std::cos(angle), 0, std::sin(angle)};
-      const glm::dvec3 here = skull.meet(center + 0.1 * outwards, -outwards, 0.1);
+      const glm::dvec3 here = skull.first_hit(center + 0.1 * outwards, -outwards, 0.1);
       if (i > 0) around += glm::distance(last, here);
       if (i == 0) first = here;
       last = here;
@@ -127,11 +128,11 @@ TEST_P(Biometry, IsThatOfTheAge) {
       for (double z = -1 * kMillimetre; z <= 1 * kMillimetre; z += 0.25 * kMillimetre) {
         const glm::dvec3 level =
             glm::dvec3(0, marks_.eye_center_m.y + y, marks_.eye_center_m.z + z);
-        const double right = eyes.meet(level, {1, 0, 0}, 0.1).x;
-        const double left = eyes.meet(level, {-1, 0, 0}, 0.1).x;
+        const double right = eyes.first_hit(level, {1, 0, 0}, 0.1).x;
+        const double left = eyes.first_hit(level, {-1, 0, 0}, 0.1).x;
         inner = std::min(inner, right - left);
-        const double far_right = eyes.meet(level + glm::dvec3(0.05, 0, 0), {-1, 0, 0}, 0.1).x;
-        const double far_left = eyes.meet(level - glm::dvec3(0.05, 0, 0), {1, 0, 0}, 0.1).x;
+        const double far_right = eyes.first_hit(level + glm::dvec3(0.05, 0, 0), {-1, 0, 0}, 0.1).x;
+        const double far_left = eyes.first_hit(level - glm::dvec3(0.05, 0, 0), {1, 0, 0}, 0.1).x;
         outer = std::max(outer, far_right - far_left);
       }
     }
@@ -151,7 +152,7 @@ TEST_P(Biometry, IsThatOfTheAge) {
     for (double back = 0; back <= 7 * kMillimetre; back += 0.1 * kMillimetre) {
       const glm::dvec3 below{0, marks_.menton_m.y + 4 * kMillimetre, chin.z + back};
       ASSERT_GT(skin.distance(below), 0) << "the chin stands free of the neck";
-      const glm::dvec3 here = skin.meet(below, {0, -1, 0}, 0.03);
+      const glm::dvec3 here = skin.first_hit(below, {0, -1, 0}, 0.03);
       if (here.y > menton.y) menton = here;
     }
     EXPECT_NEAR(glm::distance(base, upper), mean_.philtrum_m, kAllowed);

@@ -1,4 +1,4 @@
-// The mother's tissue lies between probe and uterus, as thick as asked, in its order.
+// The maternal layer: order, thickness and shape of its tissues between probe and uterus.
 #include "phantoms/fetal/maternal_layer.h"
 #include "base/units.h"
 
@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <set>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 
@@ -24,17 +25,19 @@ Phantom fetus(double layer_mm, double weeks = 21, double voxel_m = 2 * kMillimet
   return make_phantom(options);
 }
 
-// Materials met on the way from the face of the probe, and where each begins.
-struct Met {
+// A material along a ray from the face of the probe, and the range at which it begins.
+struct Segment {
   std::string material;
   double from_m;
 };
-std::vector<Met> way_of(const Phantom& phantom, const glm::dvec3& origin, const glm::dvec3& along) {
-  std::vector<openvdb::FloatGrid::ConstAccessor> grids;
+std::vector<Segment> segments_along(const Phantom& phantom,
+                                    const glm::dvec3& origin,
+                                    const glm::dvec3& along) {
+  std::vector<FloatGrid::ConstAccessor> grids;
   for (const auto& grid : phantom.grids().signed_distance) {
     grids.push_back(grid->getConstAccessor());
   }
-  std::vector<Met> met;
+  std::vector<Segment> segments;
   for (double range = 0; range < 60 * kMillimetre; range += 0.1 * kMillimetre) {
     const glm::dvec3 p = origin + range * along - phantom.suggested_position_m();
     MaterialIndex found = phantom.background();
@@ -44,9 +47,9 @@ std::vector<Met> way_of(const Phantom& phantom, const glm::dvec3& origin, const 
       if (grids[i].getValue(ijk) < 0) found = phantom.surfaces()[i].inside;
     }
     const std::string& name = phantom.materials()[found].name;
-    if (met.empty() || met.back().material != name) met.push_back({name, range});
+    if (segments.empty() || segments.back().material != name) segments.push_back({name, range});
   }
-  return met;
+  return segments;
 }
 
 // A stick of the default probe, whose face is a torus: 40 mm in its plane, 27 mm across.
@@ -59,40 +62,40 @@ void expect_layers(const Phantom& phantom, double theta, double phi) {
   };
   const glm::dvec3 origin = torus(40 * kMillimetre);
   const glm::dvec3 along = glm::normalize(torus(41 * kMillimetre) - origin);
-  const auto met = way_of(phantom, origin, along);
-  ASSERT_GE(met.size(), 4u);
-  EXPECT_EQ(met[0].material, "skin");
-  EXPECT_EQ(met[1].material, "fat");
-  EXPECT_EQ(met[2].material, "muscle");
-  EXPECT_EQ(met[3].material, "uterus_wall");
+  const auto segments = segments_along(phantom, origin, along);
+  ASSERT_GE(segments.size(), 4u);
+  EXPECT_EQ(segments[0].material, "skin");
+  EXPECT_EQ(segments[1].material, "fat");
+  EXPECT_EQ(segments[2].material, "muscle");
+  EXPECT_EQ(segments[3].material, "uterus_wall");
 }
 
-// Several tests look at it, and building it is what takes time.
+// Building is slow: shared by several tests.
 const Phantom& usual_fetus() {
   static const Phantom phantom = fetus(22, 21, kVoxel);
   return phantom;
 }
 
-TEST(MaternalLayer, TissuesFollowEachOtherOnTheAxis) {
+TEST(MaternalLayer, TissuesAreInOrderOnTheAxis) {
   const Phantom& phantom = usual_fetus();
-  const auto met = way_of(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
+  const auto segments = segments_along(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
   const char* names[] = {"skin", "fat", "muscle", "uterus_wall", "amniotic_fluid"};
   const double from_mm[] = {0, 2, 14, 22};
-  ASSERT_EQ(met.size(), 5u);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(met[i].material, names[i]);
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(met[i].from_m, from_mm[i] * kMillimetre, 0.6 * kVoxel);
-  EXPECT_GE(met[4].from_m, 27 * kMillimetre - kVoxel)
-      << "the wall of the uterus has its own thickness";
+  ASSERT_EQ(segments.size(), 5u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(segments[i].material, names[i]);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(segments[i].from_m, from_mm[i] * kMillimetre, 0.6 * kVoxel);
+  EXPECT_GE(segments[4].from_m, 27 * kMillimetre - kVoxel) << "5 mm of uterine wall";
 }
 
-TEST(MaternalLayer, EverySticksWayLeadsThroughAllTissues) {
+TEST(MaternalLayer, EveryStickPassesAllTissues) {
   const Phantom& phantom = usual_fetus();
   for (double theta : {-0.67, -0.4, 0.0, 0.35, 0.67}) {
     for (double phi : {-0.53, -0.25, 0.0, 0.3, 0.53}) expect_layers(phantom, theta, phi);
   }
 }
 
-TEST(MaternalLayer, InterfacesAreCurvedAndUneven) {
+TEST(MaternalLayer, InterfacesAreCurvedAndUndulating) {
   const MaternalLayer layer(22 * kMillimetre, {0, 0, 0});
   // Depth of the end of the muscle below the plane of the face, by bisection.
   const auto end = [&](double x, double y) {
@@ -104,26 +107,26 @@ TEST(MaternalLayer, InterfacesAreCurvedAndUneven) {
     return low;
   };
   EXPECT_NEAR(end(0, 0), 22 * kMillimetre, 1e-9);
-  // It falls back from the axis, as a bow of 128 mm would, give or take its waves of 1 mm.
+  // An arc of radius 128 mm about the axis, plus an undulation of 1 mm.
   double least = 1, most = -1;
   for (double x = -40; x <= 40; x += 2) {
-    const double bow = 22 * kMillimetre - x * x * kMillimetre / (2 * 128);
-    const double off = end(x * kMillimetre, 0) - bow;
+    const double arc = 22 * kMillimetre - x * x * kMillimetre / (2 * 128);
+    const double off = end(x * kMillimetre, 0) - arc;
     EXPECT_LT(std::abs(off), 3.0 * kMillimetre) << x;
     least = std::min(least, off);
     most = std::max(most, off);
   }
-  EXPECT_GT(most - least, 0.5 * kMillimetre) << "not a perfect bow";
+  EXPECT_GT(most - least, 0.5 * kMillimetre) << "not a perfect arc";
   EXPECT_GT(std::abs(end(15 * kMillimetre, 0) - end(-15 * kMillimetre, 0)), 0.1 * kMillimetre)
       << "not mirror images";
 }
 
-TEST(MaternalLayer, NoneLeavesTheUterusAlone) {
+TEST(MaternalLayer, WithoutLayerTheUterusReachesTheProbe) {
   const Phantom phantom = fetus(0);
   EXPECT_EQ(phantom.surfaces().at(0).name, "cavity");
-  const auto met = way_of(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
-  EXPECT_EQ(met[0].material, "uterus_wall");
-  EXPECT_EQ(met[1].material, "amniotic_fluid");
+  const auto segments = segments_along(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
+  EXPECT_EQ(segments[0].material, "uterus_wall");
+  EXPECT_EQ(segments[1].material, "amniotic_fluid");
 }
 
 double depth_of_face(const Phantom& phantom) {
@@ -135,7 +138,7 @@ double depth_of_face(const Phantom& phantom) {
   return skin ? skin->distance_m : 0;
 }
 
-TEST(MaternalLayer, DefaultLeavesTheFaceAtItsDepth) {
+TEST(MaternalLayer, DefaultKeepsTheDepthOfTheFace) {
   const PhantomOptions defaults;
   for (double weeks : {20.0, 30.0}) {
     const Phantom bare = fetus(0, weeks);
@@ -147,15 +150,15 @@ TEST(MaternalLayer, DefaultLeavesTheFaceAtItsDepth) {
   EXPECT_EQ(fetus(0).suggested_position_m(), usual_fetus().suggested_position_m());
 }
 
-TEST(MaternalLayer, ThickerLayersPushTheFetusDeeper) {
+TEST(MaternalLayer, ThickerLayersMoveTheFetusDeeper) {
   const Phantom phantom = fetus(45, 21, kVoxel);
-  const auto met = way_of(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
-  ASSERT_EQ(met.size(), 5u);
-  EXPECT_NEAR(met[3].from_m, 45 * kMillimetre, 0.6 * kMillimetre);
-  EXPECT_NEAR(met[4].from_m, 50 * kMillimetre, 0.6 * kMillimetre) << "5 mm of uterus are left";
+  const auto segments = segments_along(phantom, {0, 0, 40 * kMillimetre}, {0, 0, 1});
+  ASSERT_EQ(segments.size(), 5u);
+  EXPECT_NEAR(segments[3].from_m, 45 * kMillimetre, 0.6 * kMillimetre);
+  EXPECT_NEAR(segments[4].from_m, 50 * kMillimetre, 0.6 * kMillimetre) << "5 mm of uterus are left";
 }
 
-TEST(MaternalLayer, RefusesWhatVanishesBetweenVoxels) {
+TEST(MaternalLayer, RefusesLayersThinnerThanVoxelsResolve) {
   PhantomOptions options;
   options.maternal_layer_m = 3 * kMillimetre;
   try {

@@ -1,4 +1,4 @@
-// Meshes become the bodies that they enclose; anything else is refused with one clear line.
+// Import of triangle meshes: the bodies that they enclose, and the refusals.
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetMeasure.h>
 #include <tbb/global_control.h>
@@ -12,6 +12,7 @@
 #include <random>
 
 #include "base/units.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/phantoms/io/meshes.h"
@@ -29,7 +30,8 @@ double volume_of(const Phantom& phantom) {
   return openvdb::tools::levelSetVolume(*phantom.grids().signed_distance.at(0));
 }
 
-// What interpolation between voxels of 0.5 mm may round off the twelve edges of a cube.
+// Volume by which trilinear interpolation at 0.5 mm voxels may round off the twelve edges of a
+// cube.
 double edge_loss(double side_mm) {
   return 12 * side_mm * 0.25 * std::pow(kMillimetre, 3) * 0.7;
 }
@@ -52,7 +54,7 @@ class MeshImport : public testing_support::FolderTest {
     }
     return "accepted";
   }
-  /// One line that names the file and ends in these words.
+  /// The message is one line that begins with the file and contains these words.
   void expect_refusal(const PhantomOptions& o, const std::string& words) const {
     const std::string line = refusal(o);
     EXPECT_EQ(line.rfind("file = \"" + o.file + "\": ", 0), 0u) << line;
@@ -85,23 +87,23 @@ TEST_F(MeshImport, EveryFormatHoldsTheSameBody) {
   }
 }
 
-TEST_F(MeshImport, SurfaceLiesWhereItsTrianglesDo) {
+TEST_F(MeshImport, SurfaceLiesOnTheTriangles) {
   const double radius = 20 * kMillimetre;
   const TriangleMesh ball = icosphere(20, 5);
   write_binary_stl(ball, file("ball.stl"));
   const SurfaceFinder finder(import("ball.stl"));
-  // The chords of the triangles lie up to 1 - cos(half an edge's angle) within the ball.
+  // Triangles lie inside the ball by up to their sagitta.
   const double sagitta = radius * (1 - std::cos(0.6 * 63.4 / 32 * std::acos(-1.0) / 180));
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 3000; ++i) {
-    const glm::dvec3 way =
+    const glm::dvec3 direction =
         glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
-    const auto hit = finder.first_hit(-0.1 * way, way, 0, 0.1);
+    const auto hit = finder.first_hit(-0.1 * direction, direction, 0, 0.1);
     ASSERT_TRUE(hit);
     ASSERT_GT(hit->distance_m, 0.1 - radius - 0.02 * kMillimetre);
     ASSERT_LT(hit->distance_m, 0.1 - radius + sagitta + 0.02 * kMillimetre);
-    ASSERT_GT(glm::dot(hit->normal, -way), std::cos(0.06));
+    ASSERT_GT(glm::dot(hit->normal, -direction), std::cos(0.06));
   }
 }
 
@@ -122,7 +124,7 @@ TEST_F(MeshImport, FlatFacesStayFlat) {
   EXPECT_LT(glm::distance(hit->normal, glm::normalize(glm::dvec3(1))), 0.01);
 }
 
-TEST_F(MeshImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
+TEST_F(MeshImport, IsCentredBelowTheProbe) {
   write_obj(moved(cube_mesh(30), {-1000, 2000, 500}), file("far.obj"));
   const Phantom phantom = import("far.obj");
   const SurfaceFinder finder(phantom);
@@ -151,7 +153,7 @@ TEST_F(MeshImport, TakesUnitAndMaterials) {
   EXPECT_FALSE(phantom.surfaces()[0].is_target);
 }
 
-TEST_F(MeshImport, TakesTheMeshesOfAFileTogether) {
+TEST_F(MeshImport, MergesTheMeshesOfAFile) {
   // One closed surface in two groups, each of them open.
   const TriangleMesh cube = cube_mesh(30);
   write_obj(cube, file("cube.obj"));
@@ -169,7 +171,7 @@ TEST_F(MeshImport, TakesTheMeshesOfAFileTogether) {
   EXPECT_NEAR(volume_of(import("two.obj")), 54e-6, 2 * edge_loss(30));
 }
 
-TEST_F(MeshImport, PolygonsAreCutIntoTriangles) {
+TEST_F(MeshImport, TriangulatesPolygons) {
   std::ofstream(file("quads.obj"))
       << "v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 20\nv 20 0 20\nv 20 20 20\nv 0 20 20\n"
       << "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
@@ -198,15 +200,15 @@ TEST_F(MeshImport, IsWrittenAndReadAsAPhantom) {
   EXPECT_DOUBLE_EQ(volume_of(read_phantom(file("ball.vdb"))), volume_of(phantom));
 }
 
-TEST_F(MeshImport, RefusesFilesThatAreNoMesh) {
+TEST_F(MeshImport, RefusesOtherFiles) {
   expect_refusal(options("missing.obj"), "no such file");
   std::ofstream(file("empty.stl")).close();
   expect_refusal(options("empty.stl"), "(it is empty)");
   expect_refusal(options(""), "");
-  std::ofstream(file("picture.png")) << "some bytes that are no mesh at all";
+  std::ofstream(file("picture.png")) << "not a mesh";
   expect_refusal(options("picture.png"), "must be an .obj, .stl or .ply");
   for (const char* name : {"text.obj", "text.stl", "text.ply"}) {
-    std::ofstream(file(name)) << "Dear reader,\nthis is a letter,\nand no mesh.\n";
+    std::ofstream(file(name)) << "Three lines\nof text,\nnot a mesh.\n";
     EXPECT_NE(refusal(options(name)), "accepted") << name;
     expect_refusal(options(name), "");
   }
@@ -215,7 +217,7 @@ TEST_F(MeshImport, RefusesFilesThatAreNoMesh) {
   EXPECT_EQ(refusal(nameless), "file = \"\": must be the path of an .obj, .stl or .ply");
 }
 
-TEST_F(MeshImport, RefusesFilesCutShort) {
+TEST_F(MeshImport, RefusesTruncatedFiles) {
   write_binary_stl(icosphere(20, 2), file("cut.stl"));
   write_binary_ply(icosphere(20, 2), file("cut.ply"));
   for (const char* name : {"cut.stl", "cut.ply"}) {
@@ -227,7 +229,7 @@ TEST_F(MeshImport, RefusesFilesCutShort) {
   }
 }
 
-TEST_F(MeshImport, RefusesWhatHasNoTriangles) {
+TEST_F(MeshImport, RefusesFilesWithoutTriangles) {
   std::ofstream(file("points.ply"))
       << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
       << "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
@@ -245,7 +247,7 @@ TEST_F(MeshImport, RefusesOpenMeshesAndSaysHowManyEdges) {
                  "1 edges are not shared by exactly two triangles");
 }
 
-TEST_F(MeshImport, RefusesTrianglesThatFaceTheWrongWay) {
+TEST_F(MeshImport, RefusesWrongOrientation) {
   expect_refusal(inverted(icosphere(20, 2)),
                  "is turned inside out: 1 of 1 shells have a negative volume");
   TriangleMesh one = cube_mesh(30);
@@ -254,7 +256,7 @@ TEST_F(MeshImport, RefusesTrianglesThatFaceTheWrongWay) {
   expect_refusal(joined(icosphere(20, 2), inverted(icosphere(10, 2))), "1 of 2 shells");
 }
 
-TEST_F(MeshImport, RefusesSurfacesWithinOrAcrossOneAnother) {
+TEST_F(MeshImport, RefusesNestedAndIntersectingSurfaces) {
   expect_refusal(joined(icosphere(20, 3), icosphere(10, 3)), "crosses itself");
   expect_refusal(joined(icosphere(20, 3), moved(icosphere(20, 3), {15, 0, 0})), "crosses itself");
 }
@@ -271,14 +273,14 @@ TEST_F(MeshImport, RefusesNumbersThatAreNotFinite) {
   }
 }
 
-TEST_F(MeshImport, RefusesSizesBeyondSense) {
+TEST_F(MeshImport, RefusesSizesOutOfRange) {
   const TriangleMesh leaf{{{0, 0, 0}, {30, 0, 0}, {0, 30, 0}}, {{0, 1, 2}, {0, 2, 1}}};
   expect_refusal(leaf, "encloses no volume");
   expect_refusal(cube_mesh(501), "measures 501 x 501 x 501 mm, more than 500: is unit_mm right?");
   expect_refusal(cube_mesh(1.5), "measures 1.5 x 1.5 x 1.5 mm, less than 4 voxels of 0.5 mm");
 }
 
-TEST_F(MeshImport, SaysTheMemoryThatAbsurdVoxelsWouldTake) {
+TEST_F(MeshImport, RefusesTooMuchMemory) {
   write_binary_stl(icosphere(249, 5), file("large.stl"));
   PhantomOptions o = options("large.stl");
   o.voxel_m = 0.1 * kMillimetre;
@@ -286,11 +288,11 @@ TEST_F(MeshImport, SaysTheMemoryThatAbsurdVoxelsWouldTake) {
   expect_refusal(o, " GB of memory; at most 4 GB are allowed: voxel_mm must be larger");
 }
 
-TEST_F(MeshImport, RefusesMaterialsThatNobodyKnows) {
+TEST_F(MeshImport, RefusesUnknownMaterials) {
   write_obj(cube_mesh(30), file("cube.obj"));
   PhantomOptions o = options("cube.obj");
-  o.materials = {"cheese"};
-  EXPECT_EQ(refusal(o).rfind("materials = \"cheese\": must be one of water, amniotic_fluid, ", 0),
+  o.materials = {"unknown"};
+  EXPECT_EQ(refusal(o).rfind("materials = \"unknown\": must be one of water, amniotic_fluid, ", 0),
             0u);
   o.materials = {"fat", "muscle"};
   EXPECT_EQ(refusal(o), "materials = 2 names: takes one name for a mesh");

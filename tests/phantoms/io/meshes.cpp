@@ -1,7 +1,8 @@
 #include "tests/phantoms/io/meshes.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -19,9 +20,8 @@ std::ofstream opened(const std::filesystem::path& path) {
 
 template <class T>
 void put(std::ofstream& out, T value) {
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  out.write(bytes, sizeof value);
+  const auto bytes = std::bit_cast<std::array<char, sizeof value>>(value);
+  out.write(bytes.data(), bytes.size());
 }
 
 void put(std::ofstream& out, const glm::dvec3& v) {
@@ -83,10 +83,10 @@ TriangleMesh icosphere(double radius, int rounds) {
   for (int round = 0; round < rounds; ++round) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
     const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [place, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)},
+      const auto [entry, is_new] = middles.try_emplace({std::min(a, b), std::max(a, b)},
                                                        std::uint32_t(mesh.vertices.size()));
       if (is_new) mesh.vertices.push_back(0.5 * (mesh.vertices[a] + mesh.vertices[b]));
-      return place->second;
+      return entry->second;
     };
     std::vector<TriangleMesh::Triangle> finer;
     for (const auto& [a, b, c] : mesh.triangles) {

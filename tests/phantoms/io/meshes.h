@@ -1,4 +1,4 @@
-// Small meshes and the files that hold them, for the tests of the import.
+// Small meshes, and functions that write them to files, for the tests of the import.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace wobblebench::phantoms {
 TriangleMesh tetrahedron(double side);
 /// From -side/2 to side/2.
 TriangleMesh cube_mesh(double side);
-/// An icosahedron of this circumscribed radius, each triangle cut into four `rounds` times.
+/// An icosahedron of this circumscribed radius, its triangles subdivided into four `rounds` times.
 TriangleMesh icosphere(double radius, int rounds);
 
 TriangleMesh moved(TriangleMesh mesh, const glm::dvec3& by);

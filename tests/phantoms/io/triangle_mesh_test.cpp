@@ -12,8 +12,8 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// Each triangle with corners of its own, as an STL has it.
-TriangleMesh torn(const TriangleMesh& mesh) {
+// Each triangle with vertices of its own, as in an STL.
+TriangleMesh unwelded(const TriangleMesh& mesh) {
   TriangleMesh soup;
   for (const auto& t : mesh.triangles) {
     const auto first = std::uint32_t(soup.vertices.size());
@@ -39,16 +39,16 @@ TEST(TriangleMesh, VolumesAndAreas) {
   EXPECT_NEAR(volume(moved(cube_mesh(2), {1e5, 2e5, -1e5})), 8, 1e-9) << "far from the origin";
 }
 
-TEST(TriangleMesh, ShellsAreCountedOneByOne) {
+TEST(TriangleMesh, VolumesAreThoseOfEachShell) {
   const auto shells = shell_volumes(joined(cube_mesh(2), moved(inverted(cube_mesh(1)), {5, 0, 0})));
   ASSERT_EQ(shells.size(), 2u);
   EXPECT_NEAR(shells[0] + shells[1], 7, 1e-12);
   EXPECT_NEAR(std::min(shells[0], shells[1]), -1, 1e-12);
 }
 
-TEST(TriangleMesh, WeldsWhatLiesAtOnePlace) {
+TEST(TriangleMesh, WeldsVerticesOfEqualPosition) {
   const TriangleMesh mesh = icosphere(10, 2);
-  const TriangleMesh soup = torn(mesh);
+  const TriangleMesh soup = unwelded(mesh);
   EXPECT_EQ(edge_faults(soup).open, 3 * mesh.triangles.size());
   const TriangleMesh whole = welded(soup);
   EXPECT_EQ(whole.vertices.size(), mesh.vertices.size());
@@ -65,7 +65,7 @@ TEST(TriangleMesh, DropsTrianglesWithoutArea) {
 }
 
 TEST(TriangleMesh, MinusZeroIsZero) {
-  TriangleMesh mesh = torn(tetrahedron(1));
+  TriangleMesh mesh = unwelded(tetrahedron(1));
   for (auto& vertex : mesh.vertices) {
     if (vertex.x == 0) vertex.x = -0.0;
     if (vertex.z == 0 && vertex.y == 1) vertex.z = -0.0;
@@ -90,10 +90,10 @@ TEST(TriangleMesh, CountsFaultyEdges) {
   EXPECT_EQ(edge_faults(turned).opposite, 3u);
   EXPECT_EQ(edge_faults(turned).open, 0u);
   EXPECT_EQ(edge_faults(inverted(cube_mesh(1))).opposite, 0u)
-      << "inside out all over is no fault here";
+      << "consistently inside out is no edge fault";
 }
 
-TEST(TriangleMesh, BoundsHoldEveryTriangle) {
+TEST(TriangleMesh, BoundsContainEveryTriangle) {
   TriangleMesh mesh = moved(tetrahedron(2), {1, -1, 5});
   mesh.vertices.push_back({99, 99, 99});  // of no triangle
   const Box box = bounds(mesh);

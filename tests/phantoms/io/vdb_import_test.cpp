@@ -1,4 +1,4 @@
-// Level sets of other programs become phantoms; anything else is refused with one clear line.
+// Import of level sets of other programs: the phantoms made of them, and the refusals.
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "base/units.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/support/folder_test.h"
@@ -20,9 +21,9 @@
 namespace wobblebench::phantoms {
 namespace {
 
-using Grid = openvdb::FloatGrid;
+using Grid = FloatGrid;
 
-// A ball in the file's unit, as OpenVDB makes one: a band of three voxels.
+// A ball in the file's unit, made by OpenVDB, with a band of three voxels.
 Grid::Ptr ball(const std::string& name,
                double radius,
                const glm::dvec3& center = glm::dvec3(0),
@@ -71,7 +72,7 @@ TEST_F(VdbImport, TakesEveryLevelSetInMetres) {
   write({ball("head", 20, {100, -50, 300}),
          fog,
          ball("eye", 5, {105, -50, 290}),
-         openvdb::Int32Grid::create(3)});
+         openvdb::GridBase::createGrid(openvdb::Int32Grid::gridType())});
   PhantomOptions o = options();
   o.materials = {"fetal_skin", "vitreous"};
   o.background = "water";
@@ -93,20 +94,20 @@ TEST_F(VdbImport, TakesEveryLevelSetInMetres) {
   EXPECT_NEAR(grids[0]->voxelSize()[0], 0.5 * kMillimetre, 1e-12);
 }
 
-TEST_F(VdbImport, StandsBeforeTheProbeWhereverTheFileHasIt) {
+TEST_F(VdbImport, IsCentredBelowTheProbe) {
   write({ball("ball", 20, {100, -50, 300})});
   const Phantom phantom = make_phantom(options());
   const SurfaceFinder finder(phantom);
   const glm::dvec3 face = glm::dvec3(0, 0, 40 * kMillimetre) - phantom.suggested_position_m();
   const auto hit = finder.first_hit(face, {0, 0, 1}, 0, 0.2);
   ASSERT_TRUE(hit);
-  // The box that holds the negative voxels ends up to a voxel within the ball.
+  // The bounding box of the negative voxels is up to a voxel smaller than the ball.
   EXPECT_NEAR(hit->distance_m, 65 * kMillimetre, 0.501 * kMillimetre);
   for (double x = -15; x <= 15; x += 3.1) {
-    const auto there = finder.first_hit({x * kMillimetre, 0, -0.05}, {0, 0, 1}, 0, 0.1);
-    ASSERT_TRUE(there);
+    const auto hit_here = finder.first_hit({x * kMillimetre, 0, -0.05}, {0, 0, 1}, 0, 0.1);
+    ASSERT_TRUE(hit_here);
     const double half = std::sqrt(400 - x * x);
-    EXPECT_NEAR(there->distance_m, (50 - half) * kMillimetre, 0.06 * kMillimetre * 20 / half);
+    EXPECT_NEAR(hit_here->distance_m, (50 - half) * kMillimetre, 0.06 * kMillimetre * 20 / half);
   }
 }
 
@@ -145,7 +146,7 @@ TEST_F(VdbImport, GridsMayShareATree) {
   }
 }
 
-TEST_F(VdbImport, SignsWhatOthersLeaveUnsignedInside) {
+TEST_F(VdbImport, RestoresTheSignFarInside) {
   const Grid::Ptr grid = ball("ball", 20);
   for (auto tile = grid->beginValueOff(); tile; ++tile) tile.setValue(grid->background());
   write({grid});
@@ -164,8 +165,8 @@ TEST_F(VdbImport, IsWrittenAndReadAsAPhantom) {
   EXPECT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
   openvdb::io::File in(file("ours.vdb").string());
   in.open();
-  const auto painted = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
-  EXPECT_EQ(painted->tree().getValue(openvdb::Coord::round(painted->worldToIndex({0, 0, 0}))),
+  const auto materials = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
+  EXPECT_EQ(materials->tree().getValue(openvdb::Coord::round(materials->worldToIndex({0, 0, 0}))),
             material_index("soft_tissue"));
 }
 
@@ -173,16 +174,16 @@ TEST_F(VdbImport, TakesOurOwnFilesAsLevelSets) {
   PhantomOptions sphere;
   sphere.name = "sphere";
   write_phantom(make_phantom(sphere),
-                options().file);  // written as a stream, without places to go to
+                options().file);  // written as a stream, without grid offsets
   PhantomOptions o = options();
   o.unit_m = 1;
   const Phantom phantom = make_phantom(o);
   EXPECT_EQ(phantom.surfaces().at(0).name, "ball");
 }
 
-TEST_F(VdbImport, RefusesFilesThatAreNoVdb) {
+TEST_F(VdbImport, RefusesOtherFiles) {
   expect_refusal("no such file");
-  std::ofstream(options().file) << "level sets, honestly; many of them";
+  std::ofstream(options().file) << "a text, long enough to hold a header";
   expect_refusal("not a readable OpenVDB file");
   std::ofstream(options().file, std::ios::trunc).close();
   expect_refusal("not readable as a .vdb (it is empty)");
@@ -205,8 +206,7 @@ TEST_F(VdbImport, RefusesEveryTruncation) {
 }
 
 TEST_F(VdbImport, RefusesGridsWithoutASurface) {
-  auto empty = Grid::create(1.5f);
-  empty->setGridClass(openvdb::GRID_LEVEL_SET);
+  const Grid::Ptr empty = create_level_set(1.0, 1.5);
   empty->setName("nothing");
   write({empty});
   expect_refusal("grid \"nothing\" is empty");
@@ -223,7 +223,7 @@ TEST_F(VdbImport, RefusesValuesThatAreNoDistances) {
   write({nan});
   expect_refusal("grid \"nan\" holds a value that is not finite");
 
-  const Grid::Ptr voxels = ball("voxels", 20);  // distances in voxels, places in millimetres
+  const Grid::Ptr voxels = ball("voxels", 20);  // distances in voxels, positions in millimetres
   for (auto value = voxels->beginValueAll(); value; ++value) value.setValue(2 * *value);
   voxels->tree().root().setBackground(3, false);
   write({voxels});
@@ -238,7 +238,7 @@ TEST_F(VdbImport, RefusesValuesThatAreNoDistances) {
 TEST_F(VdbImport, RefusesOtherClassesTypesAndVoxels) {
   auto fog = ball("fog", 20);
   openvdb::tools::sdfToFogVolume(*fog);
-  auto ids = openvdb::Int32Grid::create(0);
+  const auto ids = openvdb::GridBase::createGrid(openvdb::Int32Grid::gridType());
   ids->setName("ids");
   write({fog, ids});
   expect_refusal("holds no float level set, but fog (float fog volume), ids (int32 unknown)");
@@ -261,7 +261,7 @@ TEST_F(VdbImport, RefusesOtherClassesTypesAndVoxels) {
   EXPECT_NE(refusal(options()), "accepted");
 }
 
-TEST_F(VdbImport, RefusesNamesThatTheFileOrTheTableDoesNotHold) {
+TEST_F(VdbImport, RefusesUnknownGridsMaterialsAndTargets) {
   write({ball("head", 20), ball("eye", 5)});
   PhantomOptions o = options();
   o.grids = {"heart"};
@@ -269,8 +269,8 @@ TEST_F(VdbImport, RefusesNamesThatTheFileOrTheTableDoesNotHold) {
             "grids = \"heart\": no such grid; the file holds head (float level set), "
             "eye (float level set)");
   o = options();
-  o.materials = {"cheese"};
-  EXPECT_EQ(refusal(o).rfind("materials = \"cheese\": must be one of water, amniotic_fluid, ", 0),
+  o.materials = {"unknown"};
+  EXPECT_EQ(refusal(o).rfind("materials = \"unknown\": must be one of water, amniotic_fluid, ", 0),
             0u);
   o.materials = {"fat", "fat", "muscle"};
   EXPECT_EQ(refusal(o), "materials = 3 names: takes 1, or one for each of head, eye");
@@ -281,7 +281,7 @@ TEST_F(VdbImport, RefusesNamesThatTheFileOrTheTableDoesNotHold) {
   expect_refusal("not printable UTF-8");
 }
 
-TEST_F(VdbImport, RefusesSizesBeyondSense) {
+TEST_F(VdbImport, RefusesSizesOutOfRange) {
   write({ball("ball", 260, {}, 5)});
   expect_refusal("more than 500: is unit_mm right?");
   PhantomOptions metres = options();
@@ -291,10 +291,10 @@ TEST_F(VdbImport, RefusesSizesBeyondSense) {
   expect_refusal("less than 4 voxels of 1.5 mm");
 }
 
-TEST_F(VdbImport, SaysTheMemoryThatAFileWouldTakeBeforeReadingIt) {
+TEST_F(VdbImport, RefusesTooMuchMemoryBeforeReading) {
   const Grid::Ptr grid = ball("ball", 20);
   openvdb::io::File out(options().file);
-  out.setGridStatsMetadataEnabled(false);  // or OpenVDB would put in the truth
+  out.setGridStatsMetadataEnabled(false);  // or OpenVDB would overwrite the entry
   grid->insertMeta(openvdb::GridBase::META_FILE_MEM_BYTES, openvdb::Int64Metadata(7'500'000'000));
   out.write(openvdb::GridCPtrVec{grid});
   expect_refusal("would take about 7.5 GB of memory; at most 4 GB are allowed");

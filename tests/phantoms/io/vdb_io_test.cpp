@@ -1,4 +1,4 @@
-// What is written is what is read; anything else is refused with one clear line.
+// Phantoms written to and read from .vdb files, and the refusals of other files.
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -13,6 +13,7 @@
 #include <set>
 #include <tuple>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 
@@ -51,7 +52,7 @@ class VdbFile : public testing::Test {
     return "accepted";
   }
 
-  // Rewrites the file after `change` has had its way with it.
+  // Reads the file, applies `change` and writes it again.
   void rewrite(const std::function<void(openvdb::GridPtrVec&, openvdb::MetaMap&)>& change) const {
     openvdb::io::File in(file().string());
     in.open(/*delayLoad=*/false);
@@ -117,7 +118,7 @@ TEST_F(VdbFile, IsReadByName) {
   options.name = "file";
   options.file = file().string();
   EXPECT_EQ(make_phantom(options).name(), "sphere");
-  EXPECT_FALSE(make_phantom(options).joint()) << "a ball has no head";
+  EXPECT_FALSE(make_phantom(options).joint()) << "a sphere has no head";
 }
 
 TEST_F(VdbFile, RefusesAJointThatCannotTurn) {
@@ -129,17 +130,17 @@ TEST_F(VdbFile, RefusesAJointThatCannotTurn) {
   expect_refusal("has no metadata \"joint_outer_m\"");
 }
 
-TEST_F(VdbFile, MaterialGridIsPaintedInOrder) {
+TEST_F(VdbFile, MaterialGridIsInPaintersOrder) {
   PhantomOptions options;
   options.voxel_m = 1e-3;
   const Phantom phantom = make_phantom(options);
   write_phantom(phantom, file());
   openvdb::io::File in(file().string());
   in.open();
-  const auto painted = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
-  ASSERT_TRUE(painted);
-  const auto tree = painted->getConstAccessor();
-  std::vector<openvdb::FloatGrid::ConstAccessor> distances;
+  const auto materials = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
+  ASSERT_TRUE(materials);
+  const auto tree = materials->getConstAccessor();
+  std::vector<FloatGrid::ConstAccessor> distances;
   for (const auto& grid : phantom.grids().signed_distance) {
     distances.push_back(grid->getConstAccessor());
   }
@@ -164,15 +165,15 @@ TEST_F(VdbFile, RefusesAMissingFile) {
   expect_refusal("no such file");
 }
 
-TEST_F(VdbFile, RefusesWhatIsNoVdb) {
-  std::ofstream(file()) << "a phantom, honestly";
+TEST_F(VdbFile, RefusesOtherFiles) {
+  std::ofstream(file()) << "not an OpenVDB file";
   expect_refusal("not a readable OpenVDB file");
   std::ofstream(file(), std::ios::trunc);
   expect_refusal("not a readable OpenVDB file");
 }
 
-TEST_F(VdbFile, RefusesAVdbOfSomebodyElse) {
-  openvdb::io::File(file().string()).write({openvdb::FloatGrid::create(1.0f)});
+TEST_F(VdbFile, RefusesAVdbOfAnotherProgram) {
+  openvdb::io::File(file().string()).write({openvdb::GridBase::createGrid(FloatGrid::gridType())});
   expect_refusal("not a phantom");
   expect_refusal("name = \"vdb\" imports level sets of others");
 }
@@ -192,7 +193,7 @@ TEST_F(VdbFile, RefusesAWrongGridClass) {
 TEST_F(VdbFile, RefusesAWrongGridType) {
   write_phantom(small_phantom(), file());
   rewrite([](auto& grids, auto&) {
-    grids[0] = openvdb::DoubleGrid::create(1.0);
+    grids[0] = openvdb::GridBase::createGrid(openvdb::DoubleGrid::gridType());
     grids[0]->setName("ball");
   });
   expect_refusal("not a float grid");
@@ -201,7 +202,7 @@ TEST_F(VdbFile, RefusesAWrongGridType) {
 TEST_F(VdbFile, RefusesNaN) {
   write_phantom(small_phantom(), file());
   rewrite([](auto& grids, auto&) {
-    openvdb::gridPtrCast<openvdb::FloatGrid>(grids[0])->tree().setValue(
+    openvdb::gridPtrCast<FloatGrid>(grids[0])->tree().setValue(
         {8, 0, 0}, std::numeric_limits<float>::quiet_NaN());
   });
   expect_refusal("not finite");
@@ -237,7 +238,7 @@ TEST_F(VdbFile, RefusesEveryTruncation) {
   }
 }
 
-TEST_F(VdbFile, SaysWhereItCannotWrite) {
+TEST_F(VdbFile, NamesThePathThatCannotBeWritten) {
   const fs::path nowhere = folder_ / "no" / "such" / "folder.vdb";
   try {
     write_phantom(small_phantom(), nowhere);
@@ -249,7 +250,7 @@ TEST_F(VdbFile, SaysWhereItCannotWrite) {
   EXPECT_THROW(write_phantom(small_phantom(), file()), std::runtime_error);
 }
 
-TEST_F(VdbFile, RefusesNamesThatNoReportCanHold) {
+TEST_F(VdbFile, RefusesUnprintableText) {
   for (const std::string key :
        {"phantom", "surface.0.name", "material.1.name", "material.1.source"}) {
     for (const std::string text : {"\xff", "a\nb"}) {
@@ -260,16 +261,16 @@ TEST_F(VdbFile, RefusesNamesThatNoReportCanHold) {
   }
 }
 
-TEST_F(VdbFile, LeavesNoHalfFileWhenTheDiskIsFull) {
+TEST_F(VdbFile, RemovesTheFileWhenTheDiskIsFull) {
   write_phantom(small_phantom(), file());
   const auto whole = fs::file_size(file());
   rlimit unlimited{};
   getrlimit(RLIMIT_FSIZE, &unlimited);
   auto* const before = std::signal(SIGXFSZ, SIG_IGN);
   for (const std::uintmax_t missing : {std::uintmax_t{1}, std::uintmax_t{100}, whole / 2, whole}) {
-    rlimit little = unlimited;
-    little.rlim_cur = whole - missing;
-    setrlimit(RLIMIT_FSIZE, &little);
+    rlimit limit = unlimited;
+    limit.rlim_cur = whole - missing;
+    setrlimit(RLIMIT_FSIZE, &limit);
     std::string reason = "no error";
     try {
       write_phantom(small_phantom(), file());
@@ -278,7 +279,7 @@ TEST_F(VdbFile, LeavesNoHalfFileWhenTheDiskIsFull) {
     }
     setrlimit(RLIMIT_FSIZE, &unlimited);
     EXPECT_EQ(reason.rfind(file().string() + ": ", 0), 0u) << reason;
-    EXPECT_TRUE(fs::is_empty(folder_)) << "no half file is left";
+    EXPECT_TRUE(fs::is_empty(folder_)) << "no partial file is left";
   }
   std::signal(SIGXFSZ, before);
 }

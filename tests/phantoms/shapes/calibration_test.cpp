@@ -1,4 +1,4 @@
-// The staircase, the cyst and the plate against closed forms.
+// Steps, cyst and bone plate against closed forms.
 #include <gtest/gtest.h>
 #include <openvdb/math/Stencils.h>
 
@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/units.h"
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "phantoms/truth.h"
@@ -31,7 +32,7 @@ std::string refusal(const PhantomOptions& options) {
   return "accepted";
 }
 
-TEST(Steps, LieWhereTheirHeightsSay) {
+TEST(Steps, LieAtTheirHeights) {
   const Phantom phantom = make_phantom(named("steps"));
   const SurfaceFinder finder(phantom);
   // Six treads 11 mm wide; 1, 2, 3, 5, 8 mm add up.
@@ -50,7 +51,7 @@ TEST(Steps, LieWhereTheirHeightsSay) {
   }
 }
 
-TEST(Steps, RisersStandUpright) {
+TEST(Steps, RisersAreVertical) {
   const Phantom phantom = make_phantom(named("steps"));
   const SurfaceFinder finder(phantom);
   // Along +x, 4 mm above the fifth tread (z = -11 mm): the last riser at x = 22 mm.
@@ -75,7 +76,7 @@ TEST(Steps, TakeOtherHeights) {
   EXPECT_LT(phantom.region_of_interest().low.z, -12.7 * kMillimetre);
 }
 
-TEST(Steps, RefuseWhatIsNoStaircase) {
+TEST(Steps, RefuseInvalidHeights) {
   PhantomOptions options = named("steps");
   options.step_heights_m = {};
   EXPECT_EQ(refusal(options), "step_heights_mm = 0 numbers: takes 1 to 20 numbers");
@@ -110,7 +111,7 @@ TEST(Cyst, IsABallOfFluidInTissue) {
   }
 }
 
-TEST(Cyst, PictureStartsInItsFluid) {
+TEST(Cyst, RegionOfInterestStartsInItsFluid) {
   for (double radius_mm : {2.0, 20.0, 60.0}) {
     PhantomOptions options = named("cyst");
     options.radius_m = radius_mm * kMillimetre;
@@ -126,7 +127,7 @@ TEST(Cyst, PictureStartsInItsFluid) {
 // Trilinear distance of the only surface.
 double distance_at(const Phantom& phantom, const glm::dvec3& p) {
   const auto& grid = *phantom.grids().signed_distance[0];
-  openvdb::math::BoxStencil<const openvdb::FloatGrid> stencil(grid);
+  openvdb::math::BoxStencil<const FloatGrid> stencil(grid);
   const openvdb::Vec3d index = grid.worldToIndex({p.x, p.y, p.z});
   stencil.moveTo(index);
   return stencil.interpolation(index);
@@ -134,7 +135,7 @@ double distance_at(const Phantom& phantom, const glm::dvec3& p) {
 
 class BonePlate : public testing::TestWithParam<double> {};
 
-TEST_P(BonePlate, IsAsThickAndAsTiltedAsAsked) {
+TEST_P(BonePlate, HasItsThicknessAndTilt) {
   PhantomOptions options = named("bone_plate", 0.25);
   options.thickness_m = 4 * kMillimetre;
   options.tilt_x_rad = GetParam();
@@ -164,7 +165,7 @@ TEST_P(BonePlate, IsAsThickAndAsTiltedAsAsked) {
 
 INSTANTIATE_TEST_SUITE_P(Tilts, BonePlate, testing::Values(0.0, 0.35, -0.6));
 
-TEST(BonePlateOptions, RefuseVoxelsThatLoseIt) {
+TEST(BonePlateOptions, RefuseVoxelsThatDoNotResolveIt) {
   PhantomOptions options = named("bone_plate", 2);
   EXPECT_EQ(refusal(options), "voxel_mm = 2: must be at most 1.5 for the phantom bone_plate");
 }

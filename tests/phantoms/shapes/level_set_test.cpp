@@ -1,4 +1,4 @@
-// The grids are what other OpenVDB tools take for level sets.
+// Properties of the built grids as level sets: signed, unit gradient, deterministic.
 #include "phantoms/shapes/level_set.h"
 
 #include <gtest/gtest.h>
@@ -8,18 +8,19 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
-struct Steepness {
+struct GradientError {
   double mean_deviation = 0;  // of |gradient| from 1
   double share_beyond = 0;    // of voxels that deviate by more than 0.1
 };
 
 // Central differences over active voxels whose neighbours are active too.
-Steepness steepness(const openvdb::FloatGrid& grid) {
+GradientError gradient_error(const FloatGrid& grid) {
   const auto tree = grid.getConstAccessor();
   const double twice_m = 2 * grid.voxelSize()[0];
   double deviations = 0, count = 0, beyond = 0;
@@ -48,22 +49,22 @@ TEST(LevelSet, FetalGridsHoldDistances) {
   options.voxel_m = 0.5e-3;
   const Phantom phantom = make_phantom(options);
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const openvdb::FloatGrid& grid = *phantom.grids().signed_distance[i];
+    const FloatGrid& grid = *phantom.grids().signed_distance[i];
     SCOPED_TRACE(phantom.surfaces()[i].name);
     EXPECT_EQ(grid.getGridClass(), openvdb::GRID_LEVEL_SET);
     EXPECT_EQ(grid.getName(), phantom.surfaces()[i].name);
     EXPECT_NEAR(grid.background(), kHalfWidthVoxels * options.voxel_m, 1e-9);
-    const Steepness steep = steepness(grid);
-    // Creases and medial axes have no gradient of 1: few, except between the strands of the cord
-    // and about the rim where the mother's tissues are cut off beside the probe.
+    const GradientError error = gradient_error(grid);
+    // At creases and medial axes |gradient| is not 1: few voxels, except between the strands of the
+    // cord and at the rim where the maternal tissues end beside the probe.
     const std::string& name = phantom.surfaces()[i].name;
     const bool creased = name == "cord" || name.starts_with("maternal_");
-    EXPECT_LT(steep.mean_deviation, creased ? 0.04 : 0.02);
-    EXPECT_LT(steep.share_beyond, creased ? 0.06 : 0.03);
+    EXPECT_LT(error.mean_deviation, creased ? 0.04 : 0.02);
+    EXPECT_LT(error.share_beyond, creased ? 0.06 : 0.03);
   }
 }
 
-TEST(LevelSet, RenormalisedDistancesAreTrue) {
+TEST(LevelSet, RenormalisedValuesAreDistances) {
   // A ball whose function is up to 1.4 times too steep at one pole and 0.6 times at the other.
   constexpr double kRadius = 20e-3, kVoxel = 0.5e-3;
   const auto distorted = [](const glm::dvec3& p) {
@@ -85,7 +86,7 @@ TEST(LevelSet, RenormalisedDistancesAreTrue) {
   EXPECT_LT(worst, 0.3);
 }
 
-TEST(LevelSet, InsideIsNegativeBeyondTheBand) {
+TEST(LevelSet, IsNegativeInsideBeyondTheBand) {
   PhantomOptions options;
   options.name = "sphere";
   const Phantom phantom = make_phantom(options);

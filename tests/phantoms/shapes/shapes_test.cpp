@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "phantoms/shapes/sculpture.h"
+#include "phantoms/shapes/csg_body.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -22,7 +22,7 @@ class Shapes : public testing::Test {
   std::mt19937 random_{7};
 };
 
-// Nearest of many balls along the axis.
+// Minimum over many balls along the axis.
 double brute_round_cone(const glm::dvec3& p, const TubePoint& a, const TubePoint& b) {
   double nearest = 1e9;
   for (int i = 0; i <= 4000; ++i) {
@@ -34,7 +34,7 @@ double brute_round_cone(const glm::dvec3& p, const TubePoint& a, const TubePoint
   return nearest;
 }
 
-TEST_F(Shapes, TubeIsTheHullOfItsBalls) {
+TEST_F(Shapes, TubeIsTheConvexHullOfItsBalls) {
   for (int i = 0; i < 500; ++i) {
     const TubePoint a{point(1), number(0, 0.4)}, b{point(1), number(0, 0.4)};
     const glm::dvec3 p = point(2);
@@ -49,7 +49,7 @@ TEST_F(Shapes, SmoothTubePassesThroughItsPoints) {
   for (const TubePoint& point : points) EXPECT_LE(tube.distance(point.center), -point.radius_m);
 }
 
-TEST_F(Shapes, BoundsHoldTheirShapes) {
+TEST_F(Shapes, BoundsContainTheirShapes) {
   for (int i = 0; i < 200; ++i) {
     const Tube tube{{{point(1), number(0, 0.4)}, {point(1), number(0, 0.4)}}};
     const Ellipsoid ellipsoid{point(1), {number(0.1, 1), number(0.1, 1), number(0.1, 1)}};
@@ -75,7 +75,7 @@ TEST_F(Shapes, EllipsoidIsExactForABallAndOnItsSurface) {
   }
 }
 
-TEST_F(Shapes, FilletsActOnlyNearTheEdge) {
+TEST_F(Shapes, FilletsActNearTheEdgeOnly) {
   EXPECT_DOUBLE_EQ(smooth_union(1, 3, 1), 1);
   EXPECT_DOUBLE_EQ(smooth_union(1, 1, 1), 0.75);
   EXPECT_DOUBLE_EQ(smooth_union(1, 2, 0), 1);
@@ -83,14 +83,14 @@ TEST_F(Shapes, FilletsActOnlyNearTheEdge) {
   EXPECT_DOUBLE_EQ(smooth_difference(-2, -3, 0), 3);
 }
 
-TEST_F(Shapes, SculptureIsTheFoldOfItsStrokes) {
+TEST_F(Shapes, CsgBodyAppliesItsOperationsInOrder) {
   const Ellipsoid body{{0, 0, 0}, glm::dvec3(1)};
   const Tube horn{{{{0.8, 0, 0}, 0.3}, {{1.6, 0.4, 0}, 0.1}}};
   const Ellipsoid hollow{{0.4, 0.9, 0}, glm::dvec3(0.4)};
-  Sculpture sculpture;
-  sculpture.add(body, 0);
-  sculpture.add_pair(horn, 0.2);
-  sculpture.carve_pair(hollow, 0.1);
+  CsgBody csg;
+  csg.unite(body, 0);
+  csg.unite_pair(horn, 0.2);
+  csg.subtract_pair(hollow, 0.1);
   const glm::dvec3 flip{-1, 1, 1};
   for (int i = 0; i < 2000; ++i) {
     const glm::dvec3 p = point(2.5);
@@ -98,11 +98,11 @@ TEST_F(Shapes, SculptureIsTheFoldOfItsStrokes) {
     expected = smooth_union(expected, horn.distance(flip * p), 0.2);
     expected = smooth_difference(expected, hollow.distance(p), 0.1);
     expected = smooth_difference(expected, hollow.distance(flip * p), 0.1);
-    ASSERT_NEAR(sculpture.distance(p), expected, 1e-12);
+    ASSERT_NEAR(csg.distance(p), expected, 1e-12);
   }
 }
 
-TEST_F(Shapes, MirrorTurnsAxesToo) {
+TEST_F(Shapes, MirrorReflectsTheAxes) {
   const double c = std::cos(0.4), s = std::sin(0.4);
   const Ellipsoid tilted{{0.5, 0.2, 0.1}, {1, 0.4, 0.3}, {c, -s, 0, s, c, 0, 0, 0, 1}};
   const Ellipsoid other = std::get<Ellipsoid>(mirrored(tilted));

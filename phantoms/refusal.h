@@ -1,19 +1,13 @@
-// What every refusal of this room throws.
+// Construction of InvalidPhantom, and the range check of options.
 #pragma once
 
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "base/options.h"
+#include "phantoms/options.h"
 
 namespace wobblebench::phantoms {
-
-/// Options or a file that no phantom can be made of; what() is one line.
-class InvalidPhantom : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
 
 /// "KEY = VALUE: ALLOWED".
 inline InvalidPhantom refusal(const std::string& key,

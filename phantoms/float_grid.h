@@ -1,0 +1,37 @@
+// OpenVDB's grid of floats, and the operations on it that take seconds to compile: they are
+// instantiated in float_grid.cpp only. Heavy: include it from .cpp files only.
+#pragma once
+
+#include <openvdb/Grid.h>
+
+#include <glm/vec3.hpp>
+
+#include "phantoms/float_grid_fwd.h"
+
+namespace wobblebench::phantoms {
+
+/// Registers OpenVDB's grid and metadata types, for reading and writing files. May be called often
+/// and from any thread.
+void initialize_openvdb();
+
+/// An empty level set on cubic voxels, a voxel's centre at the origin. Create and copy float grids
+/// by these two functions: FloatGrid::create() and deepCopy() make a .cpp instantiate all input and
+/// output of trees, 8 s of compile time.
+[[nodiscard]] FloatGrid::Ptr create_level_set(double voxel_m, double background_m);
+[[nodiscard]] FloatGrid::Ptr deep_copy(const FloatGrid& grid);
+
+enum class Neighbours { faces, faces_and_edges };
+
+/// The level set with its narrow band widened by `layers` layers of voxels; the new distances are
+/// first order (fast sweeping: Zhao, Math. Comp. 74, 603, 2004). Over faces alone a band grows by
+/// less than a voxel per layer along diagonals.
+[[nodiscard]] FloatGrid::Ptr widen_band(const FloatGrid& grid, int layers, Neighbours neighbours);
+
+inline openvdb::Vec3d to_vdb(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
+inline glm::dvec3 to_glm(const openvdb::Vec3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+}  // namespace wobblebench::phantoms

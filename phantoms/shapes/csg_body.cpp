@@ -1,0 +1,61 @@
+#include "phantoms/shapes/csg_body.h"
+
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace wobblebench::phantoms {
+namespace {
+
+double shape_distance(const Shape& shape, const glm::dvec3& position) {
+  return std::visit([&](const auto& s) { return s.distance(position); }, shape);
+}
+
+}  // namespace
+
+Shape mirrored(const Shape& shape) {
+  const glm::dvec3 flip{-1, 1, 1};
+  if (const auto* ellipsoid = std::get_if<Ellipsoid>(&shape)) {
+    Ellipsoid other = *ellipsoid;
+    other.center *= flip;
+    // to_axes may contain a reflection: an ellipsoid is symmetric about its own axes.
+    other.to_axes[0] *= -1;
+    return other;
+  }
+  Tube other = std::get<Tube>(shape);
+  for (TubePoint& point : other.points) point.center *= flip;
+  return other;
+}
+
+void CsgBody::unite_pair(const Shape& shape, double fillet_m) {
+  unite(shape, fillet_m);
+  unite(mirrored(shape), fillet_m);
+}
+
+void CsgBody::subtract_pair(const Shape& shape, double fillet_m) {
+  subtract(shape, fillet_m);
+  subtract(mirrored(shape), fillet_m);
+}
+
+CsgBody::Operation CsgBody::operation(const Shape& shape, double fillet_m, bool is_difference) {
+  return {
+      shape, fillet_m, is_difference, std::visit([](const auto& s) { return s.bound(); }, shape)};
+}
+
+double CsgBody::distance(const glm::dvec3& position) const {
+  double body = std::numeric_limits<double>::infinity();
+  for (const Operation& operation : operations_) {
+    const double lower_bound =
+        glm::length(position - operation.bound.center) - operation.bound.radius_m;
+    // A fillet has an effect only where the two distances differ by less than its size.
+    if (operation.is_difference) {
+      if (lower_bound > operation.fillet_m - body) continue;
+      body = smooth_difference(body, shape_distance(operation.shape, position), operation.fillet_m);
+    } else {
+      if (lower_bound > body + operation.fillet_m) continue;
+      body = smooth_union(body, shape_distance(operation.shape, position), operation.fillet_m);
+    }
+  }
+  return body;
+}
+
+}  // namespace wobblebench::phantoms
