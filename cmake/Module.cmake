@@ -27,9 +27,12 @@ function(wobblebench_precompile target)
   endif()
 endfunction()
 
-# wobblebench_precompile_for(TARGET "a.cpp;…" HEADER…): in every build, parses the headers once for these
-# sources of the target, which include them, and leaves its other sources alone.
+# wobblebench_precompile_for(TARGET "a.cpp;…" HEADERS…): likewise for these sources of the target, which include
+# the headers; its other sources do without.
 function(wobblebench_precompile_for target users)
+  if(NOT WOBBLEBENCH_PRECOMPILE)
+    return()
+  endif()
   get_target_property(others ${target} SOURCES)
   list(REMOVE_ITEM others ${users})
   set_source_files_properties(${others} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

@@ -37,9 +37,9 @@ double seconds(hw::DeviceTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-std::vector<phantoms::Moment> moments_of_first_volume(const phantoms::Motion& motion,
+std::vector<phantoms::Deformation> moments_of_first_volume(const phantoms::Motion& motion,
                                                       const hw::AcquisitionPlan& plan) {
-  std::vector<phantoms::Moment> moments;
+  std::vector<phantoms::Deformation> moments;
   if (motion.still()) return moments;
   const auto& acquisition = plan.acquisition();
   for (std::uint32_t f = 0; f < static_cast<std::uint32_t>(acquisition.frames_per_volume); ++f) {
@@ -65,7 +65,7 @@ ScannedSurfaces::ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                             in_phantom(view.box, subject.placement),
                             seconds(plan.volume_end_time(0)))),
       finder_(subject.phantom, reach_m, bounds_.at_rest),
-      moments_(std::make_shared<const std::vector<phantoms::Moment>>(
+      moments_(std::make_shared<const std::vector<phantoms::Deformation>>(
           moments_of_first_volume(subject.motion, plan))) {}
 
 hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {

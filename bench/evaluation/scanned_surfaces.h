@@ -48,7 +48,7 @@ class ScannedSurfaces {
     double at_m = 0;
     hw::StickIndex stick;
     glm::dvec3 rest_m{0};
-    std::vector<double> distance_m;  ///< to each target, as cautious_distance() gives it
+    std::vector<double> distance_m;  ///< to each target, as distance_bound() gives it
   };
 
   glm::dvec3 to_rest(const glm::dvec3& position_m, const hw::StickIndex& stick) const;
@@ -78,7 +78,7 @@ class ScannedSurfaces {
   MotionBounds bounds_;
   phantoms::SurfaceFinder finder_;
   /// The motion at the time of each stick, [frame * lines + line]; empty for a still phantom.
-  std::shared_ptr<const std::vector<phantoms::Moment>> moments_;
+  std::shared_ptr<const std::vector<phantoms::Deformation>> moments_;
 };
 
 }  // namespace wobblebench::bench

@@ -24,7 +24,7 @@ void ScannedSurfaces::sample(const hw::Ray& ray, double at_m, RaySample& sample)
   sample.rest_m = to_rest(position, sample.stick);
   sample.distance_m.clear();
   for (int target = 0; target < finder_.targets(); ++target) {
-    sample.distance_m.push_back(finder_.cautious_distance(target, sample.rest_m));
+    sample.distance_m.push_back(finder_.distance_bound(target, sample.rest_m));
   }
 }
 
