@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hw/probe/acquisition_plan.h"
 #include "sim/beam/point_spread.h"
 #include "sim/math/simd.h"
+#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Of the wide loop; nodes are padded to whole multiples.
+/// Of the vectorised loop; nodes are padded to multiples of it.
 constexpr std::size_t kLanes = 16;
 
 /// A Rayleigh envelope's mean is sqrt(pi)/2 of its RMS; the material table gives means.
@@ -20,7 +22,7 @@ float squared(double x) {
   return static_cast<float>(x * x);
 }
 
-/// What surface `layer` is painted over at node `n`.
+/// Material outside the surface of `layer` at node `n`, by the layers before it.
 phantoms::MaterialIndex material_beneath(const StickTrack& track,
                                          const TrackPiece& piece,
                                          int layer,
@@ -34,11 +36,11 @@ phantoms::MaterialIndex material_beneath(const StickTrack& track,
   return material;
 }
 
-/// Is the node behind the surface, and not so far that another part of it is meant?
-bool is_just_behind(const TissueMap::LineNode& node) {
-  constexpr float kSamePlace_m = 2e-3F;
+/// True if the node is behind the surface, and close enough to belong to this crossing.
+bool is_just_behind(const TrackNode& node) {
+  constexpr float kSameCrossing_m = 2e-3F;
   return (node.axial < 0) == (node.value_m < 0) &&
-         std::abs(node.value_m) < kSamePlace_m * std::abs(node.axial);
+         std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
 
 }  // namespace
@@ -52,13 +54,13 @@ double mean_power_gain(const SimulationOptions& options) {
 }
 
 struct NodeKernels {
-  /// Rough interfaces echo as diffuse_echo() says, in single precision.
-  WOBBLEBENCH_SIMD static void scale(const TissueMap::LineNode* __restrict surfaces,
+  /// The interface's power is that of diffuse_echo(), in single precision.
+  WOBBLEBENCH_SIMD static void scale(const TrackNode* __restrict surfaces,
                                      const BeamNodes::Widths* __restrict beam,
                                      const BeamNodes::Crossing* __restrict crossed,
                                      float pulse2,
-                                     float most2,
-                                     float sheet_gain,
+                                     float max2,
+                                     float interface_gain,
                                      std::size_t count,
                                      BeamNodes::Node* __restrict nodes) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -68,7 +70,7 @@ struct NodeKernels {
       const float width2 =
           pulse2 * axial2 + beam[i].lateral2 * lateral2 + beam[i].elevation2 * elevation2;
       const float least = width2 < 1e-12f ? 1e-12f : width2;
-      const float width = std::sqrt(least > most2 ? most2 : least);
+      const float width = std::sqrt(least > max2 ? max2 : least);
       const float slope2 = axial2 + lateral2 + elevation2;
       const float cos2 = axial2 / (slope2 < 1e-12f ? 1e-12f : slope2);
       const float cosine = std::sqrt(cos2);
@@ -78,9 +80,10 @@ struct NodeKernels {
       const float through = crossed[i].impedance_before * cos_through;
       const float reflected = sin2_through >= 1.0f ? 1.0f : (in - through) / (in + through);
       const float mean = crossed[i].roughness * reflected * cosine;
-      // A sheet has its peak from the pulse alone; a wider footprint spreads it along the stick.
-      nodes[i].depth = surfaces[i].value_m / width;
-      nodes[i].sheet = sheet_gain * mean * mean * std::sqrt(axial2) / width;
+      // At normal incidence the pulse alone gives the peak; an oblique footprint spreads the echo
+      // along the stick.
+      nodes[i].distance_sigmas = surfaces[i].value_m / width;
+      nodes[i].interface_power = interface_gain * mean * mean * std::sqrt(axial2) / width;
     }
   }
 };
@@ -95,8 +98,9 @@ BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
       interface_echo_(options.interface_echo),
       spacing_m_(spacing_m),
       pulse2_(squared(power_sigma(axial_fwhm_m(plan)))),
-      most2_(squared(reach_m / kReachSigmas)),
-      sheet_gain_(static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))) {
+      max2_(squared(reach_m / kReachSigmas)),
+      interface_gain_(
+          static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))) {
   for (int i = 0; i < samples; ++i) {
     const double range_m = (i + 0.5) * spacing_m;
     widths_.push_back({squared(power_sigma(lateral_fwhm_m(plan, range_m))),
@@ -125,8 +129,8 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
                      beam_.data(),
                      crossed_.data(),
                      pulse2_,
-                     most2_,
-                     sheet_gain_,
+                     max2_,
+                     interface_gain_,
                      count,
                      nodes_.data());
   if (interface_echo_) restore_fronts(track, losses);
@@ -144,7 +148,7 @@ void BeamNodes::look_up(const StickTrack& track) {
       const Crossing* entering = &crossing(piece.base, surface.inside);
       const Crossing* leaving = &crossing(surface.inside, piece.base);
       const auto first = static_cast<std::size_t>(surface.first_node);
-      const TissueMap::LineNode* nodes = track.nodes.data() + first;
+      const TrackNode* nodes = track.nodes.data() + first;
       Widths* beam = beam_.data() + first;
       Crossing* crossed = crossed_.data() + first;
       for (int n = 0; n < piece.nodes; ++n) {
@@ -164,18 +168,18 @@ void BeamNodes::look_up(const StickTrack& track) {
 }
 
 void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
-  const auto& left = losses.left();
-  const int end = static_cast<int>(left.size());
+  const auto& remaining = losses.left();
+  const int end = static_cast<int>(remaining.size());
   for (const Front& front : fronts_) {
-    const TissueMap::LineNode& node = track.nodes[front.node];
+    const TrackNode& node = track.nodes[front.node];
     const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
     const auto here = static_cast<int>(losses.apparent_m(track, front.range_m) / spacing_m_);
     const int before =
         losses.samples_before(losses.apparent_m(track, front.range_m + to_surface_m)) - 1;
     if (before < 0 || before >= end || here >= end) continue;
     const float gain =
-        left[static_cast<std::size_t>(before)] / left[static_cast<std::size_t>(here)];
-    nodes_[front.node].sheet *= gain * gain;
+        remaining[static_cast<std::size_t>(before)] / remaining[static_cast<std::size_t>(here)];
+    nodes_[front.node].interface_power *= gain * gain;
   }
 }
 

@@ -1,33 +1,44 @@
-// The surfaces around a stick as the beam meets them: at each node of a track, how deep in the beam
-// a surface lies, and what its rough interface sends back.
+// Surfaces near a stick relative to the beam: at each node of a track, the distance to the surface
+// over the beam's width, and the echo power of its rough interface.
 #pragma once
 
-#include <span>
+#include <cstddef>
 #include <vector>
 
-#include "sim/receive/losses.h"
 #include "sim/tissue/stick_track.h"
+
+namespace wobblebench::hw {
+class AcquisitionPlan;
+}
+
+namespace wobblebench::phantoms {
+struct Material;
+}
 
 namespace wobblebench::sim {
 
-/// Sigma of the power under an amplitude response of this width.
+struct SimulationOptions;
+class StickLosses;
+
+/// Sigma of the power of a Gaussian amplitude response of this full width at half maximum.
 double power_sigma(double amplitude_fwhm);
-/// Mean power over the square of the mean envelope that the material table gives: with speckle,
-/// that of a Rayleigh envelope.
+/// Mean power over the squared mean envelope, which the material table gives: with speckle that of
+/// a Rayleigh envelope, without 1.
 double mean_power_gain(const SimulationOptions& options);
 
 class BeamNodes {
  public:
   struct Node {
-    float depth = 0;  ///< distance to the surface over the beam's width along its normal
-    float sheet = 0;  ///< mean power of the rough interface's speckle, at its peak
+    float distance_sigmas =
+        0;  ///< to the surface, over the sigma of the beam's power along its normal
+    float interface_power = 0;  ///< peak of the mean power of the rough interface's speckle
   };
 
-  /// A surface farther away than this many sigmas of the beam's power is not asked for.
+  /// Surfaces farther away than this many sigmas of the beam's power are ignored.
   static constexpr double kReachSigmas = 3;
 
-  /// `reach_m`: distances to surfaces are known this far; where the beam is wider than they allow,
-  /// it is narrowed to it.
+  /// `reach_m`: largest distance to a surface that tracks contain; where kReachSigmas of the beam
+  /// are wider, the beam is narrowed to it.
   BeamNodes(const hw::AcquisitionPlan& plan,
             const SimulationOptions& options,
             const std::vector<phantoms::Material>& materials,
@@ -35,10 +46,10 @@ class BeamNodes {
             int samples,
             double reach_m);
 
-  /// For one stick; reuses what the last one needed.
+  /// Computes the nodes of one stick; reuses the memory of the last.
   void compute(const StickTrack& track, const StickLosses& losses);
 
-  /// The nodes of a layer, and at least one more.
+  /// The nodes of a layer; at least one more can be read behind them.
   const Node* of(const TrackLayer& layer) const { return nodes_.data() + layer.first_node; }
 
  private:
@@ -46,15 +57,15 @@ class BeamNodes {
     float lateral2 = 0;  ///< squared sigma of the two-way power
     float elevation2 = 0;
   };
-  /// An interface, from the side that sound comes from.
+  /// An interface, seen from the side from which the sound arrives.
   struct Crossing {
     float impedance_before = 1;
     float impedance_behind = 1;
     float speed_ratio2 = 1;  ///< behind over before, squared
-    float roughness = 0;     ///< 0: no interface
+    float roughness = 0;     ///< diffuse share of the echo; 0: no echo
   };
-  /// A node just behind its surface. The sheet is reached with what is left before it; what is left
-  /// at the node has lost its transmission.
+  /// A node just behind its surface, where the transmission loss has already been applied. The
+  /// interface's echo has to be scaled by the amplitude before it.
   struct Front {
     std::size_t node;
     double range_m;
@@ -71,14 +82,14 @@ class BeamNodes {
   std::size_t materials_;
   bool interface_echo_;
   double spacing_m_;
-  float pulse2_;                     ///< squared sigma of the pulse's power
-  float most2_;                      ///< squared sigma that the reach allows
-  float sheet_gain_;                 ///< of a sheet's power, by the pulse and its statistics
-  std::vector<Widths> widths_;       ///< at each sample
+  float pulse2_;                ///< squared sigma of the pulse's power
+  float max2_;                  ///< largest squared sigma that the reach allows
+  float interface_gain_;        ///< factor of an interface's power: pulse and speckle statistics
+  std::vector<Widths> widths_;  ///< at each sample
   std::vector<Crossing> crossings_;  ///< [before][behind]
   std::vector<Widths> beam_;         ///< at each node
   std::vector<Crossing> crossed_;    ///< at each node
-  std::vector<TissueMap::LineNode> surfaces_;  ///< the track's nodes, and some more
+  std::vector<TrackNode> surfaces_;  ///< the track's nodes, padded
   std::vector<Front> fronts_;
   std::vector<Node> nodes_;
 };

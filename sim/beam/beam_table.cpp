@@ -7,6 +7,8 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/units.h"
+#include "hw/probe/acquisition_plan.h"
 #include "sim/beam/beam_pattern.h"
 #include "sim/beam/point_spread.h"
 
@@ -17,20 +19,20 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kRow_m = 1e-3;
-constexpr int kMostRows = 512;
-constexpr int kFewestRows = 16;
-constexpr int kColumns = 32;  // a scatterer takes the middle of its column: -36 dB off
+constexpr int kMaxRows = 512;
+constexpr int kMinRows = 16;
+constexpr int kColumns = 32;  // an error of -36 dB, from using the middle of the column
 constexpr int kSideLobeColumns = 96;
-static_assert(kMostRows * kSideLobeColumns <= BeamTable::kMostPlaces);
+static_assert(kMaxRows * kSideLobeColumns <= BeamTable::kMaxEntries);
 constexpr int kSearchSteps = 128;
-/// A beam ends where this share of its power lies beyond, in each direction, but not within the
-/// main lobe: this much of the way to the first zero of a beam in its focus.
-constexpr double kBeyond = 1e-2;
+/// The reach in each direction leaves out this share of the beam's power, but is at least kMainLobe
+/// of the distance to the first zero of the focused beam.
+constexpr double kPowerBeyond = 1e-2;
 constexpr double kMainLobe = 0.8;
-constexpr double kBeyondSideLobes = 5e-5;
-constexpr double kLobes = 4;  // the main one and three beside it
+constexpr double kPowerBeyondSideLobes = 5e-5;
+constexpr double kLobes = 4;  // the main lobe and three side lobes
 
-/// The pulse's power over frequency, (f - f0) / f0, at a few frequencies.
+/// The pulse's power spectrum at a few frequencies, (f - f0) / f0.
 struct Band {
   static constexpr int kCount = 7;
   std::array<double, kCount> offset{};
@@ -60,24 +62,24 @@ struct Band {
 /// A response over the band.
 using Spectrum = std::array<Complex, Band::kCount>;
 
-/// What makes one direction's table.
+/// The response in one direction, and the bounds of its reach.
 struct Source {
   const hw::AcquisitionPlan& plan;
   Complex (*two_way)(const hw::AcquisitionPlan&, double frequency_hz, double range_m, double off_m);
   double (*aperture_m)(const hw::AcquisitionPlan&, double range_m);
   double focus_m;
-  double beyond;  ///< share of the power that lies beyond the rim
+  double beyond;  ///< share of the power beyond the reach
 
   Complex response(double frequency_ratio, double range_m, double offset_m) const {
     return two_way(plan, frequency_ratio * plan.probe().center_frequency_hz, range_m, offset_m);
   }
-  /// From the axis to the first zero of a beam in its focus.
+  /// From the axis to the first zero of the focused beam.
   double lobe_m(double range_m) const {
     const double wavelength_m =
         plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
     return wavelength_m * range_m / aperture_m(plan, range_m);
   }
-  /// Where to look for the beam's edge at most, and where it is at least.
+  /// Bounds of the reach.
   double widest_m(double range_m) const {
     const double shadow_m = aperture_m(plan, range_m) * std::abs(1 - range_m / focus_m);
     return kLobes * lobe_m(range_m) + 0.5 * shadow_m;
@@ -90,21 +92,21 @@ double element_height_m(const hw::AcquisitionPlan& plan, double) {
 }
 
 struct Column {
-  Complex level;   // A
-  Complex colour;  // B
+  Complex level;  // A
+  Complex slope;  // B
 };
 
-/// One row as it is found.
+/// One direction at one range.
 struct Row {
   double reach_m = 0;
-  double late_m = 0;
-  double bend_per_m = 0;
+  double delay_m = 0;
+  double curvature_per_m = 0;
   std::vector<Column> columns;
 };
 
-class RowMaker {
+class RowBuilder {
  public:
-  RowMaker(const hw::AcquisitionPlan& plan, const Source& source, int columns)
+  RowBuilder(const hw::AcquisitionPlan& plan, const Source& source, int columns)
       : source_(source),
         band_(plan),
         columns_(columns),
@@ -115,17 +117,20 @@ class RowMaker {
     Row row;
     row.reach_m = edge_m(range_m);
     std::vector<Spectrum> spectra;
-    for (int c = 0; c < columns_; ++c) spectra.push_back(spectrum(range_m, place(row, c)));
+    for (int c = 0; c < columns_; ++c) spectra.push_back(spectrum(range_m, offset_m(row, c)));
     fit_delays(spectra, row);
     const Complex on_axis = source_.response(1, range_m, 0);
     for (int c = 0; c < columns_; ++c) {
-      const double path = row.late_m + row.bend_per_m * place(row, c) * place(row, c);
-      row.columns.push_back(column(spectra[static_cast<std::size_t>(c)], path, on_axis));
+      const double delay_m =
+          row.delay_m + row.curvature_per_m * offset_m(row, c) * offset_m(row, c);
+      row.columns.push_back(column(spectra[static_cast<std::size_t>(c)], delay_m, on_axis));
     }
     return row;
   }
 
-  double place(const Row& row, int column) const { return row.reach_m * (column + 0.5) / columns_; }
+  double offset_m(const Row& row, int column) const {
+    return row.reach_m * (column + 0.5) / columns_;
+  }
   double variance() const { return band_.variance; }
 
  private:
@@ -137,35 +142,36 @@ class RowMaker {
     return result;
   }
 
-  /// Beyond which little of the power lies.
+  /// The reach.
   double edge_m(double range_m) const {
     const double step = source_.widest_m(range_m) / kSearchSteps;
     std::vector<double> power;
     for (int i = 0; i < kSearchSteps; ++i) {
       power.push_back(std::norm(source_.response(1, range_m, (i + 0.5) * step)));
     }
-    double left = source_.beyond * std::accumulate(power.begin(), power.end(), 0.0);
+    double outside = source_.beyond * std::accumulate(power.begin(), power.end(), 0.0);
     int last = kSearchSteps - 1;
-    while (last > 0 && power[static_cast<std::size_t>(last)] <= left) {
-      left -= power[static_cast<std::size_t>(last--)];
+    while (last > 0 && power[static_cast<std::size_t>(last)] <= outside) {
+      outside -= power[static_cast<std::size_t>(last--)];
     }
-    const double edge = last + 1 - left / power[static_cast<std::size_t>(last)];
+    const double edge = last + 1 - outside / power[static_cast<std::size_t>(last)];
     return std::max(source_.narrowest_m(range_m), edge * step);
   }
 
-  /// Parabola nearest to the delays over the row, each by its power.
+  /// Least-squares parabola through the delays over the row, weighted by power.
   void fit_delays(const std::vector<Spectrum>& spectra, Row& row) const {
     double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     const double spacing = band_.offset[1] - band_.offset[0];
     for (int c = 0; c < columns_; ++c) {
       const Spectrum& at = spectra[static_cast<std::size_t>(c)];
-      Complex turn = 0;
+      Complex correlation = 0;
       for (std::size_t i = 1; i < at.size(); ++i) {
-        turn += std::sqrt(band_.weight[i] * band_.weight[i - 1]) * at[i] * std::conj(at[i - 1]);
+        correlation +=
+            std::sqrt(band_.weight[i] * band_.weight[i - 1]) * at[i] * std::conj(at[i - 1]);
       }
-      const double delay = -std::arg(turn) / (2 * wavenumber_per_m_ * spacing);
-      const double u2 = place(row, c) * place(row, c);
-      const double weight = std::abs(turn);
+      const double delay = -std::arg(correlation) / (2 * wavenumber_per_m_ * spacing);
+      const double u2 = offset_m(row, c) * offset_m(row, c);
+      const double weight = std::abs(correlation);
       w += weight;
       wx += weight * u2;
       wxx += weight * u2 * u2;
@@ -174,17 +180,17 @@ class RowMaker {
     }
     const double determinant = w * wxx - wx * wx;
     if (determinant <= 0) return;
-    row.late_m = (wxx * wy - wx * wxy) / determinant;
-    row.bend_per_m = (w * wxy - wx * wy) / determinant;
+    row.delay_m = (wxx * wy - wx * wxy) / determinant;
+    row.curvature_per_m = (w * wxy - wx * wy) / determinant;
   }
 
-  Column column(const Spectrum& spectrum, double path_m, const Complex& on_axis) const {
+  Column column(const Spectrum& spectrum, double delay_m, const Complex& on_axis) const {
     Column result;
     for (std::size_t i = 0; i < spectrum.size(); ++i) {
-      const double phase = 2 * wavenumber_per_m_ * (1 + band_.offset[i]) * path_m;
-      const Complex straight = spectrum[i] * std::polar(band_.weight[i], phase) / on_axis;
-      result.level += straight;
-      result.colour += band_.offset[i] / band_.variance * straight;
+      const double phase = 2 * wavenumber_per_m_ * (1 + band_.offset[i]) * delay_m;
+      const Complex aligned = spectrum[i] * std::polar(band_.weight[i], phase) / on_axis;
+      result.level += aligned;
+      result.slope += band_.offset[i] / band_.variance * aligned;
     }
     return result;
   }
@@ -195,49 +201,49 @@ class RowMaker {
   double wavenumber_per_m_;
 };
 
-/// Integrals over a row that its power over the cross-section needs.
+/// Integrals over a row, for the beam's area.
 struct RowPower {
   double level = 0;
-  double colour = 0;
-  Complex mixed = 0;
+  double slope = 0;
+  Complex cross = 0;
 
-  RowPower(const Row& row, const RowMaker& maker) {
-    const double width = 2 * (maker.place(row, 1) - maker.place(row, 0));
+  RowPower(const Row& row, const RowBuilder& builder) {
+    const double width = 2 * (builder.offset_m(row, 1) - builder.offset_m(row, 0));
     for (const Column& at : row.columns) {
       level += width * std::norm(at.level);
-      colour += width * std::norm(at.colour);
-      mixed += width * at.level * std::conj(at.colour);
+      slope += width * std::norm(at.slope);
+      cross += width * at.level * std::conj(at.slope);
     }
   }
 };
 
-/// Of the product of both directions, (A + B e)(A' + B' e) without its e^2.
+/// Power of the product of both directions, (A + B e)(A' + B' e), its e^2 term neglected.
 double area(const RowPower& a, const RowPower& b, double variance) {
-  const double colour =
-      a.level * b.colour + a.colour * b.level + 2 * std::real(a.mixed * std::conj(b.mixed));
-  return a.level * b.level + variance * colour;
+  const double slope =
+      a.level * b.slope + a.slope * b.level + 2 * std::real(a.cross * std::conj(b.cross));
+  return a.level * b.level + variance * slope;
 }
 
-/// `level` may be zero, where the colour alone is left.
-BeamTable::Value as_factors(const Column& column) {
+/// At a zero of `level` the phase is that of 1, and the slope alone gives the echo.
+BeamTable::Value to_value(const Column& column) {
   constexpr double kFaintest = 1e-6;
   const double amplitude = std::max(std::abs(column.level), kFaintest);
   const Complex direction = std::abs(column.level) > 0 ? column.level / std::abs(column.level) : 1;
-  const Complex colour = column.colour / (amplitude * direction);
+  const Complex slope = column.slope / (amplitude * direction);
   return {static_cast<float>(amplitude),
           static_cast<float>(std::arg(direction) / (2 * kPi)),
-          static_cast<float>(colour.real()),
-          static_cast<float>(colour.imag())};
+          static_cast<float>(slope.real()),
+          static_cast<float>(slope.imag())};
 }
 
 void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& direction) {
   direction.rows[at] = {static_cast<float>(columns / row.reach_m),
-                        static_cast<float>(row.late_m),
-                        static_cast<float>(row.bend_per_m)};
+                        static_cast<float>(row.delay_m),
+                        static_cast<float>(row.curvature_per_m)};
   std::transform(row.columns.begin(),
                  row.columns.end(),
                  direction.values.begin() + static_cast<std::ptrdiff_t>(at) * columns,
-                 as_factors);
+                 to_value);
 }
 
 }  // namespace
@@ -245,15 +251,16 @@ void store(const Row& row, int columns, std::size_t at, BeamTable::Direction& di
 BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threads)
     : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns) {
   const double depth_m = plan.acquisition().depth_m;
-  const int count =
-      std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kFewestRows, kMostRows);
+  const int count = std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kMinRows, kMaxRows);
   rows_per_m_ = count / depth_m;
   const auto& probe = plan.probe();
-  const double beyond = shape == BeamShape::main_lobe ? kBeyond : kBeyondSideLobes;
-  const Source across{plan, lateral_response, receive_aperture_m, probe.transmit_focus_m, beyond};
-  const Source high{plan, elevation_response, element_height_m, probe.elevation_focus_m, beyond};
-  const RowMaker lateral(plan, across, columns_);
-  const RowMaker elevation(plan, high, columns_);
+  const double beyond = shape == BeamShape::main_lobe ? kPowerBeyond : kPowerBeyondSideLobes;
+  const Source lateral_source{
+      plan, lateral_response, receive_aperture_m, probe.transmit_focus_m, beyond};
+  const Source elevation_source{
+      plan, elevation_response, element_height_m, probe.elevation_focus_m, beyond};
+  const RowBuilder lateral(plan, lateral_source, columns_);
+  const RowBuilder elevation(plan, elevation_source, columns_);
   for (Direction* direction : {&lateral_, &elevation_}) {
     direction->rows.resize(static_cast<std::size_t>(count));
     direction->values.resize(static_cast<std::size_t>(count) * columns_);
@@ -263,11 +270,11 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threa
     for (int i = first; i < last; ++i) {
       const double range_m = (i + 0.5) / rows_per_m_;
       const auto at = static_cast<std::size_t>(i);
-      const Row aside = lateral.row(range_m), up = elevation.row(range_m);
-      store(aside, columns_, at, lateral_);
-      store(up, columns_, at, elevation_);
-      const RowPower wide(aside, lateral), tall(up, elevation);
-      area_m2_[at] = area(wide, tall, lateral.variance());
+      const Row lateral_row = lateral.row(range_m), elevation_row = elevation.row(range_m);
+      store(lateral_row, columns_, at, lateral_);
+      store(elevation_row, columns_, at, elevation_);
+      const RowPower lateral_power(lateral_row, lateral), elevation_power(elevation_row, elevation);
+      area_m2_[at] = area(lateral_power, elevation_power, lateral.variance());
     }
   });
 }

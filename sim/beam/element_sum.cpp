@@ -18,37 +18,37 @@ constexpr double kPulseSigmas = 4;   // and the pulse 0.03 %
 constexpr double kPeriodSlack = 1.1;
 constexpr int kLanes = 8;
 
-/// Without the checks for infinities of std::complex.
+/// Product without std::complex's checks for infinities.
 Complex times(const Complex& a, const Complex& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-/// sums[f] += weight * exp(-i (k0 + f dk) way) over sources; eight at a time, whose turns are
-/// independent.
-void add_sources(const double* ways,
+/// sums[f] += weight * exp(-i (k0 + f dk) path) over sources, eight at a time: their
+/// recurrences are independent.
+void add_sources(const double* paths,
                  const double* weights,
                  std::size_t count,
                  double first_per_m,
                  double step_per_m,
                  std::span<Complex> sums) {
   for (std::size_t s = 0; s < count; s += kLanes) {
-    double re[kLanes], im[kLanes], turn_re[kLanes], turn_im[kLanes];
+    double re[kLanes], im[kLanes], step_re[kLanes], step_im[kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const bool there = s + i < count;
-      const double way = there ? ways[s + i] : 0;
-      const double weight = there ? weights[s + i] : 0;
-      re[i] = weight * std::cos(first_per_m * way);
-      im[i] = -weight * std::sin(first_per_m * way);
-      turn_re[i] = std::cos(step_per_m * way);
-      turn_im[i] = -std::sin(step_per_m * way);
+      const bool valid = s + i < count;
+      const double path = valid ? paths[s + i] : 0;
+      const double weight = valid ? weights[s + i] : 0;
+      re[i] = weight * std::cos(first_per_m * path);
+      im[i] = -weight * std::sin(first_per_m * path);
+      step_re[i] = std::cos(step_per_m * path);
+      step_im[i] = -std::sin(step_per_m * path);
     }
     for (Complex& sum : sums) {
       double sum_re = 0, sum_im = 0;
       for (std::size_t i = 0; i < kLanes; ++i) {
         sum_re += re[i];
         sum_im += im[i];
-        const double next = re[i] * turn_re[i] - im[i] * turn_im[i];
-        im[i] = re[i] * turn_im[i] + im[i] * turn_re[i];
+        const double next = re[i] * step_re[i] - im[i] * step_im[i];
+        im[i] = re[i] * step_im[i] + im[i] * step_re[i];
         re[i] = next;
       }
       sum += Complex(sum_re, sum_im);
@@ -70,9 +70,9 @@ ElementSum::ElementSum(const hw::AcquisitionPlan& plan, double theta_rad)
   for (int e = 0; e < probe.elements; ++e) {
     const double angle = (e - 0.5 * (probe.elements - 1)) * pitch_m_ / radius_m_ - theta_rad;
     Element element{radius_m_ * (std::cos(angle) - 1), radius_m_ * std::sin(angle), 0, 0};
-    element.send_m =
+    element.transmit_path_m =
         std::hypot(transmit_focus_m_ - element.axial_m, element.lateral_m) - transmit_focus_m_;
-    element.sends = within(element, transmit_aperture_m(plan), transmit_focus_m_);
+    element.transmit_share = within(element, transmit_aperture_m(plan), transmit_focus_m_);
     for (int c = 0; c < kColumnsPerElement; ++c) {
       const double at = angle + ((c + 0.5) / kColumnsPerElement - 0.5) * pitch_m_ / radius_m_;
       columns_.push_back(
@@ -93,40 +93,40 @@ ElementSum::ElementSum(const hw::AcquisitionPlan& plan, double theta_rad)
 std::size_t ElementSum::sources(double range_m) const {
   std::size_t sending = 0, receiving = 0;
   for (const Element& element : elements_) {
-    sending += element.sends > 0;
-    receiving += receives(element, range_m) > 0;
+    sending += element.transmit_share > 0;
+    receiving += receive_share(element, range_m) > 0;
   }
   return (sending + receiving) * kColumnsPerElement * heights_m_.size();
 }
 
 double ElementSum::within(const Element& element, double aperture_m, double range_m) const {
-  // The face bends away from the focus, which sees an aperture smaller than it is.
+  // The face curves away from the focus, so that the aperture is narrower at the element.
   const double half_m = 0.5 * aperture_m * (range_m - element.axial_m) / range_m;
   return std::clamp((half_m - std::abs(element.lateral_m)) / pitch_m_ + 0.5, 0.0, 1.0);
 }
 
-double ElementSum::receives(const Element& element, double range_m) const {
+double ElementSum::receive_share(const Element& element, double range_m) const {
   return within(element, receive_aperture_m(plan_, range_m), range_m);
 }
 
-ElementSum::Ways ElementSum::ways_to(const glm::dvec3& point_m) const {
-  Ways ways{{}, {}, std::numeric_limits<double>::infinity(), 0};
+ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
+  Paths paths;
   for (const Column& column : columns_) {
     const double in_plane = std::hypot(point_m.x - column.axial_m, point_m.y - column.lateral_m);
     for (std::size_t i = 0; i < heights_m_.size(); ++i) {
       const double distance = std::hypot(in_plane, point_m.z - heights_m_[i]);
-      ways.length_m.push_back(distance + lens_m_[i]);
-      ways.weight.push_back(1 / distance);
+      paths.length_m.push_back(distance + lens_m_[i]);
+      paths.weight.push_back(1 / distance);
     }
   }
-  return ways;
+  return paths;
 }
 
 ElementSum::Band ElementSum::band(double spread_m) const {
   // A Gaussian pulse of sigma s over range is one of sigma 1 / 2 s over wavenumber.
   const double sigma = 0.5 / sigma_m_;
   const double half = std::min(kBandSigmas * sigma, 0.98 * wavenumber_per_m_);
-  // Sampling over wavenumber repeats the echo over range: half a turn of 2 k r.
+  // Sampling over wavenumber repeats the echo over range: a period of pi in k r.
   const double step = kPi / (kPeriodSlack * (spread_m + 2 * kPulseSigmas * sigma_m_));
   const int steps = static_cast<int>(std::ceil(half / step));
   Band band;
@@ -141,16 +141,16 @@ ElementSum::Band ElementSum::band(double spread_m) const {
   return band;
 }
 
-std::vector<Complex> ElementSum::element_spectra(const Ways& ways,
+std::vector<Complex> ElementSum::element_spectra(const Paths& paths,
                                                  const Band& band,
                                                  double last_m) const {
   const std::size_t count = band.power.size(), each = kColumnsPerElement * heights_m_.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> spectra(elements_.size() * count);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (elements_[e].sends == 0 && receives(elements_[e], last_m) == 0) continue;
-    add_sources(ways.length_m.data() + e * each,
-                ways.weight.data() + e * each,
+    if (elements_[e].transmit_share == 0 && receive_share(elements_[e], last_m) == 0) continue;
+    add_sources(paths.length_m.data() + e * each,
+                paths.weight.data() + e * each,
                 each,
                 band.wavenumber_per_m[0],
                 step,
@@ -167,26 +167,59 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> received(count);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const double share = receives(elements_[e], range_m);
+    const double share = receive_share(elements_[e], range_m);
     if (share == 0) continue;
     const double late =
         std::hypot(range_m - elements_[e].axial_m, elements_[e].lateral_m) - range_m;
-    Complex turn = std::polar(share, band.wavenumber_per_m[0] * late);
-    const Complex more = std::polar(1.0, step * late);
+    Complex rotation = std::polar(share, band.wavenumber_per_m[0] * late);
+    const Complex step_rotation = std::polar(1.0, step * late);
     for (std::size_t f = 0; f < count; ++f) {
-      received[f] += times(spectra[e * count + f], turn);
-      turn = times(turn, more);
+      received[f] += times(spectra[e * count + f], rotation);
+      rotation = times(rotation, step_rotation);
     }
   }
-  // Heard at 2 r / c, against the carrier there.
-  Complex turn = std::polar(1.0, 2 * band.wavenumber_per_m[0] * range_m);
-  const Complex more = std::polar(1.0, 2 * step * range_m);
+  // The sample at time 2 r / c, demodulated.
+  Complex rotation = std::polar(1.0, 2 * band.wavenumber_per_m[0] * range_m);
+  const Complex step_rotation = std::polar(1.0, 2 * step * range_m);
   Complex sum = 0;
   for (std::size_t f = 0; f < count; ++f) {
-    sum += times(times(sent[f], received[f]), turn);
-    turn = times(turn, more);
+    sum += times(times(sent[f], received[f]), rotation);
+    rotation = times(rotation, step_rotation);
   }
   return sum * std::polar(1.0, -2 * wavenumber_per_m_ * range_m);
+}
+
+ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const {
+  const std::size_t each = kColumnsPerElement * heights_m_.size();
+  Extent extent{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const bool transmits = elements_[e].transmit_share > 0;
+    if (!transmits && receive_share(elements_[e], range_m) == 0) continue;
+    const double focus_m =
+        std::hypot(range_m - elements_[e].axial_m, elements_[e].lateral_m) - range_m;
+    const double transmit_m = elements_[e].transmit_path_m;
+    const double early_m = transmits ? std::max(transmit_m, focus_m) : focus_m;
+    const double late_m = transmits ? std::min(transmit_m, focus_m) : focus_m;
+    const auto [low, high] = std::minmax_element(paths.length_m.begin() + e * each,
+                                                 paths.length_m.begin() + (e + 1) * each);
+    extent.first_m = std::min(extent.first_m, *low - early_m);
+    extent.last_m = std::max(extent.last_m, *high - late_m);
+  }
+  return extent;
+}
+
+std::vector<Complex> ElementSum::transmitted_spectrum(const std::vector<Complex>& spectra,
+                                                      const Band& band) const {
+  const std::size_t count = band.power.size();
+  std::vector<Complex> sent(count);
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    if (elements_[e].transmit_share == 0) continue;
+    for (std::size_t f = 0; f < count; ++f) {
+      const double ahead = band.wavenumber_per_m[f] * elements_[e].transmit_path_m;
+      sent[f] += times(spectra[e * count + f], std::polar(elements_[e].transmit_share, ahead));
+    }
+  }
+  return sent;
 }
 
 void ElementSum::add(const BeamPoint& point,
@@ -194,41 +227,21 @@ void ElementSum::add(const BeamPoint& point,
                      double spacing_m,
                      std::span<Complex> iq) const {
   const double margin_m = kPulseSigmas * sigma_m_;
-  const Ways ways = ways_to(point.at_m);
-  const std::size_t each = kColumnsPerElement * heights_m_.size();
-  double first_m = std::numeric_limits<double>::infinity(), last_m = 0;
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const bool sends = elements_[e].sends > 0;
-    if (!sends && receives(elements_[e], point.at_m.x) == 0) continue;
-    const double focus_m =
-        std::hypot(point.at_m.x - elements_[e].axial_m, elements_[e].lateral_m) - point.at_m.x;
-    const double early_m = sends ? std::max(elements_[e].send_m, focus_m) : focus_m;
-    const double late_m = sends ? std::min(elements_[e].send_m, focus_m) : focus_m;
-    const auto [low, high] = std::minmax_element(ways.length_m.begin() + e * each,
-                                                 ways.length_m.begin() + (e + 1) * each);
-    first_m = std::min(first_m, *low - early_m);
-    last_m = std::max(last_m, *high - late_m);
-  }
-  const Band band = this->band(last_m - first_m);
-  const std::size_t count = band.power.size();
-  const std::vector<Complex> spectra = element_spectra(ways, band, last_m + margin_m);
-  std::vector<Complex> sent(count);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (elements_[e].sends == 0) continue;
-    for (std::size_t f = 0; f < count; ++f) {
-      const double ahead = band.wavenumber_per_m[f] * elements_[e].send_m;
-      sent[f] += times(spectra[e * count + f], std::polar(elements_[e].sends, ahead));
-    }
-  }
-  for (std::size_t f = 0; f < count; ++f) sent[f] *= point.amplitude * band.power[f];
+  const Paths paths = paths_to(point.at_m);
+  const Extent extent = this->extent(paths, point.at_m.x);
+  const Band band = this->band(extent.last_m - extent.first_m);
+  const std::vector<Complex> spectra = element_spectra(paths, band, extent.last_m + margin_m);
+  std::vector<Complex> sent = transmitted_spectrum(spectra, band);
+  for (std::size_t f = 0; f < sent.size(); ++f) sent[f] *= point.amplitude * band.power[f];
 
   const int samples = static_cast<int>(iq.size());
-  const int from = std::max(0, static_cast<int>((first_m + delay_m - margin_m) / spacing_m));
-  const int to = std::min(samples, static_cast<int>((last_m + delay_m + margin_m) / spacing_m) + 1);
+  const int from = std::max(0, static_cast<int>((extent.first_m + delay_m - margin_m) / spacing_m));
+  const int to =
+      std::min(samples, static_cast<int>((extent.last_m + delay_m + margin_m) / spacing_m) + 1);
   for (int i = from; i < to; ++i) {
     const double range_m = (i + 0.5) * spacing_m - delay_m;
-    const Complex heard = sample(spectra, sent, band, std::max(range_m, 1e-6));
-    iq[static_cast<std::size_t>(i)] += heard * std::polar(1.0, -2 * wavenumber_per_m_ * delay_m);
+    const Complex echo = sample(spectra, sent, band, std::max(range_m, 1e-6));
+    iq[static_cast<std::size_t>(i)] += echo * std::polar(1.0, -2 * wavenumber_per_m_ * delay_m);
   }
 }
 

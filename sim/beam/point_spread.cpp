@@ -12,20 +12,21 @@ double wavelength_m(const hw::AcquisitionPlan& plan) {
   return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
 }
 
-/// One-way width of an aperture in its focus, as a Gaussian whose product with another such has the
-/// two-way width 0.886 lambda range / aperture. Elements of a curved face are heard less at the
-/// edges, by sinc = 1 - q: the second moment of the aperture shrinks by 1 - 4 q / 15.
+/// One-way width of an aperture at its focus, as a Gaussian whose product with an equal one has the
+/// two-way width 0.886 lambda range / aperture. Elements at the edges of a curved face are less
+/// sensitive, by sinc = 1 - q: the aperture's second moment shrinks by 1 - 4 q / 15.
 double focused_width_m(const hw::AcquisitionPlan& plan, double aperture_m, double range_m) {
   const auto& probe = plan.probe();
   const double angle_rad = 0.5 * aperture_m * (1 / probe.radius_m + 1 / std::max(range_m, 1e-9));
-  const double turn =
+  const double edge_phase =
       kPi * probe.pitch_m / wavelength_m(plan) * std::sin(std::min(angle_rad, 0.5 * kPi));
-  const double weaker = std::min(turn * turn / 6, 1.0);
-  return 0.886 * std::sqrt(2.0) * wavelength_m(plan) * range_m / aperture_m * (1 + 2 * weaker / 15);
+  const double edge_loss = std::min(edge_phase * edge_phase / 6, 1.0);
+  return 0.886 * std::sqrt(2.0) * wavelength_m(plan) * range_m / aperture_m *
+         (1 + 2 * edge_loss / 15);
 }
 
-/// Two-way width of a defocused aperture in units of lambda range / aperture, at Fresnel numbers of
-/// the defocus 0.1 apart; from sim/beam/beam_pattern.h, times a factor such that 0 gives 0.886.
+/// Two-way width of a defocused aperture in units of lambda range / aperture, by the Fresnel number
+/// of the defocus in steps of 0.1; from sim/beam/beam_pattern.h, scaled to give 0.886 at 0.
 constexpr double kDefocusStep = 0.1;
 constexpr double kDefocusedWidth[] = {0.886, 0.889, 0.899, 0.918, 0.954, 1.013, 1.114,
                                       1.279, 1.547, 1.956, 2.495, 3.017, 3.327, 3.430,
@@ -34,12 +35,12 @@ constexpr double kFarSlope = 3.05;  // beyond the table, within 5 %
 
 double defocused_width(double fresnel_number) {
   constexpr int kLast = static_cast<int>(std::size(kDefocusedWidth)) - 1;
-  const double place = fresnel_number / kDefocusStep;
-  if (place >= kLast) {
+  const double position = fresnel_number / kDefocusStep;
+  if (position >= kLast) {
     return kDefocusedWidth[kLast] + kFarSlope * (fresnel_number - kLast * kDefocusStep);
   }
-  const auto before = static_cast<int>(place);
-  const double share = place - before;
+  const auto before = static_cast<int>(position);
+  const double share = position - before;
   return (1 - share) * kDefocusedWidth[before] + share * kDefocusedWidth[before + 1];
 }
 

@@ -1,5 +1,5 @@
-// The probe's resolution: widths of its point spread (docs/references.md [4, 5]) and the kernels
-// that give speckle that size on the polar grid.
+// The probe's resolution: widths of its point spread function (docs/references.md [4, 5]), and the
+// kernels that give speckle this size on the polar grid.
 #pragma once
 
 #include <vector>
@@ -8,37 +8,37 @@
 
 namespace wobblebench::sim {
 
-/// Full width at half amplitude along the stick: (c/2) 0.8825 / (B f0), a Gaussian pulse.
+/// Full width at half amplitude along the stick of a Gaussian pulse: (c/2) 0.8825 / (B f0).
 double axial_fwhm_m(const hw::AcquisitionPlan& plan);
-/// Apertures in the image plane: both follow the F-number, as far as there are elements. The
-/// receiving one grows with the range that it listens to, the transmitting one is that of its
-/// focus.
+/// Aperture widths in the image plane by the F-number, limited by the number of elements. The
+/// receive aperture grows with the range (dynamic focus), the transmit aperture is that of its
+/// fixed focus.
 double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
 double transmit_aperture_m(const hw::AcquisitionPlan& plan);
-/// Two-way -6 dB width in the image plane: 0.886 lambda F# at the transmit focus, where both
-/// apertures are focused, and a little more because elements look away from the stick at the
-/// apertures' edges (1 + 2 q / 15, if the edge is heard with 1 - q of the middle's strength); away
-/// from it the transmitted beam widens (diffraction and geometric width in quadrature) and the
-/// receiving one, focused at every range, is left: at most 1.253 lambda F#.
+/// Two-way -6 dB width in the image plane. At the transmit focus, where both apertures are focused:
+/// 0.886 lambda F#, times 1 + 2 q / 15 for the elements' directivity, where 1 - q is the
+/// sensitivity of an element at the aperture's edge relative to its middle. Away from it the
+/// transmit beam widens (diffraction and geometric width in quadrature), and the width tends to
+/// that of the receive beam, which is focused at every range: at most 1.253 lambda F#.
 double lateral_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
-/// One-way width of the transmitted beam alone.
+/// One-way width of the transmit beam.
 double transmit_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 /// Two-way width across the image plane: 0.886 lambda range / height at the fixed focus. Away from
-/// it the aperture's shadow widens it as the Fresnel number of the defocus says, height^2 |1 /
-/// range - 1 / focus| / 4 lambda: little below 0.6, and to three quarters of the shadow far away.
-/// It is the width of the Gaussian whose power varies as much over the beam (equal (integral of
-/// p)^2 / integral of p^2) as that of the diffracted beam in sim/beam/beam_pattern.h.
+/// it the width is a function of the Fresnel number of the defocus, height^2 |1 / range - 1 /
+/// focus| / 4 lambda: little wider below 0.6, and three quarters of the aperture's geometric shadow
+/// far away. It is the width of the Gaussian that has the same (integral of p)^2 / integral of p^2,
+/// p the power over the beam, as the diffracted beam of sim/beam/beam_pattern.h.
 double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
 
-/// Distance between neighbouring image planes at a place, (r cos(theta) - b) d phi; 0 for one
+/// Distance between neighbouring image planes at a sample, (r cos(theta) - b) d phi; 0 for one
 /// frame.
 double frame_distance_m(const hw::AcquisitionPlan& plan, int line, double range_m);
 
-/// sigma of the Gaussian of that width: FWHM / 2.3548.
+/// Sigma of a Gaussian of this full width at half maximum: FWHM / 2.3548.
 double sigma_of_fwhm(double fwhm);
 
-/// Samples of a Gaussian with sum of squares 1, so that filtered white noise keeps its power. Odd
-/// count, cut where it falls below one percent, at most 2 * max_half + 1 taps.
+/// Taps of a Gaussian filter with sum of squares 1, so that filtered white noise keeps its power.
+/// Their number is odd, at most 2 * max_half + 1; taps below one percent of the peak are left out.
 std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half);
 
 }  // namespace wobblebench::sim

@@ -21,7 +21,7 @@ constexpr double kLongest_s = 1800;  // of one core
 constexpr int kSampledSticks = 16;
 constexpr double kSamplesBeyond = 8;  // whose pulses are still heard in the last one
 
-ScattererModel reference_model() {
+ScattererSettings reference_model() {
   return {BeamShape::side_lobes, false};
 }
 
@@ -75,7 +75,7 @@ void ReferenceScene::check_cost() const {
   for (int i = 0; i < sampled; ++i) {
     const hw::StickIndex index =
         plan_.index(static_cast<std::uint64_t>((i + 0.5) * sticks / sampled));
-    const Sightline line = sightline(plan_, index);
+    const TimedRay line = sightline(plan_, index);
     for (const PointEcho& point : field_.near(line, plan_.acquisition().depth_m)) {
       scatterers += static_cast<double>(sticks) / sampled;
       const double range_m = glm::distance(point.position_m, line.ray.origin);
@@ -103,9 +103,9 @@ double ReferenceScene::on_axis(double range_m) const {
 }
 
 void ReferenceScene::add_echoes(const StickPath& way, std::span<std::complex<float>> iq) const {
-  if (way.left.empty()) return;
+  if (way.remaining.empty()) return;
   const double delay_m = way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back());
-  const double to_m = (static_cast<double>(way.left.size()) + kSamplesBeyond) * way.spacing_m;
+  const double to_m = (static_cast<double>(way.remaining.size()) + kSamplesBeyond) * way.spacing_m;
   add_points(way, field_.near(way.line, to_m - delay_m), iq);
 }
 
@@ -121,7 +121,7 @@ void ReferenceScene::add_points(const StickPath& way,
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const double delay_m = way.delay_m.empty() ? 0 : at_range(way.delay_m, way.spacing_m, at.x);
-    const double left = at_range(way.left, way.spacing_m, at.x + delay_m);
+    const double left = at_range(way.remaining, way.spacing_m, at.x + delay_m);
     const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(at.x);
     sum.add({at, amplitude}, delay_m, way.spacing_m, heard);
   }

@@ -36,7 +36,7 @@ WOBBLEBENCH_SIMD void scale_by_root(const float* even,
 
 }  // namespace
 
-Sightline sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
+TimedRay sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
   const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
   return {plan.geometry().stick(plan.theta_rad(static_cast<int>(index.line)),
                                 plan.motor_angle_rad(index)),
@@ -80,7 +80,7 @@ StickEchoes::~StickEchoes() = default;
 void StickEchoes::make(const hw::StickIndex& index,
                        Worker& worker,
                        std::span<std::complex<float>> iq) const {
-  const Sightline line = sightline(plan_, index);
+  const TimedRay line = sightline(plan_, index);
   follow(subject_, line, depth_m_, worker.track, surfaces(rung_));
   worker.losses.compute(worker.track);
   if (rung_ == Rung::field) {

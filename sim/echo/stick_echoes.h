@@ -9,6 +9,7 @@
 #include "sim/fidelity.h"
 #include "sim/receive/losses.h"
 #include "sim/tissue/mean_power.h"
+#include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
@@ -70,6 +71,6 @@ class StickEchoes {
 };
 
 /// Where and when a stick looks.
-Sightline sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index);
+TimedRay sightline(const hw::AcquisitionPlan& plan, const hw::StickIndex& index);
 
 }  // namespace wobblebench::sim

@@ -1,5 +1,5 @@
-// Elementary functions that compilers can vectorise: no branches, no tables, no calls. Errors are
-// held by tests/sim/math/fast_math_test.cpp.
+// Elementary functions in single precision that compilers can vectorise: no branches, no tables, no
+// calls. tests/sim/math/fast_math_test.cpp checks the stated errors.
 #pragma once
 
 #include <bit>
@@ -22,18 +22,19 @@ WOBBLEBENCH_INLINE float fast_log2(float x) {
   return static_cast<float>(e) + s * series;
 }
 
-/// Rounds what is added to it: so large a sum has no digits behind the point, and its last ones are
-/// those of the whole number. 1.5 * 2^23, for numbers up to 2^22.
-inline constexpr float kRounds = 12582912.0f;
+/// 1.5 * 2^23: a float added to it is rounded to the nearest integer, which is then in the low bits
+/// of the sum. For magnitudes up to 2^22.
+inline constexpr float kRoundToInteger = 12582912.0f;
 
 /// e^x for x <= 88, within 2e-7 relative; 0 below -87.
 WOBBLEBENCH_INLINE float fast_exp(float x) {
   const float clamped = x < -87.0f ? -87.0f : x;
   const float t = clamped * 1.44269504f;
-  const float sum = t + kRounds;
-  const float whole = sum - kRounds;
-  const std::int32_t n = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
-  // ln 2 in two parts, so that the rest keeps its digits.
+  const float sum = t + kRoundToInteger;
+  const float whole = sum - kRoundToInteger;
+  const std::int32_t n =
+      std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRoundToInteger);
+  // ln 2 in two parts, so that the remainder keeps its precision.
   const float r = (clamped - whole * 0.693359375f) - whole * -2.12194440e-4f;
   const float poly =
       1.0f +
@@ -51,9 +52,10 @@ struct CosSin {
 /// Cosine and sine of 2 pi u for |u| <= 2^20, within 3e-7.
 WOBBLEBENCH_INLINE CosSin cos_sin_of_cycles(float u) {
   const float quarters = u * 4.0f;
-  const float sum = quarters + kRounds;
-  const std::int32_t q = std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRounds);
-  const float a = (quarters - (sum - kRounds)) * 1.57079633f;  // -pi/4 to pi/4
+  const float sum = quarters + kRoundToInteger;
+  const std::int32_t q =
+      std::bit_cast<std::int32_t>(sum) - std::bit_cast<std::int32_t>(kRoundToInteger);
+  const float a = (quarters - (sum - kRoundToInteger)) * 1.57079633f;  // -pi/4 to pi/4
   const float a2 = a * a;
   const float s = a * (1.0f + a2 * (-0.166666667f + a2 * (0.00833333333f + a2 * -0.000198412698f)));
   const float c =
@@ -64,13 +66,14 @@ WOBBLEBENCH_INLINE CosSin cos_sin_of_cycles(float u) {
   return {((q + 1) & 2) != 0 ? -cosine : cosine, (q & 2) != 0 ? -sine : sine};
 }
 
-/// The Gaussian's density over its peak, exp(-u^2 / 2), and its distribution function at u.
+/// Density of the standard normal distribution relative to its peak, exp(-u^2 / 2), and its
+/// cumulative distribution function, both at u.
 struct Gaussian {
   float density;
   float distribution;
 };
 
-/// Distribution within 2e-7 (Abramowitz and Stegun, 7.1.26).
+/// The distribution function is within 2e-7 (Abramowitz and Stegun, 7.1.26).
 WOBBLEBENCH_INLINE Gaussian gaussian(float u) {
   const float x = (u < 0.0f ? -u : u) * 0.707106781f;
   const float density = fast_exp(-x * x);

@@ -1,5 +1,5 @@
-// Randomness as a function: the same seed, stream and index give the same number on any thread, in
-// any order, on any run. Nothing here holds state.
+// Counter-based random numbers: pure functions of seed, stream and index, so that any thread gets
+// the same number in any order and in any run. No state.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::sim {
 
-/// What a random number is for; keeps the streams of different effects apart.
+/// What the random numbers are used for; each use has a stream of its own.
 enum class RandomStream : std::uint64_t { speckle = 1, noise = 2, scatterers = 3 };
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection that passes
@@ -22,7 +22,7 @@ constexpr std::uint64_t mix(std::uint64_t x) {
 
 inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ULL;
 
-/// Key of one sequence of numbers; index it with uniform_bits(key, i).
+/// Key of one sequence of numbers, whose elements are uniform_bits(key, i).
 constexpr std::uint64_t random_key(std::uint64_t seed,
                                    RandomStream stream,
                                    std::uint64_t a,
@@ -37,7 +37,7 @@ constexpr std::uint64_t uniform_bits(std::uint64_t key, std::uint64_t index) {
   return mix(key + (index + 1) * kGoldenGamma);
 }
 
-/// A bijection of 32 bits for long vectorised loops (Wellons, "lowbias32").
+/// Hash of 32 bits, a bijection, for vectorised loops (Wellons, "lowbias32").
 WOBBLEBENCH_INLINE std::uint32_t mix32(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352dU;
   x = (x ^ (x >> 15)) * 0x846ca68bU;
@@ -49,10 +49,10 @@ struct ComplexNormal {
   float im;
 };
 
-/// Largest magnitude that complex_normal gives: its uniform number has 25 bits.
-inline constexpr float kMostNormal = 4.17f;
+/// Largest magnitude that complex_normal() returns: its uniform number has 25 bits.
+inline constexpr float kMaxComplexNormal = 4.17f;
 
-/// Circular complex normal of unit mean power (Box-Muller on two hashes).
+/// Circular complex normal number of unit mean power (Box-Muller transform of two hashes).
 WOBBLEBENCH_INLINE ComplexNormal complex_normal(std::uint64_t key, std::uint32_t index) {
   const std::uint32_t first = mix32(index * 0x9e3779b9U + static_cast<std::uint32_t>(key));
   const std::uint32_t second = mix32(first + static_cast<std::uint32_t>(key >> 32));
@@ -60,7 +60,7 @@ WOBBLEBENCH_INLINE ComplexNormal complex_normal(std::uint64_t key, std::uint32_t
   const float u = (static_cast<float>(static_cast<std::int32_t>(first >> 8)) + 0.5f) * kScale;
   const CosSin direction =
       cos_sin_of_cycles(static_cast<float>(static_cast<std::int32_t>(second >> 8)) * kScale);
-  // -ln u; rounding can lift u to 1, and the logarithm of that is 0.
+  // -ln u; rounding can make u 1, whose logarithm is 0.
   const float power = fast_log2(u) * -0.693147181f;
   const float radius = std::sqrt(power < 0.0f ? 0.0f : power);
   return {radius * direction.cosine, radius * direction.sine};

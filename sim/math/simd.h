@@ -1,18 +1,19 @@
-// Loops that are worth a wide machine. WOBBLEBENCH_SIMD compiles a function once for each of three
-// widths and picks at load time. Products are never fused with sums (-ffp-contract=off) and each
-// element is computed by itself, so that all widths give the same bytes.
+// Attributes for vectorised loops. WOBBLEBENCH_SIMD compiles a function three times (SSE2, AVX2,
+// AVX-512) and selects one when the program is loaded. Products are never fused with sums
+// (-ffp-contract=off) and each element is computed independently, so all three give the same bytes.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define WOBBLEBENCH_SIMD __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
-/// Where a loop needs an instruction that no loop in C++ becomes: versions of a function by hand.
-#define WOBBLEBENCH_HAND_SIMD 1
+/// 1: functions may have a version with intrinsics, for instructions that compilers do not generate
+/// from a C++ loop.
+#define WOBBLEBENCH_INTRINSICS 1
 #else
-// Sanitizers intercept calls before the choice among clones is made.
+// Sanitizers intercept calls before the clone is selected.
 #define WOBBLEBENCH_SIMD
-#define WOBBLEBENCH_HAND_SIMD 0
+#define WOBBLEBENCH_INTRINSICS 0
 #endif
 
-/// For what such loops call: it must become part of each clone.
+/// For functions called in vectorised loops: they must be inlined into each clone.
 #define WOBBLEBENCH_INLINE [[gnu::always_inline]] inline

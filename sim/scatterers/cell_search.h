@@ -1,54 +1,55 @@
-// Which of a parcel's hash cells the beam touches, in loops that compilers make wide.
+// Vectorised search for the hash cells of a block that the beam touches.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "sim/beam/beam_table.h"
 #include "sim/beam/beam_vector.h"
-#include "sim/tissue/tissue_parcels.h"
 
 namespace wobblebench::sim {
 
-/// A parabola over the range.
-struct ReachAlong {
+class BeamTable;
+enum class CellKind : std::uint8_t;
+
+/// A reach as a parabola over the range: at_face + slope * range + square * range^2 (m).
+struct ReachParabola {
   float at_face = 0;
   float slope = 0;
   float square = 0;
 };
-/// The beam's reach around a parcel (m).
-struct ParcelReach {
-  ReachAlong lateral;
-  ReachAlong elevation;
+/// The beam's reach near a block.
+struct BlockReach {
+  ReachParabola lateral;
+  ReachParabola elevation;
 };
-/// For parcels with their middle in each row of the table.
-std::vector<ParcelReach> reaches_around(const BeamTable& table, double parcel_m);
+/// For blocks whose centre lies in each row of the table.
+std::vector<BlockReach> reaches_around(const BeamTable& table, double block_m);
 
-/// The middles of an octave's hash cells, from their parcel's low corner.
-struct CellMiddles {
+/// Centres of an octave's hash cells, relative to the low corner of their block.
+struct CellCenters {
   const float* axial;
   const float* lateral;
   const float* elevation;
 };
 
-/// What the hash cells of a parcel are tested against.
+/// The bounds against which the hash cells of a block are tested.
 struct CellTest {
-  BeamVector corner;     ///< the parcel's
+  BeamVector corner;     ///< of the block
   float half_lateral_m;  ///< half extents of a cell
   float half_elevation_m;
-  ParcelReach reach;
-  float begin_m;  ///< ranges between which cells have their middle
+  BlockReach reach;
+  float begin_m;  ///< interval of the cells' axial centres
   float end_m;
   BeamRim rim;
 };
-/// `near` is 1 for those that the beam may touch, else 0.
-void test_cells(const CellMiddles& middles, int count, const CellTest& test, std::uint8_t* near);
+/// Sets `touched` to 1 for cells that the beam may touch, else to 0.
+void test_cells(const CellCenters& centers, int count, const CellTest& test, std::uint8_t* touched);
 
-/// Leaves 1 of the flags of hash cells only where they are of one kind.
-void choose_kind(const std::uint8_t* near,
+/// Sets `selected` to 1 for touched cells of one kind, else to 0.
+void select_kind(const std::uint8_t* touched,
                  const CellKind* kinds,
                  CellKind wanted,
                  int count,
-                 std::uint8_t* chosen);
+                 std::uint8_t* selected);
 
 }  // namespace wobblebench::sim

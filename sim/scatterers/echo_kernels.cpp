@@ -9,7 +9,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// std::complex checks for infinities, which keeps loops narrow.
+/// std::complex's product checks for infinities, which prevents vectorisation.
 struct Complex {
   float re;
   float im;
@@ -19,7 +19,7 @@ WOBBLEBENCH_INLINE Complex operator*(const Complex& a, const Complex& b) {
   return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-/// Echoes before they are put side by side for the bins.
+/// Echoes as a structure of arrays.
 struct EchoLanes {
   float low_re[kEchoBatch];
   float low_im[kEchoBatch];
@@ -27,26 +27,26 @@ struct EchoLanes {
   float high_im[kEchoBatch];
 };
 
-/// What the beam's table says of each, moved together: loops that look it up by themselves stay
-/// narrow.
+/// The beam table's entries of each scatterer, gathered by whole entries: look-ups within the loop
+/// would prevent vectorisation.
 struct BeamLanes {
   BeamTable::Value lateral[kEchoBatch];
   BeamTable::Value elevation[kEchoBatch];
 };
 
 void look_up(const EchoConstants& constants,
-             const std::uint32_t* places,
+             const std::uint32_t* table_index,
              int count,
              BeamLanes& to) {
   for (int i = 0; i < count; ++i) {
-    const BeamTable::Value* lateral = constants.lateral + (places[i] & 0xffffu);
-    const BeamTable::Value* elevation = constants.elevation + (places[i] >> 16);
+    const BeamTable::Value* lateral = constants.lateral + (table_index[i] & 0xffffu);
+    const BeamTable::Value* elevation = constants.elevation + (table_index[i] >> 16);
     std::memcpy(to.lateral + i, lateral, sizeof *lateral);
     std::memcpy(to.elevation + i, elevation, sizeof *elevation);
   }
 }
 
-WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
+WOBBLEBENCH_INLINE void echo_lanes(const ProjectedScatterers& scatterers,
                                    const BeamLanes& beam,
                                    int count,
                                    const EchoConstants& constants,
@@ -54,28 +54,28 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
                                    std::int32_t* __restrict bins) {
   const BeamTable::Value* lateral = beam.lateral;
   const BeamTable::Value* elevation = beam.elevation;
-  const float* paths = seen.path_m;
-  const float* amplitudes = seen.amplitude;
+  const float* ranges = scatterers.range_m;
+  const float* amplitudes = scatterers.amplitude;
   const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
-  const float colour_per_bin = constants.colour_per_bin;
+  const float slope_per_bin = constants.slope_per_bin;
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
-    const float path = paths[i];
+    const float range = ranges[i];
     const float amplitude = amplitudes[i] * (lateral[i].amplitude * elevation[i].amplitude);
-    const float cycles = lateral[i].cycles + elevation[i].cycles - path * cycles_per_m;
+    const float cycles = lateral[i].cycles + elevation[i].cycles - range * cycles_per_m;
     const CosSin angle = cos_sin_of_cycles(cycles);
     const Complex echo{amplitude * angle.cosine, amplitude * angle.sine};
-    const Complex colour{lateral[i].colour_re + elevation[i].colour_re,
-                         lateral[i].colour_im + elevation[i].colour_im};
-    const Complex dark = colour * echo;
-    const float position = path * bins_per_m + 1.0f;
+    const Complex slope{lateral[i].slope_re + elevation[i].slope_re,
+                        lateral[i].slope_im + elevation[i].slope_im};
+    const Complex sloped = slope * echo;
+    const float position = range * bins_per_m + 1.0f;
     const std::int32_t whole = static_cast<std::int32_t>(position);
     const std::int32_t positive = whole < 0 ? 0 : whole;
     const std::int32_t bin = positive > last_bin ? last_bin : positive;
     const float high = position - static_cast<float>(bin);
-    // The pulse's derivative, p' B / (2 i k0), as the difference of the bin's two ends.
-    const Complex slope{colour_per_bin * dark.im, -colour_per_bin * dark.re};
-    const Complex far{high * echo.re - slope.re, high * echo.im - slope.im};
+    // The term of the pulse's derivative, p' B / (2 i k0), as the difference of the bin's two ends.
+    const Complex derivative{slope_per_bin * sloped.im, -slope_per_bin * sloped.re};
+    const Complex far{high * echo.re - derivative.re, high * echo.im - derivative.im};
     lanes.low_re[i] = echo.re - far.re;
     lanes.low_im[i] = echo.im - far.im;
     lanes.high_re[i] = far.re;
@@ -84,14 +84,14 @@ WOBBLEBENCH_INLINE void echo_lanes(const SeenScatterers& seen,
   }
 }
 
-WOBBLEBENCH_SIMD void shape_echoes(const SeenScatterers& seen,
+WOBBLEBENCH_SIMD void shape_echoes(const ProjectedScatterers& scatterers,
                                    const BeamLanes& beam,
                                    int count,
                                    const EchoConstants& constants,
                                    BinShare* __restrict shares,
                                    std::int32_t* __restrict bins) {
   EchoLanes lanes;
-  echo_lanes(seen, beam, count, constants, lanes, bins);
+  echo_lanes(scatterers, beam, count, constants, lanes, bins);
   for (int i = 0; i < count; ++i) {
     shares[i] = {lanes.low_re[i], lanes.low_im[i], lanes.high_re[i], lanes.high_im[i]};
   }
@@ -99,14 +99,14 @@ WOBBLEBENCH_SIMD void shape_echoes(const SeenScatterers& seen,
 
 }  // namespace
 
-void make_echoes(const SeenScatterers& seen,
+void make_echoes(const ProjectedScatterers& scatterers,
                  int count,
                  const EchoConstants& constants,
                  BinShare* shares,
                  std::int32_t* bins) {
   BeamLanes beam;
-  look_up(constants, seen.places, count, beam);
-  shape_echoes(seen, beam, count, constants, shares, bins);
+  look_up(constants, scatterers.table_index, count, beam);
+  shape_echoes(scatterers, beam, count, constants, shares, bins);
 }
 
 void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare* bins) {
@@ -119,7 +119,7 @@ void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare
   }
 }
 
-WOBBLEBENCH_SIMD void smooth(
+WOBBLEBENCH_SIMD void convolve(
     const float* values, const float* taps, int tap_count, int count, float* __restrict sums) {
   for (int t = 0; t < tap_count; ++t) {
     const float tap = taps[t];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hw/probe/acquisition_plan.h"
 #include "sim/beam/point_spread.h"
 #include "sim/math/simd.h"
 
@@ -11,20 +12,20 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kBinsPerSigma = 3.4;
-constexpr double kPulseSigmas = 3.2;  // the pulse has 0.6 % of its peak left
+constexpr double kPulseSigmas = 3.2;  // the pulse is 0.6 % of its peak there
 
-/// What bins give to the ends between them, one of each sample's. An end is the first bin's far end
-/// and the second one's near end.
-WOBBLEBENCH_SIMD void spread_place(const BinShare* bins,
+/// Sums at one bin end of every sample: the far end of one bin and the near end of the next, scaled
+/// by the remaining amplitude.
+WOBBLEBENCH_SIMD void gather_phase(const BinShare* bins,
                                    int bins_per_sample,
-                                   const float* __restrict left,
+                                   const float* __restrict remaining,
                                    const float* __restrict neighbour,
                                    float share,
                                    int samples,
                                    float* __restrict re,
                                    float* __restrict im) {
   for (int i = 0; i < samples; ++i) {
-    const float amplitude = left[i] + share * (neighbour[i] - left[i]);
+    const float amplitude = remaining[i] + share * (neighbour[i] - remaining[i]);
     const BinShare* first = bins + static_cast<std::ptrdiff_t>(i) * bins_per_sample;
     re[i] = amplitude * (first[0].high_re + first[1].low_re);
     im[i] = amplitude * (first[0].high_im + first[1].low_im);
@@ -37,15 +38,16 @@ PulseTaps::PulseTaps(const hw::AcquisitionPlan& plan, double spacing_m) : spacin
   const double sigma_m = sigma_of_fwhm(axial_fwhm_m(plan));
   const int bins = std::max(1, static_cast<int>(std::ceil(kBinsPerSigma * spacing_m / sigma_m)));
   const double bin_m = spacing_m / bins;
-  beside_ = static_cast<int>(std::ceil(kPulseSigmas * sigma_m / spacing_m));
-  // Sharing between two ends widens the pulse, on average by a sixth of a bin squared.
+  half_length_ = static_cast<int>(std::ceil(kPulseSigmas * sigma_m / spacing_m));
+  // Linear interpolation widens the pulse: it adds a sixth of a squared bin to its variance, on
+  // average.
   const double narrow_m = std::sqrt(sigma_m * sigma_m - bin_m * bin_m / 6);
-  for (int place = 0; place < bins; ++place) {
+  for (int end = 0; end < bins; ++end) {
     std::vector<float> taps;
-    for (int t = -beside_; t <= beside_; ++t) {
-      // An end in sample m + t, and the middle of sample m.
-      const double away_m = (t - 0.5) * spacing_m + place * bin_m;
-      const double pulse = std::exp(-0.5 * away_m * away_m / (narrow_m * narrow_m));
+    for (int t = -half_length_; t <= half_length_; ++t) {
+      // From the middle of sample m to the bin end in sample m + t.
+      const double offset_m = (t - 0.5) * spacing_m + end * bin_m;
+      const double pulse = std::exp(-0.5 * offset_m * offset_m / (narrow_m * narrow_m));
       taps.push_back(static_cast<float>(sigma_m / narrow_m * pulse));
     }
     taps_.push_back(std::move(taps));
@@ -61,49 +63,51 @@ void RangeBins::add(const BinShare* shares, const std::int32_t* at, int count) {
   deposit(shares, at, count, bins_.data());
 }
 
-void RangeBins::spread(const PulseTaps& taps, std::span<const float> left, int samples) {
+void RangeBins::split_phases(const PulseTaps& taps, std::span<const float> remaining, int samples) {
   const int bins = taps.bins_per_sample();
-  const int room = samples + 2 * taps.beside() + 1;
-  // Ends of bins beyond the last sample are heard in it.
-  const int columns = std::min((last_bin_ - 1) / bins, samples + taps.beside());
+  const int room = samples + 2 * taps.half_length() + 1;
+  // Bin ends beyond the last sample contribute to it.
+  const int columns = std::min((last_bin_ - 1) / bins, samples + taps.half_length());
   phases_.resize(static_cast<std::size_t>(bins));
-  // One more on either side, like the last there.
-  left_.assign(1, left.front());
-  const auto heard = std::min(left.size(), static_cast<std::size_t>(columns) + 1);
-  left_.insert(left_.end(), left.begin(), left.begin() + static_cast<std::ptrdiff_t>(heard));
-  left_.resize(static_cast<std::size_t>(columns) + 2, left_.back());
-  for (int place = 0; place < bins; ++place) {
-    Phase& phase = phases_[static_cast<std::size_t>(place)];
+  // Extended by one on either side with the outermost values.
+  remaining_.assign(1, remaining.front());
+  const auto covered = std::min(remaining.size(), static_cast<std::size_t>(columns) + 1);
+  remaining_.insert(remaining_.end(),
+                    remaining.begin(),
+                    remaining.begin() + static_cast<std::ptrdiff_t>(covered));
+  remaining_.resize(static_cast<std::size_t>(columns) + 2, remaining_.back());
+  for (int end = 0; end < bins; ++end) {
+    Phase& phase = phases_[static_cast<std::size_t>(end)];
     phase.re.assign(static_cast<std::size_t>(room), 0.0f);
     phase.im.assign(static_cast<std::size_t>(room), 0.0f);
-    // Between the middles of the sample and of its neighbour.
-    const float between = static_cast<float>(place) / static_cast<float>(bins) - 0.5f;
-    spread_place(bins_.data() + place,
+    // Position between the middles of the sample and of its neighbour.
+    const float between = static_cast<float>(end) / static_cast<float>(bins) - 0.5f;
+    gather_phase(bins_.data() + end,
                  bins,
-                 left_.data() + 1,
-                 left_.data() + (between < 0 ? 0 : 2),
+                 remaining_.data() + 1,
+                 remaining_.data() + (between < 0 ? 0 : 2),
                  std::abs(between),
                  columns,
-                 phase.re.data() + taps.beside(),
-                 phase.im.data() + taps.beside());
+                 phase.re.data() + taps.half_length(),
+                 phase.im.data() + taps.half_length());
   }
 }
 
 void RangeBins::finish(const PulseTaps& taps,
-                       std::span<const float> left,
+                       std::span<const float> remaining,
                        std::span<std::complex<float>> iq) {
-  if (left.empty()) return;
-  bins_.front() = {0, 0, 0, 0};  // what came from before the face
+  if (remaining.empty()) return;
+  bins_.front() = {0, 0, 0, 0};  // echoes from before range 0
   const int samples = static_cast<int>(iq.size());
-  spread(taps, left, samples);
+  split_phases(taps, remaining, samples);
   sum_re_.assign(iq.size(), 0.0f);
   sum_im_.assign(iq.size(), 0.0f);
-  for (int place = 0; place < taps.bins_per_sample(); ++place) {
-    const Phase& phase = phases_[static_cast<std::size_t>(place)];
-    const std::vector<float>& pulse = taps.phase(place);
+  for (int end = 0; end < taps.bins_per_sample(); ++end) {
+    const Phase& phase = phases_[static_cast<std::size_t>(end)];
+    const std::vector<float>& pulse = taps.phase(end);
     const int count = static_cast<int>(pulse.size());
-    smooth(phase.re.data(), pulse.data(), count, samples, sum_re_.data());
-    smooth(phase.im.data(), pulse.data(), count, samples, sum_im_.data());
+    convolve(phase.re.data(), pulse.data(), count, samples, sum_re_.data());
+    convolve(phase.im.data(), pulse.data(), count, samples, sum_im_.data());
   }
   for (std::size_t i = 0; i < iq.size(); ++i) {
     iq[i] += std::complex<float>(sum_re_[i], sum_im_[i]);

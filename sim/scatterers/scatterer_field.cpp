@@ -3,72 +3,72 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <mutex>
+#include <utility>
 
-#include "sim/scatterers/hash_cell_queue.h"
+#include "sim/scatterers/scatterer_scene.h"
 #include "sim/scatterers/stick_scan.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Scatterers of one octave within one parcel, in double precision.
-class ParcelSearch {
+/// Searches the blocks for scatterers within a stick's beam, one by one, in double precision.
+class ScattererSearch {
  public:
-  ParcelSearch(const ScattererScene& scene,
-               const StickView& view,
-               const Sightline& line,
-               double to_m)
-      : scene_(scene), view_(view), line_(line), to_m_(to_m) {}
+  ScattererSearch(const ScattererScene& scene,
+                  const StickTransform& transform,
+                  const TimedRay& line,
+                  double to_m)
+      : scene_(scene), transform_(transform), line_(line), to_m_(to_m) {}
 
-  void collect(const TissueParcels::Parcel& parcel,
-               int octave,
-               std::vector<PointEcho>& found) const {
-    const Octave& process = scene_.cells.octaves[static_cast<std::size_t>(octave)];
-    const std::uint32_t parcel_key = process.parcel_key(parcel.index);
-    const double cell_m = scene_.parcels.side_m() / process.divisions;
+  void collect(const TissueBlocks::Block& block, int octave, std::vector<PointEcho>& found) const {
+    const Octave& octave_cells = scene_.cells.octaves[static_cast<std::size_t>(octave)];
+    const std::uint32_t block_key = octave_cells.block_key(block.index);
+    const double cell_m = scene_.blocks.side_m() / octave_cells.divisions;
     const glm::dvec3 corner =
-        scene_.parcels.origin_m() + scene_.parcels.side_m() * glm::dvec3(parcel.index);
-    for (int number = 0; number < process.cells(); ++number) {
+        scene_.blocks.origin_m() + scene_.blocks.side_m() * glm::dvec3(block.index);
+    for (int number = 0; number < octave_cells.cells(); ++number) {
       HashCell cell{octave, number};
-      cell.key = hash_cell_key(parcel_key, static_cast<std::uint32_t>(number));
+      cell.key = hash_cell_key(block_key, static_cast<std::uint32_t>(number));
       cell.side_m = cell_m;
-      cell.low_corner_m = corner + cell_m * cell_place(number, process.divisions);
-      cell.row = scene_.table.row(view_.to_beam(cell.low_corner_m + 0.5 * cell_m).x);
-      for (int i = 0; i < heard(cell).heard; ++i) take(parcel, cell, i, found);
+      cell.low_corner_m = corner + cell_m * cell_coordinates(number, octave_cells.divisions);
+      cell.row = scene_.table.row(transform_.to_beam(cell.low_corner_m + 0.5 * cell_m).x);
+      for (int i = 0; i < gain(cell).count; ++i) add(block, cell, i, found);
     }
   }
 
  private:
   struct HashCell {
     int octave;
-    int number;  ///< in its parcel
+    int number;  ///< in its block
     std::uint32_t key = 0;
     double side_m = 0;
     glm::dvec3 low_corner_m{0};  ///< at rest
-    int row = 0;                 ///< of the beam, at its middle
+    int row = 0;                 ///< of the beam's table, at its centre
   };
 
-  const OctaveAtRow& heard(const HashCell& cell) const {
+  const OctaveAtRow& gain(const HashCell& cell) const {
     const auto row = static_cast<std::size_t>(cell.row);
     return scene_.gains[static_cast<std::size_t>(cell.octave)].rows[row];
   }
 
-  void take(const TissueParcels::Parcel& parcel,
-            const HashCell& cell,
-            int scatterer,
-            std::vector<PointEcho>& found) const {
+  void add(const TissueBlocks::Block& block,
+           const HashCell& cell,
+           int scatterer,
+           std::vector<PointEcho>& found) const {
     const glm::dvec3 rest =
         cell.low_corner_m +
-        cell.side_m * scatterer_place(cell.key, static_cast<std::uint32_t>(scatterer));
-    const glm::dvec3 beam = view_.to_beam(rest);
+        cell.side_m * scatterer_position(cell.key, static_cast<std::uint32_t>(scatterer));
+    const glm::dvec3 beam = transform_.to_beam(rest);
     if (!within_beam(beam, cell.row)) return;
-    const glm::dvec3 ahead = view_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
+    const glm::dvec3 along = transform_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
     const float amplitude =
-        heard(cell).amplitude(scatterer) *
-        scene_.parcels.amplitude_at(
-            parcel, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(ahead)));
+        gain(cell).amplitude(scatterer) *
+        scene_.blocks.amplitude_at(
+            block, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(along)));
     if (amplitude == 0) return;
-    found.push_back({scene_.subject.from_rest(rest, line_.time_s), amplitude});
+    found.push_back({scene_.tissue.from_rest(rest, line_.time_s), amplitude});
   }
 
   bool within_beam(const glm::dvec3& beam, int row) const {
@@ -79,58 +79,93 @@ class ParcelSearch {
   }
 
   const ScattererScene& scene_;
-  const StickView& view_;
-  const Sightline& line_;
+  const StickTransform& transform_;
+  const TimedRay& line_;
   double to_m_;
 };
 
 }  // namespace
 
-ScattererField::ScattererField(const ScannedTissue& subject,
+/// Working memory of the threads that use a field, lent for one stick at a time.
+class ScanBufferPool {
+ public:
+  /// Returns its buffers to the pool when it goes out of scope.
+  class Lease {
+   public:
+    explicit Lease(ScanBufferPool& pool) : pool_(pool), buffers_(pool.take()) {}
+    ~Lease() { pool_.put(std::move(buffers_)); }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    ScanBuffers& operator*() const { return *buffers_; }
+
+   private:
+    ScanBufferPool& pool_;
+    std::unique_ptr<ScanBuffers> buffers_;
+  };
+
+ private:
+  std::unique_ptr<ScanBuffers> take() {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return std::make_unique<ScanBuffers>();
+    auto buffers = std::move(idle_.back());
+    idle_.pop_back();
+    return buffers;
+  }
+  void put(std::unique_ptr<ScanBuffers> buffers) {
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(buffers));
+  }
+
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<ScanBuffers>> idle_;
+};
+
+ScattererField::ScattererField(const ScannedTissue& tissue,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
-                               const ScattererModel& model)
-    : scene_(std::make_shared<ScattererScene>(subject, plan, options, model)) {}
+                               const ScattererSettings& settings)
+    : scene_(std::make_shared<ScattererScene>(tissue, plan, options, settings)),
+      buffers_(std::make_shared<ScanBufferPool>()) {}
 
-namespace {
-
-/// Nothing in it outlives a stick but its size.
-ScanBuffers& buffers_of_thread() {
-  thread_local ScanBuffers buffers;
-  return buffers;
-}
-
-}  // namespace
-
-void ScattererField::add_echoes(const StickPath& way,
+void ScattererField::add_echoes(const StickPath& path,
                                 std::span<std::complex<float>> iq,
-                                std::uint64_t* seen) const {
-  if (way.left.empty()) return;
-  const std::uint64_t found = StickScan(*scene_, way, buffers_of_thread()).run(iq);
-  if (seen != nullptr) *seen += found;
+                                std::uint64_t* contributed) const {
+  if (path.remaining.empty()) return;
+  const ScanBufferPool::Lease buffers(*buffers_);
+  const std::uint64_t count = StickScan(*scene_, path, *buffers).run(iq);
+  if (contributed != nullptr) *contributed += count;
 }
 
-void ScattererField::add_points(const StickPath& way,
+void ScattererField::add_points(const StickPath& path,
                                 std::span<const PointEcho> points,
                                 std::span<std::complex<float>> iq) const {
-  if (way.left.empty()) return;
-  StickScan(*scene_, way, buffers_of_thread()).run(points, iq);
+  if (path.remaining.empty()) return;
+  const ScanBufferPool::Lease buffers(*buffers_);
+  StickScan(*scene_, path, *buffers).run(points, iq);
 }
 
-std::vector<PointEcho> ScattererField::near(const Sightline& line, double to_m) const {
-  const StickView view(scene_->subject, line);
-  std::vector<TouchedParcel> touched;
-  find_touched(view, scene_->tube, scene_->lattice(), to_m, touched);
-  const ParcelSearch search(*scene_, view, line, to_m);
+std::vector<PointEcho> ScattererField::near(const TimedRay& line, double to_m) const {
+  const StickTransform transform(scene_->tissue, line);
+  std::vector<TouchedBlock> touched;
+  find_touched_blocks(transform, scene_->bounds, scene_->block_grid(), to_m, touched);
+  const ScattererSearch search(*scene_, transform, line, to_m);
   std::vector<PointEcho> found;
-  for (const TouchedParcel& at : touched) {
-    const TissueParcels::Parcel parcel = scene_->parcels.parcel(at.index);
-    if (scene_->parcels.silent(parcel)) continue;
+  for (const TouchedBlock& at : touched) {
+    const TissueBlocks::Block block = scene_->blocks.block(at.index);
+    if (scene_->blocks.anechoic(block)) continue;
     for (int i = 0; i < static_cast<int>(scene_->cells.octaves.size()); ++i) {
-      search.collect(parcel, i, found);
+      search.collect(block, i, found);
     }
   }
   return found;
+}
+
+double ScattererField::per_cubic_mm() const {
+  return scene_->per_m3 * 1e-9;
+}
+
+const BeamTable& ScattererField::beam() const {
+  return scene_->table;
 }
 
 double ScattererField::point_spread_m3(double range_m) const {

@@ -4,245 +4,262 @@
 #include <bit>
 #include <cstring>
 
+#include "sim/scatterers/scatterer_cells.h"
+#include "sim/scatterers/stream_compaction.h"
+#include "sim/scatterers/tissue_blocks.h"
+
 namespace wobblebench::sim {
 
 namespace {
 
-/// Both places of a row's first columns are its number times the columns, times this.
-constexpr std::uint32_t kBothPlaces = 0x10001;
+/// A table index times this is the same index in the lateral and the elevation half of a word.
+constexpr std::uint32_t kBothIndices = 0x10001;
 
-WOBBLEBENCH_INLINE std::uint32_t whole_number(float x) {
+WOBBLEBENCH_INLINE std::uint32_t to_index(float x) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
 }
 
-/// Some hash cells, and the beam there.
-struct CellBeams {
-  float axial[kLaneCells];
-  float lateral[kLaneCells];
-  float elevation[kLaneCells];
-  std::uint32_t key[kLaneCells];
-  std::int32_t row[kLaneCells];
-  float lateral_columns_per_m[kLaneCells];
-  float elevation_columns_per_m[kLaneCells];
-  float late_m[kLaneCells];
-  float stretch[kLaneCells];
-  float lateral_bend_per_m[kLaneCells];
-  float elevation_bend_per_m[kLaneCells];
-  float full[kLaneCells];
-  float faint[kLaneCells];
-  std::int32_t in_full[kLaneCells];
-  std::int32_t heard[kLaneCells];
-  std::uint32_t first_places[kLaneCells];
+/// A batch of hash cells and the beam at each, as a structure of arrays.
+struct CellBatch {
+  float axial[kCellsPerBatch];
+  float lateral[kCellsPerBatch];
+  float elevation[kCellsPerBatch];
+  std::uint32_t key[kCellsPerBatch];
+  std::int32_t row[kCellsPerBatch];
+  float lateral_columns_per_m[kCellsPerBatch];
+  float elevation_columns_per_m[kCellsPerBatch];
+  float delay_m[kCellsPerBatch];
+  float range_scale[kCellsPerBatch];
+  float lateral_curvature_per_m[kCellsPerBatch];
+  float elevation_curvature_per_m[kCellsPerBatch];
+  float full[kCellsPerBatch];
+  float partial[kCellsPerBatch];
+  std::int32_t full_count[kCellsPerBatch];
+  std::int32_t count[kCellsPerBatch];
+  std::uint32_t first_table_index[kCellsPerBatch];
 };
 
-/// Places and keys.
-WOBBLEBENCH_SIMD void spread_cells(const TouchedHashCells& cells,
-                                   int count,
-                                   float to_middle,
-                                   const Sight& sight,
-                                   CellBeams& __restrict beams) {
-  // As plain floats, or the loop stays narrow.
+/// Origins, keys and rows.
+WOBBLEBENCH_SIMD void load_cells(const HashCellArrays& cells,
+                                 int count,
+                                 float to_center,
+                                 const BeamProjection& projection,
+                                 CellBatch& __restrict batch) {
+  // As plain floats: vector members would prevent vectorisation.
   const float* origin = reinterpret_cast<const float*>(cells.origin);
   const std::uint32_t* seed = cells.seed;
-  const float rows_per_m = sight.rows_per_m;
-  const std::int32_t last_row = sight.last_row;
+  const float rows_per_m = projection.rows_per_m;
+  const std::int32_t last_row = projection.last_row;
   for (int c = 0; c < count; ++c) {
     const float* at = origin + std::ptrdiff_t{4} * c;
     const float axial = at[0];
-    beams.axial[c] = axial;
-    beams.lateral[c] = at[1];
-    beams.elevation[c] = at[2];
-    beams.key[c] = mix32(seed[c]);
-    const std::int32_t whole = static_cast<std::int32_t>((axial + to_middle) * rows_per_m);
-    const std::int32_t positive = whole < 0 ? 0 : whole;
-    beams.row[c] = positive > last_row ? last_row : positive;
+    batch.axial[c] = axial;
+    batch.lateral[c] = at[1];
+    batch.elevation[c] = at[2];
+    batch.key[c] = mix32(seed[c]);
+    const std::int32_t row = static_cast<std::int32_t>((axial + to_center) * rows_per_m);
+    const std::int32_t positive = row < 0 ? 0 : row;
+    batch.row[c] = positive > last_row ? last_row : positive;
   }
 }
 
-/// What the tables say of each cell, moved together: loops that look it up by themselves stay
-/// narrow.
-struct RowLanes {
-  BeamAtRow rows[kLaneCells];
-  OctaveAtRow octave[kLaneCells];
+/// The tables' rows of each cell, gathered by whole rows: look-ups within the loop would prevent
+/// vectorisation.
+struct BatchRows {
+  BeamAtRow rows[kCellsPerBatch];
+  OctaveAtRow octave[kCellsPerBatch];
 };
 
-/// Lanes that a wide loop does together; behind the last cell are some of which nothing is heard.
-int whole_lanes(int count) {
-  return (count + kFlagsTogether - 1) / kFlagsTogether * kFlagsTogether;
+/// A multiple of kCompactionWidth. The padding cells have no contributing scatterers.
+int padded(int count) {
+  return (count + kCompactionWidth - 1) / kCompactionWidth * kCompactionWidth;
 }
 
-/// Returns how many scatterers of a cell are heard at most.
+/// Returns the largest number of contributing scatterers in a cell.
 WOBBLEBENCH_SIMD int look_up_rows(const std::int32_t* rows,
                                   int count,
-                                  const Sight& sight,
-                                  RowLanes& to) {
+                                  const BeamProjection& projection,
+                                  BatchRows& to) {
   std::int32_t most = 0;
   for (int c = 0; c < count; ++c) {
     const std::int32_t row = rows[c];
-    std::memcpy(to.rows + c, sight.rows + row, sizeof(BeamAtRow));
-    std::memcpy(to.octave + c, sight.octave + row, sizeof(OctaveAtRow));
-    most = std::max(most, to.octave[c].heard);
+    std::memcpy(to.rows + c, projection.rows + row, sizeof(BeamAtRow));
+    std::memcpy(to.octave + c, projection.octave + row, sizeof(OctaveAtRow));
+    most = std::max(most, to.octave[c].count);
   }
-  for (int c = count; c < whole_lanes(count); ++c) {
+  for (int c = count; c < padded(count); ++c) {
     to.rows[c] = {};
     to.octave[c] = {};
   }
   return most;
 }
 
-/// The beam, as their rows have it, and amplitudes.
-WOBBLEBENCH_SIMD void spread_beams(const float* amplitude,
-                                   int count,
-                                   float to_middle,
-                                   std::int32_t columns,
-                                   const RowLanes& from,
-                                   CellBeams& __restrict beams) {
+/// The beam and the amplitudes, from the cells' rows.
+WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
+                                 int count,
+                                 float to_center,
+                                 std::int32_t columns,
+                                 const BatchRows& from,
+                                 CellBatch& __restrict batch) {
   const BeamAtRow* rows = from.rows;
   const OctaveAtRow* octave = from.octave;
   for (int c = 0; c < count; ++c) {
-    const float middle = beams.axial[c] + to_middle;
-    beams.lateral_columns_per_m[c] = rows[c].lateral_columns_per_m;
-    beams.elevation_columns_per_m[c] = rows[c].elevation_columns_per_m;
-    beams.late_m[c] = rows[c].late_m;
-    beams.stretch[c] = rows[c].stretch;
-    beams.lateral_bend_per_m[c] =
-        rows[c].lateral_bend_per_m + rows[c].lateral_slope_per_m2 * middle;
-    beams.elevation_bend_per_m[c] =
-        rows[c].elevation_bend_per_m + rows[c].elevation_slope_per_m2 * middle;
+    const float center = batch.axial[c] + to_center;
+    batch.lateral_columns_per_m[c] = rows[c].lateral_columns_per_m;
+    batch.elevation_columns_per_m[c] = rows[c].elevation_columns_per_m;
+    batch.delay_m[c] = rows[c].delay_m;
+    batch.range_scale[c] = rows[c].range_scale;
+    batch.lateral_curvature_per_m[c] =
+        rows[c].lateral_curvature_per_m + rows[c].lateral_curvature_slope_per_m2 * center;
+    batch.elevation_curvature_per_m[c] =
+        rows[c].elevation_curvature_per_m + rows[c].elevation_curvature_slope_per_m2 * center;
   }
   for (int c = 0; c < count; ++c) {
-    beams.full[c] = octave[c].full * amplitude[c];
-    beams.faint[c] = octave[c].faint * amplitude[c];
-    beams.in_full[c] = octave[c].in_full;
-    beams.heard[c] = octave[c].heard;
-    beams.first_places[c] = static_cast<std::uint32_t>(beams.row[c] * columns) * kBothPlaces;
+    batch.full[c] = octave[c].full * amplitude[c];
+    batch.partial[c] = octave[c].partial * amplitude[c];
+    batch.full_count[c] = octave[c].full_count;
+    batch.count[c] = octave[c].count;
+    batch.first_table_index[c] = static_cast<std::uint32_t>(batch.row[c] * columns) * kBothIndices;
   }
 }
 
-/// One scatterer of each cell.
+/// Projects one scatterer of each cell.
 template <BeamRim rim>
-WOBBLEBENCH_INLINE void see_cells(int count,
-                                  std::int32_t scatterer,
-                                  const HashAxes& axes,
-                                  std::int32_t columns,
-                                  const CellBeams& beams,
-                                  ScattererLanes& __restrict lanes) {
+WOBBLEBENCH_INLINE void project_cells(int count,
+                                      std::int32_t scatterer,
+                                      const HashAxes& axes,
+                                      std::int32_t columns,
+                                      const CellBatch& batch,
+                                      ScattererLanes& __restrict lanes) {
   const HashAxes unit = axes;
   for (int c = 0; c < count; ++c) {
-    const CellOffset at = scatterer_offset(beams.key[c], static_cast<std::uint32_t>(scatterer));
+    const CellOffset at = scatterer_offset(batch.key[c], static_cast<std::uint32_t>(scatterer));
     const float axial =
-        beams.axial[c] + at.x * unit.x.axial + at.y * unit.y.axial + at.z * unit.z.axial;
+        batch.axial[c] + at.x * unit.x.axial + at.y * unit.y.axial + at.z * unit.z.axial;
     const float lateral =
-        beams.lateral[c] + at.x * unit.x.lateral + at.y * unit.y.lateral + at.z * unit.z.lateral;
-    const float elevation = beams.elevation[c] + at.x * unit.x.elevation + at.y * unit.y.elevation +
+        batch.lateral[c] + at.x * unit.x.lateral + at.y * unit.y.lateral + at.z * unit.z.lateral;
+    const float elevation = batch.elevation[c] + at.x * unit.x.elevation + at.y * unit.y.elevation +
                             at.z * unit.z.elevation;
-    const float u = magnitude(lateral) * beams.lateral_columns_per_m[c];
-    const float v = magnitude(elevation) * beams.elevation_columns_per_m[c];
-    lanes.path_m[c] = beams.late_m[c] + beams.stretch[c] * axial +
-                      beams.lateral_bend_per_m[c] * lateral * lateral +
-                      beams.elevation_bend_per_m[c] * elevation * elevation;
-    lanes.places[c] = beams.first_places[c] + whole_number(u) + (whole_number(v) << 16);
-    lanes.amplitude[c] = scatterer < beams.in_full[c] ? beams.full[c] : beams.faint[c];
-    lanes.within[c] =
-        within_rim<rim>(u, v, static_cast<float>(columns)) & (scatterer < beams.heard[c]);
+    const float u = magnitude(lateral) * batch.lateral_columns_per_m[c];
+    const float v = magnitude(elevation) * batch.elevation_columns_per_m[c];
+    lanes.range_m[c] = batch.delay_m[c] + batch.range_scale[c] * axial +
+                       batch.lateral_curvature_per_m[c] * lateral * lateral +
+                       batch.elevation_curvature_per_m[c] * elevation * elevation;
+    lanes.table_index[c] = batch.first_table_index[c] + to_index(u) + (to_index(v) << 16);
+    lanes.amplitude[c] = scatterer < batch.full_count[c] ? batch.full[c] : batch.partial[c];
+    lanes.selected[c] =
+        within_rim<rim>(u, v, static_cast<float>(columns)) & (scatterer < batch.count[c]);
   }
 }
 
 WOBBLEBENCH_SIMD void fill_lanes(int count,
                                  int scatterer,
                                  const HashAxes& axes,
-                                 const Sight& sight,
-                                 const CellBeams& beams,
+                                 const BeamProjection& projection,
+                                 const CellBatch& batch,
                                  ScattererLanes& __restrict lanes) {
-  if (sight.rim == BeamRim::ellipse) {
-    see_cells<BeamRim::ellipse>(count, scatterer, axes, sight.columns, beams, lanes);
+  if (projection.rim == BeamRim::ellipse) {
+    project_cells<BeamRim::ellipse>(count, scatterer, axes, projection.columns, batch, lanes);
   } else {
-    see_cells<BeamRim::diamond>(count, scatterer, axes, sight.columns, beams, lanes);
+    project_cells<BeamRim::diamond>(count, scatterer, axes, projection.columns, batch, lanes);
   }
 }
 
-/// Gives each lane its own tissue; `in_sheet` gets which of them lie in sheets, 8 to a byte.
-void weigh_lanes(const MixedCell* const* mixed,
-                 int count,
-                 int scatterer,
-                 ScattererLanes& lanes,
-                 std::uint8_t* in_sheet) {
-  for (int first = 0; first < kLaneCells; first += 8) {
+/// Scales each lane by its scatterer's tissue. `near_interface` receives one bit a lane, 8 to a
+/// byte.
+void apply_tissue(const MixedCell* const* mixed,
+                  int count,
+                  int scatterer,
+                  ScattererLanes& lanes,
+                  std::uint8_t* near_interface) {
+  for (int first = 0; first < kCellsPerBatch; first += 8) {
     std::uint32_t flags = 0;
     for (int c = first; c < std::min(first + 8, count); ++c) {
-      const float strength = mixed[c]->amplitude[scatterer];
-      lanes.amplitude[c] *= strength;
-      lanes.within[c] &= strength > 0.0f;
-      flags |= (mixed[c]->in_sheet >> scatterer & 1u) << (c - first);
+      const float tissue_amplitude = mixed[c]->amplitude[scatterer];
+      lanes.amplitude[c] *= tissue_amplitude;
+      lanes.selected[c] &= tissue_amplitude > 0.0f;
+      flags |= (mixed[c]->near_interface >> scatterer & 1u) << (c - first);
     }
-    in_sheet[first / 8] = static_cast<std::uint8_t>(flags);
+    near_interface[first / 8] = static_cast<std::uint8_t>(flags);
   }
 }
 
-/// Writes those of the lanes that were packed last that lie in sheets. `hit`: of the first of them.
-void list_hits(const std::uint8_t* which,
-               const std::uint8_t* in_sheet,
-               int lanes,
-               SheetHit hit,
-               MixedSight& mixed) {
+/// Lists those of the lanes just selected that are near a rough interface. `hit`: indices of the
+/// first lane, and of the first projected scatterer.
+void list_interface_hits(const std::uint8_t* selected_mask,
+                         const std::uint8_t* near_interface,
+                         int lanes,
+                         InterfaceHit hit,
+                         MixedCellHits& mixed) {
   const std::int32_t first_cell = hit.cell;
   for (int group = 0; group < lanes / 8; ++group) {
-    const std::uint32_t within = which[group];
-    for (std::uint32_t left = within & in_sheet[group]; left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      mixed.hits[mixed.hit_count++] = {hit.seen + flags_set(within & ((1u << lane) - 1)),
+    const std::uint32_t selected = selected_mask[group];
+    for (std::uint32_t bits = selected & near_interface[group]; bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      mixed.hits[mixed.hit_count++] = {hit.projected + popcount16(selected & ((1u << lane) - 1)),
                                        first_cell + 8 * group + lane,
                                        hit.scatterer};
     }
-    hit.seen += flags_set(within);
+    hit.projected += popcount16(selected);
   }
 }
 
 }  // namespace
 
-int see_scatterers(const TouchedHashCells& cells,
-                   int count,
-                   const HashAxes& axes,
-                   const Sight& sight,
-                   const SeenScatterers& seen,
-                   MixedSight* mixed) {
-  int kept = 0;
-  RowLanes rows;
-  CellBeams beams;
+int project_scatterers(const HashCellArrays& cells,
+                       int count,
+                       const HashAxes& axes,
+                       const BeamProjection& projection,
+                       const ProjectedScatterers& projected,
+                       MixedCellHits* mixed) {
+  int written = 0;
+  BatchRows rows;
+  CellBatch batch;
   ScattererLanes lanes;
-  std::uint8_t which[kLaneCells / 8], in_sheet[kLaneCells / 8];
-  for (int first = 0; first < count; first += kLaneCells) {
-    const int some = std::min(kLaneCells, count - first), whole = whole_lanes(some);
-    const TouchedHashCells here = cells.from(static_cast<std::size_t>(first));
-    spread_cells(here, whole, axes.to_middle, sight, beams);
-    const int heard = look_up_rows(beams.row, some, sight, rows);
-    spread_beams(here.amplitude, whole, axes.to_middle, sight.columns, rows, beams);
-    for (int i = 0; i < heard; ++i) {
-      fill_lanes(whole, i, axes, sight, beams, lanes);
-      if (mixed != nullptr) weigh_lanes(mixed->cells + first, some, i, lanes, in_sheet);
-      const int before = kept;
-      kept += pack_lanes(lanes, whole, seen.from(static_cast<std::size_t>(kept)), which);
-      if (mixed != nullptr) list_hits(which, in_sheet, whole, {before, first, i}, *mixed);
+  std::uint8_t selected_mask[kCellsPerBatch / 8], near_interface[kCellsPerBatch / 8];
+  for (int first = 0; first < count; first += kCellsPerBatch) {
+    const int batch_size = std::min(kCellsPerBatch, count - first),
+              padded_count = padded(batch_size);
+    const HashCellArrays these = cells.from(static_cast<std::size_t>(first));
+    load_cells(these, padded_count, axes.to_center, projection, batch);
+    const int max_count = look_up_rows(batch.row, batch_size, projection, rows);
+    load_beams(these.amplitude, padded_count, axes.to_center, projection.columns, rows, batch);
+    for (int i = 0; i < max_count; ++i) {
+      fill_lanes(padded_count, i, axes, projection, batch, lanes);
+      if (mixed != nullptr)
+        apply_tissue(mixed->cells + first, batch_size, i, lanes, near_interface);
+      const int before = written;
+      written += compact_scatterers(
+          lanes, padded_count, projected.from(static_cast<std::size_t>(written)), selected_mask);
+      if (mixed != nullptr)
+        list_interface_hits(
+            selected_mask, near_interface, padded_count, {before, first, i}, *mixed);
     }
   }
-  return kept;
+  return written;
 }
 
-int see_place(const BeamPlace& place, const Sight& sight, const SeenScatterers& seen) {
-  const BeamAtRow& beam = sight.rows[place.row];
-  const BeamVector& at = place.at;
+int project_point(const PointScatterer& point,
+                  const BeamProjection& projection,
+                  const ProjectedScatterers& projected) {
+  const BeamAtRow& beam = projection.rows[point.row];
+  const BeamVector& at = point.at;
   const float u = magnitude(at.lateral) * beam.lateral_columns_per_m;
   const float v = magnitude(at.elevation) * beam.elevation_columns_per_m;
-  const float lateral_bend = beam.lateral_bend_per_m + beam.lateral_slope_per_m2 * at.axial;
-  const float elevation_bend = beam.elevation_bend_per_m + beam.elevation_slope_per_m2 * at.axial;
-  seen.path_m[0] = beam.late_m + beam.stretch * at.axial + lateral_bend * at.lateral * at.lateral +
-                   elevation_bend * at.elevation * at.elevation;
-  seen.places[0] = static_cast<std::uint32_t>(place.row * sight.columns) * kBothPlaces +
-                   whole_number(u) + (whole_number(v) << 16);
-  seen.amplitude[0] = place.amplitude;
-  const float columns = static_cast<float>(sight.columns);
-  return sight.rim == BeamRim::ellipse ? within_rim<BeamRim::ellipse>(u, v, columns)
-                                       : within_rim<BeamRim::diamond>(u, v, columns);
+  const float lateral_curvature =
+      beam.lateral_curvature_per_m + beam.lateral_curvature_slope_per_m2 * at.axial;
+  const float elevation_curvature =
+      beam.elevation_curvature_per_m + beam.elevation_curvature_slope_per_m2 * at.axial;
+  projected.range_m[0] = beam.delay_m + beam.range_scale * at.axial +
+                         lateral_curvature * at.lateral * at.lateral +
+                         elevation_curvature * at.elevation * at.elevation;
+  projected.table_index[0] =
+      static_cast<std::uint32_t>(point.row * projection.columns) * kBothIndices + to_index(u) +
+      (to_index(v) << 16);
+  projected.amplitude[0] = point.amplitude;
+  const float columns = static_cast<float>(projection.columns);
+  return projection.rim == BeamRim::ellipse ? within_rim<BeamRim::ellipse>(u, v, columns)
+                                            : within_rim<BeamRim::diamond>(u, v, columns);
 }
 
 }  // namespace wobblebench::sim

@@ -17,7 +17,7 @@ double resolution_cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
   return lateral_fwhm_m(plan, range_m) * elevation_fwhm_m(plan, range_m) * axial_fwhm_m(plan);
 }
 
-/// Of the whole field.
+/// Smallest and largest resolution cell at any range.
 struct ResolutionCells {
   double smallest_m3 = HUGE_VAL;
   double largest_m3 = 0;
@@ -37,24 +37,24 @@ double half_diagonal(double side_m) {
   return 0.5 * std::sqrt(3.0) * side_m;
 }
 
-/// `even`: power of a scatterer that is heard in full, on the axis.
-OctaveAtRow octave_at_row(double share, double even) {
+/// `full_power`: of a scatterer on the axis that contributes fully.
+OctaveAtRow octave_at_row(double share, double full_power) {
   OctaveAtRow at;
   for (int i = 0; i < kScatterersInCell; ++i) {
     const double power = scatterer_power(share, i);
-    const float amplitude = static_cast<float>(std::sqrt(even * power));
+    const float amplitude = static_cast<float>(std::sqrt(full_power * power));
     if (power >= 1) {
       at.full = amplitude;
-      ++at.in_full;
+      ++at.full_count;
     } else if (power > 0) {
-      at.faint = amplitude;
+      at.partial = amplitude;
     }
-    at.heard += power > 0;
+    at.count += power > 0;
   }
   return at;
 }
 
-/// What changes slowly with the range, as a straight line through a row's two neighbours.
+/// A table column near a row, as a straight line over the range through the row's two neighbours.
 struct Line {
   float at_face;
   float slope_per_m;
@@ -75,30 +75,30 @@ Line line_around(const BeamTable& table, int row, const Value& value) {
 ScattererScene::ScattererScene(const ScannedTissue& scanned,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options,
-                               const ScattererModel& model)
-    : subject(scanned),
-      table(plan, model.beam, options.threads),
+                               const ScattererSettings& settings)
+    : tissue(scanned),
+      table(plan, settings.beam, options.threads),
       per_m3(options.scatterers_per_cell / ResolutionCells(plan).smallest_m3),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
       cells(per_m3,
             ResolutionCells(plan).largest_m3 / ResolutionCells(plan).smallest_m3,
             options.seed),
-      parcels(scanned, plan, options, cells),
-      tube(table, plan.acquisition().depth_m, half_diagonal(cells.parcel_m)),
-      reaches(reaches_around(table, cells.parcel_m)),
-      rim(model.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
+      blocks(scanned, plan, options, cells),
+      bounds(table, plan.acquisition().depth_m, half_diagonal(cells.block_m)),
+      reaches(reaches_around(table, cells.block_m)),
+      rim(settings.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
       taps(plan, plan.sample_spacing_m() / iq_oversampling(plan)),
       cycles_per_m(2 * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s) {
-  weigh_octaves(plan, model.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
+  compute_octave_gains(plan, settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
   tabulate_rows();
 }
 
-void ScattererScene::weigh_octaves(const hw::AcquisitionPlan& plan, double per_cell) {
+void ScattererScene::compute_octave_gains(const hw::AcquisitionPlan& plan, double per_cell) {
   const int count = static_cast<int>(cells.octaves.size());
   const int window =
-      static_cast<int>(std::ceil(half_diagonal(cells.parcel_m) * table.rows_per_m())) + 1;
+      static_cast<int>(std::ceil(half_diagonal(cells.block_m) * table.rows_per_m())) + 1;
   gains.resize(cells.octaves.size());
-  for (auto& gain : gains) gain.heard.assign(static_cast<std::size_t>(table.rows()), 0);
+  for (auto& gain : gains) gain.contributes.assign(static_cast<std::size_t>(table.rows()), 0);
   for (int row = 0; row < table.rows(); ++row) {
     const double range_m = (row + 0.5) / table.rows_per_m();
     const double needed = per_cell / resolution_cell_m3(plan, range_m);
@@ -106,36 +106,37 @@ void ScattererScene::weigh_octaves(const hw::AcquisitionPlan& plan, double per_c
     for (int i = 0; i < count; ++i) {
       density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * cells.share(i, needed);
     }
-    const double even = 1 / (density * table.area_m2(row) * pulse_m);
+    const double full_power = 1 / (density * table.area_m2(row) * pulse_m);
     for (int i = 0; i < count; ++i) {
       OctaveGain& gain = gains[static_cast<std::size_t>(i)];
       const double share = cells.share(i, needed);
-      gain.rows.push_back(octave_at_row(share, even));
+      gain.rows.push_back(octave_at_row(share, full_power));
       if (share <= 0) continue;
-      // Beyond both ends of the table its first and last row go on.
+      // The first and the last row of the table extend beyond its ends.
       const double begin_m = row / table.rows_per_m(), end_m = (row + 1) / table.rows_per_m();
       gain.begin_m = std::min(gain.begin_m, row == 0 ? -HUGE_VALF : static_cast<float>(begin_m));
       gain.end_m = row == table.rows() - 1 ? HUGE_VALF : static_cast<float>(end_m);
       const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
-      std::fill(gain.heard.begin() + from, gain.heard.begin() + to + 1, char{1});
+      std::fill(gain.contributes.begin() + from, gain.contributes.begin() + to + 1, char{1});
     }
   }
 }
 
 void ScattererScene::tabulate_rows() {
-  const auto& across = table.lateral().rows;
-  const auto& high = table.elevation().rows;
+  const auto& lateral_rows = table.lateral().rows;
+  const auto& elevation_rows = table.elevation().rows;
   for (int row = 0; row < table.rows(); ++row) {
-    const Line late =
-        line_around(table, row, [&](std::size_t i) { return across[i].late_m + high[i].late_m; });
+    const Line delay = line_around(table, row, [&](std::size_t i) {
+      return lateral_rows[i].delay_m + elevation_rows[i].delay_m;
+    });
     const Line lateral =
-        line_around(table, row, [&](std::size_t i) { return across[i].bend_per_m; });
+        line_around(table, row, [&](std::size_t i) { return lateral_rows[i].curvature_per_m; });
     const Line elevation =
-        line_around(table, row, [&](std::size_t i) { return high[i].bend_per_m; });
-    rows.push_back({across[static_cast<std::size_t>(row)].columns_per_m,
-                    high[static_cast<std::size_t>(row)].columns_per_m,
-                    late.at_face,
-                    1 + late.slope_per_m,
+        line_around(table, row, [&](std::size_t i) { return elevation_rows[i].curvature_per_m; });
+    rows.push_back({lateral_rows[static_cast<std::size_t>(row)].columns_per_m,
+                    elevation_rows[static_cast<std::size_t>(row)].columns_per_m,
+                    delay.at_face,
+                    1 + delay.slope_per_m,
                     lateral.at_face,
                     lateral.slope_per_m,
                     elevation.at_face,

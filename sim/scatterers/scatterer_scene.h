@@ -1,64 +1,54 @@
-// What all sticks share when they look for scatterers.
+// Tables for the scatterers of one scene: what all sticks share.
 #pragma once
 
 #include <limits>
 #include <vector>
 
-#include "hw/probe/acquisition_plan.h"
 #include "sim/beam/beam_bounds.h"
-#include "sim/options.h"
+#include "sim/scatterers/block_search.h"
 #include "sim/scatterers/cell_search.h"
 #include "sim/scatterers/range_bins.h"
 #include "sim/scatterers/scatterer_cells.h"
 #include "sim/scatterers/scatterer_projection.h"
+#include "sim/scatterers/scatterer_settings.h"
+#include "sim/scatterers/tissue_blocks.h"
 #include "sim/tissue/scanned_tissue.h"
-#include "sim/tissue/tissue_parcels.h"
 
 namespace wobblebench::sim {
 
-/// How scatterers are seen. The defaults are what the rung `scatterers` does.
-struct ScattererModel {
-  BeamShape beam = BeamShape::main_lobe;
-  bool all_octaves = false;  ///< full density at every range (sim/scatterers/scatterer_cells.h)
-
-  static ScattererModel of(const SimulationOptions& options) {
-    return {options.side_lobes ? BeamShape::side_lobes : BeamShape::main_lobe, false};
-  }
-};
-
 /// Immutable after construction.
 struct ScattererScene {
-  ScattererScene(const ScannedTissue& subject,
+  ScattererScene(const ScannedTissue& scanned,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options,
-                 const ScattererModel& model);
+                 const ScattererSettings& settings);
 
-  /// One octave over the rows, and whether any scatterer of a parcel with its middle there is
-  /// heard.
+  /// One octave by row of the beam's table.
   struct OctaveGain {
     std::vector<OctaveAtRow> rows;
-    std::vector<char> heard;
-    /// Ranges between which it is not silent.
+    /// 1 where scatterers of a block centred in the row may contribute.
+    std::vector<char> contributes;
+    /// Range interval in which it contributes.
     float begin_m = std::numeric_limits<float>::infinity();
     float end_m = 0;
   };
 
-  ScannedTissue subject;
+  ScannedTissue tissue;
   BeamTable table;
-  double per_m3;   ///< scatterers, all octaves
-  double pulse_m;  ///< length of a pulse of even power that has the same energy
+  double per_m3;   ///< density of the scatterers of all octaves
+  double pulse_m;  ///< integral of the pulse's power over range: its equivalent length
   ScattererCells cells;
-  TissueParcels parcels;
+  TissueBlocks blocks;
   std::vector<OctaveGain> gains;
   std::vector<BeamAtRow> rows;
-  BeamBounds tube;
-  std::vector<ParcelReach> reaches;  ///< by the row of a parcel's middle
+  BeamBounds bounds;
+  std::vector<BlockReach> reaches;  ///< by the row of a block's centre
   BeamRim rim;
   PulseTaps taps;
-  double cycles_per_m;  ///< of range, there and back
+  double cycles_per_m;  ///< of range, two-way
 
-  /// `octave`: as it is heard; none for given places.
-  Sight sight(const OctaveGain* octave) const {
+  /// `octave`: null for project_point().
+  BeamProjection projection(const OctaveGain* octave) const {
     return {rows.data(),
             octave == nullptr ? nullptr : octave->rows.data(),
             table.columns(),
@@ -66,13 +56,13 @@ struct ScattererScene {
             static_cast<float>(table.rows_per_m()),
             rim};
   }
-  ParcelGrid lattice() const {
-    return {parcels.origin_m(), parcels.side_m(), parcels.first(), parcels.last()};
+  BlockGrid block_grid() const {
+    return {blocks.origin_m(), blocks.side_m(), blocks.first(), blocks.last()};
   }
 
  private:
-  /// `per_cell`: scatterers that each resolution cell needs, at least.
-  void weigh_octaves(const hw::AcquisitionPlan& plan, double per_cell);
+  /// `per_cell`: least number of scatterers in each resolution cell.
+  void compute_octave_gains(const hw::AcquisitionPlan& plan, double per_cell);
   void tabulate_rows();
 };
 

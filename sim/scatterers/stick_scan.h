@@ -1,4 +1,4 @@
-// One stick's search for scatterers: tube, parcels, hash cells, scatterers, echoes.
+// The echoes of one stick: beam bounds, blocks of tissue, hash cells, scatterers, range bins.
 #pragma once
 
 #include <complex>
@@ -8,28 +8,30 @@
 
 #include "sim/scatterers/echo_queue.h"
 #include "sim/scatterers/hash_cell_queue.h"
-#include "sim/scatterers/scatterer_field.h"
 #include "sim/scatterers/scatterer_scene.h"
+#include "sim/scatterers/stick_path.h"
+#include "sim/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {
 
-/// What a thread works with, reused from stick to stick.
+/// Working memory of one thread, reused from stick to stick.
 struct ScanBuffers {
-  std::vector<TouchedParcel> touched;
-  /// Octave by octave: of tissue that moves as one, and of that which bends.
-  std::vector<OctaveCells> whole[2], bent;
-  /// Of a parcel's cells, and room for what is tested together.
-  static constexpr int kFlags = kMostCells + kFlagsTogether;
-  std::uint8_t near[kFlags];
-  std::uint8_t chosen[kFlags];
-  std::int32_t list[kFlags];
-  std::vector<SheetHit> hits;
+  std::vector<TouchedBlock> blocks;
+  /// By octave. `rigid`: tissue that rests, tissue that turns as a whole; `deforming`: the block in
+  /// hand of tissue that moves non-rigidly.
+  std::vector<OctaveCells> rigid[2], deforming;
+  /// One flag for each hash cell of a block, and padding.
+  static constexpr int kFlags = kMaxCells + kCompactionWidth;
+  std::uint8_t touched[kFlags];
+  std::uint8_t selected[kFlags];
+  std::int32_t list[kFlags];  ///< numbers of the cells in hand
+  std::vector<InterfaceHit> hits;
   EchoQueue echoes;
 };
 
 class StickScan {
  public:
-  StickScan(const ScattererScene& scene, const StickPath& way, ScanBuffers& buffers);
+  StickScan(const ScattererScene& scene, const StickPath& path, ScanBuffers& buffers);
 
   /// Adds the stick's echoes to `iq`. Returns how many scatterers contributed.
   std::uint64_t run(std::span<std::complex<float>> iq);
@@ -37,52 +39,57 @@ class StickScan {
   std::uint64_t run(std::span<const PointEcho> points, std::span<std::complex<float>> iq);
 
  private:
-  /// A parcel as it is now.
-  struct Parcel {
-    TissueParcels::Parcel tissue;
+  /// A block of tissue at the stick's time.
+  struct Block {
+    TissueBlocks::Block tissue;
     RestToBeam map;
-    bool bent = false;     ///< has a map of its own …
-    bool straight = true;  ///< … that is good for all of it
+    bool deforms = false;  ///< moves non-rigidly and has a map of its own …
+    bool linear = true;    ///< … which holds in the whole block
     glm::dvec3 corner;     ///< low corner, at rest
     BeamVector beam_corner;
     glm::vec3 direction;  ///< of the sound, at rest
-    ParcelReach reach;
-    std::uint32_t key = 0;  ///< of the octave at hand
+    BlockReach reach;
+    std::uint32_t key = 0;  ///< of the octave in hand
   };
 
-  /// Once there is something to hear.
+  /// Prepares the buffers, when the first block has been found.
   void begin();
   void fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octaves) const;
-  void scan(const TouchedParcel& touched, const TissueParcels::Parcel& tissue);
-  /// The cells of a parcel; finds out how it moves.
-  std::vector<OctaveCells>& place_parcel(const glm::dvec3& center, Parcel& parcel);
-  void scan_octave(Parcel& parcel, OctaveCells& cells, int octave);
-  CellTest cell_test(const Parcel& parcel, const CellGrid& grid, int octave) const;
-  /// Writes the listed cells, but for their amplitudes.
-  void place_cells(const Parcel& parcel,
+  void scan(const TouchedBlock& touched, const TissueBlocks::Block& tissue);
+  /// Sets the block's map, and returns the hash cells under it.
+  std::vector<OctaveCells>& locate_block(const glm::dvec3& center, Block& block);
+  void scan_octave(Block& block, OctaveCells& cells, int octave);
+  CellTest cell_test(const Block& block, const CellGrid& grid, int octave) const;
+  /// Writes origins and seeds of the listed cells.
+  void write_cells(const Block& block,
                    const CellGrid& grid,
                    int count,
-                   const TouchedHashCells& to) const;
-  /// Lists those of the cells that are near and of one kind. Returns how many.
-  int list_near(const Parcel& parcel, int octave, int count, CellKind wanted);
-  void take_even_cells(const Parcel& parcel, int octave, OctaveCells& cells);
-  void take_mixed_cells(const Parcel& parcel, int octave, OctaveCells& cells);
-  void take_bent_cells(const Parcel& parcel, OctaveCells& cells, int octave);
-  HashAxes place_bent(const Parcel& parcel, int octave, int number, CellOrigin& origin) const;
-  /// Looks at the scatterers of the cells that wait. `direction`: of the sound, at rest.
-  void see_even(HashCellQueue& batch, const HashAxes& axes, int octave);
-  void see_mixed(HashCellQueue& batch,
-                 const HashAxes& axes,
-                 int octave,
-                 const glm::vec3& direction);
-  void see_rest();
+                   const HashCellArrays& to) const;
+  /// Lists the touched cells of one kind. Returns how many.
+  int list_touched(const Block& block, int octave, int count, CellKind wanted);
+  void queue_homogeneous_cells(const Block& block, int octave, OctaveCells& cells);
+  void queue_mixed_cells(const Block& block, int octave, OctaveCells& cells);
+  /// Projects each cell of a block by a map of its own.
+  void project_deforming_cells(const Block& block, OctaveCells& cells, int octave);
+  HashAxes locate_deforming_cell(const Block& block,
+                                 int octave,
+                                 int number,
+                                 CellOrigin& origin) const;
+  /// Project the queued cells. `direction`: of the sound, at rest.
+  void project_homogeneous(HashCellQueue& queue, const HashAxes& axes, int octave);
+  void project_mixed(HashCellQueue& queue,
+                     const HashAxes& axes,
+                     int octave,
+                     const glm::vec3& direction);
+  /// Projects the cells that are still queued.
+  void project_pending();
 
   const ScattererScene& scene_;
-  const StickPath& way_;
+  const StickPath& path_;
   ScanBuffers& buffers_;
-  StickView view_;
+  StickTransform transform_;
   double end_m_;            ///< true range of the farthest echo
-  glm::vec3 direction_[2];  ///< of the sound, at rest, where tissue moves as one
+  glm::vec3 direction_[2];  ///< of the sound, at rest, as ScanBuffers::rigid
   bool begun_ = false;
 };
 

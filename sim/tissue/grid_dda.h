@@ -1,4 +1,5 @@
-// A straight way from cell to cell of a tissue map (Amanatides and Woo 1987).
+// Grid traversal by a digital differential analyser: the cells of a tissue map along a straight
+// line (Amanatides and Woo 1987).
 #pragma once
 
 #include <algorithm>
@@ -11,8 +12,8 @@ namespace wobblebench::sim {
 
 class GridDda {
  public:
-  /// From `origin`, reached at `from_m`, by `direction` (rest metres for a metre of range) to
-  /// `to_m`.
+  /// Along the line from range `from_m` at `origin` (rest frame) to range `to_m`. `direction`:
+  /// metres at rest for each metre of range.
   GridDda(const TissueMap& map,
           const glm::dvec3& origin,
           const glm::dvec3& direction,
@@ -31,7 +32,7 @@ class GridDda {
 
   bool done() const { return range_m_ >= end_m_; }
   const glm::ivec3& cell() const { return cell_; }
-  /// Where the way enters the cell, and where it leaves it.
+  /// Ranges at which the line enters and leaves the cell.
   double from_m() const { return range_m_; }
   double to_m() const { return std::min(end_m_, next_[nearest()]); }
 

@@ -4,15 +4,18 @@
 #include <cmath>
 #include <functional>
 
+#include "hw/probe/acquisition_plan.h"
 #include "sim/beam/point_spread.h"
 #include "sim/math/fast_math.h"
+#include "sim/receive/losses.h"
+#include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kMostReach_m = 4e-3;
-/// Of the wide loops; runs of samples are padded to whole multiples.
+constexpr double kMaxReach_m = 4e-3;
+/// Of the vectorised loops; runs of samples are padded to multiples of it.
 constexpr std::size_t kLanes = 16;
 
 double widest_sigma(const hw::AcquisitionPlan& plan, double range_m) {
@@ -20,52 +23,53 @@ double widest_sigma(const hw::AcquisitionPlan& plan, double range_m) {
                   power_sigma(elevation_fwhm_m(plan, range_m)));
 }
 
-/// Places of samples among a piece's nodes: the node before, and the share of the way to the next.
-/// `delay_m` may be null.
-WOBBLEBENCH_SIMD void place_samples(int first,
-                                    int count,
-                                    double spacing_m,
-                                    const float* __restrict delay_m,
-                                    double from_m,
-                                    double per_node,
-                                    double last,
-                                    std::int32_t* __restrict node,
-                                    float* __restrict share) {
+/// Positions of samples among a piece's nodes: the node before, and the share of the distance to
+/// the next. `delay_m` may be null.
+WOBBLEBENCH_SIMD void locate_samples(int first,
+                                     int count,
+                                     double spacing_m,
+                                     const float* __restrict delay_m,
+                                     double from_m,
+                                     double per_node,
+                                     double last,
+                                     std::int32_t* __restrict node,
+                                     float* __restrict share) {
   for (int i = 0; i < count; ++i) {
     const double delay = delay_m == nullptr ? 0.0 : static_cast<double>(delay_m[first + i]);
     const double true_m = (static_cast<double>(first + i) + 0.5) * spacing_m - delay;
     const double at = (true_m - from_m) * per_node;
     const double least = at < 0.0 ? 0.0 : at;
-    const double place = least > last ? last : least;
-    node[i] = static_cast<std::int32_t>(place);
-    share[i] = static_cast<float>(place - static_cast<double>(node[i]));
+    const double position = least > last ? last : least;
+    node[i] = static_cast<std::int32_t>(position);
+    share[i] = static_cast<float>(position - static_cast<double>(node[i]));
   }
 }
 
-/// Blends a surface over what was painted before.
-WOBBLEBENCH_SIMD void paint(const MeanPower::Between* __restrict between,
-                            const float* __restrict share,
-                            const float* __restrict inside,
-                            std::size_t count,
-                            float* __restrict tissue,
-                            float* __restrict sheets) {
+/// Blends one surface's tissue and interface over the power so far, in painter's order.
+WOBBLEBENCH_SIMD void blend_surface(const MeanPower::NodePair* __restrict pair,
+                                    const float* __restrict share,
+                                    const float* __restrict inside,
+                                    std::size_t count,
+                                    float* __restrict tissue,
+                                    float* __restrict interface_power) {
   for (std::size_t i = 0; i < count; ++i) {
-    const float u =
-        between[i].near.depth + share[i] * (between[i].far.depth - between[i].near.depth);
-    const float s =
-        between[i].near.sheet + share[i] * (between[i].far.sheet - between[i].near.sheet);
+    const float u = pair[i].near.distance_sigmas +
+                    share[i] * (pair[i].far.distance_sigmas - pair[i].near.distance_sigmas);
+    const float interface = pair[i].near.interface_power +
+                            share[i] * (pair[i].far.interface_power - pair[i].near.interface_power);
     const Gaussian beam = gaussian(u);  // u > 0 is outside
     tissue[i] = tissue[i] * beam.distribution + inside[i] * (1.0f - beam.distribution);
-    sheets[i] = sheets[i] * beam.distribution + s * beam.density;
+    interface_power[i] = interface_power[i] * beam.distribution + interface * beam.density;
   }
 }
 
-WOBBLEBENCH_SIMD void add_and_weaken(const float* __restrict tissue,
-                                     const float* __restrict sheets,
-                                     const float* __restrict left,
-                                     std::size_t count,
-                                     float* __restrict power) {
-  for (std::size_t i = 0; i < count; ++i) power[i] = (tissue[i] + sheets[i]) * left[i] * left[i];
+WOBBLEBENCH_SIMD void sum_and_attenuate(const float* __restrict tissue,
+                                        const float* __restrict interface_power,
+                                        const float* __restrict remaining,
+                                        std::size_t count,
+                                        float* __restrict power) {
+  for (std::size_t i = 0; i < count; ++i)
+    power[i] = (tissue[i] + interface_power[i]) * remaining[i] * remaining[i];
 }
 
 std::size_t padded(std::size_t count) {
@@ -79,7 +83,7 @@ double MeanPower::reach_m(const hw::AcquisitionPlan& plan) {
   for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
     widest = std::max(widest, widest_sigma(plan, plan.sample_range_m(k)));
   }
-  return std::min(BeamNodes::kReachSigmas * widest, kMostReach_m);
+  return std::min(BeamNodes::kReachSigmas * widest, kMaxReach_m);
 }
 
 MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
@@ -95,11 +99,11 @@ MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
     material_power_.push_back(echoes ? static_cast<float>(mean_power_gain(options) * mean * mean)
                                      : 0.0f);
   }
-  // The last section's padding begins anywhere.
+  // The last section is padded, wherever it ends.
   const std::size_t most = static_cast<std::size_t>(samples) + kLanes;
   node_.resize(most);
-  for (auto* values : {&share_, &inside_, &tissue_, &sheet_}) values->resize(most);
-  between_.resize(most);
+  for (auto* values : {&node_share_, &inside_, &tissue_, &interface_}) values->resize(most);
+  node_pair_.resize(most);
 }
 
 bool MeanPower::Section::clear() const {
@@ -110,27 +114,27 @@ bool MeanPower::compute(const StickTrack& track,
                         const StickLosses& losses,
                         std::span<float> power) {
   const std::size_t end = losses.left().size();
-  find_pieces(track, losses);
-  const bool silent = std::ranges::all_of(sections_, [this](const Section& section) {
+  find_sections(track, losses);
+  const bool anechoic = std::ranges::all_of(sections_, [this](const Section& section) {
     return section.piece->layers == 0 && base_power(section) == 0;
   });
-  if (silent) {
+  if (anechoic) {
     std::fill(power.begin(), power.end(), 0.0f);
     return false;
   }
   nodes_.compute(track, losses);
-  for (const Section& section : sections_) begin(track, section);
-  std::fill_n(sheet_.begin(), end, 0.0f);
-  paint_first_layers();
+  for (const Section& section : sections_) begin_section(track, section);
+  std::fill_n(interface_.begin(), end, 0.0f);
+  blend_first_layers();
   for (const Section& section : sections_) {
-    for (int layer = 1; layer < section.piece->layers; ++layer) paint_over(track, section, layer);
+    for (int layer = 1; layer < section.piece->layers; ++layer) blend_layer(track, section, layer);
   }
-  add_and_weaken(tissue_.data(), sheet_.data(), losses.left().data(), end, power.data());
+  sum_and_attenuate(tissue_.data(), interface_.data(), losses.left().data(), end, power.data());
   std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
   return true;
 }
 
-void MeanPower::find_pieces(const StickTrack& track, const StickLosses& losses) {
+void MeanPower::find_sections(const StickTrack& track, const StickLosses& losses) {
   sections_.clear();
   const auto end = static_cast<int>(losses.left().size());
   const float* delay_m = losses.delay_m().empty() ? nullptr : losses.delay_m().data();
@@ -142,49 +146,49 @@ void MeanPower::find_pieces(const StickTrack& track, const StickLosses& losses) 
     if (count <= 0) continue;
     sections_.push_back({&piece, static_cast<std::size_t>(first), static_cast<std::size_t>(count)});
     if (piece.layers > 0) {
-      place_samples(first,
-                    count,
-                    spacing_m_,
-                    delay_m,
-                    piece.from_m,
-                    (piece.nodes - 1) / (piece.to_m - piece.from_m),
-                    static_cast<double>(piece.nodes - 1),
-                    node_.data() + first,
-                    share_.data() + first);
+      locate_samples(first,
+                     count,
+                     spacing_m_,
+                     delay_m,
+                     piece.from_m,
+                     (piece.nodes - 1) / (piece.to_m - piece.from_m),
+                     static_cast<double>(piece.nodes - 1),
+                     node_.data() + first,
+                     node_share_.data() + first);
     }
     first += count;
   }
 }
 
-void MeanPower::begin(const StickTrack& track, const Section& section) {
+void MeanPower::begin_section(const StickTrack& track, const Section& section) {
   if (section.clear()) return;
   const auto first = static_cast<std::ptrdiff_t>(section.first);
   const float base = base_power(section);
   std::fill_n(tissue_.begin() + first, section.count, base);
   if (section.piece->layers > 0) {
-    set_layer(track, section, 0);
+    load_layer(track, section, 0);
     return;
   }
   std::fill_n(inside_.begin() + first, section.count, base);
-  std::fill_n(between_.begin() + first, section.count, Between());
-  std::fill_n(share_.begin() + first, section.count, 0.0f);
+  std::fill_n(node_pair_.begin() + first, section.count, NodePair());
+  std::fill_n(node_share_.begin() + first, section.count, 0.0f);
 }
 
-void MeanPower::set_layer(const StickTrack& track, const Section& section, int layer) {
+void MeanPower::load_layer(const StickTrack& track, const Section& section, int layer) {
   const auto& surface = track.layers[static_cast<std::size_t>(section.piece->first_layer + layer)];
   const BeamNodes::Node* nodes = nodes_.of(surface);
   for (std::size_t i = 0; i < section.count; ++i) {
-    // Two nodes next to each other, moved together: a wide loop would read them one by one.
+    // Adjacent nodes, copied as a pair: a vectorised loop would gather each member separately.
     const BeamNodes::Node* near = nodes + node_[section.first + i];
-    between_[section.first + i] = {near[0], near[1]};
+    node_pair_[section.first + i] = {near[0], near[1]};
   }
   std::fill_n(inside_.begin() + static_cast<std::ptrdiff_t>(section.first),
               section.count,
               material_power_[static_cast<std::size_t>(surface.inside)]);
 }
 
-/// The first surface of every piece, as many pieces at once as lie side by side; few have more.
-void MeanPower::paint_first_layers() {
+/// Blends the first surface of every section, adjacent sections together; few have more than one.
+void MeanPower::blend_first_layers() {
   for (auto section = sections_.begin(); section != sections_.end(); ++section) {
     const auto clear = std::find_if(section, sections_.end(), std::mem_fn(&Section::clear));
     if (clear != section) {
@@ -194,23 +198,23 @@ void MeanPower::paint_first_layers() {
     if (clear == sections_.end()) return;
     const auto first = static_cast<std::ptrdiff_t>(clear->first);
     std::fill_n(tissue_.begin() + first, clear->count, base_power(*clear));
-    std::fill_n(sheet_.begin() + first, clear->count, 0.0f);
+    std::fill_n(interface_.begin() + first, clear->count, 0.0f);
     section = clear;
   }
 }
 
-void MeanPower::paint_over(const StickTrack& track, const Section& section, int layer) {
-  set_layer(track, section, layer);
+void MeanPower::blend_layer(const StickTrack& track, const Section& section, int layer) {
+  load_layer(track, section, layer);
   blend(section.first, section.count);
 }
 
 void MeanPower::blend(std::size_t first, std::size_t count) {
-  paint(between_.data() + first,
-        share_.data() + first,
-        inside_.data() + first,
-        count,
-        tissue_.data() + first,
-        sheet_.data() + first);
+  blend_surface(node_pair_.data() + first,
+                node_share_.data() + first,
+                inside_.data() + first,
+                count,
+                tissue_.data() + first,
+                interface_.data() + first);
 }
 
 }  // namespace wobblebench::sim

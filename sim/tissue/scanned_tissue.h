@@ -1,12 +1,12 @@
-// What is scanned: tissue at rest, where it stands, and how it moves.
+// The scanned tissue: its map at rest, its materials, its placement before the probe, its motion.
 #pragma once
 
 #include <memory>
 #include <vector>
 
-#include "hw/probe/acquisition_plan.h"
 #include "phantoms/motion.h"
 #include "phantoms/phantom.h"
+#include "sim/tissue/timed_ray.h"
 #include "sim/tissue/tissue_map.h"
 
 namespace wobblebench::sim {
@@ -17,19 +17,13 @@ struct ScannedTissue {
   phantoms::Placement placement;
   phantoms::Motion motion;
 
-  /// Probe frame at a time to the rest frame, and back.
+  /// From the probe frame at a time to the phantom frame at rest, and back.
   glm::dvec3 to_rest(const glm::dvec3& probe_m, double time_s) const {
     return motion.to_rest(placement.to_phantom(probe_m), time_s);
   }
   glm::dvec3 from_rest(const glm::dvec3& rest_m, double time_s) const {
     return placement.to_probe(motion.from_rest(rest_m, time_s));
   }
-};
-
-/// When and where one stick looks.
-struct Sightline {
-  hw::Ray ray;        ///< probe frame, from the face
-  double time_s = 0;  ///< device time of the stick: tissue is where it is then
 };
 
 }  // namespace wobblebench::sim

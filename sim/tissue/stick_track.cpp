@@ -5,40 +5,42 @@
 #include <glm/geometric.hpp>
 
 #include "sim/tissue/grid_dda.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Intervals between nodes to one of the map's own. Where a surface passes they are shorter, so
-/// that distances run nearly straight in each; farther off, what the beam makes of the surface is
-/// smooth.
+/// Node intervals for each step of the map, in crossed cells and in others. In crossed cells they
+/// are short enough for distances to be nearly linear within each; in others the beam's average
+/// over the surface varies slowly.
 constexpr double kCrossed = 1.5, kUncrossed = 0.75;
-/// Cells that most sticks pass through.
+/// Reserved number of cells along a stick.
 constexpr std::size_t kVisits = 256;
-/// Rounding of places within a cell moves distances by less.
+/// Bound of the error that rounding of positions within a cell makes in distances.
 constexpr float kOnWall_m = 1e-8f;
-/// Straight pieces of a stick where moving tissue bends it.
-constexpr double kBentPiece_m = 2e-3;
+/// Length of the straight pieces into which a stick is divided, in the rest frame, where tissue
+/// moves non-rigidly.
+constexpr double kNonRigidPiece_m = 2e-3;
 
-/// A straight piece of the stick in the rest frame.
+/// A piece of the stick that is straight in the rest frame.
 struct Straight {
   double from_m;
   double to_m;
   glm::dvec3 origin;     ///< at from_m
-  glm::dvec3 direction;  ///< rest metres for a metre of range
+  glm::dvec3 direction;  ///< metres at rest for each metre of range
   AcrossStick across;
 
   glm::dvec3 at(double range_m) const { return origin + (range_m - from_m) * direction; }
 };
 
-Straight straight(const ScannedTissue& subject,
-                  const phantoms::Deformation& moment,
-                  const Sightline& line,
+Straight straight(const ScannedTissue& tissue,
+                  const phantoms::Moment& moment,
+                  const TimedRay& line,
                   double from_m,
                   double to_m) {
-  const auto rest = [&](const glm::dvec3& place) {
-    return moment.to_rest(subject.placement.to_phantom(place));
+  const auto rest = [&](const glm::dvec3& probe_m) {
+    return moment.to_rest(tissue.placement.to_phantom(probe_m));
   };
   const glm::dvec3 begin = rest(line.ray.at(from_m)), end = rest(line.ray.at(to_m));
   const AcrossStick across = across_stick(line.ray);
@@ -51,14 +53,14 @@ Straight straight(const ScannedTissue& subject,
            (rest(line.ray.at(from_m) + kAside_m * across.elevation) - begin) / kAside_m}};
 }
 
-class Follower {
+class TrackBuilder {
  public:
-  Follower(const ScannedTissue& subject, Surfaces surfaces, StickTrack& track)
-      : map_(*subject.map), surfaces_(surfaces), track_(track) {
+  TrackBuilder(const ScannedTissue& tissue, Surfaces surfaces, StickTrack& track)
+      : map_(*tissue.map), surfaces_(surfaces), track_(track) {
     visits_.reserve(kVisits);
   }
 
-  void walk(const Straight& piece) {
+  void append(const Straight& piece) {
     find_cells(piece);
     line_.axial = glm::vec3(piece.direction);
     line_.lateral = glm::vec3(piece.across.lateral);
@@ -77,7 +79,7 @@ class Follower {
   }
 
  private:
-  /// A cell, and where the stick is in it.
+  /// A cell, and the section of the stick in it.
   struct Visit {
     const TissueMap::Cell* cell = nullptr;
     glm::ivec3 index{0};
@@ -85,18 +87,18 @@ class Follower {
     double to_m = 0;
   };
 
-  /// All cells of a piece before any is looked into, so that what they hold is on its way from
-  /// memory together.
+  /// Lists all cells of a piece before any is read, so that their contents can be prefetched
+  /// together.
   void find_cells(const Straight& piece) {
     visits_.clear();
-    for (GridDda walk(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !walk.done();
-         walk.advance()) {
-      const double from = walk.from_m(), to = walk.to_m();
+    for (GridDda dda(map_, piece.origin, piece.direction, piece.from_m, piece.to_m); !dda.done();
+         dda.advance()) {
+      const double from = dda.from_m(), to = dda.to_m();
       if (to <= from) continue;
-      // Member by member: moved as a whole, it would be read before all its parts are written.
+      // Member by member: copying a struct just built from parts stalls on store forwarding.
       Visit& visit = visits_.emplace_back();
-      visit.cell = &map_.cell(walk.cell());
-      visit.index = walk.cell();
+      visit.cell = &map_.cell(dda.cell());
+      visit.index = dda.cell();
       visit.from_m = from;
       visit.to_m = to;
       __builtin_prefetch(visit.cell);
@@ -108,8 +110,7 @@ class Follower {
     }
   }
 
-  /// Does no surface pass through the cell? Where the material changes between two cells, its
-  /// surface is looked for.
+  /// True if no surface crosses the cell and the material does not change on entering it.
   bool is_uncrossed(const TissueMap::Cell& cell) const {
     return !cell.crossed && cell.material == current();
   }
@@ -124,8 +125,7 @@ class Follower {
     enter(from, base, 1.0);
   }
 
-  /// Member by member, as what is added here is: moved as a whole, it would be read before all its
-  /// parts are written.
+  /// Member by member, as in find_cells().
   void add_piece(double from, double to, phantoms::MaterialIndex base, int layers, int nodes) {
     TrackPiece& piece = track_.pieces.emplace_back();
     piece.from_m = from;
@@ -156,10 +156,10 @@ class Follower {
       track_.nodes.resize(before + static_cast<std::size_t>(nodes));
       map_.trace(entry, line_, nodes, track_.nodes.data() + before);
     }
-    if (!is_uncrossed(cell)) mark_interfaces(piece, track_.pieces.back());
+    if (!is_uncrossed(cell)) add_interfaces(piece, track_.pieces.back());
   }
 
-  const TissueMap::LineNode& node(const TrackPiece& piece, int layer, int n) const {
+  const TrackNode& node(const TrackPiece& piece, int layer, int n) const {
     const auto& found = track_.layers[static_cast<std::size_t>(piece.first_layer + layer)];
     return track_.nodes[static_cast<std::size_t>(found.first_node + n)];
   }
@@ -172,12 +172,12 @@ class Follower {
     return piece.base;
   }
 
-  void mark_interfaces(const Straight& way, const TrackPiece& piece) {
+  void add_interfaces(const Straight& line, const TrackPiece& piece) {
     const double step = (piece.to_m - piece.from_m) / (piece.nodes - 1);
     const auto cosine = [&](int layer, double range_m) {
       const auto& found = track_.layers[static_cast<std::size_t>(piece.first_layer + layer)];
-      const glm::dvec3 normal = map_.normal(found.surface, way.at(range_m));
-      return std::min(1.0, std::abs(glm::dot(normal, glm::normalize(way.direction))));
+      const glm::dvec3 normal = map_.normal(found.surface, line.at(range_m));
+      return std::min(1.0, std::abs(glm::dot(normal, glm::normalize(line.direction))));
     };
     if (material(piece, 0) != current() && !only_touches(piece)) {
       enter(piece.from_m, material(piece, 0), cosine(nearest_surface(piece, 0), piece.from_m));
@@ -192,17 +192,17 @@ class Follower {
     }
   }
 
-  /// Does a surface lie on the wall through which the stick comes? It has been crossed before the
-  /// wall, and rounding alone has put the first node before it again.
+  /// True if a surface lies on the wall through which the stick enters the cell. It has been
+  /// crossed before the wall; only rounding puts the first node on its near side again.
   bool only_touches(const TrackPiece& piece) const {
     const float value_m = node(piece, nearest_surface(piece, 0), 0).value_m;
     return std::abs(value_m) < kOnWall_m && material(piece, 1) == current();
   }
 
-  /// Does the stick cross none of the piece's surfaces?
+  /// True if the stick crosses none of the piece's surfaces.
   bool keeps_sides(const TrackPiece& piece) const {
     for (int layer = 0; layer < piece.layers; ++layer) {
-      const TissueMap::LineNode* nodes = &node(piece, layer, 0);
+      const TrackNode* nodes = &node(piece, layer, 0);
       const auto inside =
           std::count_if(nodes, nodes + piece.nodes, [](const auto& at) { return at.value_m < 0; });
       if (inside != 0 && inside != piece.nodes) return false;
@@ -212,15 +212,15 @@ class Follower {
 
   struct Crossing {
     int layer = 0;
-    double share = 1;  ///< of the way from one node to the next
+    double share = 1;  ///< of the interval between the nodes
   };
 
-  /// The first surface that is crossed between node n and the next.
+  /// The first surface crossed between node n and the next.
   Crossing crossing(const TrackPiece& piece, int n) const {
     Crossing first;
     for (int layer = 0; layer < piece.layers; ++layer) {
-      const TissueMap::LineNode& a = node(piece, layer, n);
-      const TissueMap::LineNode& b = node(piece, layer, n + 1);
+      const TrackNode& a = node(piece, layer, n);
+      const TrackNode& b = node(piece, layer, n + 1);
       if ((a.value_m < 0) == (b.value_m < 0)) continue;
       const double share =
           static_cast<double>(a.value_m) / static_cast<double>(a.value_m - b.value_m);
@@ -238,7 +238,7 @@ class Follower {
     return nearest;
   }
 
-  /// What lies where the way has come to; none before it begins.
+  /// Material at the end of the track so far; -1 before the first.
   phantoms::MaterialIndex current() const {
     return track_.stretches.empty() ? -1 : track_.stretches.back().material;
   }
@@ -257,19 +257,13 @@ class Follower {
   Surfaces surfaces_;
   StickTrack& track_;
   std::vector<Visit> visits_;
-  TissueMap::Line line_{};  ///< through the cell at hand
+  TissueMap::Line line_{};  ///< through the current cell
 };
 
 }  // namespace
 
-AcrossStick across_stick(const hw::Ray& ray) {
-  // The image plane holds the array, which lies along x.
-  const glm::dvec3 elevation = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), ray.direction));
-  return {glm::cross(ray.direction, elevation), elevation};
-}
-
-void follow(const ScannedTissue& subject,
-            const Sightline& line,
+void follow(const ScannedTissue& tissue,
+            const TimedRay& line,
             double depth_m,
             StickTrack& track,
             Surfaces surfaces) {
@@ -278,16 +272,17 @@ void follow(const ScannedTissue& subject,
   track.pieces.clear();
   track.layers.clear();
   track.nodes.clear();
-  Follower follower(subject, surfaces, track);
-  const phantoms::Deformation moment = subject.motion.at(line.time_s);
+  TrackBuilder builder(tissue, surfaces, track);
+  const phantoms::Moment moment = tissue.motion.at(line.time_s);
   double from_m = 0;
   while (from_m < depth_m) {
-    const glm::dvec3 rest_m = moment.to_rest(subject.placement.to_phantom(line.ray.at(from_m)));
-    const double to_m = std::min(depth_m, from_m + std::max(kBentPiece_m, moment.rigid_radius_m(rest_m)));
-    follower.walk(straight(subject, moment, line, from_m, to_m));
+    const glm::dvec3 rest_m = moment.to_rest(tissue.placement.to_phantom(line.ray.at(from_m)));
+    const double to_m =
+        std::min(depth_m, from_m + std::max(kNonRigidPiece_m, moment.as_one_m(rest_m)));
+    builder.append(straight(tissue, moment, line, from_m, to_m));
     from_m = to_m;
   }
-  follower.finish(depth_m);
+  builder.finish(depth_m);
 }
 
 }  // namespace wobblebench::sim

@@ -8,10 +8,10 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// The library's floor is a call without SSE4.1.
-inline glm::ivec3 floored(const glm::dvec3& place) {
-  const glm::ivec3 whole(place);
-  return whole - glm::ivec3(glm::lessThan(place, glm::dvec3(whole)));
+/// std::floor is a function call without SSE4.1.
+inline glm::ivec3 floored(const glm::dvec3& position) {
+  const glm::ivec3 whole(position);
+  return whole - glm::ivec3(glm::lessThan(position, glm::dvec3(whole)));
 }
 
 }  // namespace
@@ -24,21 +24,21 @@ const TissueMap::Cell& TissueMap::cell(const glm::ivec3& index) const {
   const bool within = index.x >= 0 && index.y >= 0 && index.z >= 0 && index.x < cells_.x &&
                       index.y < cells_.y && index.z < cells_.z;
   if (!within) return outside_;
-  return lattice_[(static_cast<std::size_t>(index.z) * cells_.y + index.y) * cells_.x + index.x];
+  return grid_[(static_cast<std::size_t>(index.z) * cells_.y + index.y) * cells_.x + index.x];
 }
 
 TissueMap::Distance TissueMap::distance(const Entry& entry, const glm::vec3& local) const {
   const int n = entry.divisions;
-  const glm::vec3 place = local * static_cast<float>(n);
-  const int x = std::clamp(static_cast<int>(place.x), 0, n - 1);
-  const int y = std::clamp(static_cast<int>(place.y), 0, n - 1);
-  const int z = std::clamp(static_cast<int>(place.z), 0, n - 1);
-  const float u = place.x - static_cast<float>(x);
-  const float v = place.y - static_cast<float>(y);
-  const float w = place.z - static_cast<float>(z);
+  const glm::vec3 position = local * static_cast<float>(n);
+  const int x = std::clamp(static_cast<int>(position.x), 0, n - 1);
+  const int y = std::clamp(static_cast<int>(position.y), 0, n - 1);
+  const int z = std::clamp(static_cast<int>(position.z), 0, n - 1);
+  const float u = position.x - static_cast<float>(x);
+  const float v = position.y - static_cast<float>(y);
+  const float w = position.z - static_cast<float>(z);
   const std::size_t row = static_cast<std::size_t>(n) + 1;
-  const std::int16_t* block = nodes(entry) + (static_cast<std::size_t>(z) * row + y) * row + x;
-  const auto at = [block](std::size_t node) { return static_cast<float>(block[node]); };
+  const std::int16_t* first = nodes(entry) + (static_cast<std::size_t>(z) * row + y) * row + x;
+  const auto at = [first](std::size_t node) { return static_cast<float>(first[node]); };
   const std::size_t above = row * row;
   // Along x on the four edges, then along y on both faces, then along z.
   const float dx00 = at(1) - at(0), dx10 = at(row + 1) - at(row);
@@ -73,18 +73,18 @@ glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) con
   const glm::dvec3 middle = (rest_m - origin_m_) / cell_m_;  // in cells
   const glm::ivec3 home = floored(middle);
   const Entry* entry_at_home = entry_in(home);
-  // A tetrahedron's four places would do, but mistake curvature for slope: 0.3 degrees off on a
-  // sphere of 20 mm, not 0.005.
+  // Six positions. The four of a tetrahedron would do, but take curvature for slope: an error of
+  // 0.3 degrees on a sphere of 20 mm rather than 0.005.
   const double away = step_m_ / cell_m_;
   glm::dvec3 rise(0);
   for (int axis = 0; axis < 3; ++axis) {
     for (const double step : {away, -away}) {
-      glm::dvec3 place = middle;
-      place[axis] += step;
-      const glm::ivec3 index = floored(place);
+      glm::dvec3 position = middle;
+      position[axis] += step;
+      const glm::ivec3 index = floored(position);
       const Entry* entry = index == home ? entry_at_home : entry_in(index);
       if (entry == nullptr) return glm::dvec3(0);
-      rise[axis] += step * static_cast<double>(value_m(*entry, place - glm::dvec3(index)));
+      rise[axis] += step * static_cast<double>(value_m(*entry, position - glm::dvec3(index)));
     }
   }
   const double length = glm::length(rise);
@@ -92,7 +92,7 @@ glm::dvec3 TissueMap::normal(std::int32_t surface, const glm::dvec3& rest_m) con
 }
 
 std::size_t TissueMap::bytes() const {
-  return lattice_.size() * sizeof(Cell) + entries_.size() * sizeof(Entry) +
+  return grid_.size() * sizeof(Cell) + entries_.size() * sizeof(Entry) +
          nodes_.size() * sizeof(NodeLine);
 }
 

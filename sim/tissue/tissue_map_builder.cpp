@@ -1,4 +1,4 @@
-// How a phantom becomes a map: the only part of it that knows OpenVDB.
+// Construction of a TissueMap from a phantom's OpenVDB grids.
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "phantoms/grids.h"
+#include "phantoms/phantom.h"
 #include "sim/tissue/extended_distance.h"
 #include "sim/tissue/tissue_map.h"
 
@@ -22,14 +23,14 @@ namespace {
 
 using Grid = openvdb::FloatGrid;
 
-/// Divisions of a cell that a surface passes through or nearly so; one that is only within its
-/// reach has half of them. Fewer cells are faster to pass, but the corners of cells of six steps
-/// are farther from their middle than the level sets know: where no reach is asked for, as by
-/// `geometry`, distances need not be carried on.
+/// Divisions of a cell that a surface crosses or nearly crosses; other cells within reach of it
+/// have half as many. Larger cells are faster to traverse, but from the middle of a cell of six
+/// steps its corners are farther than the level sets' narrow band: with a reach of 0, as for
+/// `geometry`, cells of four steps avoid extending the distances.
 constexpr int kFine = 6, kFineWithoutReach = 4;
-/// Finer than any beam resolves; finer lattices only cost memory.
+/// Finer than any beam resolves.
 constexpr double kFinestStep_m = 0.25e-3;
-constexpr double kMostCells = 1e8;
+constexpr double kMaxCells = 1e8;
 
 openvdb::Vec3d to_vdb(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
@@ -44,24 +45,41 @@ phantoms::Box bounds_of(const Grid& grid) {
         grid.indexToWorld(openvdb::Coord(corner & 1 ? active.max().x() : active.min().x(),
                                          corner & 2 ? active.max().y() : active.min().y(),
                                          corner & 4 ? active.max().z() : active.min().z()));
-    const glm::dvec3 place{at.x(), at.y(), at.z()};
-    box = {glm::min(box.low, place), glm::max(box.high, place)};
+    const glm::dvec3 position{at.x(), at.y(), at.z()};
+    box = {glm::min(box.low, position), glm::max(box.high, position)};
   }
   return box;
 }
 
+/// Bounding box and finest voxel of all surfaces; infinite where there are none.
+struct Extent {
+  double finest_voxel_m = std::numeric_limits<double>::infinity();
+  glm::dvec3 low{std::numeric_limits<double>::infinity()};
+  glm::dvec3 high = -low;
+
+  explicit Extent(const phantoms::Phantom& phantom) {
+    for (const auto& grid : phantom.grids().signed_distance) {
+      if (grid->empty()) continue;
+      finest_voxel_m = std::min(finest_voxel_m, grid->voxelSize()[0]);
+      const phantoms::Box box = bounds_of(*grid);
+      low = glm::min(low, box.low);
+      high = glm::max(high, box.high);
+    }
+  }
+};
+
 void check_counts(const phantoms::Phantom& phantom) {
   const std::size_t most = std::max(phantom.surfaces().size(), phantom.materials().size());
-  if (most <= TissueMap::kMostSurfaces) return;
+  if (most <= TissueMap::kMaxSurfaces) return;
   throw std::runtime_error(
       "phantom " + phantom.name() + ": has " + std::to_string(phantom.surfaces().size()) +
       " surfaces of " + std::to_string(phantom.materials().size()) +
-      " materials; a scan takes at most " + std::to_string(TissueMap::kMostSurfaces) + " of each");
+      " materials; a scan takes at most " + std::to_string(TissueMap::kMaxSurfaces) + " of each");
 }
 
 }  // namespace
 
-/// Fills a map's lattice cell by cell. Nodes are counted in fine steps from the phantom's origin.
+/// Fills a map's grid cell by cell. Node coordinates are in fine steps from the phantom's origin.
 class TissueMapBuilder {
  public:
   /// The entries and nodes of one slab of cells.
@@ -69,12 +87,12 @@ class TissueMapBuilder {
     std::vector<TissueMap::Entry> entries;
     std::vector<TissueMap::NodeLine> nodes;
 
-    std::span<const std::int16_t> block(const TissueMap::Entry& entry) const {
-      return {nodes[entry.block].values.data(), nodes_of(entry.divisions)};
+    std::span<const std::int16_t> nodes_of(const TissueMap::Entry& entry) const {
+      return {nodes[entry.first_line].values.data(), node_count(entry.divisions)};
     }
   };
 
-  static std::size_t nodes_of(int divisions) {
+  static std::size_t node_count(int divisions) {
     const auto row = static_cast<std::size_t>(divisions) + 1;
     return row * row * row;
   }
@@ -92,7 +110,7 @@ class TissueMapBuilder {
     });
   }
 
-  /// Of the nodes: the farthest that one listed can lie from its surface is the greatest number.
+  /// Unit of the nodes: their largest possible distance is the largest integer.
   float unit_m() const {
     return static_cast<float>((reach_m_ + 2 * half_diagonal_m()) /
                               std::numeric_limits<std::int16_t>::max());
@@ -117,12 +135,12 @@ class TissueMapBuilder {
     }
 
    private:
-    /// What lies between nodes is between their values.
+    /// Interpolated distances lie between those of the nodes.
     static void find_crossed(const Slab& slab, TissueMap::Cell& cell) {
       cell.material = cell.base;
       for (std::size_t e = cell.first; e < slab.entries.size(); ++e) {
         const TissueMap::Entry& entry = slab.entries[e];
-        const auto [least, most] = std::ranges::minmax(slab.block(entry));
+        const auto [least, most] = std::ranges::minmax(slab.nodes_of(entry));
         cell.crossed |= least <= 0 && most >= 0;
         if (most < 0) cell.material = entry.inside;
       }
@@ -134,7 +152,7 @@ class TissueMapBuilder {
       const double corner = builder_.half_diagonal_m();
       if (std::abs(middle) >= builder_.reach_m_ + corner) {
         if (middle > 0) return;
-        // What was painted before is hidden here.
+        // The cell lies inside this surface, which hides the entries before it.
         slab.entries.resize(cell.first);
         cell.base = inside;
         return;
@@ -148,8 +166,8 @@ class TissueMapBuilder {
                                    static_cast<std::uint8_t>(divisions)};
       slab.entries.push_back(entry);
       constexpr std::size_t kLine = TissueMap::kLineNodes;
-      slab.nodes.resize(slab.nodes.size() + (nodes_of(divisions) + kLine - 1) / kLine);
-      std::int16_t* node = slab.nodes[entry.block].values.data();
+      slab.nodes.resize(slab.nodes.size() + (node_count(divisions) + kLine - 1) / kLine);
+      std::int16_t* node = slab.nodes[entry.first_line].values.data();
       for (int z = 0; z <= fine; z += stride) {
         for (int y = 0; y <= fine; y += stride) {
           for (int x = 0; x <= fine; x += stride) {
@@ -182,28 +200,20 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
     : reach_m_(reach_m) {
   check_counts(phantom);
   outside_.base = outside_.material = static_cast<std::uint8_t>(phantom.background());
-  double finest = std::numeric_limits<double>::infinity();
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  for (const auto& grid : phantom.grids().signed_distance) {
-    if (grid->empty()) continue;
-    finest = std::min(finest, grid->voxelSize()[0]);
-    const phantoms::Box box = bounds_of(*grid);
-    low = glm::min(low, box.low);
-    high = glm::max(high, box.high);
-  }
-  if (!std::isfinite(finest)) return;
+  const Extent extent(phantom);
+  if (!std::isfinite(extent.finest_voxel_m)) return;
 
   const int fine = reach_m > 0 ? kFine : kFineWithoutReach;
-  step_m_ = std::max(finest, kFinestStep_m);
+  step_m_ = std::max(extent.finest_voxel_m, kFinestStep_m);
   cell_m_ = fine * step_m_;
   const double margin = reach_m + cell_m_;
-  origin_m_ = glm::floor((low - margin) / cell_m_) * cell_m_;
-  const glm::dvec3 span = glm::ceil((high + margin - origin_m_) / cell_m_);
-  if (span.x * span.y * span.z > kMostCells) {
+  origin_m_ = glm::floor((extent.low - margin) / cell_m_) * cell_m_;
+  const glm::dvec3 span = glm::ceil((extent.high + margin - origin_m_) / cell_m_);
+  if (span.x * span.y * span.z > kMaxCells) {
     throw std::runtime_error("phantom " + phantom.name() + ": too large for its voxels to scan");
   }
   cells_ = glm::ivec3(span);
-  lattice_.resize(static_cast<std::size_t>(cells_.x) * cells_.y * cells_.z);
+  grid_.resize(static_cast<std::size_t>(cells_.x) * cells_.y * cells_.z);
 
   const openvdb::Coord origin = openvdb::Coord::round(to_vdb(origin_m_ / cell_m_));
   const TissueMapBuilder builder(phantom, step_m_, fine, reach_m, threads);
@@ -216,7 +226,7 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
       for (int y = 0; y < cells_.y; ++y) {
         for (int x = 0; x < cells_.x; ++x) {
           const openvdb::Coord cell = origin.offsetBy(x, y, z);
-          lattice_[i++] =
+          grid_[i++] =
               worker.cell(openvdb::Coord(cell.x() * fine, cell.y() * fine, cell.z() * fine),
                           slabs[static_cast<std::size_t>(z)]);
         }
@@ -226,9 +236,10 @@ TissueMap::TissueMap(const phantoms::Phantom& phantom, double reach_m, int threa
   for (std::size_t z = 0; z < slabs.size(); ++z) {
     const std::size_t layer = static_cast<std::size_t>(cells_.x) * cells_.y;
     for (std::size_t i = z * layer; i < (z + 1) * layer; ++i) {
-      lattice_[i].first += static_cast<std::uint32_t>(entries_.size());
+      grid_[i].first += static_cast<std::uint32_t>(entries_.size());
     }
-    for (Entry& entry : slabs[z].entries) entry.block += static_cast<std::uint32_t>(nodes_.size());
+    for (Entry& entry : slabs[z].entries)
+      entry.first_line += static_cast<std::uint32_t>(nodes_.size());
     entries_.insert(entries_.end(), slabs[z].entries.begin(), slabs[z].entries.end());
     nodes_.insert(nodes_.end(), slabs[z].nodes.begin(), slabs[z].nodes.end());
     slabs[z] = {};

@@ -1,35 +1,37 @@
-// Distances along a line through a cell, several places at a time.
+// TissueMap::trace(): distances along a line through a cell, several positions at a time.
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
 #include "sim/math/simd.h"
+#include "sim/tissue/stick_track.h"
 #include "sim/tissue/tissue_map.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-struct TraceBlock {
+/// The nodes of one entry.
+struct EntryNodes {
   const std::int16_t* nodes;
   std::int32_t divisions;
   float unit_m;      ///< of the nodes
-  float unit_per_m;  ///< of a difference between two nodes, as a slope
+  float unit_per_m;  ///< slope of a difference of 1 between adjacent nodes
 };
 
 constexpr int kTraceLanes = 8;
 
-/// Where places lie among the nodes: the node below, and the shares of the way to the next.
-struct NodePlaces {
+/// Positions among the nodes: index of the node below, and fractions of the distance to the next.
+struct NodePositions {
   std::int32_t at[kTraceLanes];
   float u[kTraceLanes], v[kTraceLanes], w[kTraceLanes];
 };
 
-WOBBLEBENCH_INLINE void place_lanes(const TraceBlock& block,
-                                    const TissueMap::Line& line,
-                                    int first,
-                                    NodePlaces& __restrict places) {
-  const std::int32_t n = block.divisions, row = n + 1, layer = row * row;
+WOBBLEBENCH_INLINE void locate_lanes(const EntryNodes& entry_nodes,
+                                     const TissueMap::Line& line,
+                                     int first,
+                                     NodePositions& __restrict positions) {
+  const std::int32_t n = entry_nodes.divisions, row = n + 1, layer = row * row;
   const float scale = static_cast<float>(n);
   const glm::vec3 begin = line.begin * scale, stride = line.stride * scale;
   for (int i = 0; i < kTraceLanes; ++i) {
@@ -41,20 +43,20 @@ WOBBLEBENCH_INLINE void place_lanes(const TraceBlock& block,
     const std::int32_t x = ix < 0 ? 0 : ix > n - 1 ? n - 1 : ix;
     const std::int32_t y = iy < 0 ? 0 : iy > n - 1 ? n - 1 : iy;
     const std::int32_t z = iz < 0 ? 0 : iz > n - 1 ? n - 1 : iz;
-    places.u[i] = px - static_cast<float>(x);
-    places.v[i] = py - static_cast<float>(y);
-    places.w[i] = pz - static_cast<float>(z);
-    places.at[i] = z * layer + y * row + x;
+    positions.u[i] = px - static_cast<float>(x);
+    positions.v[i] = py - static_cast<float>(y);
+    positions.w[i] = pz - static_cast<float>(z);
+    positions.at[i] = z * layer + y * row + x;
   }
 }
 
-/// The nodes on both ends of the four edges along x, moved together: a wide loop would read them
-/// one by one.
+/// The nodes at both ends of the four edges along x, copied as pairs: a vectorised loop would
+/// gather each separately.
 struct NodePairs {
   std::int32_t edges[4][kTraceLanes];
 };
 
-/// Two nodes next to each other as one word, and one of them.
+/// Two adjacent nodes as one word, and each of them.
 WOBBLEBENCH_INLINE std::int32_t pair_at(const std::int16_t* node) {
   static_assert(std::endian::native == std::endian::little, "the first node is the low half");
   std::int32_t pair = 0;
@@ -69,10 +71,13 @@ WOBBLEBENCH_INLINE float second_of(std::int32_t pair) {
   return static_cast<float>(pair >> 16);
 }
 
-void gather_lanes(const TraceBlock& block, const NodePlaces& places, int count, NodePairs& pairs) {
-  const std::ptrdiff_t row = block.divisions + 1, layer = row * row;
+void gather_lanes(const EntryNodes& entry_nodes,
+                  const NodePositions& positions,
+                  int count,
+                  NodePairs& pairs) {
+  const std::ptrdiff_t row = entry_nodes.divisions + 1, layer = row * row;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
-    const std::int16_t* node = block.nodes + places.at[i];
+    const std::int16_t* node = entry_nodes.nodes + positions.at[i];
     pairs.edges[0][i] = pair_at(node);
     pairs.edges[1][i] = pair_at(node + row);
     pairs.edges[2][i] = pair_at(node + layer);
@@ -80,14 +85,14 @@ void gather_lanes(const TraceBlock& block, const NodePlaces& places, int count, 
   }
 }
 
-/// trace() for a block of places.
+/// trace() for one vector of positions.
 WOBBLEBENCH_INLINE void trace_lanes(const NodePairs& pairs,
-                                    const NodePlaces& places,
+                                    const NodePositions& positions,
                                     const TissueMap::Line& line,
-                                    const TraceBlock& block,
+                                    const EntryNodes& entry_nodes,
                                     float (&values)[4][kTraceLanes]) {
   for (int i = 0; i < kTraceLanes; ++i) {
-    const float u = places.u[i], v = places.v[i], w = places.w[i];
+    const float u = positions.u[i], v = positions.v[i], w = positions.w[i];
     const std::int32_t p00 = pairs.edges[0][i], p10 = pairs.edges[1][i];
     const std::int32_t p01 = pairs.edges[2][i], p11 = pairs.edges[3][i];
     const float a000 = first_of(p00), a010 = first_of(p10);
@@ -98,40 +103,40 @@ WOBBLEBENCH_INLINE void trace_lanes(const NodePairs& pairs,
     const float c00 = a000 + u * dx00, c10 = a010 + u * dx10;
     const float c01 = a001 + u * dx01, c11 = a011 + u * dx11;
     const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
-    const float gx = block.unit_per_m *
+    const float gx = entry_nodes.unit_per_m *
                      ((1 - w) * ((1 - v) * dx00 + v * dx10) + w * ((1 - v) * dx01 + v * dx11));
-    const float gy = block.unit_per_m * ((1 - w) * (c10 - c00) + w * (c11 - c01));
-    const float gz = block.unit_per_m * (c1 - c0);
-    values[0][i] = block.unit_m * (c0 + w * (c1 - c0));
+    const float gy = entry_nodes.unit_per_m * ((1 - w) * (c10 - c00) + w * (c11 - c01));
+    const float gz = entry_nodes.unit_per_m * (c1 - c0);
+    values[0][i] = entry_nodes.unit_m * (c0 + w * (c1 - c0));
     values[1][i] = gx * line.axial.x + gy * line.axial.y + gz * line.axial.z;
     values[2][i] = gx * line.lateral.x + gy * line.lateral.y + gz * line.lateral.z;
     values[3][i] = gx * line.elevation.x + gy * line.elevation.y + gz * line.elevation.z;
   }
 }
 
-WOBBLEBENCH_SIMD void trace_block(const TraceBlock& block,
+WOBBLEBENCH_SIMD void trace_entry(const EntryNodes& entry_nodes,
                                   const TissueMap::Line& line,
                                   int count,
-                                  TissueMap::LineNode* found) {
-  NodePlaces places;
+                                  TrackNode* to) {
+  NodePositions positions;
   NodePairs pairs{};
   float values[4][kTraceLanes];
   for (int first = 0; first < count; first += kTraceLanes) {
     const int used = std::min(kTraceLanes, count - first);
-    place_lanes(block, line, first, places);
-    gather_lanes(block, places, used, pairs);
-    trace_lanes(pairs, places, line, block, values);
+    locate_lanes(entry_nodes, line, first, positions);
+    gather_lanes(entry_nodes, positions, used, pairs);
+    trace_lanes(pairs, positions, line, entry_nodes, values);
     for (int i = 0; i < used; ++i) {
-      found[first + i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
+      to[first + i] = {values[0][i], values[1][i], values[2][i], values[3][i]};
     }
   }
 }
 
 }  // namespace
 
-void TissueMap::trace(const Entry& entry, const Line& line, int count, LineNode* found) const {
+void TissueMap::trace(const Entry& entry, const Line& line, int count, TrackNode* to) const {
   const auto per_m = static_cast<float>(entry.divisions / cell_m_);
-  trace_block({nodes(entry), entry.divisions, unit_m_, unit_m_ * per_m}, line, count, found);
+  trace_entry({nodes(entry), entry.divisions, unit_m_, unit_m_ * per_m}, line, count, to);
 }
 
 }  // namespace wobblebench::sim

@@ -47,7 +47,7 @@ class LonePoint {
     const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
     const std::vector<float> left(samples, 1.0f);
     std::vector<std::complex<float>> iq(samples);
-    const sim::Sightline line{plan_.geometry().stick(theta_rad, phi_rad), 0};
+    const sim::TimedRay line{plan_.geometry().stick(theta_rad, phi_rad), 0};
     add_({line, plan_.sample_spacing_m(), left, {}}, std::span(&point_, 1), iq);
     std::vector<double> envelope;
     for (const auto& value : iq) envelope.push_back(static_cast<double>(std::abs(value)));

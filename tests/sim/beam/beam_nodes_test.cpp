@@ -1,4 +1,4 @@
-// Rough interfaces at a track's nodes, in single precision, against diffuse_echo().
+// The echo of rough interfaces at a track's nodes, in single precision, against diffuse_echo().
 #include "sim/beam/beam_nodes.h"
 
 #include <gtest/gtest.h>
@@ -6,13 +6,14 @@
 #include <cmath>
 
 #include "sim/beam/point_spread.h"
+#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 namespace {
 
 constexpr double kSpacing_m = 0.1e-3;
 constexpr int kSamples = 1000;
-constexpr float kAside_m = 0.2e-3F;  // of the surface, on the side that sound comes from
+constexpr float kBefore_m = 0.2e-3F;  // from the nodes to the surface behind them
 constexpr int kAngles = 18;
 
 const hw::AcquisitionPlan& plan() {
@@ -20,7 +21,7 @@ const hw::AcquisitionPlan& plan() {
   return default_plan;
 }
 
-/// A surface of material 1 in material 0, met under an angle of 5 degrees more at each node.
+/// A surface of material 1 in material 0, whose angle of incidence grows by 5 degrees a node.
 StickTrack tilting(bool entering) {
   StickTrack track;
   track.stretches = {{0, kSamples * kSpacing_m, entering ? 0 : 1}};
@@ -29,14 +30,14 @@ StickTrack tilting(bool entering) {
   for (int n = 0; n < kAngles; ++n) {
     const auto angle = static_cast<float>(5 * n * kDegree);
     const float towards = entering ? -1.0f : 1.0f;
-    track.nodes.push_back({-towards * kAside_m, towards * std::cos(angle), std::sin(angle), 0.0f});
+    track.nodes.push_back({-towards * kBefore_m, towards * std::cos(angle), std::sin(angle), 0.0f});
   }
   return track;
 }
 
 class RoughInterface : public testing::TestWithParam<const char*> {};
 
-TEST_P(RoughInterface, EchoesAsItsDiffusePartAsks) {
+TEST_P(RoughInterface, EchoesByItsDiffusePart) {
   const std::vector materials{phantoms::material("amniotic_fluid"), phantoms::material(GetParam())};
   const SimulationOptions options;
   for (const bool entering : {true, false}) {
@@ -51,11 +52,12 @@ TEST_P(RoughInterface, EchoesAsItsDiffusePartAsks) {
     for (int n = 0; n < kAngles; ++n) {
       const BeamNodes::Node& node = nodes.of(track.layers[0])[n];
       const double cosine = std::cos(5 * n * kDegree);
-      const double width_m =
-          static_cast<double>(track.nodes[static_cast<std::size_t>(n)].value_m / node.depth);
+      const double width_m = static_cast<double>(track.nodes[static_cast<std::size_t>(n)].value_m /
+                                                 node.distance_sigmas);
       const double mean = diffuse_echo(before, behind, cosine);
       const double expected = mean_power_gain(options) * mean * mean * pulse_m * cosine / width_m;
-      EXPECT_NEAR(node.sheet, expected, 1e-4 * expected + 1e-12) << entering << " " << 5 * n;
+      EXPECT_NEAR(node.interface_power, expected, 1e-4 * expected + 1e-12)
+          << entering << " " << 5 * n;
       EXPECT_GE(width_m, 0.999 * pulse_m * cosine) << 5 * n;
     }
   }

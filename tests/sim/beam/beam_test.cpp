@@ -30,7 +30,7 @@ Complex brute_force(const Aperture& aperture, double k, double range_m, double o
   Complex sum = 0;
   for (int i = 0; i < kSources; ++i) {
     const double u = ((i + 0.5) / kSources - 0.5) * aperture.width_m;
-    const double strength = sinc(aperture.element_turn_per_m * u / kPi);
+    const double strength = sinc(aperture.element_phase_per_m * u / kPi);
     const double aside = offset_m - u;
     sum += std::polar(strength, -0.5 * k * (aside * aside / range_m - u * u / aperture.focus_m));
   }
@@ -49,11 +49,11 @@ TEST(BeamPattern, InTheFocusItIsASinc) {
 TEST(BeamPattern, IsTheIntegralOverItsSources) {
   for (double range_m : {25e-3, 60e-3, 140e-3}) {
     for (double offset_m : {0.0, 0.7e-3, 3e-3, 8e-3}) {
-      for (double turn_per_m : {0.0, 110.0}) {
-        const Aperture aperture{14e-3, 75e-3, turn_per_m};
+      for (double phase_per_m : {0.0, 110.0}) {
+        const Aperture aperture{14e-3, 75e-3, phase_per_m};
         const Complex found = aperture_response(aperture, 14280, range_m, offset_m);
         EXPECT_LT(std::abs(found - brute_force(aperture, 14280, range_m, offset_m)), 2e-3)
-            << range_m << " " << offset_m << " " << turn_per_m;
+            << range_m << " " << offset_m << " " << phase_per_m;
       }
     }
   }
@@ -74,7 +74,7 @@ class BeamShapes : public testing::TestWithParam<BeamShape> {};
 TEST_P(BeamShapes, ColumnsAreTheResponseInTheirMiddle) {
   const BeamTable table(plan(), GetParam());
   const double frequency_hz = plan().probe().center_frequency_hz;
-  // Averaged over the band, which smooths what the centre frequency alone would give.
+  // Columns are averages over the band, smoother than the response at the centre frequency.
   const std::map<double, double> within = {{40e-3, 0.08}, {75e-3, 0.05}, {120e-3, 0.05}};
   for (const auto& [range_m, tolerance] : within) {
     const int row = table.row(range_m);
@@ -93,7 +93,7 @@ TEST_P(BeamShapes, ColumnsAreTheResponseInTheirMiddle) {
   }
 }
 
-TEST_P(BeamShapes, RimLeavesAsMuchPowerBeyondEverywhere) {
+TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
   const BeamTable table(plan(), GetParam());
   const bool main_lobe = GetParam() == BeamShape::main_lobe;
   const double beyond = main_lobe ? 0.01 : 5e-5;
@@ -108,7 +108,7 @@ TEST_P(BeamShapes, RimLeavesAsMuchPowerBeyondEverywhere) {
       const double power = std::norm(elevation_response(plan(), frequency_hz, range_m, offset_m));
       (offset_m < reach_m ? within : outside) += power;
     }
-    // The search ends with the third side lobe, beyond which the near field has a little more.
+    // The search ends at the third side lobe; in the near field there is a little power beyond.
     EXPECT_LT(outside / (within + outside), main_lobe ? 1.1 * beyond : 8 * beyond) << range_m;
     const double wavelength_m = 1540 / frequency_hz;
     const double zero_m = wavelength_m * range_m / plan().probe().element_height_m;

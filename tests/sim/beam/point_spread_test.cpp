@@ -59,7 +59,7 @@ TEST(PointSpread, LateralWidensToThatOfTheReceivingApertureAlone) {
   const double at_focus = lateral_fwhm_m(default_plan(), 75e-3);
   for (double range_m : {30e-3, 50e-3, 100e-3, 160e-3}) {
     EXPECT_GT(lateral_fwhm_m(default_plan(), range_m), at_focus);
-    // Elements at the edges look away a little more as the aperture grows.
+    // Directivity reduces the effective aperture a little more as it grows.
     EXPECT_LT(lateral_fwhm_m(default_plan(), range_m), 1.05 * std::sqrt(2.0) * at_focus);
   }
   EXPECT_NEAR(lateral_fwhm_m(default_plan(), 20e-3), std::sqrt(2.0) * at_focus, 0.05 * at_focus);

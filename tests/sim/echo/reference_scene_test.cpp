@@ -49,7 +49,7 @@ Stick echo_of(const hw::AcquisitionPlan& plan,
   const auto field = make_iq_field(plan);
   Stick iq(static_cast<std::size_t>(field.samples));
   const std::vector<float> left(iq.size(), 1.0f);
-  const Sightline line = sightline(plan, {0, 0, 1});
+  const TimedRay line = sightline(plan, {0, 0, 1});
   const AcrossStick across = across_stick(line.ray);
   const PointEcho point{
       line.ray.at(range_m) + lateral_m * across.lateral + elevation_m * across.elevation, 1};

@@ -1,5 +1,5 @@
-// Scatterers as hashes of tissue cells: their density, their echoes, and what octaves leave as it
-// is. Statistics of whole scans are in tests/bench/studies/studies_test.cpp.
+// Scatterers as hashes of tissue cells: density, echoes, and what octaves must not change.
+// Statistics of whole scans are in tests/bench/studies/studies_test.cpp.
 #include "sim/scatterers/scatterer_field.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "sim/echo/stick_echoes.h"
 #include "sim/receive/losses.h"
 #include "sim/scatterers/scatterer_cells.h"
-#include "sim/scatterers/scatterer_scene.h"
+#include "sim/scatterers/scatterer_settings.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -29,17 +29,17 @@ const hw::AcquisitionPlan& plan() {
 }
 
 /// Made once for each name.
-ScannedTissue subject_of(const std::string& name, const phantoms::Motion& motion = {}) {
+ScannedTissue tissue_of(const std::string& name, const phantoms::Motion& motion = {}) {
   static std::map<std::string, ScannedTissue> known;
-  auto& subject = known[name];
-  if (!subject.map) {
+  auto& tissue = known[name];
+  if (!tissue.map) {
     const auto phantom = phantoms::make_phantom({.name = name, .voxel_m = 1e-3});
-    subject = {std::make_shared<const TissueMap>(phantom, 2e-3, 0),
-               phantom.materials(),
-               {glm::dmat3(1.0), phantom.suggested_position_m()},
-               {}};
+    tissue = {std::make_shared<const TissueMap>(phantom, 2e-3, 0),
+              phantom.materials(),
+              {glm::dmat3(1.0), phantom.suggested_position_m()},
+              {}};
   }
-  ScannedTissue moving = subject;
+  ScannedTissue moving = tissue;
   moving.motion = motion;
   return moving;
 }
@@ -54,13 +54,13 @@ SimulationOptions options_of(std::uint64_t seed = 1) {
 struct Grid {
   int samples;
   double spacing_m;
-  std::vector<float> left;
+  std::vector<float> remaining;
 
   Grid() {
     const auto field = make_iq_field(plan());
     samples = field.samples;
     spacing_m = field.spacing_m;
-    left.assign(static_cast<std::size_t>(samples), 1.0f);
+    remaining.assign(static_cast<std::size_t>(samples), 1.0f);
   }
 };
 
@@ -69,17 +69,17 @@ const Grid& grid() {
   return shared;
 }
 
-StickPath way_of(const hw::StickIndex& index) {
-  return {sightline(plan(), index), grid().spacing_m, grid().left, {}};
+StickPath path_of(const hw::StickIndex& index) {
+  return {sightline(plan(), index), grid().spacing_m, grid().remaining, {}};
 }
 
 Stick echoes(const ScattererField& field, const hw::StickIndex& index) {
-  Stick iq(grid().left.size());
-  field.add_echoes(way_of(index), iq);
+  Stick iq(grid().remaining.size());
+  field.add_echoes(path_of(index), iq);
   return iq;
 }
 
-/// Of two sticks from a range on, over the first one's RMS there.
+/// RMS difference of two sticks from a range on, relative to the first one's RMS there.
 double difference(const Stick& a, const Stick& b, double from_m = 0) {
   double apart = 0, power = 0;
   for (auto i = static_cast<std::size_t>(from_m / grid().spacing_m); i < a.size(); ++i) {
@@ -98,27 +98,27 @@ TEST(ScattererCells, HoldTheDensityAskedFor) {
   }
 }
 
-TEST(ScattererCells, AsManyAreHeardAsAreNeededAndHardlyMore) {
+TEST(ScattererCells, AsManyContributeAsAreNeededAndHardlyMore) {
   const ScattererCells cells(9e9, 32, 1);
   const int count = static_cast<int>(cells.octaves.size());
   EXPECT_EQ(count, 6);
   for (int step = 0; step < 67; ++step) {
     const double needed = 9e9 * std::pow(1.07, -step);
-    double power = 0, square = 0, heard = 0;
+    double power = 0, square = 0, contributing = 0;
     for (int i = 0; i < count; ++i) {
       const double each = cells.octaves[static_cast<std::size_t>(i)].per_m3 / kScatterersInCell;
       for (int scatterer = 0; scatterer < kScatterersInCell; ++scatterer) {
-        const double left = scatterer_power(cells.share(i, needed), scatterer);
-        power += each * left;
-        square += each * left * left;
-        heard += left > 0 ? each : 0;
+        const double relative = scatterer_power(cells.share(i, needed), scatterer);
+        power += each * relative;
+        square += each * relative * relative;
+        contributing += relative > 0 ? each : 0;
       }
     }
     EXPECT_NEAR(power / needed, 1, 1e-9);
     EXPECT_GE(power * power / square, 0.999999 * needed);
-    // Of the octave that fades one in a cell is heard in part.
+    // In the octave of the transition one scatterer of each cell contributes partly.
     if (cells.share(1, needed) > 0) {
-      EXPECT_LT(heard / needed, 1.1) << needed;
+      EXPECT_LT(contributing / needed, 1.1) << needed;
     }
   }
 }
@@ -129,7 +129,7 @@ TEST(ScattererCells, OffsetsFillTheCell) {
   for (std::uint32_t cell = 0; cell < kCells; ++cell) {
     const std::uint32_t key = hash_cell_key(77, cell);
     for (std::uint32_t i = 0; i < kScatterersInCell; ++i) {
-      const glm::dvec3 share = scatterer_place(key, i);
+      const glm::dvec3 share = scatterer_position(key, i);
       mean += share / (1.0 * kCells * kScatterersInCell);
       square += share * share / (1.0 * kCells * kScatterersInCell);
     }
@@ -140,46 +140,46 @@ TEST(ScattererCells, OffsetsFillTheCell) {
   }
 }
 
-/// The wide loops against a search in double precision, scatterer by scatterer.
-TEST(Scatterers, EchoesAreThoseOfTheScatterersThatAreNear) {
+/// The vectorised projection against a search in double precision, scatterer by scatterer.
+TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
   for (const char* name : {"speckle_block", "cyst", "sphere"}) {
-    const auto subject = subject_of(name);
-    const ScattererField field(subject, plan(), options_of());
+    const auto tissue = tissue_of(name);
+    const ScattererField field(tissue, plan(), options_of());
     for (const hw::StickIndex& index : {hw::StickIndex{0, 8, 8}, hw::StickIndex{0, 7, 6}}) {
-      Stick one_by_one(grid().left.size());
+      Stick point_echoes(grid().remaining.size());
       const auto near = field.near(sightline(plan(), index), plan().acquisition().depth_m + 5e-3);
       ASSERT_GT(near.size(), 500u) << name;
-      field.add_points(way_of(index), near, one_by_one);
-      // Cells take the row of the beam at their middle, points at their own place. Near the face
-      // the beam changes most from row to row, and cells are largest.
+      field.add_points(path_of(index), near, point_echoes);
+      // Cells use the row of the beam's table at their centre, points that at their own position.
+      // Near the face the beam changes most from row to row, and cells are largest.
       const Stick together = echoes(field, index);
-      EXPECT_LT(difference(one_by_one, together), 0.25) << name;
-      EXPECT_LT(difference(one_by_one, together, 60e-3), 0.08) << name;
+      EXPECT_LT(difference(point_echoes, together), 0.25) << name;
+      EXPECT_LT(difference(point_echoes, together, 60e-3), 0.08) << name;
     }
   }
 }
 
 TEST(Scatterers, FluidHasNone) {
-  const auto subject = subject_of("sphere");
-  const ScattererField field(subject, plan(), options_of());
+  const auto tissue = tissue_of("sphere");
+  const ScattererField field(tissue, plan(), options_of());
   // The outermost stick passes the sphere by.
-  std::uint64_t seen = 0;
-  Stick iq(grid().left.size());
-  field.add_echoes(way_of({0, 0, 0}), iq, &seen);
-  EXPECT_EQ(seen, 0u);
+  std::uint64_t contributed = 0;
+  Stick iq(grid().remaining.size());
+  field.add_echoes(path_of({0, 0, 0}), iq, &contributed);
+  EXPECT_EQ(contributed, 0u);
   EXPECT_TRUE(field.near(sightline(plan(), {0, 0, 0}), 0.15).empty());
 }
 
 /// Mean intensity over all sticks of a few seeds about some ranges, over the material's.
 std::vector<double> mean_power(bool all_octaves, const std::vector<double>& ranges_m) {
-  const auto subject = subject_of("speckle_block");
+  const auto tissue = tissue_of("speckle_block");
   const double mean = amplitude_of_db(phantoms::material("soft_tissue").backscatter_db);
   std::vector<double> sums(ranges_m.size(), 0.0);
   double count = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    ScattererModel model;
+    ScattererSettings model;
     model.all_octaves = all_octaves;
-    const ScattererField field(subject, plan(), options_of(seed), model);
+    const ScattererField field(tissue, plan(), options_of(seed), model);
     for (std::uint32_t f = 3; f < 13; ++f) {
       for (std::uint32_t l = 3; l < 13; ++l) {
         const Stick iq = echoes(field, {0, f, l});
@@ -208,9 +208,9 @@ TEST(Scatterers, OctavesKeepTheMeanEcho) {
 }
 
 TEST(Scatterers, AreTheSeedsOwn) {
-  const auto subject = subject_of("speckle_block");
-  const ScattererField first(subject, plan(), options_of(1)), again(subject, plan(), options_of(1)),
-      other(subject, plan(), options_of(2));
+  const auto tissue = tissue_of("speckle_block");
+  const ScattererField first(tissue, plan(), options_of(1)), again(tissue, plan(), options_of(1)),
+      other(tissue, plan(), options_of(2));
   const hw::StickIndex index{0, 8, 8};
   EXPECT_EQ(echoes(first, index), echoes(again, index));
   EXPECT_GT(difference(echoes(first, index), echoes(other, index)), 1);
@@ -219,19 +219,19 @@ TEST(Scatterers, AreTheSeedsOwn) {
 TEST(Scatterers, GoWhereTheTissueGoes) {
   phantoms::MotionOptions moving;
   moving.velocity_m_s = {0.01, -0.02, 0.03};
-  const auto still = subject_of("speckle_block");
-  const auto moved = subject_of("speckle_block", {moving, {}});
+  const auto still = tissue_of("speckle_block");
+  const auto moved = tissue_of("speckle_block", {moving, {}});
   const ScattererField here(still, plan(), options_of()), there(moved, plan(), options_of());
-  Sightline line = sightline(plan(), {0, 8, 8});
+  TimedRay line = sightline(plan(), {0, 8, 8});
   line.time_s = 0.1;
-  // The same line of sight as the moved tissue sees it.
-  const glm::dvec3 way_m(0.001, -0.002, 0.003);
-  Sightline back = line;
-  back.ray.origin -= way_m;
+  // The same ray relative to the moved tissue.
+  const glm::dvec3 shift_m(0.001, -0.002, 0.003);
+  TimedRay back = line;
+  back.ray.origin -= shift_m;
   const auto a = there.near(line, 0.12), b = here.near(back, 0.12);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); i += 97) {
-    EXPECT_LT(glm::distance(a[i].position_m, b[i].position_m + way_m), 1e-9);
+    EXPECT_LT(glm::distance(a[i].position_m, b[i].position_m + shift_m), 1e-9);
     EXPECT_NEAR(a[i].amplitude, b[i].amplitude, 1e-5f);
   }
 }

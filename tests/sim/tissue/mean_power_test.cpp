@@ -1,4 +1,4 @@
-// The closed form of the beam against its brute-force average over many lines of sight.
+// The closed form of the beam's average against a brute-force sum over its cross-section.
 #include "sim/tissue/mean_power.h"
 
 #include <gtest/gtest.h>
@@ -37,28 +37,28 @@ SimulationOptions tissue_alone() {
 
 struct Scanned {
   phantoms::Phantom phantom;
-  ScannedTissue subject;
+  ScannedTissue tissue;
 };
 
 Scanned sphere() {
   auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
   const double reach_m = MeanPower::reach_m(plan());
-  ScannedTissue subject{std::make_shared<const TissueMap>(phantom, reach_m, 0),
-                        phantom.materials(),
-                        {glm::dmat3(1.0), kCenter},
-                        {}};
-  return {std::move(phantom), std::move(subject)};
+  ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, reach_m, 0),
+                       phantom.materials(),
+                       {glm::dmat3(1.0), kCenter},
+                       {}};
+  return {std::move(phantom), std::move(tissue)};
 }
 
 std::vector<float> power_of(const Scanned& scanned,
                             const hw::Ray& stick,
                             const SimulationOptions& options) {
   StickTrack track;
-  follow(scanned.subject, {stick, 0}, kSamples * kSpacing_m, track);
-  const auto& materials = scanned.subject.materials;
+  follow(scanned.tissue, {stick, 0}, kSamples * kSpacing_m, track);
+  const auto& materials = scanned.tissue.materials;
   StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
   losses.compute(track);
-  MeanPower power(plan(), options, materials, kSpacing_m, kSamples, scanned.subject.map->reach_m());
+  MeanPower power(plan(), options, materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
   std::vector<float> result(kSamples);
   power.compute(track, losses, result);
   return result;
@@ -94,11 +94,11 @@ double share_inside(const hw::Ray& stick, double range_m) {
 
 TEST(MeanPower, BlursASphereAsTheBeamDoes) {
   const Scanned scanned = sphere();
-  // A sphere falls back by the beam's width squared over its diameter: at normal incidence, where
-  // only the pulse blurs, its edge shifts by that much.
+  // Across the beam a sphere recedes by the squared beam width over its diameter: at normal
+  // incidence, where only the pulse blurs the edge, the edge shifts by this.
   constexpr double kShift_m = 0.06e-3;
   constexpr double kTolerance = 0.035;
-  // From straight on to sticks that pass the sphere by within the beam.
+  // From normal incidence to sticks whose axis misses the sphere.
   for (double theta : {0.0, 0.06, 0.12, 0.16, 0.18, 0.19, 0.2}) {
     for (double phi : {0.0, 0.1}) {
       const hw::Ray stick = plan().geometry().stick(theta, phi);
@@ -116,7 +116,7 @@ TEST(MeanPower, BlursASphereAsTheBeamDoes) {
   }
 }
 
-TEST(MeanPower, RoughSurfaceEchoesAsItsReflectionAsks) {
+TEST(MeanPower, RoughSurfaceHasTheEchoOfItsReflection) {
   Scanned scanned = sphere();
   auto options = tissue_alone();
   options.interface_echo = true;
@@ -149,11 +149,11 @@ Scanned shell(double wall_m) {
                             outer.region_of_interest(),
                             outer.suggested_position_m(),
                             std::move(grids));
-  ScannedTissue subject{std::make_shared<const TissueMap>(phantom, MeanPower::reach_m(plan()), 0),
-                        phantom.materials(),
-                        {glm::dmat3(1.0), kCenter},
-                        {}};
-  return {std::move(phantom), std::move(subject)};
+  ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, MeanPower::reach_m(plan()), 0),
+                       phantom.materials(),
+                       {glm::dmat3(1.0), kCenter},
+                       {}};
+  return {std::move(phantom), std::move(tissue)};
 }
 
 TEST(MeanPower, PaintsSurfacesInTheirOrder) {
@@ -170,7 +170,7 @@ TEST(MeanPower, PaintsSurfacesInTheirOrder) {
   double most = 0;
   for (int i = 480; i < 560; ++i) {
     const double range_m = (i + 0.5) * kSpacing_m;
-    // Where a later surface's blur reaches, it hides what was painted before.
+    // A later surface hides the ones before it within its blur.
     const double wall = power_in("soft_tissue") * (1 - outside(range_m, wall_m));
     const double behind = outside(range_m, wall_m + kWall_m);
     const double expected = wall * behind + power_in("cortical_bone") * (1 - behind);
@@ -181,7 +181,7 @@ TEST(MeanPower, PaintsSurfacesInTheirOrder) {
   EXPECT_GT(most, 0.9 * power_in("cortical_bone"));
 }
 
-/// Pieces of all lengths, some clear, some within surfaces, beside them, or just on them.
+/// Pieces of random lengths, without surfaces, and inside, outside or on surfaces.
 StickTrack patchwork(std::mt19937& generator) {
   std::uniform_int_distribution<int> length(1, 60), kind(0, 2);
   std::uniform_int_distribution<phantoms::MaterialIndex> material(
@@ -212,7 +212,7 @@ double power_of(phantoms::MaterialIndex material) {
   return db > kSilent_db ? std::pow(10, db / 10) : 0;
 }
 
-/// Layer over layer, each by the share of the beam that lies within it.
+/// Power by blending layer over layer, each by the share of the beam inside it.
 double power_of(const StickTrack& track, const TrackPiece& piece) {
   double power = power_of(piece.base);
   for (int i = piece.first_layer; i < piece.first_layer + piece.layers; ++i) {
@@ -224,7 +224,7 @@ double power_of(const StickTrack& track, const TrackPiece& piece) {
   return power;
 }
 
-/// Wide loops pass over several pieces at once, and may spill over their ends.
+/// Vectorised loops process several pieces at once, and write past their ends.
 TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   const auto& materials = phantoms::material_table();
   StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
@@ -246,7 +246,7 @@ TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   }
 }
 
-TEST(MeanPower, FluidIsSilent) {
+TEST(MeanPower, FluidIsAnechoic) {
   const Scanned scanned = sphere();
   for (float value : power_of(scanned, plan().geometry().stick(0.5, 0.4), tissue_alone())) {
     ASSERT_EQ(value, 0.0f);

@@ -12,8 +12,8 @@ namespace {
 constexpr double kRadius_m = 20e-3;
 constexpr double kDepth_m = 160e-3;
 
-ScannedTissue sphere_subject(const phantoms::Placement& placement,
-                             const phantoms::Motion& motion = {}) {
+ScannedTissue sphere_tissue(const phantoms::Placement& placement,
+                            const phantoms::Motion& motion = {}) {
   static const phantoms::Phantom phantom =
       phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m});
   static const auto map = std::make_shared<const TissueMap>(phantom, 2e-3, 0);
@@ -49,13 +49,13 @@ void expect_crossings(const StickTrack& track, const std::vector<double>& expect
 TEST(StickTrack, FindsBothSidesOfASphereFromEveryStick) {
   const phantoms::Placement placement{phantoms::rotation_xyz({0.3, -0.2, 0.1}),
                                       {5e-3, -3e-3, 0.11}};
-  const ScannedTissue subject = sphere_subject(placement);
+  const ScannedTissue tissue = sphere_tissue(placement);
   std::mt19937 generator(1);
   StickTrack track;
   int hits = 0;
   for (int i = 0; i < 500; ++i) {
     const hw::Ray stick = random_stick(generator);
-    follow(subject, {stick, 0}, kDepth_m, track);
+    follow(tissue, {stick, 0}, kDepth_m, track);
     const auto expected = sphere_crossings(stick, placement.position_m);
     if (expected.empty() || expected[1] - expected[0] < 2e-3) continue;
     ++hits;
@@ -65,11 +65,11 @@ TEST(StickTrack, FindsBothSidesOfASphereFromEveryStick) {
 }
 
 TEST(StickTrack, CoversTheStickWithoutGaps) {
-  const ScannedTissue subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
+  const ScannedTissue tissue = sphere_tissue({glm::dmat3(1.0), {0, 0, 0.11}});
   std::mt19937 generator(2);
   StickTrack track;
   for (int i = 0; i < 200; ++i) {
-    follow(subject, {random_stick(generator), 0}, kDepth_m, track);
+    follow(tissue, {random_stick(generator), 0}, kDepth_m, track);
     EXPECT_EQ(track.stretches.front().from_m, 0);
     EXPECT_EQ(track.stretches.back().to_m, kDepth_m);
     EXPECT_EQ(track.stretches.size(), track.interfaces.size() + 1);
@@ -86,16 +86,16 @@ TEST(StickTrack, CoversTheStickWithoutGaps) {
   }
 }
 
-/// Leaving out surfaces that no stick crosses leaves out no interface, and moves none.
+/// Without the surfaces that the stick does not cross, interfaces are the same.
 TEST(StickTrack, CrossesTheSameSurfacesWithoutThoseNearby) {
-  const ScannedTissue subject = sphere_subject({glm::dmat3(1.0), {0, 0, 0.11}});
+  const ScannedTissue tissue = sphere_tissue({glm::dmat3(1.0), {0, 0, 0.11}});
   std::mt19937 generator(9);
   StickTrack all, crossed;
   std::size_t interfaces = 0;
   for (int i = 0; i < 500; ++i) {
     const hw::Ray stick = random_stick(generator);
-    follow(subject, {stick, 0}, kDepth_m, all);
-    follow(subject, {stick, 0}, kDepth_m, crossed, Surfaces::crossed);
+    follow(tissue, {stick, 0}, kDepth_m, all);
+    follow(tissue, {stick, 0}, kDepth_m, crossed, Surfaces::crossed);
     ASSERT_EQ(crossed.interfaces.size(), all.interfaces.size());
     for (std::size_t k = 0; k < all.interfaces.size(); ++k) {
       EXPECT_EQ(crossed.interfaces[k].range_m, all.interfaces[k].range_m);
@@ -107,7 +107,7 @@ TEST(StickTrack, CrossesTheSameSurfacesWithoutThoseNearby) {
   EXPECT_GT(interfaces, 200u);
 }
 
-/// Rounding puts what lies on a wall into either of the map's cells beside it.
+/// Rounding assigns a surface on a wall between two cells to either of them.
 TEST(StickTrack, CrossesASurfaceOnAWallOfTheMapOnce) {
   const hw::AcquisitionPlan plan({}, {});
   std::mt19937 generator(6);
@@ -116,12 +116,12 @@ TEST(StickTrack, CrossesASurfaceOnAWallOfTheMapOnce) {
     const auto plate = phantoms::make_phantom({.name = "bone_plate", .thickness_m = thickness_m});
     const auto map = std::make_shared<const TissueMap>(plate, 2e-3, 0);
     for (const double front_m : {0.08, 0.0813}) {
-      const ScannedTissue subject{map, plate.materials(), {glm::dmat3(1.0), {0, 0, front_m}}, {}};
+      const ScannedTissue tissue{map, plate.materials(), {glm::dmat3(1.0), {0, 0, front_m}}, {}};
       StickTrack track;
       for (int i = 0; i < 300; ++i) {
         const hw::Ray stick = plan.geometry().stick(angle(generator), angle(generator));
         for (const Surfaces surfaces : {Surfaces::nearby, Surfaces::crossed}) {
-          follow(subject, {stick, 0}, kDepth_m, track, surfaces);
+          follow(tissue, {stick, 0}, kDepth_m, track, surfaces);
           ASSERT_EQ(track.interfaces.size(), 2u) << thickness_m << ", stick " << i;
           for (std::size_t side = 0; side < 2; ++side) {
             const double face_m = front_m + (side == 0 ? 0 : thickness_m);
@@ -139,14 +139,14 @@ TEST(StickTrack, MovingTissueIsWhereItIsAtTheTimeOfTheStick) {
   phantoms::MotionOptions moving;
   moving.velocity_m_s = {20e-3, -10e-3, 15e-3};
   const phantoms::Placement placement{glm::dmat3(1.0), {0, 0, 0.11}};
-  const ScannedTissue subject = sphere_subject(placement, phantoms::Motion(moving, {}));
+  const ScannedTissue tissue = sphere_tissue(placement, phantoms::Motion(moving, {}));
   std::mt19937 generator(4);
   std::uniform_real_distribution<double> moment(0, 0.5);
   StickTrack track;
   for (int i = 0; i < 200; ++i) {
     const double time_s = moment(generator);
     const hw::Ray stick = random_stick(generator);
-    follow(subject, {stick, time_s}, kDepth_m, track);
+    follow(tissue, {stick, time_s}, kDepth_m, track);
     const glm::dvec3 shift(moving.velocity_m_s[0], moving.velocity_m_s[1], moving.velocity_m_s[2]);
     const auto expected = sphere_crossings(stick, placement.position_m + time_s * shift);
     if (expected.empty() || expected[1] - expected[0] < 2e-3) continue;
@@ -154,8 +154,8 @@ TEST(StickTrack, MovingTissueIsWhereItIsAtTheTimeOfTheStick) {
   }
 }
 
-TEST(StickTrack, BentMotionFollowsTheTissueToo) {
-  // The whole sphere lies where the head turns as one: it stays a sphere, its centre moves.
+TEST(StickTrack, NonRigidMotionMovesTheTissue) {
+  // The whole sphere lies within the rigid part of the head: it stays a sphere whose centre moves.
   const glm::dvec3 pivot(0, 30e-3, 0);
   phantoms::MotionOptions turning;
   turning.head_turn_rad = 20 * kDegree;
@@ -164,7 +164,7 @@ TEST(StickTrack, BentMotionFollowsTheTissueToo) {
   const phantoms::Motion motion(turning, phantoms::Joint{pivot, 55e-3, 70e-3});
   ASSERT_FALSE(motion.rigid());
   const phantoms::Placement placement{glm::dmat3(1.0), {0, 0, 0.11}};
-  const ScannedTissue subject = sphere_subject(placement, motion);
+  const ScannedTissue tissue = sphere_tissue(placement, motion);
   std::mt19937 generator(6);
   std::uniform_real_distribution<double> moment(0, 1);
   StickTrack track;
@@ -172,7 +172,7 @@ TEST(StickTrack, BentMotionFollowsTheTissueToo) {
   for (int i = 0; i < 200; ++i) {
     const double time_s = moment(generator);
     const hw::Ray stick = random_stick(generator);
-    follow(subject, {stick, time_s}, kDepth_m, track);
+    follow(tissue, {stick, time_s}, kDepth_m, track);
     const glm::dvec3 center = placement.to_probe(motion.from_rest(glm::dvec3(0), time_s));
     const auto expected = sphere_crossings(stick, center);
     if (expected.empty() || expected[1] - expected[0] < 2e-3) continue;

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "phantoms/grids.h"
+#include "phantoms/phantom.h"
+#include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -25,47 +27,47 @@ const phantoms::Phantom& sphere() {
   return phantom;
 }
 
-/// The distance that a map knows of the sphere at a place; nothing where the cell does not list it.
-std::optional<TissueMap::Distance> distance_at(const TissueMap& map, const glm::dvec3& place) {
-  const glm::ivec3 index = map.cell_at(place);
+/// A map's distance to the sphere; nothing where the cell has no entry for it.
+std::optional<TissueMap::Distance> distance_at(const TissueMap& map, const glm::dvec3& position) {
+  const glm::ivec3 index = map.cell_at(position);
   const auto& cell = map.cell(index);
   if (cell.count == 0) return std::nullopt;
-  const glm::vec3 local((place - map.origin_m()) / map.cell_m() - glm::dvec3(index));
+  const glm::vec3 local((position - map.origin_m()) / map.cell_m() - glm::dvec3(index));
   return map.distance(map.entries(cell)[0], local);
 }
 
 class TissueMapReach : public testing::TestWithParam<double> {};
 
-TEST_P(TissueMapReach, KnowsDistancesWithinIt) {
+TEST_P(TissueMapReach, HoldsDistancesWithinIt) {
   const double reach_m = GetParam();
   const TissueMap map(sphere(), reach_m, 0);
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> coordinate(-30e-3, 30e-3);
   for (int i = 0; i < 20000; ++i) {
-    const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
-    const double expected = glm::length(place) - kRadius_m;
-    const auto found = distance_at(map, place);
+    const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
+    const double expected = glm::length(position) - kRadius_m;
+    const auto found = distance_at(map, position);
     if (std::abs(expected) > reach_m) continue;
     ASSERT_TRUE(found) << expected;
-    // Near the surface the phantom's own voxels, farther out a sweep over steps of two.
+    // Near the surface the phantom's own voxels, farther out fast sweeping over two steps.
     const double tolerance = std::abs(expected) < 1e-3 ? 0.005e-3 : 0.15e-3;
     EXPECT_NEAR(found->value_m, expected, tolerance);
-    const glm::dvec3 radial = glm::normalize(place);
+    const glm::dvec3 radial = glm::normalize(position);
     EXPECT_GT(glm::dot(glm::dvec3(found->gradient), radial), 0.9);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Reaches, TissueMapReach, testing::Values(0.0, 1e-3, 4e-3));
 
-TEST(TissueMap, MaterialIsThatOfTheSideEverywhere) {
+TEST(TissueMap, MaterialIsThatOfTheSurfacesSide) {
   const TissueMap map(sphere(), 4e-3, 0);
   std::mt19937 generator(5);
   std::uniform_real_distribution<double> coordinate(-60e-3, 60e-3);
   for (int i = 0; i < 20000; ++i) {
-    const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
-    const double distance = glm::length(place) - kRadius_m;
+    const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
+    const double distance = glm::length(position) - kRadius_m;
     if (std::abs(distance) < 0.01e-3) continue;
-    EXPECT_EQ(map.material(place),
+    EXPECT_EQ(map.material(position),
               distance < 0 ? sphere().surfaces()[0].inside : sphere().background());
   }
 }
@@ -92,8 +94,8 @@ TEST(TissueMap, IsTheSameAtAnyNumberOfThreads) {
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> coordinate(-70e-3, 90e-3);
   for (int i = 0; i < 20000; ++i) {
-    const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
-    const auto a = distance_at(one, place), b = distance_at(four, place);
+    const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
+    const auto a = distance_at(one, position), b = distance_at(four, position);
     ASSERT_EQ(a.has_value(), b.has_value());
     if (a) {
       ASSERT_EQ(a->value_m, b->value_m);
@@ -101,17 +103,17 @@ TEST(TissueMap, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
+TEST(TissueMap, ALineHasTheDistancesAtItsPositions) {
   const TissueMap map(sphere(), 4e-3, 0);
   std::mt19937 generator(11);
   std::uniform_real_distribution<float> within(0, 1), slope(-1, 1);
   std::uniform_real_distribution<double> coordinate(-25e-3, 25e-3);
-  constexpr double kLastDigits_m = 4e-9;  // of a float of 8 mm
-  constexpr int kPlaces = 11;             // more than a wide loop's lanes, and no multiple of them
+  constexpr double kRounding_m = 4e-9;  // of a float of 8 mm
+  constexpr int kPositions = 11;        // more than the loop's SIMD lanes, and no multiple of them
   int lines = 0;
   for (int i = 0; i < 5000; ++i) {
-    const glm::dvec3 place(coordinate(generator), coordinate(generator), coordinate(generator));
-    const auto& cell = map.cell(map.cell_at(place));
+    const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
+    const auto& cell = map.cell(map.cell_at(position));
     if (cell.count == 0) continue;
     const TissueMap::Entry& entry = map.entries(cell)[0];
     const auto any = [&](auto& share) {
@@ -119,16 +121,15 @@ TEST(TissueMap, ALineSaysWhatEachOfItsPlacesSays) {
     };
     const glm::vec3 begin = any(within), end = any(within);
     const TissueMap::Line line{
-        begin, (end - begin) / (kPlaces - 1.0f), any(slope), any(slope), any(slope)};
-    TissueMap::LineNode nodes[kPlaces];
-    map.trace(entry, line, kPlaces, nodes);
-    for (int n = 0; n < kPlaces; ++n) {
+        begin, (end - begin) / (kPositions - 1.0f), any(slope), any(slope), any(slope)};
+    TrackNode nodes[kPositions];
+    map.trace(entry, line, kPositions, nodes);
+    for (int n = 0; n < kPositions; ++n) {
       const auto at = map.distance(entry, begin + static_cast<float>(n) * line.stride);
-      EXPECT_NEAR(nodes[n].value_m, at.value_m, kLastDigits_m);
-      EXPECT_NEAR(map.value_m(entry, begin + static_cast<float>(n) * line.stride),
-                  at.value_m,
-                  kLastDigits_m);
-      // On the edge between two nodes either side's slope is right.
+      EXPECT_NEAR(nodes[n].value_m, at.value_m, kRounding_m);
+      EXPECT_NEAR(
+          map.value_m(entry, begin + static_cast<float>(n) * line.stride), at.value_m, kRounding_m);
+      // On the boundary between two intervals the slope of either is right.
       const float error = nodes[n].axial - glm::dot(at.gradient, line.axial);
       EXPECT_LT(std::abs(error), 0.15f);
     }
@@ -167,7 +168,7 @@ TEST(TissueMap, RefusesMoreSurfacesThanItCanNumber) {
   };
   EXPECT_NO_THROW(TissueMap(many(3), 1e-3, 0));
   try {
-    const TissueMap map(many(TissueMap::kMostSurfaces + 1), 1e-3, 0);
+    const TissueMap map(many(TissueMap::kMaxSurfaces + 1), 1e-3, 0);
     FAIL() << "took 256 surfaces";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("at most 255"), std::string::npos) << error.what();

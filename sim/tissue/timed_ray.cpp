@@ -1,0 +1,13 @@
+#include "sim/tissue/timed_ray.h"
+
+#include <glm/geometric.hpp>
+
+namespace wobblebench::sim {
+
+AcrossStick across_stick(const hw::Ray& ray) {
+  // The image plane contains the array, which lies along x.
+  const glm::dvec3 elevation = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), ray.direction));
+  return {glm::cross(ray.direction, elevation), elevation};
+}
+
+}  // namespace wobblebench::sim

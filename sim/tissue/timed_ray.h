@@ -1,0 +1,24 @@
+// The line along which one stick is acquired.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "hw/probe/probe.h"
+
+namespace wobblebench::sim {
+
+/// Ray and time of one stick.
+struct TimedRay {
+  hw::Ray ray;        ///< probe frame, from the face
+  double time_s = 0;  ///< device time of the stick, which decides where moving tissue is
+};
+
+/// Unit vectors across a stick: in the image plane towards greater theta, and across the image
+/// plane towards greater phi.
+struct AcrossStick {
+  glm::dvec3 lateral;
+  glm::dvec3 elevation;
+};
+AcrossStick across_stick(const hw::Ray& ray);
+
+}  // namespace wobblebench::sim
