@@ -27,7 +27,8 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options, bool 
 /// The loudest noise, after time gain, stays below the display.
 bool noise_never_shows(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   if (options.output == hw::SampleScale::linear_envelope) return false;
-  const double loudest = amplitude_of_db(options.noise_db) * static_cast<double>(kMaxComplexNormal) *
+  const double loudest = amplitude_of_db(options.noise_db) *
+                         static_cast<double>(kMaxComplexNormal) *
                          time_gain(plan, options, plan.acquisition().depth_m);
   return loudest < amplitude_of_db(options.full_scale_db - options.dynamic_range_db);
 }

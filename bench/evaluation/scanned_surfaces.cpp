@@ -38,7 +38,7 @@ double seconds(hw::DeviceTime time) {
 }
 
 std::vector<phantoms::Deformation> moments_of_first_volume(const phantoms::Motion& motion,
-                                                      const hw::AcquisitionPlan& plan) {
+                                                           const hw::AcquisitionPlan& plan) {
   std::vector<phantoms::Deformation> moments;
   if (motion.still()) return moments;
   const auto& acquisition = plan.acquisition();

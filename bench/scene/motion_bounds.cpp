@@ -28,7 +28,9 @@ std::vector<glm::dvec3> places_in(const phantoms::Box& box) {
 }
 
 /// Longest step from a place at rest to that of a place beside it, over the step between them now.
-double stretch_at(const phantoms::Deformation& moment, const glm::dvec3& now_m, const glm::dvec3& rest) {
+double stretch_at(const phantoms::Deformation& moment,
+                  const glm::dvec3& now_m,
+                  const glm::dvec3& rest) {
   double stretch = 1;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 beside = now_m;

@@ -112,8 +112,8 @@ constexpr double kFrozenVoxels = 1.2;
 // Value over gradient magnitude: the distance to first order. At creases, where the gradient
 // vanishes, the factor is limited to that of a rounded edge.
 float first_order_distance(const FloatGrid::ConstAccessor& tree,
-                        const openvdb::Coord& at,
-                        double voxel_m) {
+                           const openvdb::Coord& at,
+                           double voxel_m) {
   double slope2 = 0;
   for (int axis = 0; axis < 3; ++axis) {
     openvdb::Coord low = at, high = at;

@@ -12,7 +12,7 @@ StickTransform::StickTransform(const ScannedTissue& tissue, const TimedRay& line
       across_(across_stick(line.ray)),
       moment_(tissue.motion.at(line.time_s)),
       rigid_(tissue.motion.rigid()) {
-  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
+  for (const auto turn : {phantoms::Deformation::Turn::none, phantoms::Deformation::Turn::full}) {
     rigid_maps_[static_cast<std::size_t>(turn)] =
         linearised(moment_.tangent_of(turn), glm::dvec3(0));
   }
@@ -31,7 +31,7 @@ glm::dvec3 StickTransform::to_rest(const glm::dvec3& beam_m) const {
   return moment_.to_rest(tissue_.placement.to_phantom(probe_m));
 }
 
-RestToBeam StickTransform::linearised(const phantoms::Moment::Tangent& tangent,
+RestToBeam StickTransform::linearised(const phantoms::Deformation::Tangent& tangent,
                                       const glm::dvec3& rest_m) const {
   const auto beam = [&](const glm::dvec3& v) {
     return glm::dvec3(
@@ -40,9 +40,10 @@ RestToBeam StickTransform::linearised(const phantoms::Moment::Tangent& tangent,
   const glm::dvec3 origin = tissue_.placement.to_probe(glm::dvec3(0));
   RestToBeam map;
   for (int axis = 0; axis < 3; ++axis) {
-    map.matrix[axis] = beam(tissue_.placement.to_probe(tangent.turn[axis]) - origin);
+    map.matrix[axis] = beam(tissue_.placement.to_probe(tangent.jacobian[axis]) - origin);
   }
-  map.shift = beam(tissue_.placement.to_probe(tangent.place_m) - ray_.origin) - map.matrix * rest_m;
+  map.shift =
+      beam(tissue_.placement.to_probe(tangent.position_m) - ray_.origin) - map.matrix * rest_m;
   return map;
 }
 

@@ -36,25 +36,26 @@ class StickTransform {
   /// The map of all tissue, if rigid().
   const RestToBeam& map() const { return rigid_maps_[0]; }
   /// How tissue moves within a distance of a position at rest.
-  phantoms::Moment::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
+  phantoms::Deformation::Turn turn_within(const glm::dvec3& rest_m, double radius_m) const {
     return moment_.turn_within(rest_m, radius_m);
   }
   /// The map of tissue that moves as one rigid body: rests, or turns as a whole.
-  const RestToBeam& rigid_map(phantoms::Moment::Turn turn) const {
+  const RestToBeam& rigid_map(phantoms::Deformation::Turn turn) const {
     return rigid_maps_[static_cast<std::size_t>(turn)];
   }
   /// First-order map around a position at rest.
   RestToBeam map_near(const glm::dvec3& rest_m) const;
 
  private:
-  RestToBeam linearised(const phantoms::Moment::Tangent& tangent, const glm::dvec3& rest_m) const;
+  RestToBeam linearised(const phantoms::Deformation::Tangent& tangent,
+                        const glm::dvec3& rest_m) const;
 
   const ScannedTissue& tissue_;
   hw::Ray ray_;
   AcrossStick across_;
-  phantoms::Moment moment_;
+  phantoms::Deformation moment_;
   bool rigid_;
-  RestToBeam rigid_maps_[2];  ///< [Turn::rests], [Turn::whole]
+  RestToBeam rigid_maps_[2];  ///< [Turn::none], [Turn::full]
 };
 
 }  // namespace wobblebench::sim

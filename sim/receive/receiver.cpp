@@ -105,7 +105,8 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
   const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));
   while (first_noisy_ < samples &&
          (noise_ == 0.0f ||
-          (log && noise_ * kMaxComplexNormal * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
+          (log &&
+           noise_ * kMaxComplexNormal * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
     ++first_noisy_;
   }
 }

@@ -154,12 +154,12 @@ class NonRigidBlockSearch {
         grid_(grid),
         end_m_(end_m),
         half_m_(0.5 * std::sqrt(3.0) * kMaxStretch * grid.side_m) {
-    for (const Turn turn : {Turn::rests, Turn::whole}) {
+    for (const Turn turn : {Turn::none, Turn::full}) {
       const glm::dmat3& map = transform.rigid_map(turn).matrix;
       half_[static_cast<std::size_t>(turn)] = {half_extent(map, 1, grid.side_m),
                                                half_extent(map, 2, grid.side_m)};
     }
-    half_[static_cast<std::size_t>(Turn::bends)] = {half_m_, half_m_};
+    half_[static_cast<std::size_t>(Turn::partial)] = {half_m_, half_m_};
   }
 
   void collect(std::vector<TouchedBlock>& touched) const {
@@ -171,7 +171,7 @@ class NonRigidBlockSearch {
   }
 
  private:
-  using Turn = phantoms::Moment::Turn;
+  using Turn = phantoms::Deformation::Turn;
 
   void slab(double from_m, double to_m, std::vector<TouchedBlock>& touched) const {
     const auto [low, high] = index_range(from_m, to_m);
@@ -181,8 +181,8 @@ class NonRigidBlockSearch {
           const glm::ivec3 index(x, y, z);
           const glm::dvec3 rest_m = grid_.center(index);
           const Turn turn = transform_.turn_within(rest_m, 0.5 * std::sqrt(3.0) * grid_.side_m);
-          const glm::dvec3 center =
-              turn == Turn::bends ? transform_.to_beam(rest_m) : transform_.rigid_map(turn)(rest_m);
+          const glm::dvec3 center = turn == Turn::partial ? transform_.to_beam(rest_m)
+                                                          : transform_.rigid_map(turn)(rest_m);
           if (center.x < from_m || center.x >= to_m) continue;
           if (center.x > end_m_ + half_m_) continue;
           const BeamBounds::Reach& half = half_[static_cast<std::size_t>(turn)];

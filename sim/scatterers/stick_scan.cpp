@@ -73,8 +73,8 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
 void StickScan::begin() {
   begun_ = true;
   buffers_.echoes.begin(scene_, path_);
-  for (const auto turn : {phantoms::Moment::Turn::rests, phantoms::Moment::Turn::whole}) {
-    if (transform_.rigid() && turn == phantoms::Moment::Turn::whole) break;
+  for (const auto turn : {phantoms::Deformation::Turn::none, phantoms::Deformation::Turn::full}) {
+    if (transform_.rigid() && turn == phantoms::Deformation::Turn::full) break;
     const auto part = static_cast<std::size_t>(turn);
     direction_[part] = direction_of(transform_.rigid_map(turn));
     fill_grids(transform_.rigid_map(turn), buffers_.rigid[part]);
@@ -108,7 +108,7 @@ void StickScan::fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octa
 std::vector<OctaveCells>& StickScan::locate_block(const glm::dvec3& center, Block& block) {
   const double side_m = scene_.blocks.side_m();
   const auto turn = transform_.turn_within(center, 0.5 * std::sqrt(3.0) * side_m);
-  if (turn != phantoms::Moment::Turn::bends) {
+  if (turn != phantoms::Deformation::Turn::partial) {
     const auto part = static_cast<std::size_t>(turn);
     block.map = transform_.rigid_map(turn);
     block.direction = direction_[part];

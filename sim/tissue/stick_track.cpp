@@ -35,7 +35,7 @@ struct Straight {
 };
 
 Straight straight(const ScannedTissue& tissue,
-                  const phantoms::Moment& moment,
+                  const phantoms::Deformation& moment,
                   const TimedRay& line,
                   double from_m,
                   double to_m) {
@@ -273,12 +273,12 @@ void follow(const ScannedTissue& tissue,
   track.layers.clear();
   track.nodes.clear();
   TrackBuilder builder(tissue, surfaces, track);
-  const phantoms::Moment moment = tissue.motion.at(line.time_s);
+  const phantoms::Deformation moment = tissue.motion.at(line.time_s);
   double from_m = 0;
   while (from_m < depth_m) {
     const glm::dvec3 rest_m = moment.to_rest(tissue.placement.to_phantom(line.ray.at(from_m)));
     const double to_m =
-        std::min(depth_m, from_m + std::max(kNonRigidPiece_m, moment.as_one_m(rest_m)));
+        std::min(depth_m, from_m + std::max(kNonRigidPiece_m, moment.rigid_radius_m(rest_m)));
     builder.append(straight(tissue, moment, line, from_m, to_m));
     from_m = to_m;
   }

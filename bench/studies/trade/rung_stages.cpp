@@ -60,7 +60,8 @@ StageTimes geometry_stages(const TradeScene& scene) {
           0};
 }
 
-/// So that no tissue is visited for the first time (sim/scatterers/tissue_blocks.h) under the clock.
+/// So that no tissue is visited for the first time (sim/scatterers/tissue_blocks.h) under the
+/// clock.
 void visit_once(const TradeScene& scene,
                 const sim::ScannedTissue& subject,
                 const sim::StickEchoes& source,
