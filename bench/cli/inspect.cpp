@@ -11,6 +11,7 @@
 #include "bench/report/report.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
+#include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
 

@@ -163,7 +163,8 @@ bool Board::Impl::queue_is_full() const {
 }
 
 /// Where the link waits for its reader, waits for room in the queue; none after a stop.
-std::optional<std::unique_lock<std::mutex>> Board::Impl::lock_with_room(const std::stop_token& stop) {
+std::optional<std::unique_lock<std::mutex>> Board::Impl::lock_with_room(
+    const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   if (waits_for_reader_ && queue_is_full()) {
     changed_.notify_all();

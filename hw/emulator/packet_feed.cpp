@@ -22,7 +22,8 @@ bool PacketFeed::wait_for_packet(HostTime deadline) {
     if (count == 0) return false;
     header_filled_ += count;
   }
-  const auto payload_bytes = wire_layout::get<std::uint32_t>(header_, wire_layout::kPayloadBytesOffset);
+  const auto payload_bytes =
+      wire_layout::get<std::uint32_t>(header_, wire_layout::kPayloadBytesOffset);
   payload_left_ = payload_bytes <= kWireMaxPayloadBytes ? payload_bytes : 0;
   header_filled_ = 0;
   header_taken_ = 0;

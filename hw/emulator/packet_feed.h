@@ -21,8 +21,8 @@ class PacketFeed {
   /// Waits until `deadline` for the header of the current packet; true if it is there.
   [[nodiscard]] bool wait_for_packet(HostTime deadline);
 
-  /// Moves bytes of the current packet to `to`, waiting for the first until `deadline`; returns their
-  /// number.
+  /// Moves bytes of the current packet to `to`, waiting for the first until `deadline`; returns
+  /// their number.
   [[nodiscard]] std::size_t take(std::span<std::byte> to, HostTime deadline);
 
   /// Bytes of the current packet that are not taken yet; 0 before the header of the next one.

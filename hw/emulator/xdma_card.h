@@ -33,8 +33,8 @@ class XdmaCard {
 
   /// One transfer. `interrupted` is polled; it returns true where the reader was killed.
   [[nodiscard]] std::ptrdiff_t read(std::uint64_t handle,
-                      std::span<std::byte> to,
-                      const std::function<bool()>& interrupted);
+                                    std::span<std::byte> to,
+                                    const std::function<bool()>& interrupted);
 
   bool is_plugged() const;
   /// Existing openings return ENODEV for good.

@@ -1,14 +1,14 @@
-// Emulates a card and its XDMA driver: a file that a program opens and reads like the device's node.
-// The file is called xdma0_c2h_0, on a FUSE file system of this process.
+// Emulates a card and its XDMA driver: a file that a program opens and reads like the device's
+// node. The file is called xdma0_c2h_0, on a FUSE file system of this process.
 //
 // Like the driver: one opener, EBUSY for others; O_TRUNC at open makes a read end where a packet
 // ends; EINVAL for a length that is not aligned; the ioctl for the alignment; ETIMEDOUT, or a short
 // read, after the driver's timeout; ENODEV once unplugged, and no node until replugged.
 //
-// Not emulated: DMA, the IOMMU, interrupts and their latency, the throughput of PCIe, and the effects
-// of removing a real card on the machine. The buffer's address is not available, so a misaligned one
-// is not refused; a read of more than 1 MiB is split; and the emulator never overruns by itself: its
-// source does (sim's link), or waits. Its node is a regular file.
+// Not emulated: DMA, the IOMMU, interrupts and their latency, the throughput of PCIe, and the
+// effects of removing a real card on the machine. The buffer's address is not available, so a
+// misaligned one is not refused; a read of more than 1 MiB is split; and the emulator never
+// overruns by itself: its source does (sim's link), or waits. Its node is a regular file.
 //
 // If the process is killed, an empty mount remains: `fusermount3 -u FOLDER`.
 #pragma once
@@ -33,7 +33,8 @@ class XdmaEmulator {
   /// emulator.
   using Source = std::function<std::unique_ptr<Link>()>;
 
-  /// Mounts on `folder`, which must exist. Throws std::runtime_error where that fails, InvalidOption.
+  /// Mounts on `folder`, which must exist. Throws std::runtime_error where that fails,
+  /// InvalidOption.
   XdmaEmulator(const std::filesystem::path& folder,
                Source source,
                const XdmaEmulatorOptions& options = {});

@@ -34,7 +34,8 @@ struct FaultEvent {
 /// @endcode
 class FaultLink : public Link {
  public:
-  /// `time` must outlive this; null: the steady clock. Throws std::invalid_argument for a null link.
+  /// `time` must outlive this; null: the steady clock. Throws std::invalid_argument for a null
+  /// link.
   FaultLink(std::unique_ptr<Link> inner, FaultPlan plan, const HostTimeSource* time = nullptr);
   ~FaultLink() override;
 

@@ -21,8 +21,8 @@ class InterruptibleWait {
   std::optional<ReadStatus> interrupted() const;
   /// Ends a sleep early, for an event other than cancel() and close().
   void wake();
-  /// Number of calls of wake(). Read it before checking for the event, and pass it to sleep_until(),
-  /// so that no wake() is missed in between.
+  /// Number of calls of wake(). Read it before checking for the event, and pass it to
+  /// sleep_until(), so that no wake() is missed in between.
   std::uint64_t wakes() const;
   /// Sleeps until `time`, interrupted(), or wakes() differs from `seen`.
   void sleep_until(HostTime time, std::uint64_t seen);

@@ -95,8 +95,8 @@ class Link {
  public:
   virtual ~Link() = default;
 
-  /// Reads 1 to `buffer.size()` bytes, waiting for the first until `deadline` at most. A deadline in
-  /// the past polls. Packets may be cut anywhere. `buffer` is not empty.
+  /// Reads 1 to `buffer.size()` bytes, waiting for the first until `deadline` at most. A deadline
+  /// in the past polls. Packets may be cut anywhere. `buffer` is not empty.
   virtual ReadResult read(std::span<std::byte> buffer, HostTime deadline) = 0;
 
   /// Wakes a thread inside read() within 10 ms; that read and every later one returns `cancelled`,

@@ -90,9 +90,9 @@ FileDescriptor reopen(const FileDescriptor& checked, bool end_of_packet) {
 }
 
 FileDescriptor reopen_until(const std::filesystem::path& path,
-                              const FileDescriptor& checked,
-                              bool end_of_packet,
-                              HostTime busy_until) {
+                            const FileDescriptor& checked,
+                            bool end_of_packet,
+                            HostTime busy_until) {
   for (;;) {
     FileDescriptor file = reopen(checked, end_of_packet);
     if (file.is_open()) return file;

@@ -37,8 +37,8 @@ struct RecordingContents {
   bool one_plan = true;
   BoardAccount account;
   WireDamage damage;
-  std::uint64_t contradictions = 0;  ///< intact sticks that contradict the configuration
-  std::uint64_t unconfigured = 0;    ///< intact sticks before the first configuration
+  std::uint64_t contradictions = 0;            ///< intact sticks that contradict the configuration
+  std::uint64_t unconfigured = 0;              ///< intact sticks before the first configuration
   std::vector<DamagedRegion> damaged_regions;  ///< the first kListedFaults
   std::vector<Gap> gaps;                       ///< the first kListedFaults
   std::vector<RecordedVolume> volumes;
@@ -67,9 +67,9 @@ struct RecordingContents {
 RecordingContents inspect_recording(const std::filesystem::path& path,
                                     const std::function<void(std::uint64_t)>& progress = {});
 
-/// Copies the intact packets to `sink`, as a stream without damage: sticks in order, a configuration
-/// before the first of each volume (also where its own was damaged), volume ends. What is missing
-/// stays missing. Throws as inspect_recording(), and what `sink` throws.
+/// Copies the intact packets to `sink`, as a stream without damage: sticks in order, a
+/// configuration before the first of each volume (also where its own was damaged), volume ends.
+/// What is missing stays missing. Throws as inspect_recording(), and what `sink` throws.
 void salvage_recording(const std::filesystem::path& path,
                        const std::function<void(std::span<const std::byte>)>& sink);
 

@@ -18,8 +18,8 @@ class RecordingFile {
   /// Throws LinkOpenError.
   explicit RecordingFile(const std::filesystem::path& path);
 
-  /// Reads from `offset`; returns fewer bytes than the buffer has only at the end of the file. Throws
-  /// std::runtime_error "PATH: cannot be read: reason".
+  /// Reads from `offset`; returns fewer bytes than the buffer has only at the end of the file.
+  /// Throws std::runtime_error "PATH: cannot be read: reason".
   std::size_t read(std::uint64_t offset, std::span<std::byte> buffer) const;
 
   std::uint64_t bytes() const { return bytes_; }

@@ -48,8 +48,8 @@ class Salvage {
   }
 
  private:
-  /// Starts the audit with a configuration. All configurations of a stream are equal, so that a later
-  /// one holds for packets before it.
+  /// Starts the audit with a configuration. All configurations of a stream are equal, so that a
+  /// later one holds for packets before it.
   void start_audit(std::uint64_t sequence, std::uint32_t volume, DeviceTime time) {
     if (started_) return;
     started_ = true;

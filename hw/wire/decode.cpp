@@ -38,8 +38,9 @@ std::optional<Packet> parse_stick(Bytes packet) {
   Stick stick;
   const PacketStamp stamp = packet_stamp(packet);
   stick.sequence = stamp.sequence;
-  stick.index = {
-      stamp.volume, get<std::uint32_t>(packet, kFrameOffset), get<std::uint32_t>(packet, kLineOffset)};
+  stick.index = {stamp.volume,
+                 get<std::uint32_t>(packet, kFrameOffset),
+                 get<std::uint32_t>(packet, kLineOffset)};
   stick.time = stamp.time;
   stick.motor_angle_rad = get<double>(packet, kMotorAngleOffset);
   stick.sweep_direction = get<std::int32_t>(packet, kSweepDirectionOffset);

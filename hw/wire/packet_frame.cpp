@@ -60,7 +60,7 @@ bool accepted_unchecked(Bytes packet, bool in_sync) {
 
 bool has_correct_crc(Bytes packet) {
   const bool has_none = get<std::uint16_t>(packet, kVersionOffset) == kWireVersion &&
-                              (get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0;
+                        (get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0;
   return !has_none && get<std::uint32_t>(packet, kCrcOffset) == packet_crc(packet);
 }
 
@@ -100,7 +100,8 @@ PacketStamp packet_stamp(Bytes packet) {
 void restamp(std::span<std::byte> packet, const PacketStamp& stamp) {
   put(packet.data() + kSequenceOffset, stamp.sequence);
   put(packet.data() + kVolumeOffset, stamp.volume);
-  put(packet.data() + kTimeOffset, static_cast<std::int64_t>(stamp.time.time_since_epoch().count()));
+  put(packet.data() + kTimeOffset,
+      static_cast<std::int64_t>(stamp.time.time_since_epoch().count()));
   if ((get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0) return;
   put(packet.data() + kCrcOffset, packet_crc(packet));
 }

@@ -51,7 +51,8 @@ bool SequenceTracker::reclassify_missing(std::uint64_t sequence) {
   if (offset >= missing.count) return false;
   missing_.erase(first);
   if (offset > 0) missing_[first] = {offset, missing.cause};
-  if (offset + 1 < missing.count) missing_[sequence + 1] = {missing.count - offset - 1, missing.cause};
+  if (offset + 1 < missing.count)
+    missing_[sequence + 1] = {missing.count - offset - 1, missing.cause};
   forget_old_gaps();
   --counter(missing.cause);
   ++account_.lost.out_of_order;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace wobblebench::hw {
@@ -15,8 +16,8 @@ Bytes ones(std::size_t count) {
 
 /// Other bytes, then ones.
 Bytes other_then_ones(std::size_t others, std::size_t count) {
-  Bytes bytes(others, std::byte{7});
-  bytes.resize(others + count, std::byte{0xFF});
+  Bytes bytes = ones(others + count);
+  std::fill_n(bytes.begin(), others, std::byte{7});
   return bytes;
 }
 

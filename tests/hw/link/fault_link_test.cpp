@@ -118,7 +118,8 @@ TEST(FaultLink, DamageIsCorrupt) {
   const AcquisitionPlan plan = small_plan(30);
   for (const std::string kind : {"corrupt", "truncate"}) {
     const Outcome outcome = run(plan, kind + ":0.05+seed:3");
-    const auto lost = affected(outcome, kind == "corrupt" ? FaultKind::corrupt : FaultKind::truncate);
+    const auto lost =
+        affected(outcome, kind == "corrupt" ? FaultKind::corrupt : FaultKind::truncate);
     EXPECT_GT(lost.size(), 5U);
     EXPECT_EQ(outcome.account.lost.corrupt, lost.size()) << kind;
     EXPECT_EQ(outcome.account.lost.total(), lost.size()) << kind;

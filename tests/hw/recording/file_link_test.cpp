@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/options.h"
+#include "hw/wire/decoder.h"
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/streams.h"
 #include "tests/support/folder_test.h"

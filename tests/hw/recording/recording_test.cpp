@@ -10,6 +10,7 @@
 #include "hw/recording/file_link.h"
 #include "hw/recording/recorder.h"
 #include "hw/wire/crc32c.h"
+#include "hw/wire/decoder.h"
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
@@ -37,9 +38,9 @@ class Recordings : public testing_support::FolderTest {
   /// Salvages a damaged recording of `plan`, and checks that only `touched` sticks are lost of the
   /// first `sent`. Does nothing if the recording holds no configuration.
   void expect_salvaged(const AcquisitionPlan& plan,
-                   const Bytes& damaged,
-                   const std::set<std::uint64_t>& touched,
-                   std::uint64_t sent) const;
+                       const Bytes& damaged,
+                       const std::set<std::uint64_t>& touched,
+                       std::uint64_t sent) const;
 };
 
 std::set<std::uint64_t> sticks_in(const AcquisitionPlan& plan, const Bytes& stream) {
@@ -57,9 +58,9 @@ std::set<std::uint64_t> sticks_in(const AcquisitionPlan& plan, const Bytes& stre
 }
 
 void Recordings::expect_salvaged(const AcquisitionPlan& plan,
-                             const Bytes& damaged,
-                             const std::set<std::uint64_t>& touched,
-                             std::uint64_t sent) const {
+                                 const Bytes& damaged,
+                                 const std::set<std::uint64_t>& touched,
+                                 std::uint64_t sent) const {
   const auto path = write(damaged);
   const RecordingContents contents = inspect_recording(path);
   ASSERT_TRUE(contents.account.balanced());

@@ -231,7 +231,7 @@ TEST(Wire, LaterVersionIsReportedAndNotDamage) {
   decoder.feed(packet);
   for (int i = 0; i < 2; ++i) {
     try {
-      decoder.next();
+      static_cast<void>(decoder.next());
       FAIL();
     } catch (const UnsupportedWireVersion& error) {
       EXPECT_EQ(error.version(), 7);
