@@ -37,7 +37,7 @@ class FileLink::Impl {
   std::string loss;  ///< empty: as Link::loss()
 
  private:
-  /// Length of a loop's turn, or of all turns so far.
+  /// Length of a loop's repetition, or of all turns so far.
   struct LoopLength {
     std::uint64_t sticks = 0;
     std::uint32_t volumes = 0;
@@ -48,7 +48,7 @@ class FileLink::Impl {
   };
 
   std::uint64_t find_volume(std::uint32_t volume) const;
-  LoopLength measure_turn();
+  LoopLength measure_repetition();
   ReadResult read_raw(std::span<std::byte> buffer);
   ReadResult read_packets(std::span<std::byte> buffer, HostTime deadline);
   bool take_packet();
@@ -60,7 +60,7 @@ class FileLink::Impl {
   std::uint64_t start_ = 0;     ///< file offset of the first packet
   std::uint64_t offset_ = 0;    ///< file offset of the next raw byte
   std::uint64_t raw_left_ = 0;  ///< bytes of damage to copy before packet_
-  LoopLength turn_;
+  LoopLength repetition_;
   LoopLength done_;                        ///< added to each stamp
   std::optional<AcquisitionPlan> plan_;    ///< in a loop
   std::optional<RecordingReader> reader_;  ///< none: the end was reached
@@ -105,7 +105,7 @@ FileLink::Impl::Impl(const std::filesystem::path& path, const FileLinkOptions& o
   if (options.start_volume > 0) {
     start_ = find_volume(static_cast<std::uint32_t>(options.start_volume));
   }
-  if (options.loop) turn_ = measure_turn();
+  if (options.loop) repetition_ = measure_repetition();
   offset_ = start_;
   reader_.emplace(file_, start_);
 }
@@ -127,7 +127,7 @@ std::uint64_t FileLink::Impl::find_volume(std::uint32_t volume) const {
           (last ? ", whose last is " + std::to_string(*last) : ", which holds no configuration"));
 }
 
-FileLink::Impl::LoopLength FileLink::Impl::measure_turn() {
+FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
   const auto refuse = [&](const std::string& why) {
     throw InvalidOption("loop", "true", file_.path().string() + " cannot be repeated: " + why);
   };
@@ -148,13 +148,13 @@ FileLink::Impl::LoopLength FileLink::Impl::measure_turn() {
   }
   if (!first) refuse("it holds no configuration");
   plan_.emplace(first->probe, first->acquisition);
-  LoopLength turn;
-  turn.volumes = last - std::min(last, first->volume) + 1;
-  if (first->acquisition.motor == MotorMode::alternating && turn.volumes % 2 != 0) {
+  LoopLength repetition;
+  repetition.volumes = last - std::min(last, first->volume) + 1;
+  if (first->acquisition.motor == MotorMode::alternating && repetition.volumes % 2 != 0) {
     refuse("the motor alternates, and it holds an odd number of volumes");
   }
-  turn.sticks = static_cast<std::uint64_t>(plan_->sticks_per_volume()) * turn.volumes;
-  return turn;
+  repetition.sticks = static_cast<std::uint64_t>(plan_->sticks_per_volume()) * repetition.volumes;
+  return repetition;
 }
 
 ReadResult FileLink::Impl::read(std::span<std::byte> buffer, HostTime deadline) {
@@ -220,14 +220,14 @@ bool FileLink::Impl::take_packet() {
   return true;
 }
 
-/// Reads the extent of the damage at the end, and starts the next turn of a loop.
+/// Reads the extent of the damage at the end, and starts the next repetition of a loop.
 void FileLink::Impl::take_end() {
   raw_left_ = reader_->damage_at_end();
   offset_ = file_.bytes() - raw_left_;
   reader_.reset();
   if (!options_.loop) return;
-  done_.sticks += turn_.sticks;
-  done_.volumes += turn_.volumes;
+  done_.sticks += repetition_.sticks;
+  done_.volumes += repetition_.volumes;
   reader_.emplace(file_, start_);
 }
 

@@ -13,7 +13,8 @@ namespace wobblebench::hw {
 
 struct FileLinkOptions {
   Pace pace = Pace::asap;
-  /// Repeat without end; sequence numbers, volumes and times continue from one turn to the next.
+  /// Repeat without end; sequence numbers, volumes and times continue from one repetition to the
+  /// next.
   bool loop = false;
   int start_volume = 0;  ///< starts at this volume's configuration
 };
