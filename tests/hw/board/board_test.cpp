@@ -49,7 +49,7 @@ TEST(Board, DeliversAnIntactStreamCompletelyAndInOrder) {
   EXPECT_EQ(board.capabilities().origin, StreamOrigin::emulator);
 }
 
-TEST(Board, ALinkThatWaitsLosesNothingToATinyRing) {
+TEST(Board, WaitingLinkLosesNothingToASmallRing) {
   const AcquisitionPlan plan = small_plan(50);
   Board board(link_of(stream_of(plan)), {.ring_slots = 1});
   board.start();
@@ -81,7 +81,7 @@ TEST(Board, NeverWritesASlotThatIsHeld) {
   for (const StickSlot& slot : held) EXPECT_TRUE(is_genuine(plan, *slot));
 }
 
-TEST(Board, SlotsComeBackWhenReleased) {
+TEST(Board, ReleasedSlotsAreFree) {
   Board board(link_of(stream_of(small_plan(1))), {.ring_slots = 100});
   board.start();
   Collected seen;
