@@ -1,13 +1,14 @@
-// An open file of the operating system, closed when its owner goes.
+// An owning handle of a POSIX file descriptor.
 #pragma once
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 
 namespace wobblebench {
 
-/// Movable. Negative: none. Not thread-safe.
+/// Closes its descriptor when destroyed. Movable; a negative number means none. Not thread-safe.
 class FileDescriptor {
  public:
   explicit FileDescriptor(int number = -1) : number_(number) {}
@@ -21,9 +22,8 @@ class FileDescriptor {
   int get() const { return number_; }
   bool is_open() const { return number_ >= 0; }
 
-  void close() {
-    if (is_open()) ::close(std::exchange(number_, -1));
-  }
+  /// Returns 0, or the errno of close(2). Does nothing if not open.
+  int close() { return is_open() && ::close(std::exchange(number_, -1)) != 0 ? errno : 0; }
 
  private:
   int number_;

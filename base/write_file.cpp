@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/file_descriptor.h"
+
 namespace wobblebench {
 
 namespace {
@@ -22,8 +24,8 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-/// What is no file on a disk, /dev/null say, answers EINVAL.
-bool reached_disk(int file) {
+/// fsync(2) gives EINVAL for what is not on a disk, /dev/null say.
+bool sync_to_disk(int file) {
   return ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
 }
 
@@ -33,11 +35,11 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   const auto refuse = [&](int reason) {
     throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(reason));
   };
-  const int file = ::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-  if (file < 0) refuse(errno);
-  const int failure = write_all(file, bytes) && reached_disk(file) ? 0 : errno;
-  const int closing = ::close(file) == 0 ? 0 : errno;
-  if (failure != 0 || closing != 0) refuse(failure != 0 ? failure : closing);
+  FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file.is_open()) refuse(errno);
+  const int write_error = write_all(file.get(), bytes) && sync_to_disk(file.get()) ? 0 : errno;
+  const int close_error = file.close();
+  if (write_error != 0 || close_error != 0) refuse(write_error != 0 ? write_error : close_error);
 }
 
 }  // namespace wobblebench

@@ -1,4 +1,4 @@
-// The one way in which a result's bytes come to disk.
+// Durable writing of a whole file.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace wobblebench {
 
-/// Writes `bytes` as the whole content of `path` and waits until the disk has them: a full disk may
-/// show only then. Throws std::runtime_error "PATH: cannot be written: reason".
+/// Writes `bytes` as the whole content of `path` and waits for fsync(2): a full disk may be
+/// reported only then. Throws std::runtime_error "PATH: cannot be written: reason".
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace wobblebench

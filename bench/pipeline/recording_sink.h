@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <span>
 
+#include "base/file_descriptor.h"
+
 namespace wobblebench::bench {
 
 /// Writes PATH.partial, and gives it its name in finish(). Bytes are with the kernel when write()
@@ -15,9 +17,6 @@ class RecordingSink {
  public:
   /// Throws UserError where the file cannot be made.
   explicit RecordingSink(const std::filesystem::path& path);
-  ~RecordingSink();
-  RecordingSink(const RecordingSink&) = delete;
-  RecordingSink& operator=(const RecordingSink&) = delete;
 
   /// Each throws std::runtime_error "PATH: cannot be written: reason"; a disk is full, say.
   void write(std::span<const std::byte> bytes);
@@ -28,11 +27,11 @@ class RecordingSink {
   const std::filesystem::path& partial() const { return partial_; }
 
  private:
-  [[noreturn]] void refuse() const;
+  [[noreturn]] void refuse(int error_number) const;
 
   std::filesystem::path path_;
   std::filesystem::path partial_;
-  int file_ = -1;
+  FileDescriptor file_;
 };
 
 }  // namespace wobblebench::bench

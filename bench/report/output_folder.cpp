@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "base/file_descriptor.h"
 #include "base/write_file.h"
 #include "bench/cli/user_error.h"
 
@@ -81,9 +82,9 @@ OutputFolder::OutputFolder(const std::filesystem::path& directory) : directory_(
   std::filesystem::create_directories(directory, error);
   if (error) refuse(directory, error.message());
   const auto probe = directory / (".partial-" + std::to_string(::getpid()));
-  const int file = ::open(probe.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644);
-  if (file < 0) refuse(directory, std::strerror(errno));
-  ::close(file);
+  FileDescriptor file(::open(probe.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644));
+  if (!file.is_open()) refuse(directory, std::strerror(errno));
+  file.close();
   ::unlink(probe.c_str());
   writing_thread = ::pthread_self();
   std::signal(SIGINT, on_signal);

@@ -47,7 +47,7 @@ class TemporaryRecording {
     sim::SimLink link(synthetic_sticks(paper_plan(volumes), 1));
     RecordingSink sink(path_);
     hw::Recorder recorder(link, [&](auto bytes) { sink.write(bytes); });
-    recorder.run([] { return false; });
+    static_cast<void>(recorder.run([] { return false; }));
     sink.finish();
   }
   ~TemporaryRecording() {

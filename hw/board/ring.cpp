@@ -1,19 +1,15 @@
 #include "hw/board/ring.h"
 
 #include <cstddef>
-#include <string>
 
 #include "base/options.h"
+#include "hw/board/board.h"
 
 namespace wobblebench::hw {
 namespace {
 
 std::size_t checked(int slots) {
-  if (slots < 1 || slots > kMaxRingSlots) {
-    throw InvalidOption("ring_slots",
-                        std::to_string(slots),
-                        "must be within 1 and " + std::to_string(kMaxRingSlots));
-  }
+  check_options(BoardOptions{.ring_slots = slots});
   return static_cast<std::size_t>(slots);
 }
 

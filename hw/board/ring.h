@@ -1,4 +1,4 @@
-// The fixed store of sticks between the thread that reads a link and the program.
+// The fixed pool of stick slots between the board's reader thread and the program.
 #pragma once
 
 #include <condition_variable>
@@ -10,20 +10,18 @@
 
 namespace wobblebench::hw {
 
-inline constexpr int kMaxRingSlots = 1 << 20;
-
-/// A fixed number of slots. A slot is free or taken; nobody but its holder touches a taken slot,
-/// and only release() makes it free. All functions may be called from any thread.
+/// A slot is free or taken. Only its holder accesses a taken slot, and only release() frees it. All
+/// functions may be called from any thread.
 class StickRing {
  public:
-  /// Throws InvalidOption unless slots is within 1 and kMaxRingSlots.
+  /// Throws InvalidOption unless `slots` is within the range of BoardOptions::ring_slots.
   explicit StickRing(int slots);
 
-  /// A free slot, now taken by the caller, or null if there is none. What it holds is old.
-  Stick* acquire();
+  /// Takes a free slot; null if there is none. Its content is that of an earlier stick.
+  [[nodiscard]] Stick* acquire();
   /// Waits for a free slot; null only if a stop is requested.
-  Stick* wait(const std::stop_token& stop);
-  /// Gives a slot back. `slot` came from this ring and is given back once.
+  [[nodiscard]] Stick* wait(const std::stop_token& stop);
+  /// Frees a slot of this ring, once.
   void release(Stick* slot);
 
   int free_slots() const;

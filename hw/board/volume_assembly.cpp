@@ -24,7 +24,7 @@ std::optional<PolarVolume> VolumeAssembly::next(HostTime deadline) {
   for (;;) {
     Event event = board_.next(deadline);
     if (const auto* slot = std::get_if<StickSlot>(&event)) {
-      if (auto finished = place(**slot)) return finished;
+      if (auto finished = add(**slot)) return finished;
     } else if (auto* configuration = std::get_if<Configuration>(&event)) {
       configuration_ = *configuration;
       if (volume_) return std::exchange(volume_, std::nullopt);
@@ -40,8 +40,8 @@ std::optional<PolarVolume> VolumeAssembly::next(HostTime deadline) {
   }
 }
 
-/// Gives the volume under way if the stick belongs to another.
-std::optional<PolarVolume> VolumeAssembly::place(const Stick& stick) {
+/// Returns the current volume if the stick belongs to another.
+std::optional<PolarVolume> VolumeAssembly::add(const Stick& stick) {
   std::optional<PolarVolume> finished;
   if (volume_ && volume_->volume_index() != stick.index.volume) {
     finished = std::exchange(volume_, std::nullopt);

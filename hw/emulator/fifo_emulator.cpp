@@ -17,15 +17,30 @@
 namespace wobblebench::hw {
 namespace {
 
-/// How often the thread looks whether it has to end.
-constexpr auto kGlance = std::chrono::milliseconds(5);
+/// How often the thread checks for a stop.
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
 
-/// A reader that leaves is an error to see, not a signal that ends the process.
+/// So that write(2) gives EPIPE when the reader closes, instead of ending the process.
 void block_broken_pipe() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGPIPE);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+/// False: unplugged, or the reader has closed.
+bool write_all(const FileDescriptor& fifo,
+               std::span<const std::byte> bytes,
+               const std::stop_token& unplugged) {
+  while (!bytes.empty()) {
+    if (unplugged.stop_requested()) return false;
+    pollfd watched{fifo.get(), POLLOUT, 0};
+    ::poll(&watched, 1, static_cast<int>(kPollInterval.count()));
+    const ssize_t count = ::write(fifo.get(), bytes.data(), bytes.size());
+    if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
+    if (count < 0 && errno != EAGAIN && errno != EINTR) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -35,7 +50,7 @@ FifoEmulator::FifoEmulator(const std::filesystem::path& folder, std::unique_ptr<
   if (::mkfifo(path_.c_str(), 0666) != 0) {
     throw std::system_error(errno, std::generic_category(), path_.string());
   }
-  thread_ = std::thread([this] { feed(); });
+  thread_ = std::jthread([this](const std::stop_token& unplugged) { feed(unplugged); });
 }
 
 FifoEmulator::~FifoEmulator() {
@@ -45,33 +60,21 @@ FifoEmulator::~FifoEmulator() {
   std::filesystem::remove(path_, ignored);
 }
 
-void FifoEmulator::feed() {
+void FifoEmulator::feed(const std::stop_token& unplugged) {
   block_broken_pipe();
   FileDescriptor fifo;
-  while (!fifo.is_open() && !unplugged_) {
-    // Without a reader it does not open (ENXIO).
+  while (!fifo.is_open() && !unplugged.stop_requested()) {
+    // ENXIO until a reader has opened it.
     fifo = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
-    if (!fifo.is_open()) std::this_thread::sleep_for(kGlance);
+    if (!fifo.is_open()) std::this_thread::sleep_for(kPollInterval);
   }
   std::array<std::byte, 65536> buffer;
-  while (!unplugged_) {
-    const ReadResult result = source_->read(buffer, HostClock::now() + kGlance);
+  while (!unplugged.stop_requested()) {
+    const ReadResult result = source_->read(buffer, HostClock::now() + kPollInterval);
     if (result.status == ReadStatus::timeout) continue;
     if (result.status != ReadStatus::ok) return;
-    if (!write(fifo.get(), std::span(buffer).first(result.bytes))) return;
+    if (!write_all(fifo, std::span(buffer).first(result.bytes), unplugged)) return;
   }
-}
-
-bool FifoEmulator::write(int fifo, std::span<const std::byte> bytes) const {
-  while (!bytes.empty()) {
-    if (unplugged_) return false;
-    pollfd watched{fifo, POLLOUT, 0};
-    ::poll(&watched, 1, static_cast<int>(kGlance.count()));
-    const ssize_t count = ::write(fifo, bytes.data(), bytes.size());
-    if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
-    if (count < 0 && errno != EAGAIN && errno != EINTR) return false;
-  }
-  return true;
 }
 
 }  // namespace wobblebench::hw

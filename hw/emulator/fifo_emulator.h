@@ -1,10 +1,12 @@
-// Stands in for a card where FUSE cannot be mounted: a FIFO that a source is written into. It shows
-// pieces of any size, silence and an end; not the driver's rules (xdma_stand_in.h has those).
+// Emulates a card by a FIFO, where FUSE cannot be mounted. It has reads of any size, pauses and an
+// end; not the rules of the driver, which xdma_emulator.h has.
 #pragma once
 
-#include <atomic>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <stop_token>
 #include <thread>
 
 #include "hw/link/link.h"
@@ -14,7 +16,7 @@ namespace wobblebench::hw {
 class FifoEmulator {
  public:
   /// Makes FOLDER/xdma0_c2h_0, and writes `source` into it once, for the first reader. The FIFO
-  /// ends where the source does. Throws std::system_error.
+  /// ends with the source. Throws std::system_error.
   FifoEmulator(const std::filesystem::path& folder, std::unique_ptr<Link> source);
   /// Unplugs, and removes the FIFO.
   ~FifoEmulator();
@@ -23,17 +25,16 @@ class FifoEmulator {
 
   std::filesystem::path path() const { return path_; }
 
-  /// Closes the writer's end for good: the reader's stream ends, maybe inside a packet. Any thread.
-  void unplug() { unplugged_ = true; }
+  /// Closes the writer's end for good: the reader's stream ends, possibly inside a packet. May be
+  /// called from any thread.
+  void unplug() { thread_.request_stop(); }
 
  private:
-  void feed();
-  bool write(int fifo, std::span<const std::byte> bytes) const;
+  void feed(const std::stop_token& unplugged);
 
   const std::filesystem::path path_;
   const std::unique_ptr<Link> source_;
-  std::atomic<bool> unplugged_ = false;
-  std::thread thread_;
+  std::jthread thread_;  ///< a stop request unplugs
 };
 
 }  // namespace wobblebench::hw

@@ -20,7 +20,7 @@ namespace {
 
 constexpr fuse_ino_t kFolder = FUSE_ROOT_ID;
 constexpr fuse_ino_t kNode = 2;
-/// The driver's question for its alignment, from its interface (cdev_sgdma.h).
+/// The driver's ioctl for the alignment of its engine (cdev_sgdma.h).
 constexpr unsigned kAlignGet = _IOR('q', 6, int);
 
 XdmaCard& card_of(fuse_req_t request) {
@@ -37,7 +37,7 @@ struct stat status_of(fuse_ino_t inode) {
   return status;
 }
 
-// Nothing is cached in the kernel: the node goes and comes with the card.
+// Timeouts of 0, so that the kernel caches nothing: unplugging the card removes the node.
 
 void look_up(fuse_req_t request, fuse_ino_t parent, const char* name) {
   if (parent != kFolder || std::string_view(name) != kNodeName || !card_of(request).is_plugged()) {
@@ -85,7 +85,7 @@ void open_node(fuse_req_t request, fuse_ino_t inode, fuse_file_info* file) {
   }
   file->direct_io = 1;
   file->nonseekable = 1;
-  // A caller that has gone meanwhile will not release what it opened.
+  // A caller that was interrupted meanwhile will not release what it opened.
   if (fuse_reply_open(request, file) == -ENOENT) card_of(request).release(file->fh);
 }
 
@@ -118,7 +118,7 @@ void control_node(fuse_req_t request,
   }
 }
 
-/// close(2) waits for this, and not for the release.
+/// flush: close(2) waits for this, but not for the release.
 void close_node(fuse_req_t request, fuse_ino_t, fuse_file_info* file) {
   card_of(request).expect_release(file->fh);
   fuse_reply_err(request, 0);

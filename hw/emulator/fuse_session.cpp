@@ -6,12 +6,11 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
-#include <mutex>
 #include <stdexcept>
 
 #include "hw/emulator/fuse_node.h"
@@ -20,39 +19,51 @@
 namespace wobblebench::hw {
 namespace {
 
-/// One may sit in a read of the node's one opener; the others answer for opening and closing.
+/// One may block in a read of the node's only opener; the others serve open and close.
 constexpr int kThreads = 4;
-/// What each thread still answers when the session ends: a reader may ask again and again.
-constexpr int kLastAnswers = 64;
+/// Requests that each thread still serves when the session ends: a reader may repeat its requests
+/// without end.
+constexpr int kLastRequests = 64;
 
-/// What libfuse said last. It has one log for the process, which would go to stderr.
-class FuseLog {
+std::string formatted(const char* format, std::va_list arguments) {
+  std::va_list again;
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, again);
+  va_end(again);
+  std::string text(static_cast<std::size_t>(std::max(length, 0)) + 1, '\0');
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  text.pop_back();
+  return text;
+}
+
+/// Keeps the last log message of libfuse on this thread during its lifetime. libfuse has one log
+/// function per process, without user data: hence the thread-local pointer. It stays set, so that
+/// libfuse does not write to stderr.
+class FuseLogCapture {
  public:
-  static FuseLog& instance() {
-    static FuseLog log;
-    return log;
+  FuseLogCapture() {
+    current_ = this;
+    fuse_set_log_func(&store);
   }
-  std::string last() {
-    std::lock_guard lock(mutex_);
-    return last_;
-  }
+  ~FuseLogCapture() { current_ = nullptr; }
+  FuseLogCapture(const FuseLogCapture&) = delete;
+  FuseLogCapture& operator=(const FuseLogCapture&) = delete;
+
+  const std::string& last_message() const { return last_message_; }
 
  private:
-  FuseLog() { fuse_set_log_func(&note); }
-
-  static void note(fuse_log_level, const char* format, std::va_list arguments) {
-    std::array<char, 512> line{};
-    std::vsnprintf(line.data(), line.size(), format, arguments);
-    std::string text = line.data();
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    FuseLog& log = instance();
-    std::lock_guard lock(log.mutex_);
-    log.last_ = text;
+  static void store(fuse_log_level, const char* format, std::va_list arguments) {
+    if (current_ == nullptr) return;
+    std::string& message = current_->last_message_;
+    message = formatted(format, arguments);
+    while (!message.empty() && message.back() == '\n') message.pop_back();
   }
 
-  std::mutex mutex_;
-  std::string last_;
+  static thread_local FuseLogCapture* current_;
+  std::string last_message_;
 };
+
+thread_local FuseLogCapture* FuseLogCapture::current_ = nullptr;
 
 fuse_session* new_session(XdmaCard& card) {
   fuse_args arguments{};
@@ -64,7 +75,7 @@ fuse_session* new_session(XdmaCard& card) {
   return session;
 }
 
-void set_not_blocking(int file) {
+void set_non_blocking(int file) {
   ::fcntl(file, F_SETFL, ::fcntl(file, F_GETFL) | O_NONBLOCK);
 }
 
@@ -72,28 +83,28 @@ void set_not_blocking(int file) {
 
 FuseSession::FuseSession(const std::filesystem::path& folder, XdmaCard& card)
     : stop_(::eventfd(0, EFD_CLOEXEC)) {
-  FuseLog& log = FuseLog::instance();
+  const FuseLogCapture log;
   session_ = new_session(card);
   if (session_ == nullptr || fuse_session_mount(session_, folder.c_str()) != 0) {
     if (session_ != nullptr) fuse_session_destroy(session_);
-    throw std::runtime_error(folder.string() + ": cannot mount FUSE here: " + log.last());
+    throw std::runtime_error(folder.string() + ": cannot mount FUSE here: " + log.last_message());
   }
-  set_not_blocking(fuse_session_fd(session_));
+  set_non_blocking(fuse_session_fd(session_));
   for (int i = 0; i < kThreads; ++i) threads_.emplace_back([this] { serve(); });
 }
 
 FuseSession::~FuseSession() {
   stopping_ = true;
   ::eventfd_write(stop_.get(), 1);
-  for (std::thread& thread : threads_) thread.join();
-  // With the last file of the connection closed, the kernel itself fails what is still asked.
+  threads_.clear();  // joins
+  // Once the connection is closed, the kernel fails all further requests itself.
   fuse_session_unmount(session_);
   fuse_session_destroy(session_);
 }
 
 void FuseSession::serve() {
   fuse_buf request{};
-  for (int last = kLastAnswers; last > 0; last -= stopping_ ? 1 : 0) {
+  for (int last = kLastRequests; last > 0; last -= stopping_ ? 1 : 0) {
     const int size = fuse_session_receive_buf(session_, &request);
     if (size > 0) {
       fuse_session_process_buf(session_, &request);
@@ -102,7 +113,7 @@ void FuseSession::serve() {
       ::poll(watched, 2, -1);
       if (watched[1].revents != 0 && watched[0].revents == 0) break;
     } else {
-      break;  // Somebody unmounted it.
+      break;  // Unmounted from outside.
     }
   }
   std::free(request.mem);

@@ -1,4 +1,4 @@
-// A mounted FUSE file system with threads that answer for it.
+// A mounted FUSE file system and the threads that serve it.
 #pragma once
 
 #include <atomic>
@@ -17,9 +17,9 @@ class XdmaCard;
 
 class FuseSession {
  public:
-  /// Mounts the node of `card` on `folder`. Throws std::runtime_error: "FOLDER: why".
+  /// Mounts the node of `card` on `folder`. Throws std::runtime_error "FOLDER: reason".
   FuseSession(const std::filesystem::path& folder, XdmaCard& card);
-  /// Answers what was asked until now, and unmounts, whoever has files open.
+  /// Answers the pending requests, and unmounts, even if files are open.
   ~FuseSession();
   FuseSession(const FuseSession&) = delete;
   FuseSession& operator=(const FuseSession&) = delete;
@@ -29,8 +29,8 @@ class FuseSession {
 
   fuse_session* session_;
   std::atomic<bool> stopping_ = false;
-  FileDescriptor stop_;  ///< an eventfd, never read: readable for all threads from the end on
-  std::vector<std::thread> threads_;
+  FileDescriptor stop_;  ///< an eventfd, never read: wakes all threads once stopping_ is set
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace wobblebench::hw

@@ -11,13 +11,13 @@
 namespace wobblebench::hw {
 namespace {
 
-/// How often a waiting read looks whether it has to end.
-constexpr auto kGlance = std::chrono::milliseconds(5);
-/// How long the release of a closed file may be on its way through the kernel.
-constexpr auto kReleasePatience = std::chrono::seconds(1);
+/// How often a waiting read checks whether it has to end.
+constexpr auto kPollInterval = std::chrono::milliseconds(5);
+/// Longest delay of the release of a closed file in the kernel.
+constexpr auto kReleaseTimeout = std::chrono::seconds(1);
 
-/// Well mixed (splitmix64).
-std::uint64_t draw(std::uint64_t seed, std::uint64_t index) {
+/// Uniform hash (splitmix64).
+std::uint64_t hash(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t z = seed + 0x9E3779B97F4A7C15U * (index + 1);
   z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
   z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
@@ -35,7 +35,7 @@ const XdmaEmulatorOptions& checked(const XdmaEmulatorOptions& options) {
 
 }  // namespace
 
-/// A read on its way.
+/// A read in progress.
 struct XdmaCard::Transfer {
   std::uint64_t handle;
   Opening& opening;
@@ -50,13 +50,13 @@ XdmaCard::XdmaCard(LinkSource source, const XdmaEmulatorOptions& options)
 
 int XdmaCard::open(bool end_of_packet, std::uint64_t& handle) {
   std::unique_lock lock(mutex_);
-  if (holder_ != 0 && !release_follows_) return -EBUSY;
-  changed_.wait_for(lock, kReleasePatience, [&] { return holder_ == 0; });
+  if (current_handle_ != 0 && !release_follows_) return -EBUSY;
+  changed_.wait_for(lock, kReleaseTimeout, [&] { return current_handle_ == 0; });
   if (!plugged_) return -ENODEV;
-  if (holder_ != 0) return -EBUSY;
+  if (current_handle_ != 0) return -EBUSY;
   std::unique_ptr<Link> source = source_();
   if (source == nullptr) return -EIO;
-  handle = holder_ = ++last_handle_;
+  handle = current_handle_ = ++last_handle_;
   release_follows_ = false;
   openings_[handle] = std::make_shared<Opening>(std::move(source), end_of_packet);
   return 0;
@@ -64,20 +64,20 @@ int XdmaCard::open(bool end_of_packet, std::uint64_t& handle) {
 
 void XdmaCard::expect_release(std::uint64_t handle) {
   std::lock_guard lock(mutex_);
-  if (holder_ == handle) release_follows_ = true;
+  if (current_handle_ == handle) release_follows_ = true;
 }
 
 void XdmaCard::release(std::uint64_t handle) {
   std::lock_guard lock(mutex_);
   openings_.erase(handle);
-  if (holder_ == handle) holder_ = 0;
+  if (current_handle_ == handle) current_handle_ = 0;
   changed_.notify_all();
 }
 
 std::shared_ptr<XdmaCard::Opening> XdmaCard::opening(std::uint64_t handle) const {
   std::lock_guard lock(mutex_);
   const auto found = openings_.find(handle);
-  return holder_ == handle && found != openings_.end() ? found->second : nullptr;
+  return current_handle_ == handle && found != openings_.end() ? found->second : nullptr;
 }
 
 std::ptrdiff_t XdmaCard::read(std::uint64_t handle,
@@ -100,21 +100,21 @@ std::ptrdiff_t XdmaCard::run(Transfer& transfer) {
     const auto filled = static_cast<std::ptrdiff_t>(transfer.filled);
     if (transfer.interrupted()) return filled > 0 ? filled : -EINTR;
     const HostTime now = HostClock::now();
-    const HostTime until = std::min(now + kGlance, transfer.deadline);
-    const bool something_can_come = begin_packet(transfer.opening);
+    const HostTime until = std::min(now + kPollInterval, transfer.deadline);
+    const bool can_send = start_packet(transfer.opening);
     if (opening(transfer.handle) == nullptr) return -ENODEV;
-    if (something_can_come && fill(transfer, until)) {
+    if (can_send && fill(transfer, until)) {
       return static_cast<std::ptrdiff_t>(transfer.filled);
     }
     if (transfer.opening.feed.lost()) unplug();
     if (now >= transfer.deadline) return transfer.filled > 0 ? filled : -ETIMEDOUT;
-    if (!something_can_come) std::this_thread::sleep_until(until);
+    if (!can_send) std::this_thread::sleep_until(until);
   }
 }
 
-bool XdmaCard::begin_packet(Opening& opening) {
-  if (opening.feed.left() == 0) {
-    const std::int64_t packet = opening.feed.begun();
+bool XdmaCard::start_packet(Opening& opening) {
+  if (opening.feed.bytes_left() == 0) {
+    const std::int64_t packet = opening.feed.packets_started();
     if (packet == options_.unplug_at_packet) unplug();
     if (packet == options_.stall_at_packet && !std::exchange(opening.stalled_once, true)) {
       stall(true);
@@ -123,28 +123,28 @@ bool XdmaCard::begin_packet(Opening& opening) {
   return !is_stalled();
 }
 
-bool XdmaCard::all_ones(const Opening& opening) const {
-  return options_.all_ones_at_packet >= 0 && opening.feed.left() == 0 &&
-         opening.feed.begun() >= options_.all_ones_at_packet;
+bool XdmaCard::reads_all_ones(const Opening& opening) const {
+  return options_.all_ones_at_packet >= 0 && opening.feed.bytes_left() == 0 &&
+         opening.feed.packets_started() >= options_.all_ones_at_packet;
 }
 
-/// Goes on with a transfer; true where it is complete.
+/// Continues a transfer; true if it is complete.
 bool XdmaCard::fill(Transfer& transfer, HostTime until) {
   Opening& open = transfer.opening;
   std::span<std::byte> room = transfer.to.subspan(transfer.filled);
-  if (all_ones(open)) {
+  if (reads_all_ones(open)) {
     std::fill(room.begin(), room.end(), std::byte{0xFF});
     transfer.filled = transfer.to.size();
     return true;
   }
-  if (!open.feed.await_packet(until)) return false;
+  if (!open.feed.wait_for_packet(until)) return false;
   if (options_.short_reads) {
-    const std::size_t most = std::min(room.size(), open.feed.left());
-    room = room.first(1 + draw(options_.seed, open.reads) % most);
+    const std::size_t most = std::min(room.size(), open.feed.bytes_left());
+    room = room.first(1 + hash(options_.seed, open.reads) % most);
   }
   const std::size_t count = open.feed.take(room, until);
   transfer.filled += count;
-  const bool packet_ended = open.end_of_packet && open.feed.left() == 0;
+  const bool packet_ended = open.end_of_packet && open.feed.bytes_left() == 0;
   const bool cut_short = options_.short_reads && count > 0;
   return transfer.filled == transfer.to.size() || packet_ended || cut_short;
 }
@@ -157,7 +157,7 @@ bool XdmaCard::is_plugged() const {
 void XdmaCard::unplug() {
   std::lock_guard lock(mutex_);
   plugged_ = false;
-  holder_ = 0;
+  current_handle_ = 0;
   changed_.notify_all();
 }
 

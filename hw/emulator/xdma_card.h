@@ -1,4 +1,4 @@
-// What the card and its driver do, without the file system around them.
+// The behaviour of the card and its driver, without the file system.
 #pragma once
 
 #include <condition_variable>
@@ -16,31 +16,31 @@
 
 namespace wobblebench::hw {
 
-/// Opens, anew at every call, the source of what the card sends.
+/// Opens a source of the card's bytes, a new one at every call.
 using LinkSource = std::function<std::unique_ptr<Link>()>;
 
-/// Calls give what the driver's would: a count, or the negative of an errno. All functions may be
-/// called from any thread.
+/// Functions return what the driver's would: a count, or a negative errno. All may be called from
+/// any thread.
 class XdmaCard {
  public:
   XdmaCard(LinkSource source, const XdmaEmulatorOptions& options);
 
-  /// EBUSY while another has it open, ENODEV while unplugged. `handle` names the opening.
-  int open(bool end_of_packet, std::uint64_t& handle);
-  /// A release() follows soon: an open() waits for it instead of giving EBUSY.
+  /// EBUSY while it is open already, ENODEV while unplugged. `handle` identifies the opening.
+  [[nodiscard]] int open(bool end_of_packet, std::uint64_t& handle);
+  /// A release() will follow soon: an open() waits for it instead of returning EBUSY.
   void expect_release(std::uint64_t handle);
   void release(std::uint64_t handle);
 
-  /// One transfer. `interrupted` says, from time to time, that the reader was killed.
-  std::ptrdiff_t read(std::uint64_t handle,
-                      std::span<std::byte> to,
-                      const std::function<bool()>& interrupted);
+  /// One transfer. `interrupted` is polled; it returns true where the reader was killed.
+  [[nodiscard]] std::ptrdiff_t read(std::uint64_t handle,
+                                    std::span<std::byte> to,
+                                    const std::function<bool()>& interrupted);
 
   bool is_plugged() const;
-  /// For all who have it open, for ever: ENODEV.
+  /// Existing openings return ENODEV for good.
   void unplug();
   void replug();
-  /// Nothing comes, or comes again.
+  /// The card sends nothing, or continues.
   void stall(bool stalled);
 
   const XdmaEmulatorOptions& options() const { return options_; }
@@ -60,21 +60,21 @@ class XdmaCard {
 
   std::shared_ptr<Opening> opening(std::uint64_t handle) const;
   std::ptrdiff_t run(Transfer& transfer);
-  /// What happens where the packet at hand begins; false if nothing can come now.
-  bool begin_packet(Opening& opening);
+  /// Applies the faults of the options at the start of a packet; false if the card is stalled.
+  bool start_packet(Opening& opening);
   bool is_stalled() const;
-  bool all_ones(const Opening& opening) const;
+  bool reads_all_ones(const Opening& opening) const;
   bool fill(Transfer& transfer, HostTime until);
 
   const LinkSource source_;
   const XdmaEmulatorOptions options_;
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;
   std::map<std::uint64_t, std::shared_ptr<Opening>> openings_;
   std::uint64_t last_handle_ = 0;
-  std::uint64_t holder_ = 0;      ///< who has the node; 0: nobody
-  bool release_follows_ = false;  ///< of the holder
+  std::uint64_t current_handle_ = 0;  ///< of the current opening; 0: none
+  bool release_follows_ = false;      ///< of the current opening
   bool plugged_ = true;
   bool stalled_ = false;
 };

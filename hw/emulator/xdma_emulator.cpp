@@ -17,21 +17,21 @@
 namespace wobblebench::hw {
 namespace {
 
-/// Why no file system can be mounted, or nothing.
+/// Tries to mount. Returns the error, or an empty text.
 std::string try_to_mount() {
   const FileDescriptor device(::open("/dev/fuse", O_RDWR | O_CLOEXEC));
   if (!device.is_open()) return "/dev/fuse: " + error_text(errno);
   std::string folder = (std::filesystem::temp_directory_path() / "wobblebench_XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) return folder + ": " + error_text(errno);
-  std::string why;
+  std::string error_message;
   try {
-    const XdmaEmulator stand_in(folder, [] { return nullptr; });
+    const XdmaEmulator emulator(folder, [] { return nullptr; });
   } catch (const std::runtime_error& error) {
-    why = error.what();
+    error_message = error.what();
   }
   std::error_code ignored;
   std::filesystem::remove(folder, ignored);
-  return why;
+  return error_message;
 }
 
 }  // namespace
@@ -64,13 +64,13 @@ void XdmaEmulator::stall(bool stalled) {
   card_->stall(stalled);
 }
 
-std::string XdmaEmulator::why_not() {
-  static const std::string why = try_to_mount();
-  return why;
+std::string XdmaEmulator::mount_error() {
+  static const std::string error = try_to_mount();
+  return error;
 }
 
 bool XdmaEmulator::can_mount() {
-  return why_not().empty();
+  return mount_error().empty();
 }
 
 }  // namespace wobblebench::hw

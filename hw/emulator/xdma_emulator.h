@@ -1,16 +1,16 @@
-// Stands in for a card and its XDMA driver: a file that a program opens and reads as it would the
-// device's node. The file is called xdma0_c2h_0, on a FUSE file system of this process.
+// Emulates a card and its XDMA driver: a file that a program opens and reads like the device's
+// node. The file is called xdma0_c2h_0, on a FUSE file system of this process.
 //
 // Like the driver: one opener, EBUSY for others; O_TRUNC at open makes a read end where a packet
-// ends; EINVAL for a length that is not aligned; the ioctl that asks for the alignment; ETIMEDOUT,
-// or what came, after the driver's patience; ENODEV once unplugged, and no node until replugged.
+// ends; EINVAL for a length that is not aligned; the ioctl for the alignment; ETIMEDOUT, or a short
+// read, after the driver's timeout; ENODEV once unplugged, and no node until replugged.
 //
-// What it cannot show: DMA, the IOMMU, interrupts and their latency, the throughput of PCIe, and
-// what a real card does to the machine when it leaves. It does not see a reader's address, so a
-// misaligned one is not refused; a read of more than 1 MiB comes in pieces; and it never overruns
-// by itself: its source does (sim's link), or waits. Its node is a regular file.
+// Not emulated: DMA, the IOMMU, interrupts and their latency, the throughput of PCIe, and the
+// effects of removing a real card on the machine. The buffer's address is not available, so a
+// misaligned one is not refused; a read of more than 1 MiB is split; and the emulator never
+// overruns by itself: its source does (sim's link), or waits. Its node is a regular file.
 //
-// If the process is killed, an empty mount stays: `fusermount3 -u FOLDER`.
+// If the process is killed, an empty mount remains: `fusermount3 -u FOLDER`.
 #pragma once
 
 #include <filesystem>
@@ -29,30 +29,31 @@ class XdmaCard;
 /// All functions may be called from any thread.
 class XdmaEmulator {
  public:
-  /// Opens what the card sends; called at every opening of the node, on a thread of the stand-in.
+  /// Opens a source of the card's bytes; called at every opening of the node, on a thread of the
+  /// emulator.
   using Source = std::function<std::unique_ptr<Link>()>;
 
-  /// Mounts on `folder`, which must exist. Throws std::runtime_error where that cannot be done,
+  /// Mounts on `folder`, which must exist. Throws std::runtime_error where that fails,
   /// InvalidOption.
   XdmaEmulator(const std::filesystem::path& folder,
                Source source,
                const XdmaEmulatorOptions& options = {});
-  /// Ends reads with ENODEV, and unmounts. Whoever still has the node open gets ENOTCONN.
+  /// Ends reads with ENODEV, and unmounts. Later calls on an open node give ENOTCONN.
   ~XdmaEmulator();
 
   /// FOLDER/xdma0_c2h_0.
   std::filesystem::path path() const;
 
-  /// The card leaves: its node goes, reads of those who have it open give ENODEV for good.
+  /// Removes the card: its node disappears, reads of an open node give ENODEV for good.
   void unplug();
   void replug();
-  /// The card sends nothing, or goes on.
+  /// The card sends nothing, or continues.
   void stall(bool stalled);
 
-  /// A file system can be mounted here. Tries it once.
+  /// Whether FUSE can be mounted on this machine. Tried once per process.
   static bool can_mount();
   /// Empty if can_mount().
-  static std::string why_not();
+  static std::string mount_error();
 
  private:
   std::filesystem::path folder_;

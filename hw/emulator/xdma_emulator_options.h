@@ -1,4 +1,4 @@
-// How a stand-in behaves.
+// Options and faults of the emulated card.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace wobblebench::hw {
 
-/// Packets are counted from 0 at every opening of the node; −1: never.
+/// Packet indices start at 0 at every opening of the node; −1: never.
 struct XdmaEmulatorOptions {
-  /// The length of a read is a multiple of it, bytes; a power of two.
+  /// Of the length of a read, bytes; a power of two.
   int alignment_bytes = 1;
-  /// After it a read gives what it has, or ETIMEDOUT, s. The driver's default.
+  /// After this time a read returns what it has, or ETIMEDOUT, s. The driver's default.
   double timeout_s = 10;
-  bool short_reads = false;  ///< reads end early, at places that depend on the seed
+  bool short_reads = false;  ///< reads end early, at random lengths (seed)
   std::uint64_t seed = 1;
-  int stall_at_packet = -1;     ///< nothing comes from here on, until stall(false)
-  int unplug_at_packet = -1;    ///< the card is gone before it
-  int all_ones_at_packet = -1;  ///< reads give 0xFF from here on
+  int stall_at_packet = -1;     ///< stalls before this packet, until stall(false)
+  int unplug_at_packet = -1;    ///< unplugs before this packet
+  int all_ones_at_packet = -1;  ///< reads give 0xFF from this packet on
 };
 
 template <OptionsOf<XdmaEmulatorOptions> O, class Visitor>

@@ -1,4 +1,4 @@
-// Bytes that wait for their reader, in memory of a fixed size.
+// A first-in, first-out queue of bytes with a fixed capacity.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace wobblebench::hw {
 
-/// First in, first out. Not thread-safe.
+/// Ring buffer. Not thread-safe.
 class ByteQueue {
  public:
   explicit ByteQueue(std::size_t capacity) : bytes_(capacity) {}
@@ -16,7 +16,7 @@ class ByteQueue {
   std::size_t size() const { return size_; }
   std::size_t room() const { return bytes_.size() - size_; }
 
-  /// Takes all of `from`, which is not longer than room().
+  /// `from` is not longer than room().
   void push(std::span<const std::byte> from) {
     while (!from.empty()) {
       const std::size_t at = (first_ + size_) % bytes_.size();
@@ -31,7 +31,7 @@ class ByteQueue {
     for (; count > 0; --count) push(std::span(&value, 1));
   }
 
-  /// Moves the oldest bytes to `to`; how many.
+  /// Moves the oldest bytes to `to`; returns their number.
   std::size_t pop(std::span<std::byte> to) {
     std::size_t popped = 0;
     while (popped < to.size() && size_ > 0) {

@@ -5,7 +5,7 @@
 
 namespace wobblebench::hw {
 
-DeviceGoneDetector::Verdict DeviceGoneDetector::look_at(std::span<const std::byte> transfer) {
+DeviceGoneDetector::Result DeviceGoneDetector::inspect(std::span<const std::byte> transfer) {
   const auto is_other = [](std::byte value) { return value != std::byte{0xFF}; };
   const auto first = std::find_if(transfer.begin(), transfer.end(), is_other);
   const auto leading = static_cast<std::size_t>(first - transfer.begin());
@@ -17,9 +17,9 @@ DeviceGoneDetector::Verdict DeviceGoneDetector::look_at(std::span<const std::byt
   }
   const auto last = std::find_if(transfer.rbegin(), transfer.rend(), is_other);
   run_ = static_cast<std::size_t>(last - transfer.rbegin());
-  const std::size_t before = std::exchange(held_back_, 0);
+  const std::size_t released = std::exchange(held_back_, 0);
   const bool gone = run_ > kLongestValidOnes;
-  return {before, transfer.size() - (gone ? run_ : 0), gone};
+  return {released, transfer.size() - (gone ? run_ : 0), gone};
 }
 
 std::size_t DeviceGoneDetector::end() {

@@ -1,4 +1,4 @@
-// How a card shows that it has left the bus: every byte read from it is 0xFF.
+// Detects that a card has left the PCIe bus: every byte read from it is then 0xFF.
 #pragma once
 
 #include <cstddef>
@@ -8,27 +8,27 @@
 
 namespace wobblebench::hw {
 
-/// No packet holds a longer run of 0xFF: a header, and samples that are all not-a-number.
+/// Longest run of 0xFF in valid packets, bytes: a header, and samples that are all NaN.
 inline constexpr std::size_t kLongestValidOnes = kWireHeaderBytes + 4 * kWireMaxSamples;
 
-/// Looks at transfers one after the other. What is nothing but ones is held back, until it shows
-/// to be samples or the card to be gone. Not thread-safe.
+/// Inspects transfers in order. Transfers of 0xFF only are held back until it is known whether they
+/// are samples or the card is gone. Not thread-safe.
 class DeviceGoneDetector {
  public:
-  struct Verdict {
-    std::size_t held_back = 0;  ///< bytes of 0xFF of earlier transfers, to hand on first
-    std::size_t sound = 0;      ///< bytes of this transfer, from its first, to hand on
-    bool gone = false;          ///< the card is
+  struct Result {
+    std::size_t held_back = 0;  ///< bytes of 0xFF of earlier transfers, to pass on first
+    std::size_t valid = 0;      ///< leading bytes of this transfer to pass on
+    bool gone = false;          ///< the card has left the bus
   };
 
-  Verdict look_at(std::span<const std::byte> transfer);
+  [[nodiscard]] Result inspect(std::span<const std::byte> transfer);
 
-  /// There will be nothing more: the bytes of 0xFF that are held back.
-  std::size_t end();
+  /// At the end of the stream: number of bytes of 0xFF that are held back, to pass on.
+  [[nodiscard]] std::size_t end();
 
  private:
-  std::size_t run_ = 0;        ///< the stream ends with as many ones
-  std::size_t held_back_ = 0;  ///< of those
+  std::size_t run_ = 0;        ///< bytes of 0xFF at the end of the stream so far
+  std::size_t held_back_ = 0;  ///< of these
 };
 
 }  // namespace wobblebench::hw

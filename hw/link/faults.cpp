@@ -78,13 +78,13 @@ std::string_view to_string(FaultKind kind) {
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
-std::uint64_t FaultPlan::draw(FaultKind kind, std::uint64_t packet, std::uint64_t what) const {
+std::uint64_t FaultPlan::draw(FaultKind kind, std::uint64_t packet, std::uint64_t purpose) const {
   constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;
-  const auto purpose = what * kFaultKinds + static_cast<std::uint64_t>(kind);
-  return mix(mix(mix(seed + kGolden) + purpose + kGolden) + packet + kGolden);
+  const auto stream = purpose * kFaultKinds + static_cast<std::uint64_t>(kind);
+  return mix(mix(mix(seed + kGolden) + stream + kGolden) + packet + kGolden);
 }
 
-bool FaultPlan::strikes(FaultKind kind, std::uint64_t packet) const {
+bool FaultPlan::affects(FaultKind kind, std::uint64_t packet) const {
   return std::any_of(faults.begin(), faults.end(), [&](const Fault& fault) {
     if (fault.kind != kind) return false;
     if (fault.at) return *fault.at == packet;

@@ -1,4 +1,4 @@
-// What can go wrong on a link, and when: written as "drop:0.01+corrupt@17+seed:7".
+// Faults to inject into a link, as text: "drop:0.01+corrupt@17+seed:7".
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 namespace wobblebench::hw {
 
 enum class FaultKind {
-  drop,         ///< the packet never comes
-  duplicate,    ///< it comes twice
+  drop,         ///< the packet is omitted
+  duplicate,    ///< sent twice
   corrupt,      ///< 1 to 8 of its bits are flipped
   truncate,     ///< its end is missing
-  reorder,      ///< it comes 1 to 4 packets later
-  delay,        ///< it and what follows comes `delay_ms` later
-  stall,        ///< nothing comes for `stall_ms`
-  unplug,       ///< the device is gone, instead of this packet
-  short_reads,  ///< reads end after 1 to 64 bytes, from this packet to the next
+  reorder,      ///< sent 1 to 4 packets later
+  delay,        ///< it and all after it are sent `delay_ms` later
+  stall,        ///< nothing is sent for `stall_ms`
+  unplug,       ///< the device is lost before this packet
+  short_reads,  ///< reads within this packet end after 1 to 64 bytes
 };
 inline constexpr int kFaultKinds = 9;
 
@@ -29,8 +29,8 @@ std::string_view to_string(FaultKind kind);
 
 struct Fault {
   FaultKind kind = FaultKind::drop;
-  double rate = 0;                  ///< of all packets
-  std::optional<std::uint64_t> at;  ///< this packet alone, counting all kinds from 0
+  double rate = 0;                  ///< probability per packet
+  std::optional<std::uint64_t> at;  ///< this packet only; all kinds counted from 0
 };
 
 struct FaultPlan {
@@ -39,14 +39,14 @@ struct FaultPlan {
   HostClock::duration delay = std::chrono::milliseconds(5);
   HostClock::duration stall = std::chrono::milliseconds(300);
 
-  /// Whether the fault strikes this packet: a function of seed, kind and packet alone.
-  bool strikes(FaultKind kind, std::uint64_t packet) const;
-  /// A number that depends on seed, kind, packet and `what` alone.
-  std::uint64_t draw(FaultKind kind, std::uint64_t packet, std::uint64_t what) const;
+  /// Whether the packet has this fault; a function of seed, kind and packet only.
+  bool affects(FaultKind kind, std::uint64_t packet) const;
+  /// Uniform 64-bit hash of seed, kind, packet and `purpose`.
+  std::uint64_t draw(FaultKind kind, std::uint64_t packet, std::uint64_t purpose) const;
 };
 
 /// Terms joined by '+': KIND:RATE (0 to 1), KIND@PACKET, seed:N, delay_ms:N, stall_ms:N (0 to
-/// 60000). Throws InvalidOption "faults = TERM: what is allowed".
+/// 60000). Throws InvalidOption "faults = TERM: ALLOWED".
 FaultPlan parse_faults(const std::string& text);
 
 }  // namespace wobblebench::hw

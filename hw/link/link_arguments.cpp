@@ -12,7 +12,7 @@ bool is_key(std::string_view text) {
   });
 }
 
-/// Where the setting that begins at `from` ends: before a ',' that another follows.
+/// End of the setting that starts at `from`: a ',' before the next "key=", or the end of the text.
 std::size_t end_of_setting(const std::string& text, std::size_t from) {
   for (std::size_t comma = text.find(',', from); comma != std::string::npos;
        comma = text.find(',', comma + 1)) {
@@ -23,9 +23,9 @@ std::size_t end_of_setting(const std::string& text, std::size_t from) {
   return text.size();
 }
 
-/// The whole of `text` as a number of the type; none if it is not one.
+/// The whole of `text` as a number; none if it is not one.
 template <class T>
-std::optional<T> whole(const std::string& text) {
+std::optional<T> parse_whole(const std::string& text) {
   T value{};
   const char* end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(text.data(), end, value);
@@ -58,31 +58,31 @@ LinkArguments parse_link_arguments(const std::string& text) {
 }
 
 std::optional<std::string> LinkSettings::take(std::string_view key) {
-  known_.emplace_back(key);
-  const auto found = left_.find(std::string(key));
-  if (found == left_.end()) return {};
+  known_keys_.emplace_back(key);
+  const auto found = unused_.find(std::string(key));
+  if (found == unused_.end()) return {};
   std::string value = std::move(found->second);
-  left_.erase(found);
+  unused_.erase(found);
   return value;
 }
 
 void LinkSettings::finish(const std::string& link) const {
-  if (left_.empty()) return;
+  if (unused_.empty()) return;
   std::string keys;
-  for (const std::string& key : known_) keys += (keys.empty() ? "" : ", ") + key;
-  const auto& [key, value] = *left_.begin();
+  for (const std::string& key : known_keys_) keys += (keys.empty() ? "" : ", ") + key;
+  const auto& [key, value] = *unused_.begin();
   throw InvalidOption(key, value, "no such key; " + link + " takes " + keys);
 }
 
 double LinkSettings::number(std::string_view key, const std::string& text) {
-  if (const auto value = whole<double>(text)) return *value;
+  if (const auto value = parse_whole<double>(text)) return *value;
   throw InvalidOption(key, text, "must be a number");
 }
 
 void LinkSettings::integer(std::string_view key, int& value, int min, int max) {
   const auto text = take(key);
   if (!text) return;
-  const auto given = whole<int>(*text);
+  const auto given = parse_whole<int>(*text);
   if (!given) {
     throw InvalidOption(
         key,
@@ -95,7 +95,7 @@ void LinkSettings::integer(std::string_view key, int& value, int min, int max) {
 void LinkSettings::seed(std::string_view key, std::uint64_t& value) {
   const auto text = take(key);
   if (!text) return;
-  const auto given = whole<std::uint64_t>(*text);
+  const auto given = parse_whole<std::uint64_t>(*text);
   if (!given) throw InvalidOption(key, *text, "must be a whole number from 0 to 2^64 - 1");
   value = *given;
 }

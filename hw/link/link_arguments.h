@@ -1,5 +1,5 @@
-// What a user writes to say where sticks come from: LINK[=VALUE][,key=value]…, say
-// "file=face.wbst,loop=true" or "sim,faults=drop:0.01+unplug@5000".
+// Parses the --board argument, LINK[=VALUE][,key=value]…: "file=face.wbst,loop=true" or
+// "sim,faults=drop:0.01+unplug@5000".
 #pragma once
 
 #include <map>
@@ -14,29 +14,29 @@ namespace wobblebench::hw {
 
 struct LinkArguments {
   std::string link;   ///< "sim", "file", "xdma"
-  std::string value;  ///< what follows its '=': a path
+  std::string value;  ///< after its '=': a path
   std::map<std::string, std::string> settings;
 };
 
-/// A ',' begins a setting only where "key=" follows it; any other belongs to the value before, so
-/// that a path may hold one. Throws InvalidOption where the link has no name, or a key stands
-/// twice.
+/// A ',' separates settings only where "key=" follows it; any other is part of the value before, so
+/// that a path may contain one. Throws InvalidOption where the link has no name, or a key is
+/// repeated.
 LinkArguments parse_link_arguments(const std::string& text);
 
-/// The visitor that sets options from what a user wrote after the link's name. Each describe()
-/// takes the keys that it knows; finish() refuses those that none took.
+/// The visitor that sets options from the settings of a link's arguments. Each describe() removes
+/// the keys that it has; finish() rejects those that remain.
 class LinkSettings {
  public:
-  explicit LinkSettings(const LinkArguments& arguments) : left_(arguments.settings) {}
+  explicit LinkSettings(const LinkArguments& arguments) : unused_(arguments.settings) {}
 
-  /// Sets and checks. Throws InvalidOption.
+  /// Sets and range-checks `options`. Throws InvalidOption.
   template <class Options>
   void read(Options& options) {
     describe(options, *this);
     check_options(options);
   }
 
-  /// Throws InvalidOption "KEY = VALUE: no such key; LINK takes …" for a setting left over.
+  /// Throws InvalidOption "KEY = VALUE: no such key; LINK takes …" for a setting that is not used.
   void finish(const std::string& link) const;
 
   void real(std::string_view key, double& value, double unit, double, double) {
@@ -69,8 +69,8 @@ class LinkSettings {
   std::optional<std::string> take(std::string_view key);
   static double number(std::string_view key, const std::string& text);
 
-  std::map<std::string, std::string> left_;
-  std::vector<std::string> known_;
+  std::map<std::string, std::string> unused_;
+  std::vector<std::string> known_keys_;
 };
 
 }  // namespace wobblebench::hw

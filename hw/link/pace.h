@@ -1,4 +1,4 @@
-// How fast a link that has all its bytes hands them out.
+// Rate at which a simulated or recorded link delivers its bytes.
 #pragma once
 
 #include "base/options.h"
@@ -7,7 +7,7 @@ namespace wobblebench::hw {
 
 enum class Pace {
   asap,      ///< as fast as they are read
-  realtime,  ///< when the device would have sent them, by the host's clock
+  realtime,  ///< at the device's times, on the host's clock
 };
 
 template <OptionsOf<Pace> P, class Visitor>

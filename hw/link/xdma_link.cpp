@@ -4,12 +4,12 @@
 
 #include "base/options.h"
 #include "hw/link/xdma_node.h"
-#include "hw/link/xdma_puller.h"
+#include "hw/link/xdma_reader.h"
 
 namespace wobblebench::hw {
 namespace {
 
-/// A thread that is not inside a read has ended long before; the contract is 10 ms.
+/// A thread that is not inside a read ends much sooner; close() must return within 10 ms.
 constexpr auto kClosePatience = std::chrono::milliseconds(5);
 
 void check_alignment(const XdmaLinkOptions& options, std::size_t alignment) {
@@ -35,8 +35,8 @@ XdmaLink::XdmaLink(const std::filesystem::path& path, const XdmaLinkOptions& opt
   XdmaNode node = open_node(path, options);
   kind_ = node.kind;
   transfer_bytes_ = static_cast<std::size_t>(options.transfer_kb) * 1024;
-  puller_ = std::make_shared<XdmaPuller>(std::move(node), path.string(), transfer_bytes_);
-  thread_ = std::thread([puller = puller_] { puller->run(); });
+  reader_ = std::make_shared<XdmaReader>(std::move(node), path.string(), transfer_bytes_);
+  thread_ = std::jthread([reader = reader_] { reader->run(); });
 }
 
 XdmaLink::~XdmaLink() {
@@ -44,21 +44,21 @@ XdmaLink::~XdmaLink() {
 }
 
 ReadResult XdmaLink::read(std::span<std::byte> buffer, HostTime deadline) {
-  return puller_->take(buffer, deadline);
+  return reader_->read(buffer, deadline);
 }
 
 void XdmaLink::cancel() {
-  puller_->cancel();
+  reader_->cancel();
 }
 
 void XdmaLink::resume() {
-  puller_->resume();
+  reader_->resume();
 }
 
 void XdmaLink::close() {
   if (!thread_.joinable()) return;
-  puller_->close();
-  if (puller_->ended_before(HostClock::now() + kClosePatience)) {
+  reader_->close();
+  if (reader_->wait_until_closed(HostClock::now() + kClosePatience)) {
     thread_.join();
   } else {
     thread_.detach();
@@ -71,13 +71,13 @@ LinkCapabilities XdmaLink::capabilities() const {
       kind_ == XdmaNodeKind::card ? StreamOrigin::hardware : StreamOrigin::emulator;
   capabilities.waits_for_reader = kind_ == XdmaNodeKind::fifo;
   capabilities.buffer_bytes = transfer_bytes_;
-  capabilities.buffers = static_cast<int>(puller_->queued_transfers());
+  capabilities.buffers = static_cast<int>(reader_->queued_transfers());
   capabilities.buffers_per_interrupt = 1;
   return capabilities;
 }
 
 std::string XdmaLink::loss() const {
-  return puller_->loss();
+  return reader_->loss();
 }
 
 }  // namespace wobblebench::hw

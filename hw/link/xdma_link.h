@@ -1,11 +1,12 @@
 // The link to a real card: the character device of the Xilinx/AMD XDMA driver, which most boards
 // with an FPGA on PCIe use (/dev/xdma0_c2h_0). A FIFO with the same bytes is read the same way.
 //
-// What the driver gives (Xilinx dma_ip_drivers, cdev_sgdma.c): read and ioctl, neither poll nor
-// mmap; one opener; reads that block until a packet has ended or the driver's patience has, 10 s.
-// So a thread of the link sits inside read(2), and the program waits for the thread's queue.
+// The driver (Xilinx dma_ip_drivers, cdev_sgdma.c) has read and ioctl, neither poll nor mmap; one
+// opener; reads that block until a packet has ended or until its timeout, 10 s. So a thread of the
+// link blocks in read(2), and the program waits for that thread's queue.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -18,12 +19,12 @@
 namespace wobblebench::hw {
 
 struct XdmaLinkOptions {
-  /// One transfer, KiB: a multiple of the engine's alignment. A stick of the paper has 2.
+  /// Size of a transfer, KiB: a multiple of the engine's alignment. A stick of the paper has 2.
   int transfer_kb = 64;
-  /// A transfer ends where a packet ends, so that no stick waits for later ones to fill it. Asks
-  /// for the right to write to the node too: the driver is told by O_TRUNC.
+  /// A transfer ends where a packet ends, so that no stick waits for later ones to fill it. Needs
+  /// write permission on the node: the driver is told by O_TRUNC.
   bool end_of_packet = true;
-  /// How long opening waits for another program, or for a closed link's last read, to let go, s.
+  /// How long opening waits while another program, or a closed link's last read, has the node, s.
   double busy_patience_s = 1;
 };
 
@@ -34,23 +35,32 @@ void describe(O& o, Visitor& v) {
   v.real("busy_patience_ms", o.busy_patience_s, kMillisecond, 0, 60000);
 }
 
-class XdmaPuller;
+class XdmaReader;
 enum class XdmaNodeKind;
 
-/// Copies in. A card keeps its own pace: where the program does not keep up with it, a queue of
-/// 4 MiB (at least 4 transfers) fills, then the card overruns, which the sequence numbers show. A
-/// FIFO waits.
+/// Copies in. A card does not wait: if the program reads too slowly, a queue of 4 MiB (at least 4
+/// transfers) fills, then the card overruns, which the sequence numbers show. A FIFO waits.
 ///
-/// A read of the driver is never broken off, for that would lose what it has: close() leaves the
-/// thread inside it alone, and the node stays busy until the read returns: at once while the card
-/// sends, after the driver's patience (10 s) where it is silent.
+/// A read of the driver is never interrupted, as that would lose its data: close() detaches the
+/// thread inside it, and the node stays busy until the read returns: at once while the card sends,
+/// after the driver's timeout (10 s) where it does not.
 ///
-/// A read that the driver gave up waiting is neither an end nor a loss. Lost is a card that gives
-/// an error (ENODEV, EIO, …), or reads all ones for longer than a packet can. A FIFO ends when its
+/// A read that timed out is neither an end nor a loss. The device is lost if the card gives an
+/// error (ENODEV, EIO, …), or reads all ones for longer than a packet can. A FIFO ends when its
 /// last writer closes it.
+///
+/// @code
+/// #include "hw/board/board.h"
+/// hw::XdmaLinkOptions options;
+/// options.transfer_kb = 128;
+/// hw::Board board(std::make_unique<hw::XdmaLink>("/dev/xdma0_c2h_0", options));
+/// board.start();
+/// const hw::Event first = board.next(hw::HostClock::now() + std::chrono::seconds(1));
+/// if (std::holds_alternative<hw::TimedOut>(first)) board.close();
+/// @endcode
 class XdmaLink : public Link {
  public:
-  /// Opens a character device, a FIFO, or the file of a stand-in (on FUSE). Throws LinkOpenError,
+  /// Opens a character device, a FIFO, or the file of an emulator (on FUSE). Throws LinkOpenError,
   /// InvalidOption.
   explicit XdmaLink(const std::filesystem::path& path, const XdmaLinkOptions& options = {});
   ~XdmaLink() override;
@@ -66,8 +76,8 @@ class XdmaLink : public Link {
  private:
   XdmaNodeKind kind_;
   std::size_t transfer_bytes_;
-  std::shared_ptr<XdmaPuller> puller_;
-  std::thread thread_;
+  std::shared_ptr<XdmaReader> reader_;
+  std::jthread thread_;
 };
 
 }  // namespace wobblebench::hw

@@ -18,12 +18,12 @@
 namespace wobblebench::hw {
 namespace {
 
-/// The driver's question for the alignment of its engine, from its interface (cdev_sgdma.h).
+/// The driver's ioctl for the alignment of its engine (cdev_sgdma.h).
 constexpr unsigned long kAlignGet = _IOR('q', 6, int);
-/// For a driver that does not know the question: a page suits every engine.
+/// Alignment for a driver without that ioctl: a page suits every engine.
 constexpr std::size_t kPageBytes = 4096;
 
-/// The kernel's rule: O_TRUNC asks for the right to write too.
+/// The kernel requires write permission for O_TRUNC.
 const char* allowed(OpenFault fault, bool end_of_packet) {
   switch (fault) {
     case OpenFault::not_permitted:
@@ -62,18 +62,18 @@ OpenFault fault_of(int error_number) {
   }
 }
 
-/// A file system in user space. A recording on a disk is not to be taken for the stand-in.
-bool is_on_fuse(int file) {
+/// Tells the emulator's node from a recording on a disk.
+bool is_on_fuse(const FileDescriptor& file) {
   struct statfs system {};
-  return ::fstatfs(file, &system) == 0 && system.f_type == FUSE_SUPER_MAGIC;
+  return ::fstatfs(file.get(), &system) == 0 && system.f_type == FUSE_SUPER_MAGIC;
 }
 
-XdmaNodeKind kind_of(const std::filesystem::path& path, int place) {
+XdmaNodeKind kind_of(const std::filesystem::path& path, const FileDescriptor& node) {
   struct stat status {};
-  if (::fstat(place, &status) != 0) refuse(path, fault_of(errno), error_text(errno));
+  if (::fstat(node.get(), &status) != 0) refuse(path, fault_of(errno), error_text(errno));
   if (S_ISCHR(status.st_mode)) return XdmaNodeKind::card;
   if (S_ISFIFO(status.st_mode)) return XdmaNodeKind::fifo;
-  if (S_ISREG(status.st_mode) && is_on_fuse(place)) return XdmaNodeKind::stand_in;
+  if (S_ISREG(status.st_mode) && is_on_fuse(node)) return XdmaNodeKind::emulator;
   const char* wrong = S_ISREG(status.st_mode)   ? "is a regular file"
                       : S_ISDIR(status.st_mode) ? "is a folder"
                       : S_ISBLK(status.st_mode) ? "is a block device"
@@ -81,20 +81,20 @@ XdmaNodeKind kind_of(const std::filesystem::path& path, int place) {
   refuse(path, OpenFault::wrong_kind, wrong);
 }
 
-/// Opens what was checked, whatever the path has come to name: O_TRUNC would empty a recording.
-/// Not blocking, or a terminal without a carrier would hang here.
-int reopen(int place, bool end_of_packet) {
-  const std::string path = "/proc/self/fd/" + std::to_string(place);
+/// Opens the file that was checked, even if the path now names another: O_TRUNC would empty a
+/// recording. Non-blocking, as a terminal without a carrier would block here.
+FileDescriptor reopen(const FileDescriptor& checked, bool end_of_packet) {
+  const std::string path = "/proc/self/fd/" + std::to_string(checked.get());
   const int flags = O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | (end_of_packet ? O_TRUNC : 0);
-  return ::open(path.c_str(), flags);
+  return FileDescriptor(::open(path.c_str(), flags));
 }
 
-FileDescriptor open_patiently(const std::filesystem::path& path,
-                              int place,
-                              bool end_of_packet,
-                              HostTime busy_until) {
+FileDescriptor reopen_until(const std::filesystem::path& path,
+                            const FileDescriptor& checked,
+                            bool end_of_packet,
+                            HostTime busy_until) {
   for (;;) {
-    FileDescriptor file(reopen(place, end_of_packet));
+    FileDescriptor file = reopen(checked, end_of_packet);
     if (file.is_open()) return file;
     const int error_number = errno;
     if (error_number == EINTR) continue;
@@ -105,9 +105,9 @@ FileDescriptor open_patiently(const std::filesystem::path& path,
   }
 }
 
-std::size_t alignment_of(int file) {
+std::size_t alignment_of(const FileDescriptor& file) {
   int alignment = 0;
-  const bool answered = ::ioctl(file, kAlignGet, &alignment) == 0;
+  const bool answered = ::ioctl(file.get(), kAlignGet, &alignment) == 0;
   const bool possible = alignment > 0 && std::has_single_bit(static_cast<unsigned>(alignment));
   return answered && possible ? static_cast<std::size_t>(alignment) : kPageBytes;
 }
@@ -123,15 +123,15 @@ std::string error_text(int error_number) {
 XdmaNode open_xdma_node(const std::filesystem::path& path,
                         bool end_of_packet,
                         HostTime busy_until) {
-  const FileDescriptor place(::open(path.c_str(), O_PATH | O_CLOEXEC));
-  if (!place.is_open()) refuse(path, fault_of(errno), error_text(errno));
+  const FileDescriptor checked(::open(path.c_str(), O_PATH | O_CLOEXEC));
+  if (!checked.is_open()) refuse(path, fault_of(errno), error_text(errno));
   XdmaNode node;
-  node.kind = kind_of(path, place.get());
+  node.kind = kind_of(path, checked);
   const bool fifo = node.kind == XdmaNodeKind::fifo;
-  node.file = open_patiently(path, place.get(), end_of_packet && !fifo, busy_until);
+  node.file = reopen_until(path, checked, end_of_packet && !fifo, busy_until);
   if (fifo) return node;
   ::fcntl(node.file.get(), F_SETFL, ::fcntl(node.file.get(), F_GETFL) & ~O_NONBLOCK);
-  node.alignment = alignment_of(node.file.get());
+  node.alignment = alignment_of(node.file);
   return node;
 }
 

@@ -1,4 +1,4 @@
-// The file that a card's stream is read from: checked, then opened.
+// Opens the device node of a card's stream, after checking its kind.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,21 @@ namespace wobblebench::hw {
 enum class XdmaNodeKind {
   card,      ///< a character device
   fifo,      ///< a named pipe
-  stand_in,  ///< a file of a FUSE file system: what stands in for the driver
+  emulator,  ///< a file on a FUSE file system: the emulated driver
 };
 
 struct XdmaNode {
   FileDescriptor file;
   XdmaNodeKind kind = XdmaNodeKind::card;
-  /// Bytes. Address and length of each transfer are multiples of it; a power of two.
+  /// Of address and length of each transfer, bytes; a power of two.
   std::size_t alignment = 1;
 };
 
-/// Opens for reading; a FIFO without blocking. While another program has the node, tries again
+/// Opens for reading; a FIFO without blocking. While another program has the node open, retries
 /// until `busy_until`. Throws LinkOpenError.
 XdmaNode open_xdma_node(const std::filesystem::path& path, bool end_of_packet, HostTime busy_until);
 
-/// "No such device (ENODEV)".
+/// Text of an errno: "No such device (ENODEV)".
 std::string error_text(int error_number);
 
 }  // namespace wobblebench::hw

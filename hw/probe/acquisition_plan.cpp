@@ -8,17 +8,17 @@
 namespace wobblebench::hw {
 namespace {
 
-/// Angle of item `index` of `count` spread evenly over `span`, both ends included.
-double spread(int index, int count, double span_rad) {
+/// Angle of item `index` of `count` at equal spacing over `span_rad`, both ends included.
+double angle_of(int index, int count, double span_rad) {
   return count < 2 ? 0.0 : span_rad * (static_cast<double>(index) / (count - 1) - 0.5);
 }
 
-double step(int count, double span_rad) {
+double angle_step(int count, double span_rad) {
   return count < 2 ? 0.0 : span_rad / (count - 1);
 }
 
-/// The item that lies nearest to an angle.
-std::uint32_t nearest(double angle_rad, int count, double span_rad) {
+/// Inverse of angle_of(), rounded to the nearest item.
+std::uint32_t nearest_item(double angle_rad, int count, double span_rad) {
   if (count < 2) return 0;
   const double index = std::round((angle_rad / span_rad + 0.5) * (count - 1));
   return static_cast<std::uint32_t>(std::clamp(index, 0.0, count - 1.0));
@@ -44,25 +44,25 @@ std::uint64_t AcquisitionPlan::sequence(const StickIndex& index) const {
   const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
   const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
   const bool back = sweep_direction(index.volume) < 0;
-  const std::uint64_t turn = back ? frames - 1 - index.frame : index.frame;
-  return (index.volume * frames + turn) * lines + index.line;
+  const std::uint64_t order = back ? frames - 1 - index.frame : index.frame;
+  return (index.volume * frames + order) * lines + index.line;
 }
 
 StickIndex AcquisitionPlan::index(std::uint64_t sequence) const {
   const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
   const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
   const auto volume = static_cast<std::uint32_t>(sequence / lines / frames);
-  const std::uint64_t turn = sequence / lines % frames;
+  const std::uint64_t order = sequence / lines % frames;
   const bool back = sweep_direction(volume) < 0;
   return {volume,
-          static_cast<std::uint32_t>(back ? frames - 1 - turn : turn),
+          static_cast<std::uint32_t>(back ? frames - 1 - order : order),
           static_cast<std::uint32_t>(sequence % lines)};
 }
 
-StickIndex AcquisitionPlan::nearest_stick(const PolarPoint& place, std::uint32_t volume) const {
+StickIndex AcquisitionPlan::nearest_stick(const PolarPoint& point, std::uint32_t volume) const {
   return {volume,
-          nearest(place.phi_rad, acquisition_.frames_per_volume, acquisition_.fan_rad),
-          nearest(place.theta_rad, acquisition_.sticks_per_frame, acquisition_.sector_rad)};
+          nearest_item(point.phi_rad, acquisition_.frames_per_volume, acquisition_.fan_rad),
+          nearest_item(point.theta_rad, acquisition_.sticks_per_frame, acquisition_.sector_rad)};
 }
 
 double AcquisitionPlan::stick_period_s() const {
@@ -70,7 +70,7 @@ double AcquisitionPlan::stick_period_s() const {
 }
 
 DeviceTime AcquisitionPlan::time_after(std::uint64_t sticks, std::uint64_t fly_backs) const {
-  // In extended precision the rounding of a period does not show, whatever the sequence number.
+  // Extended precision: the rounding of a period stays below 1 ns at any sequence number.
   const long double count = sticks;
   const long double echo_ns =
       count * 2e9L * acquisition_.depth_m / static_cast<long double>(acquisition_.sound_speed_m_s);
@@ -98,26 +98,26 @@ DeviceDuration AcquisitionPlan::volume_duration() const {
 }
 
 double AcquisitionPlan::theta_rad(int line) const {
-  return spread(line, acquisition_.sticks_per_frame, acquisition_.sector_rad);
+  return angle_of(line, acquisition_.sticks_per_frame, acquisition_.sector_rad);
 }
 
 double AcquisitionPlan::frame_phi_rad(int frame) const {
-  return spread(frame, acquisition_.frames_per_volume, acquisition_.fan_rad);
+  return angle_of(frame, acquisition_.frames_per_volume, acquisition_.fan_rad);
 }
 
 double AcquisitionPlan::motor_angle_rad(const StickIndex& index) const {
   const double frame_phi = frame_phi_rad(static_cast<int>(index.frame));
   if (acquisition_.motor == MotorMode::stepped) return frame_phi;
-  const double from_middle = (index.line + 0.5) / acquisition_.sticks_per_frame - 0.5;
-  return frame_phi + sweep_direction(index.volume) * phi_step_rad() * from_middle;
+  const double from_centre = (index.line + 0.5) / acquisition_.sticks_per_frame - 0.5;
+  return frame_phi + sweep_direction(index.volume) * phi_step_rad() * from_centre;
 }
 
 double AcquisitionPlan::theta_step_rad() const {
-  return step(acquisition_.sticks_per_frame, acquisition_.sector_rad);
+  return angle_step(acquisition_.sticks_per_frame, acquisition_.sector_rad);
 }
 
 double AcquisitionPlan::phi_step_rad() const {
-  return step(acquisition_.frames_per_volume, acquisition_.fan_rad);
+  return angle_step(acquisition_.frames_per_volume, acquisition_.fan_rad);
 }
 
 }  // namespace wobblebench::hw

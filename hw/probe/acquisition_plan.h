@@ -1,4 +1,4 @@
-// When and where each stick of a volume looks.
+// The acquisition schedule: time and angles of each stick.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace wobblebench::hw {
 
-/// How the motor moves the image plane. A frame is a plane of the fan in every mode: frame f looks
-/// at frame_phi_rad(f), whenever it is acquired.
+/// How the motor moves the image plane. In every mode frame f is the plane of the fan at
+/// frame_phi_rad(f), in whichever order frames are acquired.
 enum class MotorMode {
-  stepped,      ///< the motor rests at one angle while a frame is taken (the paper's assumption)
-  continuous,   ///< the motor turns evenly through the frame; each stick has its own angle
-  alternating,  ///< continuous; every odd volume sweeps back, from the last frame to the first
-  fly_back,     ///< continuous; after each volume the motor returns, which takes `fly_back_s`
+  stepped,      ///< motor at rest during a frame (the paper's assumption)
+  continuous,   ///< constant motor speed; each stick has its own motor angle
+  alternating,  ///< continuous; odd volumes sweep back, from the last frame to the first
+  fly_back,     ///< continuous; after each volume the motor returns in `fly_back_s`
 };
 
-/// What is acquired. Defaults: the paper's reference settings.
+/// Extent and sampling of a volume. Defaults: the paper's reference settings.
 struct AcquisitionOptions {
   double depth_m = 0.16;  ///< longest range from the face
   double sector_rad = 77 * kDegree;
@@ -26,10 +26,10 @@ struct AcquisitionOptions {
   int samples_per_stick = 512;
   int frames_per_volume = 37;
   int volumes = 1;
-  double sound_speed_m_s = 1540;  ///< what the scanner assumes, for time and for range
+  double sound_speed_m_s = 1540;  ///< as assumed by the scanner, for time and for range
   double dead_time_s = 0;         ///< added after each stick's echo time 2 d / c
-  /// From the last stick of a volume to the first of the next, where the mode is fly_back. In the
-  /// modes stepped and continuous the motor returns in no time.
+  /// Mode fly_back: from the end of a volume's last stick to the first of the next. In the modes
+  /// stepped and continuous the motor returns in no time.
   double fly_back_s = 50e-3;
   MotorMode motor = MotorMode::stepped;
 
@@ -56,8 +56,8 @@ void describe(O& o, Visitor& v) {
             {"fly_back", MotorMode::fly_back}});
 }
 
-/// Which place a stick looks at, and in which volume. `frame` names the plane, not its turn: an odd
-/// volume of the mode alternating takes frame F - 1 first.
+/// Volume, frame and line of a stick, from 0. `frame` is the plane in the fan, not the order of
+/// acquisition: an odd volume of the mode alternating starts with frame F - 1.
 struct StickIndex {
   std::uint32_t volume = 0;
   std::uint32_t frame = 0;
@@ -68,7 +68,17 @@ struct StickIndex {
 
 /// The echo-ranging schedule: a stick takes 2 d / c + dead time, sticks follow each other, frames
 /// follow the motor. A volume sweeps the fan from its negative to its positive end, or back where
-/// sweep_direction() is -1. Lines of a frame are taken from 0 to L - 1 either way.
+/// sweep_direction() is -1. In both directions the lines of a frame are acquired from 0 to L - 1.
+///
+/// @code
+/// hw::AcquisitionOptions acquisition;
+/// acquisition.frames_per_volume = 60;
+/// const hw::AcquisitionPlan plan(hw::ProbeOptions{}, acquisition);
+/// const hw::StickIndex index = plan.index(1000);
+/// const double phi_rad = plan.motor_angle_rad(index);
+/// const hw::DeviceTime fired = plan.stick_time(plan.sequence(index));
+/// if (phi_rad > 0 && fired > hw::DeviceTime{}) return;
+/// @endcode
 class AcquisitionPlan {
  public:
   /// Throws InvalidOption.
@@ -81,46 +91,47 @@ class AcquisitionPlan {
   int sticks_per_volume() const {
     return acquisition_.sticks_per_frame * acquisition_.frames_per_volume;
   }
-  /// +1: the motor angle grows over this volume; -1: it falls (odd volumes of alternating).
+  /// +1: the motor angle increases over this volume; -1: it decreases (odd volumes of alternating).
   int sweep_direction(std::uint32_t volume) const;
-  /// Position of the stick in the stream, counting from 0: (volume F + turn) L + line, where turn
-  /// is the frame, or F - 1 - frame where the volume sweeps back.
+  /// Index of the stick in the stream, from 0: (volume F + f) L + line, where f is the frame, or
+  /// F - 1 - frame where the volume sweeps back.
   std::uint64_t sequence(const StickIndex& index) const;
-  /// The inverse of sequence().
+  /// Inverse of sequence().
   StickIndex index(std::uint64_t sequence) const;
   /// Sequence number of the volume's first stick.
   std::uint64_t first_sequence(std::uint32_t volume) const;
-  /// The stick of a volume that shows a place: of the frame and the line that lie nearest to it.
-  StickIndex nearest_stick(const PolarPoint& place, std::uint32_t volume) const;
+  /// The stick of the frame and the line nearest in angle to `point`.
+  StickIndex nearest_stick(const PolarPoint& point, std::uint32_t volume) const;
 
   double stick_period_s() const;
-  /// When the stick is fired: its sequence number times the period, and a fly-back for each volume
-  /// before its own, rounded once to a nanosecond, so that no error accumulates over a stream of
-  /// any length. Stays at the end of the device clock (292 years) for sticks beyond it.
+  /// Transmit time of the stick: its sequence number times the period, and a fly-back for each
+  /// earlier volume, rounded once to a nanosecond, so that no error accumulates. Saturates at the
+  /// end of the device clock (292 years).
   DeviceTime stick_time(std::uint64_t sequence) const;
-  /// When the last stick of the volume is complete: before the fly-back, if there is one.
+  /// End of the volume's last stick, before any fly-back.
   DeviceTime volume_end_time(std::uint32_t volume) const;
-  /// From the first stick of a volume to the first of the next: all sticks, and the fly-back if
-  /// there is one. What limits the volumes a second.
+  /// From the first stick of a volume to the first of the next, any fly-back included: the inverse
+  /// of the volume rate.
   DeviceDuration volume_duration() const;
 
-  /// Stick angle: lines 0 and L-1 lie on the edges of the sector; a lone line looks straight ahead.
+  /// Stick angle: lines 0 and L-1 lie on the edges of the sector; a single line has angle 0.
   double theta_rad(int line) const;
-  /// Motor angle of a frame (stepped), or of its middle (all other modes).
+  /// Motor angle of a frame (stepped), or of its centre (all other modes).
   double frame_phi_rad(int frame) const;
-  /// Motor angle in the middle of this stick. Stepped: frame_phi_rad(frame). Else the motor turns
-  /// one phi_step in each frame, from frame_phi - step / 2 to frame_phi + step / 2, so that frames
-  /// join without a jump and line l looks at frame_phi + direction ((l + 1/2) / L - 1/2) step.
+  /// Motor angle at the centre of the stick's time. Stepped: frame_phi_rad(frame). Else the motor
+  /// turns by phi_step in each frame, from frame_phi - step / 2 to frame_phi + step / 2, so that
+  /// frames join and line l is at frame_phi + direction ((l + 1/2) / L - 1/2) step.
   double motor_angle_rad(const StickIndex& index) const;
-  /// Angle between neighbouring sticks, neighbouring frames; 0 where there is only one.
+  /// Angle between neighbouring sticks or frames; 0 where there is only one.
   double theta_step_rad() const;
   double phi_step_rad() const;
 
   double sample_spacing_m() const { return acquisition_.depth_m / acquisition_.samples_per_stick; }
-  /// Range of a sample: its middle, (k + 1/2) d / N.
+  /// Range of the centre of sample k: (k + 1/2) d / N.
   double sample_range_m(int sample) const { return (sample + 0.5) * sample_spacing_m(); }
 
  private:
+  /// When so many sticks and fly-backs have passed.
   DeviceTime time_after(std::uint64_t sticks, std::uint64_t fly_backs) const;
 
   ProbeOptions probe_;

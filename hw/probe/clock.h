@@ -1,5 +1,5 @@
-// Two clocks that do not convert into each other: device time (virtual, exact, what the probe's
-// schedule says) and host time (the wall clock of the machine that runs this program).
+// Two clocks without a conversion between them: device time (virtual, exact, given by the
+// acquisition schedule) and host time (the steady clock of the machine that runs this program).
 #pragma once
 
 #include <chrono>
@@ -8,8 +8,8 @@
 
 namespace wobblebench::hw {
 
-/// The clock of the acquisition: nanoseconds since the first stick of the stream was fired.
-/// It has no `now()`; device time comes from the acquisition plan or from the wire.
+/// Clock of the acquisition: nanoseconds since the first stick of the stream was fired. It has no
+/// now(): device time comes from the acquisition plan or from the wire.
 struct DeviceClock {
   using rep = std::int64_t;
   using period = std::nano;
@@ -24,7 +24,18 @@ using DeviceDuration = DeviceClock::duration;
 using HostClock = std::chrono::steady_clock;
 using HostTime = HostClock::time_point;
 
-/// What time a link takes it to be: the host's, or that of a schedule that can be repeated.
+/// Source of the host time that a link uses: the steady clock, or virtual time in a derived class,
+/// for schedules that can be repeated.
+///
+/// @code
+/// struct VirtualTime : hw::HostTimeSource {
+///   hw::HostTime now() const override { return time; }
+///   hw::HostTime time{};
+/// };
+/// VirtualTime virtual_time;
+/// virtual_time.time += std::chrono::milliseconds(5);
+/// if (virtual_time.now() == hw::HostTime{}) return;
+/// @endcode
 class HostTimeSource {
  public:
   virtual ~HostTimeSource() = default;

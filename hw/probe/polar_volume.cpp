@@ -43,9 +43,9 @@ void PolarVolume::place(const Stick& stick) {
     throw std::invalid_argument("a stick of " + std::to_string(stick.samples.size()) +
                                 " samples where the plan has " + std::to_string(samples));
   }
-  const auto place =
+  const auto first =
       frame.samples.begin() + static_cast<std::ptrdiff_t>(stick.index.line * samples);
-  std::copy(stick.samples.begin(), stick.samples.end(), place);
+  std::copy(stick.samples.begin(), stick.samples.end(), first);
   frame.motor_angle_rad[stick.index.line] = stick.motor_angle_rad;
   arrived = 1;
   scale_ = stick.scale;

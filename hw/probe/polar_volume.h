@@ -1,4 +1,4 @@
-// Sticks put in their places: polar frames and the volume that they make.
+// Polar frames and volumes, assembled from sticks.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +9,31 @@
 
 namespace wobblebench::hw {
 
-/// One image plane: sticks_per_frame x samples_per_stick samples, stick after stick.
+/// One image plane, sticks_per_frame x samples_per_stick samples.
 struct PolarFrame {
   std::vector<float> samples;           ///< [line * samples_per_stick + sample]
-  std::vector<std::uint8_t> arrived;    ///< per line; a lost line holds zeros
-  std::vector<double> motor_angle_rad;  ///< per line; the plan's angle where the line is lost
+  std::vector<std::uint8_t> arrived;    ///< [line]; 0: lost, its samples are zero
+  std::vector<double> motor_angle_rad;  ///< [line]; the plan's where lost
 };
 
-/// All frames of one volume. A lost stick stays zero and is marked, never filled with old data.
+/// All frames of one volume. The samples of a lost stick are zero, and it is marked as lost.
+///
+/// @code
+/// const hw::AcquisitionPlan plan({}, {});
+/// hw::PolarVolume volume(plan);
+/// hw::Stick stick;
+/// stick.samples.resize(static_cast<std::size_t>(plan.acquisition().samples_per_stick));
+/// volume.place(stick);
+/// if (volume.missing_sticks() == plan.sticks_per_volume() - 1) return;
+/// @endcode
 class PolarVolume {
  public:
-  /// Empty. `volume` is its index in the stream, from 0.
+  /// All sticks missing. `volume` is the index in the stream, from 0.
   explicit PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume = 0);
 
-  /// Puts a stick in its place, whichever turn it had. Throws std::out_of_range for an index
-  /// outside the plan, which the board does not let through, or of another volume;
-  /// std::invalid_argument for a wrong number of samples.
+  /// Copies the stick to its frame and line, in any order. Throws std::out_of_range for an index
+  /// outside the plan (which the board rejects before) or of another volume, std::invalid_argument
+  /// for a wrong number of samples.
   void place(const Stick& stick);
 
   const AcquisitionPlan& plan() const { return plan_; }
@@ -32,7 +41,7 @@ class PolarVolume {
   const PolarFrame& frame(int index) const { return frames_.at(static_cast<std::size_t>(index)); }
   int missing_sticks() const;
   SampleScale scale() const { return scale_; }
-  /// Which volume of the stream this is.
+  /// Index in the stream, from 0.
   std::uint32_t volume_index() const { return volume_index_; }
 
  private:

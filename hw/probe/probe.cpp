@@ -23,20 +23,20 @@ ProbeGeometry::ProbeGeometry(const ProbeOptions& options)
 
 glm::dvec3 ProbeGeometry::to_cartesian(const PolarPoint& point) const {
   const double r = a_ + point.range_m;
-  // Distance in the image plane from the wobble axis; negative behind it.
-  const double lever = r * std::cos(point.theta_rad) - b_;
+  // Signed, in the image plane from the wobble axis; negative behind it.
+  const double axis_distance = r * std::cos(point.theta_rad) - b_;
   return {r * std::sin(point.theta_rad),
-          -lever * std::sin(point.phi_rad),
-          b_ + lever * std::cos(point.phi_rad)};
+          -axis_distance * std::sin(point.phi_rad),
+          b_ + axis_distance * std::cos(point.phi_rad)};
 }
 
 PolarPoint ProbeGeometry::to_polar(const glm::dvec3& position_m) const {
   const double height = position_m.z - b_;
-  // cos(phi) > 0, so the sign of the height above the axis is the sign of the lever.
+  // cos(phi) > 0, so the sign of the height above the axis is the sign of the distance.
   const double side = height < 0 ? -1.0 : 1.0;
-  const double lever = side * std::hypot(position_m.y, height);
-  const double depth = b_ + lever;  // r cos(theta)
-  const double phi = lever == 0 ? 0.0 : std::atan2(-side * position_m.y, side * height);
+  const double axis_distance = side * std::hypot(position_m.y, height);
+  const double depth = b_ + axis_distance;  // r cos(theta)
+  const double phi = axis_distance == 0 ? 0.0 : std::atan2(-side * position_m.y, side * height);
   return {std::hypot(position_m.x, depth) - a_, std::atan2(position_m.x, depth), phi};
 }
 

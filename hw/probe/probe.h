@@ -11,8 +11,8 @@
 
 namespace wobblebench::hw {
 
-/// What the probe is. Defaults: the paper's settings where it gives them, else acquisition notes
-/// in docs/references.md.
+/// Geometry and bandwidth of the probe. Defaults: the paper's settings where it gives them, else
+/// acquisition notes in docs/references.md.
 struct ProbeOptions {
   double radius_m = 40e-3;         ///< radius of curvature of the face, "a"
   double wobble_radius_m = 27e-3;  ///< the wobble axis lies this far behind the face, "w" <= a
@@ -48,14 +48,14 @@ void describe(O& o, Visitor& v) {
 /// Throws InvalidOption for a field out of range, or a wobble radius beyond the face's radius.
 void validate(const ProbeOptions& options);
 
-/// A place as the probe sees it.
+/// A point in the probe's polar coordinates.
 struct PolarPoint {
   double range_m = 0;    ///< along the stick from the face; 0 on the face
   double theta_rad = 0;  ///< stick angle in the image plane, positive towards +x
   double phi_rad = 0;    ///< motor angle of the image plane, positive towards -y
 };
 
-/// A straight line of sight: origin on the face, unit direction.
+/// The axis of a stick, probe frame, m: origin on the face, unit direction.
 struct Ray {
   glm::dvec3 origin{0};
   glm::dvec3 direction{0, 0, 1};
@@ -66,16 +66,28 @@ struct Ray {
 ///   x = r sin(theta), y = -(r cos(theta) - b) sin(phi), z = b (1 - cos(phi)) + r cos(theta)
 ///   cos(phi)
 /// with r = a + range and b = a - w (as public readers of GE Kretz volumes decode them).
+///
+/// @code
+/// const hw::ProbeGeometry geometry{hw::ProbeOptions{}};
+/// const hw::PolarPoint point{.range_m = 0.06, .theta_rad = 10 * kDegree, .phi_rad = 0};
+/// const glm::dvec3 position_m = geometry.to_cartesian(point);
+/// const hw::PolarPoint same = geometry.to_polar(position_m);
+/// const hw::Ray axis = geometry.stick(same.theta_rad, same.phi_rad);
+/// const glm::dvec3 also_m = axis.at(same.range_m);
+/// if (also_m == position_m) return;
+/// @endcode
 class ProbeGeometry {
  public:
+  /// Throws InvalidOption.
   explicit ProbeGeometry(const ProbeOptions& options);
 
   glm::dvec3 to_cartesian(const PolarPoint& point) const;
 
-  /// The inverse, unique for |theta|, |phi| < 90 deg. On the wobble axis phi is undefined; 0 is
-  /// given.
+  /// Inverse of to_cartesian(), unique for |theta|, |phi| < 90 deg. On the wobble axis phi is
+  /// undefined; returns 0.
   PolarPoint to_polar(const glm::dvec3& position_m) const;
 
+  /// Axis of the stick at these angles.
   Ray stick(double theta_rad, double phi_rad) const;
 
   double radius_m() const { return a_; }

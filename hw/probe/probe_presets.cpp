@@ -6,7 +6,7 @@
 namespace wobblebench::hw {
 namespace {
 
-/// What the centres of the first and the last element span, seen from the centre of curvature.
+/// Angle between the centres of the first and the last element at the centre of curvature.
 double sector_of_elements_rad(const ProbeOptions& probe) {
   return (probe.elements - 1) * probe.pitch_m / probe.radius_m;
 }

@@ -1,4 +1,4 @@
-// Probes by name.
+// Probe options by name.
 #pragma once
 
 #include <string_view>
@@ -8,14 +8,14 @@
 namespace wobblebench::hw {
 
 enum class ProbePreset {
-  standard,       ///< "default": what ProbeOptions holds
+  standard,       ///< "default": the defaults of ProbeOptions
   c5_2v,          ///< "c5-2v"
   curvilinear_60  ///< "curvilinear-60"
 };
 
-/// What is known of a probe, and what had to be assumed.
+/// A probe's options and their sources.
 struct ProbePresetData {
-  /// Where the figures come from; behind "assumed:" those that the source does not give.
+  /// Source of the values; after "assumed:" those that the source does not give.
   std::string_view source;
   ProbeOptions probe;
   double sector_rad;
@@ -23,8 +23,17 @@ struct ProbePresetData {
 
 const ProbePresetData& probe_preset(ProbePreset preset);
 
-/// A probe that begins as a preset: a visitor of its description that reads another preset gets
-/// that one's values as defaults for the keys that follow.
+/// Probe options that start from a preset: where a visitor sets `preset`, that preset's values are
+/// the defaults of the keys that follow.
+///
+/// @code
+/// const hw::ProbePresetData& data = hw::probe_preset(hw::ProbePreset::c5_2v);
+/// hw::NamedProbeOptions probe;
+/// static_cast<hw::ProbeOptions&>(probe) = data.probe;
+/// probe.preset = hw::ProbePreset::c5_2v;
+/// probe.f_number = 2.5;
+/// hw::validate(probe);
+/// @endcode
 struct NamedProbeOptions : ProbeOptions {
   ProbePreset preset = ProbePreset::standard;
 };

@@ -1,4 +1,4 @@
-// One image stick: the detected samples along one line of sight, as the board delivers them.
+// One stick (scan line): the detected samples along one beam axis, as the board delivers them.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::hw {
 
-/// What the samples of a stick are.
+/// Scale of a stick's samples.
 enum class SampleScale : std::uint8_t {
   log_compressed = 0,  ///< [0, 1] over the dynamic range
   linear_envelope = 1,
@@ -22,8 +22,8 @@ struct Stick {
   double motor_angle_rad = 0;
   int sweep_direction = 1;  ///< +1: phi grows over the volume, -1: it falls
   SampleScale scale = SampleScale::log_compressed;
-  bool checked = true;         ///< false: the source sent no CRC, so that damage would not show
-  std::vector<float> samples;  ///< samples_per_stick of them, nearest range first
+  bool checked = true;         ///< false: the source sent no CRC, damage would not be detected
+  std::vector<float> samples;  ///< [samples_per_stick], nearest range first
 };
 
 }  // namespace wobblebench::hw

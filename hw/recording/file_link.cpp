@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "base/options.h"
+#include "hw/link/interruptible_wait.h"
+#include "hw/probe/acquisition_plan.h"
+#include "hw/recording/recording_reader.h"
 
 namespace wobblebench::hw {
 namespace {
 
-/// No time of a sound recording is further from its first; a wilder one does not stop the clock.
+/// Upper limit of a packet's time after the first: a damaged time must not stop the stream.
 constexpr DeviceDuration kLongestRecording = std::chrono::hours(24 * 365);
 
 /// `duration` is not negative.
@@ -21,22 +27,90 @@ DeviceTime saturated_sum(DeviceTime time, DeviceDuration duration) {
 
 }  // namespace
 
+class FileLink::Impl {
+ public:
+  Impl(const std::filesystem::path& path, const FileLinkOptions& options);
+
+  ReadResult read(std::span<std::byte> buffer, HostTime deadline);
+
+  InterruptibleWait wait;
+  std::string loss;  ///< empty: as Link::loss()
+
+ private:
+  /// Length of a loop's repetition, or of all turns so far.
+  struct LoopLength {
+    std::uint64_t sticks = 0;
+    std::uint32_t volumes = 0;
+  };
+  struct Epoch {
+    HostTime host;
+    DeviceTime device;
+  };
+
+  std::uint64_t find_volume(std::uint32_t volume) const;
+  LoopLength measure_repetition();
+  ReadResult read_raw(std::span<std::byte> buffer);
+  ReadResult read_packets(std::span<std::byte> buffer, HostTime deadline);
+  bool take_packet();
+  void take_end();
+  HostTime due(DeviceTime time);
+
+  const FileLinkOptions options_;
+  const RecordingFile file_;
+  std::uint64_t start_ = 0;     ///< file offset of the first packet
+  std::uint64_t offset_ = 0;    ///< file offset of the next raw byte
+  std::uint64_t raw_left_ = 0;  ///< bytes of damage to copy before packet_
+  LoopLength repetition_;
+  LoopLength done_;                        ///< added to each stamp
+  std::optional<AcquisitionPlan> plan_;    ///< in a loop
+  std::optional<RecordingReader> reader_;  ///< none: the end was reached
+  std::vector<std::byte> packet_;
+  std::size_t delivered_ = 0;  ///< bytes of packet_
+  HostTime packet_due_{};
+  std::optional<Epoch> epoch_;  ///< of the first packet
+};
+
 FileLink::FileLink(const std::filesystem::path& path, const FileLinkOptions& options)
-    : options_(options), file_(path) {
-  check_options(options);
-  if (options.start_volume > 0) {
-    start_ = find_volume(static_cast<std::uint32_t>(options.start_volume));
-  }
-  if (options.loop) turn_ = measure_turn();
-  offset_ = start_;
-  reader_.emplace(file_, start_);
+    : impl_(std::make_unique<Impl>(path, options)) {}
+
+FileLink::~FileLink() = default;
+
+ReadResult FileLink::read(std::span<std::byte> buffer, HostTime deadline) {
+  return impl_->read(buffer, deadline);
+}
+
+void FileLink::cancel() {
+  impl_->wait.cancel();
+}
+
+void FileLink::resume() {
+  impl_->wait.resume();
+}
+
+void FileLink::close() {
+  impl_->wait.close();
 }
 
 LinkCapabilities FileLink::capabilities() const {
   return {.origin = StreamOrigin::recording, .copy_in = true, .waits_for_reader = true};
 }
 
-std::uint64_t FileLink::find_volume(std::uint32_t volume) const {
+std::string FileLink::loss() const {
+  return impl_->loss.empty() ? Link::loss() : impl_->loss;
+}
+
+FileLink::Impl::Impl(const std::filesystem::path& path, const FileLinkOptions& options)
+    : options_(options), file_(path) {
+  check_options(options);
+  if (options.start_volume > 0) {
+    start_ = find_volume(static_cast<std::uint32_t>(options.start_volume));
+  }
+  if (options.loop) repetition_ = measure_repetition();
+  offset_ = start_;
+  reader_.emplace(file_, start_);
+}
+
+std::uint64_t FileLink::Impl::find_volume(std::uint32_t volume) const {
   RecordingReader reader(file_);
   std::optional<std::uint32_t> last;
   while (const auto recorded = reader.next()) {
@@ -53,7 +127,7 @@ std::uint64_t FileLink::find_volume(std::uint32_t volume) const {
           (last ? ", whose last is " + std::to_string(*last) : ", which holds no configuration"));
 }
 
-FileLink::Turn FileLink::measure_turn() {
+FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
   const auto refuse = [&](const std::string& why) {
     throw InvalidOption("loop", "true", file_.path().string() + " cannot be repeated: " + why);
   };
@@ -74,71 +148,71 @@ FileLink::Turn FileLink::measure_turn() {
   }
   if (!first) refuse("it holds no configuration");
   plan_.emplace(first->probe, first->acquisition);
-  Turn turn;
-  turn.volumes = last - std::min(last, first->volume) + 1;
-  if (first->acquisition.motor == MotorMode::alternating && turn.volumes % 2 != 0) {
+  LoopLength repetition;
+  repetition.volumes = last - std::min(last, first->volume) + 1;
+  if (first->acquisition.motor == MotorMode::alternating && repetition.volumes % 2 != 0) {
     refuse("the motor alternates, and it holds an odd number of volumes");
   }
-  turn.sticks = static_cast<std::uint64_t>(plan_->sticks_per_volume()) * turn.volumes;
-  return turn;
+  repetition.sticks = static_cast<std::uint64_t>(plan_->sticks_per_volume()) * repetition.volumes;
+  return repetition;
 }
 
-ReadResult FileLink::read(std::span<std::byte> buffer, HostTime deadline) {
-  if (const auto ended = waiting_.ended()) return {0, *ended};
+ReadResult FileLink::Impl::read(std::span<std::byte> buffer, HostTime deadline) {
+  if (const auto interrupted = wait.interrupted()) return {0, *interrupted};
   try {
-    const bool as_it_is = options_.pace == Pace::asap && !options_.loop;
-    return as_it_is ? read_raw(buffer) : read_packets(buffer, deadline);
+    const bool unchanged = options_.pace == Pace::asap && !options_.loop;
+    return unchanged ? read_raw(buffer) : read_packets(buffer, deadline);
   } catch (const std::exception& error) {
-    loss_ = error.what();
+    loss = error.what();
     return {0, ReadStatus::lost};
   }
 }
 
-ReadResult FileLink::read_raw(std::span<std::byte> buffer) {
+ReadResult FileLink::Impl::read_raw(std::span<std::byte> buffer) {
   const std::size_t count = file_.read(offset_, buffer);
   offset_ += count;
   return {count, count > 0 ? ReadStatus::ok : ReadStatus::end_of_stream};
 }
 
-ReadResult FileLink::read_packets(std::span<std::byte> buffer, HostTime deadline) {
-  while (as_it_is_ == 0 && given_ == packet_.size()) {
+ReadResult FileLink::Impl::read_packets(std::span<std::byte> buffer, HostTime deadline) {
+  while (raw_left_ == 0 && delivered_ == packet_.size()) {
     if (!take_packet()) return {0, ReadStatus::end_of_stream};
   }
-  if (as_it_is_ > 0) {
-    const auto most = std::min<std::uint64_t>(buffer.size(), as_it_is_);
+  if (raw_left_ > 0) {
+    const auto most = std::min<std::uint64_t>(buffer.size(), raw_left_);
     const ReadResult result = read_raw(buffer.first(static_cast<std::size_t>(most)));
-    as_it_is_ = result.status == ReadStatus::ok ? as_it_is_ - result.bytes : 0;
+    raw_left_ = result.status == ReadStatus::ok ? raw_left_ - result.bytes : 0;
     return result;
   }
   if (options_.pace == Pace::realtime && packet_due_ > HostClock::now()) {
-    waiting_.sleep_until(std::min(packet_due_, deadline));
-    if (const auto ended = waiting_.ended()) return {0, *ended};
+    wait.sleep_until(std::min(packet_due_, deadline));
+    if (const auto interrupted = wait.interrupted()) return {0, *interrupted};
     if (packet_due_ > HostClock::now()) return {0, ReadStatus::timeout};
   }
-  const std::size_t count = std::min(buffer.size(), packet_.size() - given_);
-  std::copy_n(packet_.begin() + static_cast<std::ptrdiff_t>(given_), count, buffer.begin());
-  given_ += count;
+  const std::size_t count = std::min(buffer.size(), packet_.size() - delivered_);
+  std::copy_n(packet_.begin() + static_cast<std::ptrdiff_t>(delivered_), count, buffer.begin());
+  delivered_ += count;
   return {count, ReadStatus::ok};
 }
 
-/// Takes the next packet, and the damage before it. False at the end.
-bool FileLink::take_packet() {
+/// Reads the next packet, and the extent of the damage before it. False at the end.
+bool FileLink::Impl::take_packet() {
   if (!reader_) return false;
-  given_ = 0;
+  delivered_ = 0;
   packet_.clear();
   const auto recorded = reader_->next();
   if (!recorded) {
     take_end();
     return true;
   }
-  as_it_is_ = recorded->damage_before;
-  offset_ = recorded->offset - as_it_is_;
+  raw_left_ = recorded->damage_before;
+  offset_ = recorded->offset - raw_left_;
   packet_.assign(recorded->bytes.begin(), recorded->bytes.end());
   PacketStamp stamp = packet_stamp(packet_);
   if (options_.loop) {
     stamp.sequence += done_.sticks;
     stamp.volume += done_.volumes;
-    // From the start each time, so that no rounding adds up.
+    // Computed from the start each time, so that rounding does not accumulate.
     stamp.time = saturated_sum(stamp.time, plan_->stick_time(done_.sticks).time_since_epoch());
     restamp(packet_, stamp);
   }
@@ -146,18 +220,18 @@ bool FileLink::take_packet() {
   return true;
 }
 
-/// Takes the damage at the end, and turns back where the recording is repeated.
-void FileLink::take_end() {
-  as_it_is_ = reader_->damage_at_end();
-  offset_ = file_.bytes() - as_it_is_;
+/// Reads the extent of the damage at the end, and starts the next repetition of a loop.
+void FileLink::Impl::take_end() {
+  raw_left_ = reader_->damage_at_end();
+  offset_ = file_.bytes() - raw_left_;
   reader_.reset();
   if (!options_.loop) return;
-  done_.sticks += turn_.sticks;
-  done_.volumes += turn_.volumes;
+  done_.sticks += repetition_.sticks;
+  done_.volumes += repetition_.volumes;
   reader_.emplace(file_, start_);
 }
 
-HostTime FileLink::due(DeviceTime time) {
+HostTime FileLink::Impl::due(DeviceTime time) {
   if (!epoch_) epoch_ = {HostClock::now(), time};
   const DeviceTime last = saturated_sum(epoch_->device, kLongestRecording);
   return epoch_->host + (std::clamp(time, epoch_->device, last) - epoch_->device);

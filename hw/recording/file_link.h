@@ -1,23 +1,22 @@
-// A recording as a board's link.
+// A link that reads a recording.
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <vector>
+#include <memory>
+#include <string>
 
+#include "base/options.h"
 #include "hw/link/link.h"
 #include "hw/link/pace.h"
-#include "hw/link/waiting.h"
-#include "hw/probe/acquisition_plan.h"
-#include "hw/recording/recording_reader.h"
 
 namespace wobblebench::hw {
 
 struct FileLinkOptions {
   Pace pace = Pace::asap;
-  /// Begin again after the end, for ever: numbers and times go on as if the probe went on.
+  /// Repeat without end; sequence numbers, volumes and times continue from one repetition to the
+  /// next.
   bool loop = false;
-  int start_volume = 0;  ///< begin at this volume's configuration
+  int start_volume = 0;  ///< starts at this volume's configuration
 };
 
 template <OptionsOf<FileLinkOptions> O, class Visitor>
@@ -27,55 +26,37 @@ void describe(O& o, Visitor& v) {
   v.integer("start_volume", o.start_volume, 0, 1 << 30);
 }
 
-/// Gives the file's bytes as they are, damage too; while looping, packets are restamped. It waits
+/// Delivers the file's bytes unchanged, damage included; in a loop, packets get new stamps. Waits
 /// for its reader at either pace.
+///
+/// @code
+/// #include "hw/board/board.h"
+/// hw::FileLinkOptions options;
+/// options.pace = hw::Pace::realtime;
+/// options.loop = true;
+/// hw::Board board(std::make_unique<hw::FileLink>("scan.wbst", options));
+/// board.start();
+/// const hw::Event first = board.next(hw::HostTime::max());
+/// if (std::holds_alternative<hw::EndOfStream>(first)) board.close();
+/// @endcode
 class FileLink : public Link {
  public:
   /// Throws LinkOpenError; InvalidOption for a volume that the recording does not hold, and for a
-  /// loop over a recording that cannot go on after its end.
+  /// loop over a recording that cannot be repeated.
   explicit FileLink(const std::filesystem::path& path, const FileLinkOptions& options = {});
+  ~FileLink() override;
 
   ReadResult read(std::span<std::byte> buffer, HostTime deadline) override;
-  void cancel() override { waiting_.cancel(); }
-  void resume() override { waiting_.resume(); }
-  void close() override { waiting_.close(); }
+  void cancel() override;
+  void resume() override;
+  void close() override;
   LinkCapabilities capabilities() const override;
-  std::string loss() const override { return loss_.empty() ? Link::loss() : loss_; }
+  std::string loss() const override;
 
  private:
-  /// One turn of the loop, and all turns done: what is added to each stamp.
-  struct Turn {
-    std::uint64_t sticks = 0;
-    std::uint32_t volumes = 0;
-  };
+  class Impl;
 
-  std::uint64_t find_volume(std::uint32_t volume) const;
-  Turn measure_turn();
-  ReadResult read_raw(std::span<std::byte> buffer);
-  ReadResult read_packets(std::span<std::byte> buffer, HostTime deadline);
-  bool take_packet();
-  void take_end();
-  HostTime due(DeviceTime time);
-
-  const FileLinkOptions options_;
-  const RecordingFile file_;
-  Waiting waiting_;
-  std::string loss_;
-  std::uint64_t start_ = 0;     ///< of the first packet, in the file
-  std::uint64_t offset_ = 0;    ///< of the next byte that is given as it is …
-  std::uint64_t as_it_is_ = 0;  ///< … and how many are, before packet_
-  Turn turn_;                   ///< of the loop
-  Turn done_;
-  std::optional<AcquisitionPlan> plan_;    ///< while looping
-  std::optional<RecordingReader> reader_;  ///< none: the end was reached
-  std::vector<std::byte> packet_;
-  std::size_t given_ = 0;  ///< bytes of packet_
-  HostTime packet_due_{};
-  struct Epoch {
-    HostTime host;
-    DeviceTime device;
-  };
-  std::optional<Epoch> epoch_;
+  const std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace wobblebench::hw

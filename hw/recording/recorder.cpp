@@ -8,42 +8,83 @@
 #include <vector>
 
 #include "base/options.h"
+#include "hw/wire/decoder.h"
+#include "hw/wire/stream_audit.h"
 
 namespace wobblebench::hw {
 namespace {
 
 constexpr std::size_t kChunkBytes = 65536;
-constexpr auto kBetweenQuestions = std::chrono::milliseconds(100);
+constexpr auto kStopPollInterval = std::chrono::milliseconds(100);
 
 }  // namespace
 
+class Recorder::Impl {
+ public:
+  Impl(Link& link, Sink sink, const RecorderOptions& options)
+      : link_(link), sink_(std::move(sink)), options_(options) {
+    check_options(options);
+  }
+
+  RecordingEnd run(const std::function<bool()>& stop_requested,
+                   const std::function<void(const RecordingProgress&)>& after_volume);
+  const RecordingProgress& progress() const { return progress_; }
+
+ private:
+  bool has_all_volumes() const {
+    return options_.volumes > 0 &&
+           progress_.volumes >= static_cast<std::uint64_t>(options_.volumes);
+  }
+  /// Returns the number of leading bytes of the chunk that belong to the recording: all, unless the
+  /// last volume ends within.
+  std::size_t audit_chunk(std::span<const std::byte> chunk);
+  /// True if the packet ends a volume.
+  bool audit_packet(const Packet& packet);
+
+  Link& link_;
+  const Sink sink_;
+  const RecorderOptions options_;
+  PacketFramer framer_;
+  StreamAudit audit_;
+  std::uint64_t fed_ = 0;  ///< bytes given to framer_
+  RecordingProgress progress_;
+};
+
 Recorder::Recorder(Link& link, Sink sink, const RecorderOptions& options)
-    : link_(link), sink_(std::move(sink)), options_(options) {
-  check_options(options);
+    : impl_(std::make_unique<Impl>(link, std::move(sink), options)) {}
+
+Recorder::~Recorder() = default;
+
+RecordingEnd Recorder::run(const std::function<bool()>& stop_requested,
+                           const std::function<void(const RecordingProgress&)>& after_volume) {
+  return impl_->run(stop_requested, after_volume);
 }
 
-RecordingEnd Recorder::run(const std::function<bool()>& asked,
-                           const std::function<void(const RecordingProgress&)>& after_volume) {
+const RecordingProgress& Recorder::progress() const {
+  return impl_->progress();
+}
+
+RecordingEnd Recorder::Impl::run(
+    const std::function<bool()>& stop_requested,
+    const std::function<void(const RecordingProgress&)>& after_volume) {
   std::vector<std::byte> chunk(kChunkBytes);
   for (;;) {
-    if (asked()) return RecordingEnd::asked;
-    const ReadResult result = link_.read(chunk, HostClock::now() + kBetweenQuestions);
-    const auto came = std::span(chunk).first(result.bytes);
+    if (stop_requested()) return RecordingEnd::stop_requested;
+    const ReadResult result = link_.read(chunk, HostClock::now() + kStopPollInterval);
+    const auto received = std::span(chunk).first(result.bytes);
     const std::uint64_t volumes = progress_.volumes;
-    const std::size_t ours = audit(came);
-    sink_(came.first(ours));
-    progress_.bytes += ours;
+    const std::size_t recorded = audit_chunk(received);
+    sink_(received.first(recorded));
+    progress_.bytes += recorded;
     if (after_volume && progress_.volumes > volumes) after_volume(progress_);
-    if (options_.volumes > 0 && progress_.volumes >= static_cast<std::uint64_t>(options_.volumes)) {
-      return RecordingEnd::volumes;
-    }
+    if (has_all_volumes()) return RecordingEnd::volumes;
     if (result.status == ReadStatus::end_of_stream) return RecordingEnd::end_of_stream;
     if (result.status == ReadStatus::lost) return RecordingEnd::lost;
-    if (result.status == ReadStatus::cancelled) return RecordingEnd::asked;
+    if (result.status == ReadStatus::cancelled) return RecordingEnd::stop_requested;
   }
 }
 
-std::size_t Recorder::audit(std::span<const std::byte> chunk) {
+std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk) {
   framer_.feed(chunk);
   const std::uint64_t before = std::exchange(fed_, fed_ + chunk.size());
   while (const auto frame = framer_.next()) {
@@ -52,32 +93,36 @@ std::size_t Recorder::audit(std::span<const std::byte> chunk) {
     }
     const auto packet = is_known_kind(frame->bytes) ? parse_packet(frame->bytes) : std::nullopt;
     if (!packet) {
-      if (is_known_kind(frame->bytes)) framer_.refuse();
+      if (is_known_kind(frame->bytes)) framer_.reject_last();
       continue;
     }
-    if (framer_.damage().places != progress_.damage.places) audit_.note_damage();
-    progress_.damage = framer_.damage();
-    const bool ends_volume = std::visit(
-        [this](const auto& kind) {
-          using Kind = std::decay_t<decltype(kind)>;
-          if constexpr (std::is_same_v<Kind, StickPacket>) {
-            if (audit_.take(kind.stick).accepted) audit_.deliver();
-            return false;
-          } else {
-            return audit_.take(kind).accepted && std::is_same_v<Kind, VolumeEndPacket>;
-          }
-        },
-        *packet);
-    progress_.account = audit_.account();
-    progress_.configuration = audit_.configuration();
-    if (!ends_volume) continue;
+    if (!audit_packet(*packet)) continue;
     ++progress_.volumes;
-    if (options_.volumes > 0 && progress_.volumes >= static_cast<std::uint64_t>(options_.volumes)) {
+    if (has_all_volumes()) {
       return static_cast<std::size_t>(frame->offset + frame->bytes.size() - before);
     }
   }
   progress_.damage = framer_.damage();
   return chunk.size();
+}
+
+bool Recorder::Impl::audit_packet(const Packet& packet) {
+  if (framer_.damage().regions != progress_.damage.regions) audit_.note_damage();
+  progress_.damage = framer_.damage();
+  const bool ends_volume = std::visit(
+      [this](const auto& kind) {
+        using Kind = std::decay_t<decltype(kind)>;
+        if constexpr (std::is_same_v<Kind, StickPacket>) {
+          if (audit_.take(kind.stick).accepted) audit_.deliver();
+          return false;
+        } else {
+          return audit_.take(kind).accepted && std::is_same_v<Kind, VolumeEndPacket>;
+        }
+      },
+      packet);
+  progress_.account = audit_.account();
+  progress_.configuration = audit_.configuration();
+  return ends_volume;
 }
 
 }  // namespace wobblebench::hw

@@ -1,19 +1,22 @@
-// Writes what a link sends, as it comes, and keeps account of it.
+// Records the bytes of a link and counts its losses.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 
+#include "base/options.h"
 #include "hw/link/link.h"
-#include "hw/wire/decoder.h"
-#include "hw/wire/stream_audit.h"
+#include "hw/wire/account.h"
+#include "hw/wire/configuration.h"
 
 namespace wobblebench::hw {
 
 struct RecorderOptions {
-  int volumes = 0;  ///< stop after this many volume ends; 0: when the link ends
+  int volumes = 0;  ///< stop after this many volume ends; 0: at the end of the stream
 };
 
 template <OptionsOf<RecorderOptions> O, class Visitor>
@@ -22,7 +25,7 @@ void describe(O& o, Visitor& v) {
 }
 
 /// Why a recording ended.
-enum class RecordingEnd { volumes, end_of_stream, lost, asked };
+enum class RecordingEnd { volumes, end_of_stream, lost, stop_requested };
 
 struct RecordingProgress {
   std::uint64_t bytes = 0;  ///< given to the sink
@@ -32,33 +35,41 @@ struct RecordingProgress {
   std::optional<Configuration> configuration;
 };
 
-/// One thread uses it.
+/// Used by one thread.
+///
+/// @code
+/// #include "hw/recording/file_link.h"
+/// hw::FileLink link("scan.wbst");
+/// std::vector<std::byte> bytes;
+/// const auto append = [&](auto part) { bytes.insert(bytes.end(), part.begin(), part.end()); };
+/// hw::Recorder recorder(link, append, {.volumes = 10});
+/// const hw::RecordingEnd end = recorder.run([] { return false; });
+/// if (end == hw::RecordingEnd::lost) throw std::runtime_error(link.loss());
+/// @endcode
 class Recorder {
  public:
-  /// `sink` is given all bytes in order; what it throws ends the recording and passes through.
+  /// Called with all bytes in order; an exception of it ends the recording and is passed on.
   using Sink = std::function<void(std::span<const std::byte>)>;
+  /// `link` must outlive this. Throws InvalidOption.
   Recorder(Link& link, Sink sink, const RecorderOptions& options = {});
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
 
-  /// Reads until the end, or until `asked()` is true, which is looked at ten times a second at
-  /// least. With a bound the recording ends with the last volume's end, else where the link's bytes
-  /// do; `after_volume`, if given, is called after each volume end was given to the sink.
+  /// Reads until the end, or until `stop_requested()`, called at least ten times a second, returns
+  /// true. With a number of volumes the recording ends with the last one's end, else with the
+  /// link's bytes; `after_volume`, if given, is called after each volume end was given to the sink.
   /// Throws UnsupportedWireVersion, std::runtime_error for an impossible configuration.
-  RecordingEnd run(const std::function<bool()>& asked,
-                   const std::function<void(const RecordingProgress&)>& after_volume = {});
+  [[nodiscard]] RecordingEnd run(
+      const std::function<bool()>& stop_requested,
+      const std::function<void(const RecordingProgress&)>& after_volume = {});
 
-  const RecordingProgress& progress() const { return progress_; }
+  const RecordingProgress& progress() const;
 
  private:
-  /// Bytes of the chunk that belong to the recording; all, unless it ends within.
-  std::size_t audit(std::span<const std::byte> chunk);
+  class Impl;
 
-  Link& link_;
-  const Sink sink_;
-  const RecorderOptions options_;
-  PacketFramer framer_;
-  StreamAudit audit_;
-  std::uint64_t fed_ = 0;
-  RecordingProgress progress_;
+  const std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace wobblebench::hw

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hw/recording/recording_reader.h"
+#include "hw/wire/stream_audit.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -10,18 +11,18 @@ namespace {
 constexpr std::uint64_t kProgressBytes = 16 << 20;
 
 template <class T>
-void list(std::vector<T>& faults, const T& fault) {
+void append_fault(std::vector<T>& faults, const T& fault) {
   if (faults.size() < RecordingContents::kListedFaults) faults.push_back(fault);
 }
 
-/// Goes through a recording and fills in what it holds.
+/// Fills RecordingContents from the packets of a recording.
 class Inspection {
  public:
   explicit Inspection(RecordingContents& contents) : contents_(contents) {}
 
-  void damage(const DamagedPlace& place) {
+  void damage(const DamagedRegion& region) {
     audit_.note_damage();
-    list(contents_.places, place);
+    append_fault(contents_.damaged_regions, region);
   }
 
   void take(const Packet& packet) {
@@ -33,41 +34,41 @@ class Inspection {
  private:
   void take_kind(const ConfigurationPacket& packet) {
     ++contents_.configurations;
-    const Audited audited = audit_.take(packet);
-    note(audited);
-    if (audited.accepted && contents_.configuration) contents_.one_plan = false;
+    const AuditResult result = audit_.take(packet);
+    note(result);
+    if (result.accepted && contents_.configuration) contents_.one_plan = false;
     if (!contents_.configuration) contents_.configuration = audit_.configuration();
   }
 
   void take_kind(const StickPacket& packet) {
     ++contents_.sticks;
-    const std::uint64_t passed_over = late_or_again();
-    const Audited audited = audit_.take(packet.stick);
-    note(audited);
-    if (audited.accepted) {
+    const std::uint64_t skipped_before = late_or_repeated();
+    const AuditResult result = audit_.take(packet.stick);
+    note(result);
+    if (result.accepted) {
       audit_.deliver();
       ++volume(packet.stick.index.volume).sticks;
     } else if (!audit_.configuration()) {
       ++contents_.unconfigured;
-    } else if (late_or_again() == passed_over) {
-      // Neither next nor late nor repeated: its content contradicts the plan.
+    } else if (late_or_repeated() == skipped_before) {
+      // Neither next, late nor repeated: it contradicts the plan.
       ++contents_.contradictions;
     }
   }
 
   void take_kind(const VolumeEndPacket& packet) {
     ++contents_.volume_ends;
-    const Audited audited = audit_.take(packet);
-    note(audited);
-    if (audited.accepted) volume(packet.volume).closed = true;
+    const AuditResult result = audit_.take(packet);
+    note(result);
+    if (result.accepted) volume(packet.volume).closed = true;
   }
 
-  void note(const Audited& audited) {
-    if (audited.missing) list(contents_.gaps, *audited.missing);
-    if (audited.refused) list(contents_.gaps, *audited.refused);
+  void note(const AuditResult& result) {
+    if (result.missing) append_fault(contents_.gaps, *result.missing);
+    if (result.rejected) append_fault(contents_.gaps, *result.rejected);
   }
 
-  std::uint64_t late_or_again() const {
+  std::uint64_t late_or_repeated() const {
     return audit_.account().lost.out_of_order + audit_.account().duplicates;
   }
 

@@ -26,10 +26,10 @@ OpenFault fault_of(int reason) {
   return OpenFault::gone;
 }
 
-/// Searches on where the beginning is damaged.
+/// Skips damage at the start.
 void check_first_packet(const RecordingFile& recording) {
   Decoder decoder;
-  std::vector<std::byte> chunk(recording.piece_bytes());
+  std::vector<std::byte> chunk(recording.chunk_bytes());
   for (std::uint64_t offset = 0; offset < recording.bytes();) {
     const std::size_t count = recording.read(offset, chunk);
     if (count == 0) break;
@@ -49,35 +49,25 @@ void check_first_packet(const RecordingFile& recording) {
 }  // namespace
 
 RecordingFile::RecordingFile(const std::filesystem::path& path) : path_(path) {
-  // Without waiting for the writer of a FIFO, which is refused.
-  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file_ < 0) refuse(fault_of(errno), path, std::strerror(errno));
+  // Does not wait for the writer of a FIFO, which is refused below.
+  file_ = FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file_.is_open()) refuse(fault_of(errno), path, std::strerror(errno));
   struct stat status {};
-  const bool known = ::fstat(file_, &status) == 0;
-  try {
-    if (!known) refuse(OpenFault::gone, path, std::strerror(errno));
-    if (S_ISDIR(status.st_mode)) refuse(OpenFault::wrong_kind, path, "is a folder");
-    if (!S_ISREG(status.st_mode)) {
-      refuse(OpenFault::wrong_kind, path, "is no file (a device or FIFO is opened with xdma=)");
-    }
-    if (status.st_size == 0) refuse(OpenFault::empty, path, "is empty");
-    bytes_ = static_cast<std::uint64_t>(status.st_size);
-    check_first_packet(*this);
-  } catch (...) {
-    ::close(file_);
-    throw;
+  if (::fstat(file_.get(), &status) != 0) refuse(OpenFault::gone, path, std::strerror(errno));
+  if (S_ISDIR(status.st_mode)) refuse(OpenFault::wrong_kind, path, "is a folder");
+  if (!S_ISREG(status.st_mode)) {
+    refuse(OpenFault::wrong_kind, path, "is no file (a device or FIFO is opened with xdma=)");
   }
-}
-
-RecordingFile::~RecordingFile() {
-  ::close(file_);
+  if (status.st_size == 0) refuse(OpenFault::empty, path, "is empty");
+  bytes_ = static_cast<std::uint64_t>(status.st_size);
+  check_first_packet(*this);
 }
 
 std::size_t RecordingFile::read(std::uint64_t offset, std::span<std::byte> buffer) const {
   std::size_t done = 0;
   while (done < buffer.size()) {
     const ssize_t count = ::pread(
-        file_, buffer.data() + done, buffer.size() - done, static_cast<off_t>(offset + done));
+        file_.get(), buffer.data() + done, buffer.size() - done, static_cast<off_t>(offset + done));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) {
       throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));

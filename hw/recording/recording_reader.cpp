@@ -23,7 +23,7 @@ std::optional<RecordedPacket> RecordingReader::next() {
     if (is_known_kind(frame->bytes)) {
       recorded.packet = parse_packet(frame->bytes);
       if (!recorded.packet) {
-        framer_.refuse();
+        framer_.reject_last();
         continue;
       }
     }

@@ -1,4 +1,4 @@
-// A recording, packet after packet, and what lies between them.
+// Reads the packets of a recording, and the extent of damage between them.
 #pragma once
 
 #include <optional>
@@ -10,23 +10,23 @@
 namespace wobblebench::hw {
 
 struct RecordedPacket {
-  std::span<const std::byte> bytes;  ///< of the whole packet; valid until the next one is read
+  std::span<const std::byte> bytes;  ///< the whole packet; valid until the next is read
   std::uint64_t offset = 0;          ///< in the file
   std::uint64_t damage_before = 0;   ///< bytes before it that belong to no packet
-  std::optional<Packet> packet;      ///< none: of a kind that this program does not know
+  std::optional<Packet> packet;      ///< none: of an unknown kind
 };
 
 /// Reads a file front to back. Not thread-safe.
 class RecordingReader {
  public:
-  /// From a byte at which a packet begins. `file` must outlive this.
+  /// `from`: offset of a packet's first byte. `file` must outlive this.
   explicit RecordingReader(const RecordingFile& file, std::uint64_t from = 0)
-      : file_(file), chunk_(file.piece_bytes()), start_(from), read_(from), end_(from) {}
+      : file_(file), chunk_(file.chunk_bytes()), start_(from), read_(from), end_(from) {}
 
   /// The next packet; none at the end. Throws UnsupportedWireVersion, and as RecordingFile::read().
-  std::optional<RecordedPacket> next();
+  [[nodiscard]] std::optional<RecordedPacket> next();
 
-  /// Bytes after the last packet that belong to none; known at the end.
+  /// Bytes after the last packet that belong to none; valid once next() returned none.
   std::uint64_t damage_at_end() const { return read_ - end_; }
   const WireDamage& damage() const { return framer_.damage(); }
 
@@ -36,9 +36,9 @@ class RecordingReader {
   const RecordingFile& file_;
   PacketFramer framer_;
   std::vector<std::byte> chunk_;
-  std::uint64_t start_;  ///< offset in the file of the first byte read
-  std::uint64_t read_;   ///< offset in the file of the next byte to read
-  std::uint64_t end_;    ///< offset in the file where the packet before ended
+  std::uint64_t start_;  ///< file offset of the first byte read
+  std::uint64_t read_;   ///< file offset of the next byte to read
+  std::uint64_t end_;    ///< file offset of the end of the last packet
   bool finished_ = false;
 };
 

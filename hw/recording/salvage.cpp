@@ -2,11 +2,13 @@
 
 #include "hw/recording/recording.h"
 #include "hw/recording/recording_reader.h"
+#include "hw/wire/packet.h"
+#include "hw/wire/stream_audit.h"
 
 namespace wobblebench::hw {
 namespace {
 
-/// The first configuration of a recording, wherever it stands.
+/// The first configuration of a recording, at any offset.
 std::optional<ConfigurationPacket> first_configuration(const RecordingFile& file) {
   RecordingReader reader(file);
   while (const auto recorded = reader.next()) {
@@ -17,7 +19,7 @@ std::optional<ConfigurationPacket> first_configuration(const RecordingFile& file
   return {};
 }
 
-/// Copies sound packets, and puts a configuration before each volume.
+/// Copies intact packets, and writes a configuration before each volume.
 class Salvage {
  public:
   Salvage(const ConfigurationPacket& first,
@@ -28,7 +30,7 @@ class Salvage {
 
   void take(const Packet& packet, std::span<const std::byte> bytes) {
     if (const auto* configuration = std::get_if<ConfigurationPacket>(&packet)) {
-      prime(configuration->sequence, configuration->volume, configuration->time);
+      start_audit(configuration->sequence, configuration->volume, configuration->time);
       if (!audit_.take(*configuration).accepted && configured_volume_ == configuration->volume) {
         return;
       }
@@ -39,18 +41,18 @@ class Salvage {
       take_stick(stick->stick, bytes);
     } else {
       const auto& end = std::get<VolumeEndPacket>(packet);
-      if (!primed_ || !audit_.take(end).accepted) return;
+      if (!started_ || !audit_.take(end).accepted) return;
       if (configured_volume_ != end.volume) return;
       sink_(bytes);
     }
   }
 
  private:
-  /// All configurations of a stream say the same, so that a later one serves for what stands before
-  /// it.
-  void prime(std::uint64_t sequence, std::uint32_t volume, DeviceTime time) {
-    if (primed_) return;
-    primed_ = true;
+  /// Starts the audit with a configuration. All configurations of a stream are equal, so that a
+  /// later one holds for packets before it.
+  void start_audit(std::uint64_t sequence, std::uint32_t volume, DeviceTime time) {
+    if (started_) return;
+    started_ = true;
     ConfigurationPacket packet = configuration_;
     packet.sequence = sequence;
     packet.volume = volume;
@@ -59,14 +61,14 @@ class Salvage {
   }
 
   void take_stick(const Stick& stick, std::span<const std::byte> bytes) {
-    prime(stick.sequence, stick.index.volume, stick.time);
+    start_audit(stick.sequence, stick.index.volume, stick.time);
     if (!audit_.take(stick).accepted) return;
     audit_.deliver();
-    if (configured_volume_ != stick.index.volume) configure(stick);
+    if (configured_volume_ != stick.index.volume) write_configuration(stick);
     sink_(bytes);
   }
 
-  void configure(const Stick& stick) {
+  void write_configuration(const Stick& stick) {
     configuration_.sequence = stick.sequence;
     configuration_.volume = stick.index.volume;
     configuration_.time = stick.time;
@@ -79,7 +81,7 @@ class Salvage {
   ConfigurationPacket configuration_;
   const std::function<void(std::span<const std::byte>)>& sink_;
   StreamAudit audit_;
-  bool primed_ = false;
+  bool started_ = false;
   std::optional<std::uint32_t> configured_volume_;
 };
 

@@ -16,7 +16,7 @@ constexpr std::uint32_t kReflectedPolynomial = 0x82F63B78;
 
 using Tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
-/// tables[k][b]: what byte b does to the checksum when k more bytes follow it.
+/// tables[k][b]: contribution of byte b to the CRC when k more bytes follow it.
 constexpr Tables make_tables() {
   Tables tables{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {

@@ -7,11 +7,11 @@
 
 namespace wobblebench::hw {
 
-/// The checksum of `bytes` appended to bytes whose checksum is `before`; 0 to begin with.
-/// Uses the SSE4.2 instruction where the processor has it. "123456789" gives 0xE3069283.
+/// CRC of `bytes` appended to bytes whose CRC is `before` (0: none). Uses the SSE4.2 instruction
+/// where the processor has it. "123456789" gives 0xE3069283.
 std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
-/// The same without the instruction, eight bytes a step (slicing-by-8).
+/// The same in portable code, eight bytes a step (slicing-by-8).
 std::uint32_t crc32c_by_table(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
 }  // namespace wobblebench::hw

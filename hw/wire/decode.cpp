@@ -14,8 +14,8 @@ namespace {
 
 std::optional<Packet> parse_configuration(Bytes packet) {
   const Bytes payload = packet.subspan(kWireHeaderBytes);
-  const auto motor = get<std::uint32_t>(payload, kMotorModeAt);
-  const auto source = get<std::uint32_t>(payload, kSourceAt);
+  const auto motor = get<std::uint32_t>(payload, kMotorModeOffset);
+  const auto source = get<std::uint32_t>(payload, kSourceOffset);
   if (motor > static_cast<std::uint32_t>(MotorMode::fly_back)) return {};
   if (source < static_cast<std::uint32_t>(StreamOrigin::simulated) ||
       source > static_cast<std::uint32_t>(StreamOrigin::hardware)) {
@@ -38,19 +38,20 @@ std::optional<Packet> parse_stick(Bytes packet) {
   Stick stick;
   const PacketStamp stamp = packet_stamp(packet);
   stick.sequence = stamp.sequence;
-  stick.index = {
-      stamp.volume, get<std::uint32_t>(packet, kFrameAt), get<std::uint32_t>(packet, kLineAt)};
+  stick.index = {stamp.volume,
+                 get<std::uint32_t>(packet, kFrameOffset),
+                 get<std::uint32_t>(packet, kLineOffset)};
   stick.time = stamp.time;
-  stick.motor_angle_rad = get<double>(packet, kMotorAngleAt);
-  stick.sweep_direction = get<std::int32_t>(packet, kSweepDirectionAt);
-  // The stick after it has a number, too.
+  stick.motor_angle_rad = get<double>(packet, kMotorAngleOffset);
+  stick.sweep_direction = get<std::int32_t>(packet, kSweepDirectionOffset);
+  // The following stick needs a number, too.
   if (stick.sequence == std::numeric_limits<std::uint64_t>::max()) return {};
   if (!std::isfinite(stick.motor_angle_rad)) return {};
   if (stick.sweep_direction != 1 && stick.sweep_direction != -1) return {};
-  const bool linear = (get<std::uint32_t>(packet, kFlagsAt) & kFlagLinearEnvelope) != 0;
+  const bool linear = (get<std::uint32_t>(packet, kFlagsOffset) & kFlagLinearEnvelope) != 0;
   stick.scale = linear ? SampleScale::linear_envelope : SampleScale::log_compressed;
-  stick.checked = (get<std::uint32_t>(packet, kFlagsAt) & kFlagCrcUnchecked) == 0;
-  stick.samples.resize(get<std::uint32_t>(packet, kSamplesAt));
+  stick.checked = (get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) == 0;
+  stick.samples.resize(get<std::uint32_t>(packet, kSamplesOffset));
   get_floats(packet.subspan(kWireHeaderBytes), stick.samples);
   return StickPacket{std::move(stick)};
 }
@@ -82,10 +83,10 @@ std::optional<Packet> Decoder::next() {
       later_version_ = packet_version(frame->bytes);
       break;
     }
-    // It takes no sequence number.
+    // Of a later revision; takes no sequence number.
     if (!is_known_kind(frame->bytes)) continue;
     if (auto parsed = parse_packet(frame->bytes)) return parsed;
-    framer_.refuse();
+    framer_.reject_last();
   }
   throw UnsupportedWireVersion(*later_version_);
 }

@@ -1,4 +1,4 @@
-// Bytes of a stream to what its packets say.
+// Decoder of a byte stream into packets.
 #pragma once
 
 #include <cstddef>
@@ -6,13 +6,14 @@
 #include <optional>
 #include <span>
 
+#include "hw/wire/account.h"
 #include "hw/wire/packet.h"
 #include "hw/wire/packet_frame.h"
 
 namespace wobblebench::hw {
 
-/// What one framed packet of this version says; none if a field has a value that the format does
-/// not know. `packet` is a frame's bytes, of a kind that this version has.
+/// Parses one framed packet of this version and of a known kind; none if a field has a value that
+/// the format does not define.
 std::optional<Packet> parse_packet(std::span<const std::byte> packet);
 
 /// Incremental parser: bytes in, in pieces of any size; packets out. Not thread-safe.
@@ -20,12 +21,12 @@ class Decoder {
  public:
   void feed(std::span<const std::byte> bytes) { framer_.feed(bytes); }
 
-  /// No more bytes will come for now: what looks like the beginning of a long packet is damage.
+  /// No more bytes follow for now: an incomplete packet at the end is damage.
   void finish() { framer_.finish(); }
 
-  /// The next packet, or none until more bytes are fed. Throws UnsupportedWireVersion, at every
-  /// call from then on, where a packet with a right CRC has a later version.
-  std::optional<Packet> next();
+  /// The next packet, or none until more bytes are fed. Throws UnsupportedWireVersion, at this and
+  /// every later call, where a packet with a correct CRC has a later version.
+  [[nodiscard]] std::optional<Packet> next();
 
   const WireDamage& damage() const { return framer_.damage(); }
   /// Bytes fed that are neither decoded nor skipped yet.

@@ -9,37 +9,38 @@ using namespace wire_layout;
 
 namespace {
 
-/// Appends a packet whose fields are all zero, and returns where it begins.
+/// Appends a packet with zero fields after the payload length, and returns its first byte.
 std::byte* append_packet(std::vector<std::byte>& out, PacketKind kind, std::size_t payload_bytes) {
   const std::size_t start = out.size();
   out.resize(start + kWireHeaderBytes + payload_bytes);
   std::byte* packet = out.data() + start;
   std::copy(kWireMagic.begin(), kWireMagic.end(), packet);
-  put(packet + kVersionAt, kWireVersion);
-  put(packet + kKindAt, static_cast<std::uint16_t>(kind));
-  put(packet + kPayloadBytesAt, static_cast<std::uint32_t>(payload_bytes));
+  put(packet + kVersionOffset, kWireVersion);
+  put(packet + kKindOffset, static_cast<std::uint16_t>(kind));
+  put(packet + kPayloadBytesOffset, static_cast<std::uint32_t>(payload_bytes));
   return packet;
 }
 
+/// Writes flags and CRC.
 void seal(std::byte* packet, std::size_t payload_bytes, std::uint32_t flags, WireCrc crc) {
   if (crc == WireCrc::none) flags |= kFlagCrcUnchecked;
-  put(packet + kFlagsAt, flags);
+  put(packet + kFlagsOffset, flags);
   if (crc == WireCrc::none) return;
-  put(packet + kCrcAt, packet_crc({packet, kWireHeaderBytes + payload_bytes}));
+  put(packet + kCrcOffset, packet_crc({packet, kWireHeaderBytes + payload_bytes}));
 }
 
 }  // namespace
 
 void encode(const ConfigurationPacket& packet, std::vector<std::byte>& out) {
   std::byte* header = append_packet(out, PacketKind::configuration, kWireConfigurationBytes);
-  put(header + kSequenceAt, packet.sequence);
-  put(header + kVolumeAt, packet.volume);
-  put(header + kTimeAt, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
+  put(header + kSequenceOffset, packet.sequence);
+  put(header + kVolumeOffset, packet.volume);
+  put(header + kTimeOffset, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
   std::byte* payload = header + kWireHeaderBytes;
   ConfigurationPacket copy = packet;
   visit_configuration(copy, [&](std::size_t offset, auto& value) { put(payload + offset, value); });
-  put(payload + kMotorModeAt, static_cast<std::uint32_t>(packet.acquisition.motor));
-  put(payload + kSourceAt, static_cast<std::uint32_t>(packet.source));
+  put(payload + kMotorModeOffset, static_cast<std::uint32_t>(packet.acquisition.motor));
+  put(payload + kSourceOffset, static_cast<std::uint32_t>(packet.source));
   seal(header, kWireConfigurationBytes, 0, WireCrc::crc32c);
 }
 
@@ -51,14 +52,14 @@ void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc) {
   }
   const std::size_t payload_bytes = stick_payload_bytes(samples);
   std::byte* header = append_packet(out, PacketKind::stick, payload_bytes);
-  put(header + kSequenceAt, stick.sequence);
-  put(header + kVolumeAt, stick.index.volume);
-  put(header + kFrameAt, stick.index.frame);
-  put(header + kLineAt, stick.index.line);
-  put(header + kSweepDirectionAt, static_cast<std::int32_t>(stick.sweep_direction));
-  put(header + kTimeAt, static_cast<std::int64_t>(stick.time.time_since_epoch().count()));
-  put(header + kMotorAngleAt, stick.motor_angle_rad);
-  put(header + kSamplesAt, static_cast<std::uint32_t>(samples));
+  put(header + kSequenceOffset, stick.sequence);
+  put(header + kVolumeOffset, stick.index.volume);
+  put(header + kFrameOffset, stick.index.frame);
+  put(header + kLineOffset, stick.index.line);
+  put(header + kSweepDirectionOffset, static_cast<std::int32_t>(stick.sweep_direction));
+  put(header + kTimeOffset, static_cast<std::int64_t>(stick.time.time_since_epoch().count()));
+  put(header + kMotorAngleOffset, stick.motor_angle_rad);
+  put(header + kSamplesOffset, static_cast<std::uint32_t>(samples));
   std::byte* payload = header + kWireHeaderBytes;
   for (std::size_t i = 0; i < samples; ++i) put(payload + 4 * i, stick.samples[i]);
   const bool linear = stick.scale == SampleScale::linear_envelope;
@@ -67,9 +68,9 @@ void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc) {
 
 void encode(const VolumeEndPacket& packet, std::vector<std::byte>& out, WireCrc crc) {
   std::byte* header = append_packet(out, PacketKind::volume_end, 0);
-  put(header + kSequenceAt, packet.sequence);
-  put(header + kVolumeAt, packet.volume);
-  put(header + kTimeAt, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
+  put(header + kSequenceOffset, packet.sequence);
+  put(header + kVolumeOffset, packet.volume);
+  put(header + kTimeOffset, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
   seal(header, 0, 0, crc);
 }
 

@@ -1,5 +1,5 @@
-// Where each field of a packet lies, and how numbers are written: shared by encoder and decoder.
-// docs/wire_format.md is the specification.
+// Field offsets and number formats of packets, shared by encoder and decoder. Specification:
+// docs/wire_format.md.
 #pragma once
 
 #include <bit>
@@ -13,20 +13,20 @@
 
 namespace wobblebench::hw::wire_layout {
 
-// Offsets in the header, docs/wire_format.md.
-inline constexpr std::size_t kVersionAt = 4;
-inline constexpr std::size_t kKindAt = 6;
-inline constexpr std::size_t kPayloadBytesAt = 8;
-inline constexpr std::size_t kFlagsAt = 12;
-inline constexpr std::size_t kSequenceAt = 16;
-inline constexpr std::size_t kVolumeAt = 24;
-inline constexpr std::size_t kFrameAt = 28;
-inline constexpr std::size_t kLineAt = 32;
-inline constexpr std::size_t kSweepDirectionAt = 36;
-inline constexpr std::size_t kTimeAt = 40;
-inline constexpr std::size_t kMotorAngleAt = 48;
-inline constexpr std::size_t kSamplesAt = 56;
-inline constexpr std::size_t kCrcAt = 60;
+// In the header, bytes.
+inline constexpr std::size_t kVersionOffset = 4;
+inline constexpr std::size_t kKindOffset = 6;
+inline constexpr std::size_t kPayloadBytesOffset = 8;
+inline constexpr std::size_t kFlagsOffset = 12;
+inline constexpr std::size_t kSequenceOffset = 16;
+inline constexpr std::size_t kVolumeOffset = 24;
+inline constexpr std::size_t kFrameOffset = 28;
+inline constexpr std::size_t kLineOffset = 32;
+inline constexpr std::size_t kSweepDirectionOffset = 36;
+inline constexpr std::size_t kTimeOffset = 40;
+inline constexpr std::size_t kMotorAngleOffset = 48;
+inline constexpr std::size_t kSamplesOffset = 56;
+inline constexpr std::size_t kCrcOffset = 60;
 
 using Bytes = std::span<const std::byte>;
 
@@ -62,7 +62,7 @@ T get(Bytes from, std::size_t offset) {
   return std::bit_cast<T>(bits);
 }
 
-/// As many as `values` has. Bit for bit, NaN included.
+/// Reads values.size() floats, bit for bit, NaN included.
 inline void get_floats(Bytes from, std::span<float> values) {
   if constexpr (std::endian::native == std::endian::little) {
     std::memcpy(values.data(), from.data(), values.size_bytes());
@@ -76,10 +76,10 @@ inline std::size_t stick_payload_bytes(std::size_t samples) {
 }
 
 inline std::uint32_t packet_crc(Bytes packet) {
-  return crc32c(packet.subspan(kWireHeaderBytes), crc32c(packet.first(kCrcAt)));
+  return crc32c(packet.subspan(kWireHeaderBytes), crc32c(packet.first(kCrcOffset)));
 }
 
-/// Calls field(offset in the payload, value) for each number of a configuration.
+/// Calls field(offset in the payload, value) for each number of a configuration's payload.
 template <class Field>
 void visit_configuration(ConfigurationPacket& packet, Field&& field) {
   ProbeOptions& probe = packet.probe;
@@ -105,7 +105,8 @@ void visit_configuration(ConfigurationPacket& packet, Field&& field) {
   field(132, plan.frames_per_volume);
   field(136, plan.volumes);
 }
-inline constexpr std::size_t kMotorModeAt = 140;
-inline constexpr std::size_t kSourceAt = 144;
+// In a configuration's payload, bytes.
+inline constexpr std::size_t kMotorModeOffset = 140;
+inline constexpr std::size_t kSourceOffset = 144;
 
 }  // namespace wobblebench::hw::wire_layout

@@ -1,5 +1,5 @@
-// Wire format, version 1: what comes over a link, and what a recording holds.
-// docs/wire_format.md is the specification; firmware is written from it.
+// Packets of the wire format, version 1, as sent over a link and stored in a recording.
+// Specification: docs/wire_format.md.
 #pragma once
 
 #include <array>
@@ -34,12 +34,12 @@ enum class PacketKind : std::uint16_t { configuration = 1, stick = 2, volume_end
 inline constexpr std::uint32_t kFlagCrcUnchecked = 1;
 inline constexpr std::uint32_t kFlagLinearEnvelope = 2;
 
-/// The acquisition that the sticks that follow belong to. At the start of every volume.
+/// The acquisition of the sticks that follow. At the start of every volume.
 struct ConfigurationPacket {
-  std::uint64_t sequence = 0;  ///< of the stick that comes next
-  std::uint32_t volume = 0;    ///< of the stick that comes next
+  std::uint64_t sequence = 0;  ///< of the next stick
+  std::uint32_t volume = 0;    ///< of the next stick
   DeviceTime time{};
-  StreamOrigin source = StreamOrigin::simulated;  ///< what made the samples, also in a recording
+  StreamOrigin source = StreamOrigin::simulated;  ///< of the samples, also in a recording
   ProbeOptions probe;
   AcquisitionOptions acquisition;
 };
@@ -49,26 +49,26 @@ struct StickPacket {
 };
 
 struct VolumeEndPacket {
-  std::uint64_t sequence = 0;  ///< of the stick that comes next
-  std::uint32_t volume = 0;    ///< that ends
-  DeviceTime time{};           ///< when its last stick was complete
+  std::uint64_t sequence = 0;  ///< of the next stick
+  std::uint32_t volume = 0;    ///< the one that ends
+  DeviceTime time{};           ///< end of its last stick
 };
 
 using Packet = std::variant<ConfigurationPacket, StickPacket, VolumeEndPacket>;
 
-/// `none` leaves the CRC out, for sources that cannot compute it; the packet says so.
+/// `none`: for sources that cannot compute a CRC; marked by a flag of the packet.
 enum class WireCrc { crc32c, none };
 
-/// Each appends one packet to `out`. A configuration always has its CRC: it is where a receiver
-/// that lost its step finds it again. The samples of a stick are written bit for bit, NaN included;
-/// throws std::length_error unless there are 1 to 4096 of them.
+/// Each appends one packet to `out`. A configuration always has its CRC: a receiver resynchronises
+/// on it. The samples of a stick are written bit for bit, NaN included; throws std::length_error
+/// unless there are 1 to 4096 of them.
 void encode(const ConfigurationPacket& packet, std::vector<std::byte>& out);
 void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc = WireCrc::crc32c);
 void encode(const VolumeEndPacket& packet,
             std::vector<std::byte>& out,
             WireCrc crc = WireCrc::crc32c);
 
-/// The stream is of a version that this program cannot read.
+/// The stream has a version that this program cannot read.
 class UnsupportedWireVersion : public std::runtime_error {
  public:
   explicit UnsupportedWireVersion(std::uint16_t version)
@@ -79,12 +79,6 @@ class UnsupportedWireVersion : public std::runtime_error {
 
  private:
   std::uint16_t version_;
-};
-
-/// What a decoder had to pass over.
-struct WireDamage {
-  std::uint64_t places = 0;         ///< places in the stream where decoding lost its step
-  std::uint64_t bytes_skipped = 0;  ///< bytes that belong to no accepted packet
 };
 
 }  // namespace wobblebench::hw

@@ -16,10 +16,10 @@ bool known_kind(std::uint16_t kind) {
          kind <= static_cast<std::uint16_t>(PacketKind::volume_end);
 }
 
-/// The one length and the flags that a packet of a known kind can have.
-bool sound_shape(Bytes header, PacketKind kind, std::size_t payload_bytes) {
-  const auto samples = get<std::uint32_t>(header, kSamplesAt);
-  const auto flags = get<std::uint32_t>(header, kFlagsAt);
+/// Checks payload length, sample count and flags of a known kind.
+bool valid_shape(Bytes header, PacketKind kind, std::size_t payload_bytes) {
+  const auto samples = get<std::uint32_t>(header, kSamplesOffset);
+  const auto flags = get<std::uint32_t>(header, kFlagsOffset);
   switch (kind) {
     case PacketKind::configuration:
       return payload_bytes == kWireConfigurationBytes && samples == 0 && flags == 0;
@@ -33,35 +33,35 @@ bool sound_shape(Bytes header, PacketKind kind, std::size_t payload_bytes) {
   return false;
 }
 
-/// Bytes of the packet that this header begins, or 0 if it cannot be a header.
+/// Size of the packet that starts with this header, bytes; 0 if it is not a header.
 std::size_t packet_bytes(Bytes header) {
   if (!std::equal(kWireMagic.begin(), kWireMagic.end(), header.begin())) return 0;
-  const auto version = get<std::uint16_t>(header, kVersionAt);
-  const auto kind = get<std::uint16_t>(header, kKindAt);
-  const auto payload_bytes = get<std::uint32_t>(header, kPayloadBytesAt);
+  const auto version = get<std::uint16_t>(header, kVersionOffset);
+  const auto kind = get<std::uint16_t>(header, kKindOffset);
+  const auto payload_bytes = get<std::uint32_t>(header, kPayloadBytesOffset);
   if (version < kWireVersion || payload_bytes > kWireMaxPayloadBytes || payload_bytes % 8 != 0) {
     return 0;
   }
   if (version == kWireVersion && known_kind(kind) &&
-      !sound_shape(header, static_cast<PacketKind>(kind), payload_bytes)) {
+      !valid_shape(header, static_cast<PacketKind>(kind), payload_bytes)) {
     return 0;
   }
   return kWireHeaderBytes + payload_bytes;
 }
 
-/// Only a known kind may go unchecked, and only where a packet has to begin; its CRC field is 0, so
+/// Only a known kind may lack a CRC, and only where the stream is in sync; its CRC field is 0, so
 /// that one damaged flag does not turn checking off.
-bool unchecked(Bytes packet, bool in_step) {
-  const bool may_be = get<std::uint16_t>(packet, kVersionAt) == kWireVersion &&
-                      known_kind(get<std::uint16_t>(packet, kKindAt));
-  return in_step && may_be && (get<std::uint32_t>(packet, kFlagsAt) & kFlagCrcUnchecked) != 0 &&
-         get<std::uint32_t>(packet, kCrcAt) == 0;
+bool accepted_unchecked(Bytes packet, bool in_sync) {
+  const bool may_be = get<std::uint16_t>(packet, kVersionOffset) == kWireVersion &&
+                      known_kind(get<std::uint16_t>(packet, kKindOffset));
+  return in_sync && may_be && (get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0 &&
+         get<std::uint32_t>(packet, kCrcOffset) == 0;
 }
 
-bool sound_crc(Bytes packet) {
-  const bool says_unchecked = get<std::uint16_t>(packet, kVersionAt) == kWireVersion &&
-                              (get<std::uint32_t>(packet, kFlagsAt) & kFlagCrcUnchecked) != 0;
-  return !says_unchecked && get<std::uint32_t>(packet, kCrcAt) == packet_crc(packet);
+bool has_correct_crc(Bytes packet) {
+  const bool has_none = get<std::uint16_t>(packet, kVersionOffset) == kWireVersion &&
+                        (get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0;
+  return !has_none && get<std::uint32_t>(packet, kCrcOffset) == packet_crc(packet);
 }
 
 std::size_t bytes_before_magic(Bytes bytes) {
@@ -80,29 +80,30 @@ std::size_t bytes_before_magic(Bytes bytes) {
 }  // namespace
 
 std::uint16_t packet_version(Bytes packet) {
-  return get<std::uint16_t>(packet, kVersionAt);
+  return get<std::uint16_t>(packet, kVersionOffset);
 }
 
 bool is_known_kind(Bytes packet) {
-  return known_kind(get<std::uint16_t>(packet, kKindAt));
+  return known_kind(get<std::uint16_t>(packet, kKindOffset));
 }
 
 PacketKind packet_kind(Bytes packet) {
-  return static_cast<PacketKind>(get<std::uint16_t>(packet, kKindAt));
+  return static_cast<PacketKind>(get<std::uint16_t>(packet, kKindOffset));
 }
 
 PacketStamp packet_stamp(Bytes packet) {
-  return {get<std::uint64_t>(packet, kSequenceAt),
-          get<std::uint32_t>(packet, kVolumeAt),
-          DeviceTime(DeviceDuration(get<std::int64_t>(packet, kTimeAt)))};
+  return {get<std::uint64_t>(packet, kSequenceOffset),
+          get<std::uint32_t>(packet, kVolumeOffset),
+          DeviceTime(DeviceDuration(get<std::int64_t>(packet, kTimeOffset)))};
 }
 
 void restamp(std::span<std::byte> packet, const PacketStamp& stamp) {
-  put(packet.data() + kSequenceAt, stamp.sequence);
-  put(packet.data() + kVolumeAt, stamp.volume);
-  put(packet.data() + kTimeAt, static_cast<std::int64_t>(stamp.time.time_since_epoch().count()));
-  if ((get<std::uint32_t>(packet, kFlagsAt) & kFlagCrcUnchecked) != 0) return;
-  put(packet.data() + kCrcAt, packet_crc(packet));
+  put(packet.data() + kSequenceOffset, stamp.sequence);
+  put(packet.data() + kVolumeOffset, stamp.volume);
+  put(packet.data() + kTimeOffset,
+      static_cast<std::int64_t>(stamp.time.time_since_epoch().count()));
+  if ((get<std::uint32_t>(packet, kFlagsOffset) & kFlagCrcUnchecked) != 0) return;
+  put(packet.data() + kCrcOffset, packet_crc(packet));
 }
 
 void PacketFramer::feed(Bytes bytes) {
@@ -112,26 +113,26 @@ void PacketFramer::feed(Bytes bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
-std::optional<std::size_t> PacketFramer::sound_packet() const {
+std::optional<std::size_t> PacketFramer::front_packet_bytes() const {
   const Bytes bytes = pending();
   if (bytes.size() < kWireHeaderBytes) return {};
   const std::size_t size = packet_bytes(bytes.first(kWireHeaderBytes));
   if (size > bytes.size()) return {};
   if (size == 0) return 0;
   const Bytes packet = bytes.first(size);
-  return unchecked(packet, in_step_) || sound_crc(packet) ? size : 0;
+  return accepted_unchecked(packet, in_sync_) || has_correct_crc(packet) ? size : 0;
 }
 
 void PacketFramer::note_damage(std::size_t bytes) {
-  if (in_step_) ++damage_.places;
-  in_step_ = false;
+  if (in_sync_) ++damage_.regions;
+  in_sync_ = false;
   damage_.bytes_skipped += bytes;
 }
 
 void PacketFramer::skip_to_magic() {
   const Bytes rest = pending().subspan(1);
   const std::size_t clear = bytes_before_magic(rest);
-  // A magic may begin in the last bytes and end in what is still to come.
+  // The last bytes may be the start of a magic that continues in the next feed().
   const bool none = clear == rest.size() && !finished_;
   const std::size_t bytes = 1 + (none ? clear - std::min(clear, kWireMagic.size() - 1) : clear);
   note_damage(bytes);
@@ -141,7 +142,7 @@ void PacketFramer::skip_to_magic() {
 
 std::optional<PacketFrame> PacketFramer::next() {
   while (pending_bytes() > 0) {
-    const std::optional<std::size_t> size = sound_packet();
+    const std::optional<std::size_t> size = front_packet_bytes();
     if (!size && !finished_) return {};
     if (!size || *size == 0) {
       skip_to_magic();
@@ -151,15 +152,15 @@ std::optional<PacketFrame> PacketFramer::next() {
     read_ += *size;
     consumed_ += *size;
     last_bytes_ = *size;
-    was_in_step_ = in_step_;
-    in_step_ = true;
+    was_in_sync_ = in_sync_;
+    in_sync_ = true;
     return frame;
   }
   return {};
 }
 
-void PacketFramer::refuse() {
-  in_step_ = was_in_step_;
+void PacketFramer::reject_last() {
+  in_sync_ = was_in_sync_;
   note_damage(last_bytes_);
 }
 

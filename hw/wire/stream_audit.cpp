@@ -24,8 +24,8 @@ bool same_plan(const Configuration& configuration, const ConfigurationPacket& pa
          configuration.source == packet.source;
 }
 
-/// The index lies in the plan, and is the one that the sequence number stands for. The number of
-/// volumes is what was asked for; a stream may go on beyond it.
+/// The index lies in the plan and belongs to the sequence number. The stream may continue beyond
+/// the plan's number of volumes.
 bool index_fits(const AcquisitionPlan& plan, const Stick& stick) {
   return stick.index == plan.index(stick.sequence);
 }
@@ -37,57 +37,57 @@ bool ends_its_volume(const AcquisitionPlan& plan, const VolumeEndPacket& packet)
 
 }  // namespace
 
-Audited StreamAudit::take(const ConfigurationPacket& packet) {
+AuditResult StreamAudit::take(const ConfigurationPacket& packet) {
   Configuration configuration{plan_of(packet), packet.source};
   const bool repeated = configuration_ && same_plan(*configuration_, packet);
-  if (configuration_ && !repeated) ledger_.restart();
-  Audited audited{.missing = advance_to(packet.sequence), .refused = {}, .accepted = !repeated};
+  if (configuration_ && !repeated) tracker_.restart();
+  AuditResult result{.missing = advance_to(packet.sequence), .rejected = {}, .accepted = !repeated};
   if (!repeated) configuration_ = configuration;
-  return audited;
+  return result;
 }
 
-Audited StreamAudit::take(const Stick& stick) {
-  Audited audited;
+AuditResult StreamAudit::take(const Stick& stick) {
+  AuditResult result;
   if (configuration_ && !index_fits(configuration_->plan, stick)) {
-    // Its sequence number may be what is wrong. What follows shows which stick is missing.
+    // The error may be in the sequence number: the next packet shows which stick is missing.
     after_damage_ = true;
-    return audited;
+    return result;
   }
   const bool damaged = after_damage_;
-  audited.missing = advance_to(stick.sequence);
-  if (!ledger_.expects(stick.sequence)) return audited;
+  result.missing = advance_to(stick.sequence);
+  if (!tracker_.expects(stick.sequence)) return result;
   inside_volume_ = true;
   if (!configuration_) {
-    audited.refused = lose(damaged ? LossCause::corrupt : LossCause::link);
-    return audited;
+    result.rejected = lose(damaged ? LossCause::corrupt : LossCause::link);
+    return result;
   }
   const auto samples =
       static_cast<std::size_t>(configuration_->plan.acquisition().samples_per_stick);
   if (stick.samples.size() == samples) {
-    audited.accepted = true;
+    result.accepted = true;
   } else {
-    audited.refused = lose(LossCause::corrupt);
+    result.rejected = lose(LossCause::corrupt);
   }
-  return audited;
+  return result;
 }
 
-Audited StreamAudit::take(const VolumeEndPacket& packet) {
-  Audited audited;
+AuditResult StreamAudit::take(const VolumeEndPacket& packet) {
+  AuditResult result;
   if (configuration_ && !ends_its_volume(configuration_->plan, packet)) {
     after_damage_ = true;
-    return audited;
+    return result;
   }
-  audited.missing = advance_to(packet.sequence);
-  // Late or repeated: the volume it ends is over.
-  audited.accepted = inside_volume_ && ledger_.next() == packet.sequence;
-  if (audited.accepted) inside_volume_ = false;
-  return audited;
+  result.missing = advance_to(packet.sequence);
+  // Not accepted if late or repeated: that volume has ended already.
+  result.accepted = inside_volume_ && tracker_.next() == packet.sequence;
+  if (result.accepted) inside_volume_ = false;
+  return result;
 }
 
 std::optional<Gap> StreamAudit::advance_to(std::uint64_t sequence) {
-  const std::optional<Gap> gap = ledger_.advance_to(sequence, after_damage_);
+  const std::optional<Gap> gap = tracker_.advance_to(sequence, after_damage_);
   if (gap) inside_volume_ = true;
-  if (ledger_.next() == sequence) after_damage_ = false;
+  if (tracker_.next() == sequence) after_damage_ = false;
   return gap;
 }
 

@@ -1,59 +1,53 @@
-// What the packets of a stream prove about its sticks: which come next, which are missing, and why.
-// The board, the recorder and the inspection of a recording count by the same rules.
+// Checks the packets of a stream against its configuration and sequence numbers, and counts losses.
+// The board, the recorder and the inspection of recordings use the same rules.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 
-#include "hw/probe/acquisition_plan.h"
 #include "hw/probe/stick.h"
 #include "hw/wire/account.h"
+#include "hw/wire/configuration.h"
 #include "hw/wire/packet.h"
-#include "hw/wire/stream_origin.h"
+#include "hw/wire/sequence_tracker.h"
 
 namespace wobblebench::hw {
 
-/// The plan that the following sticks belong to: once at the start, and when it changes.
-struct Configuration {
-  AcquisitionPlan plan;
-  StreamOrigin source;  ///< what made the samples
-};
-
-/// What one packet showed.
-struct Audited {
-  std::optional<Gap> missing;  ///< sticks that the packet proves lost before it
-  std::optional<Gap> refused;  ///< the packet's own stick, which cannot be delivered
-  /// A configuration: it is new. A stick: it comes next; deliver() or lose() it before the next
-  /// packet. A volume's end: it ends a volume of which a stick was emitted.
+/// Result for one packet.
+struct AuditResult {
+  std::optional<Gap> missing;   ///< sticks lost before the packet
+  std::optional<Gap> rejected;  ///< the packet's own stick, which cannot be delivered
+  /// A configuration: it is new. A stick: it is the next one; call deliver() or lose() before the
+  /// next packet. A volume's end: it ends a volume of which a stick was emitted.
   bool accepted = false;
 };
 
-/// Takes the packets of one stream in the order in which they came. Not thread-safe.
+/// Takes the packets of one stream in the order of arrival. Not thread-safe.
 class StreamAudit {
  public:
-  /// The decoder passed over bytes: what is missing next is corrupt.
+  /// The decoder skipped bytes: sticks found missing next are corrupt.
   void note_damage() { after_damage_ = true; }
 
   /// Throws std::runtime_error "the device's configuration is not possible: …".
-  Audited take(const ConfigurationPacket& packet);
-  Audited take(const Stick& stick);
-  Audited take(const VolumeEndPacket& packet);
+  AuditResult take(const ConfigurationPacket& packet);
+  AuditResult take(const Stick& stick);
+  AuditResult take(const VolumeEndPacket& packet);
 
-  /// The stick just accepted was put in its place, or lost by `cause`.
-  void deliver() { ledger_.deliver(); }
-  Gap lose(LossCause cause) { return ledger_.lose(cause); }
+  /// Counts the stick just accepted as delivered, or as lost by `cause`.
+  void deliver() { tracker_.deliver(); }
+  Gap lose(LossCause cause) { return tracker_.lose(cause); }
 
   const std::optional<Configuration>& configuration() const { return configuration_; }
-  const BoardAccount& account() const { return ledger_.account(); }
+  const BoardAccount& account() const { return tracker_.account(); }
   /// A stick was emitted since the last volume's end.
   bool inside_volume() const { return inside_volume_; }
 
  private:
   std::optional<Gap> advance_to(std::uint64_t sequence);
 
-  SequenceLedger ledger_;
+  SequenceTracker tracker_;
   std::optional<Configuration> configuration_;
-  bool after_damage_ = false;  ///< since the stream last moved on
+  bool after_damage_ = false;  ///< since the sequence number last advanced
   bool inside_volume_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Where the samples of a stream come from.
+// The source of a stream's samples.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,15 @@
 
 namespace wobblebench::hw {
 
-/// On the wire as its number.
+/// The values are those of the wire format.
 enum class StreamOrigin : std::uint32_t {
   simulated = 1,  ///< a synthetic probe
-  recording = 2,  ///< a file, whatever filled it
-  emulator = 3,   ///< something that behaves like the card's driver
-  hardware = 4,   ///< a card
+  recording = 2,  ///< a file, of any origin
+  emulator = 3,   ///< an emulation of the card's driver
+  hardware = 4,   ///< a real card
 };
 
-/// "simulated", "recording", "stand-in" or "hardware", as reports say it.
+/// "simulated", "recording", "stand-in" or "hardware", as in reports.
 constexpr std::string_view to_string(StreamOrigin origin) {
   switch (origin) {
     case StreamOrigin::simulated:

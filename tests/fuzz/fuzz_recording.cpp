@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "base/file_descriptor.h"
 #include "base/options.h"
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"
 #include "hw/recording/recording.h"
+#include "hw/wire/packet.h"
 #include "tests/fuzz/reseal.h"
 
 namespace hw = wobblebench::hw;
@@ -22,20 +24,17 @@ namespace {
 class MemoryFile {
  public:
   MemoryFile() : file_(::memfd_create("fuzz", 0)) {}
-  ~MemoryFile() { ::close(file_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
 
   /// Its path, with these bytes in it alone.
   std::string holding(const void* data, std::size_t size) {
-    const bool written =
-        ::ftruncate(file_, 0) == 0 && ::pwrite(file_, data, size, 0) == static_cast<ssize_t>(size);
+    const bool written = ::ftruncate(file_.get(), 0) == 0 &&
+                         ::pwrite(file_.get(), data, size, 0) == static_cast<ssize_t>(size);
     if (!written) std::abort();
-    return "/proc/self/fd/" + std::to_string(file_);
+    return "/proc/self/fd/" + std::to_string(file_.get());
   }
 
  private:
-  int file_;
+  wobblebench::FileDescriptor file_;
 };
 
 void salvage(const std::string& path, const hw::RecordingContents& contents) {
@@ -57,8 +56,8 @@ void loop(const std::string& path) {
   try {
     hw::FileLink link(path, {.loop = true});
     std::vector<std::byte> buffer(4096);
-    for (int i = 0; i < 20; ++i) link.read(buffer, hw::HostTime::min());
-  } catch (const InvalidOption&) {
+    for (int i = 0; i < 20; ++i) static_cast<void>(link.read(buffer, hw::HostTime::min()));
+  } catch (const wobblebench::InvalidOption&) {
     // A loop that cannot go on.
   } catch (const hw::UnsupportedWireVersion&) {
     // Later in the file.

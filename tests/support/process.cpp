@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "base/file_descriptor.h"
+
 namespace wobblebench::testing_support {
 
 namespace {
@@ -27,9 +29,8 @@ std::string text_of(const fs::path& path) {
 }
 
 void redirect(const fs::path& path, int descriptor) {
-  const int file = ::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
-  ::dup2(file, descriptor);
-  ::close(file);
+  const FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644));
+  ::dup2(file.get(), descriptor);
 }
 
 [[noreturn]] void become(const fs::path& program,

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "bench/pipeline/synthetic_sticks.h"
+#include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-// What goes missing on the way to the program: every stick is delivered or counted, once.
+// Losses: every stick is delivered or counted as lost, once.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ Outcome run(const Bytes& stream, const BoardOptions& options = {}) {
   return outcome;
 }
 
-/// Sticks and gaps, in order, name every sequence number from `first` to `last` once.
+/// Sticks and gaps, in order, cover every sequence number from `first` to `last` once.
 void expect_seamless(const Collected& seen, std::uint64_t first, std::uint64_t last) {
   ASSERT_EQ(seen.order.size(), last - first + 1);
   for (std::size_t i = 0; i < seen.order.size(); ++i) ASSERT_EQ(seen.order[i], first + i);
@@ -43,7 +43,7 @@ void expect_gap(const Gap& gap, std::uint64_t first, std::uint64_t count, LossCa
   EXPECT_EQ(gap.cause, cause);
 }
 
-TEST(BoardLosses, PacketsThatNeverCameAreTheLinks) {
+TEST(BoardLosses, MissingPacketsAreLinkLosses) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   for (const std::uint64_t sequence : {3U, 4U, 11U, 12U})
@@ -72,7 +72,7 @@ TEST(BoardLosses, DamagedPacketsAreCorrupt) {
   expect_gap(outcome.seen.gaps[2], 20, 1, LossCause::link);
 }
 
-TEST(BoardLosses, DamageOutsideSticksCostsNone) {
+TEST(BoardLosses, DamageOutsideSticksLosesNone) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   packets[13][20] ^= std::byte{1};  // the first volume's end
@@ -80,7 +80,7 @@ TEST(BoardLosses, DamageOutsideSticksCostsNone) {
   packets[packet_index(plan, 18)] = {};
   const Outcome outcome = run(join(packets));
   EXPECT_EQ(outcome.account.delivered, 23U);
-  EXPECT_EQ(outcome.account.lost.link, 1U) << "the old damage does not blame a later loss";
+  EXPECT_EQ(outcome.account.lost.link, 1U) << "earlier damage does not make a later loss corrupt";
   EXPECT_EQ(outcome.seen.ends.size(), 1U);
 }
 
@@ -125,7 +125,7 @@ TEST(BoardLosses, SticksThatContradictTheConfigurationAreCorrupt) {
   for (const Gap& gap : outcome.seen.gaps) EXPECT_EQ(gap.cause, LossCause::corrupt);
 }
 
-TEST(BoardLosses, AnUncheckedVolumeEndWithAWildNumberIsNotBelieved) {
+TEST(BoardLosses, UncheckedVolumeEndWithAWrongNumberIsIgnored) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan, WireCrc::none);
   packets[13][22] ^= std::byte{0x40};
@@ -134,7 +134,7 @@ TEST(BoardLosses, AnUncheckedVolumeEndWithAWildNumberIsNotBelieved) {
   EXPECT_EQ(outcome.account.delivered, 24U);
 }
 
-TEST(BoardLosses, SticksBeforeAnyConfigurationAreCountedNotDelivered) {
+TEST(BoardLosses, SticksBeforeAnyConfigurationAreCountedAsLost) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   auto unannounced = packets;
@@ -149,7 +149,7 @@ TEST(BoardLosses, SticksBeforeAnyConfigurationAreCountedNotDelivered) {
   EXPECT_GE(damaged.account.lost.corrupt, 1U);
 }
 
-TEST(BoardLosses, ARecordingCutAtAVolumeBeginsThere) {
+TEST(BoardLosses, StreamMayStartAtAnyVolume) {
   const AcquisitionPlan plan = small_plan(3);
   auto packets = packets_of(plan);
   packets.erase(packets.begin(), packets.begin() + 14);
@@ -160,7 +160,7 @@ TEST(BoardLosses, ARecordingCutAtAVolumeBeginsThere) {
   EXPECT_FALSE(outcome.truncated);
 }
 
-TEST(BoardLosses, ACutIsSaid) {
+TEST(BoardLosses, TruncationIsReported) {
   const AcquisitionPlan plan = small_plan(1);
   auto packets = packets_of(plan);
   packets.pop_back();
@@ -172,7 +172,7 @@ TEST(BoardLosses, ACutIsSaid) {
   EXPECT_FALSE(run({}).truncated);
 }
 
-TEST(BoardLosses, SamplesAreDeliveredAsTheyCameNanIncluded) {
+TEST(BoardLosses, SamplesAreDeliveredBitForBitNanIncluded) {
   const AcquisitionPlan plan = small_plan(1);
   auto packets = packets_of(plan);
   Stick stick = test_stick(plan, 7);
@@ -184,15 +184,15 @@ TEST(BoardLosses, SamplesAreDeliveredAsTheyCameNanIncluded) {
   EXPECT_TRUE(std::isnan(outcome.seen.sticks[7].samples[2]));
 }
 
-MemoryLinkOptions impatient() {
+MemoryLinkOptions overrunning() {
   return {.waits_for_reader = false};
 }
 
-TEST(BoardLosses, AFullRingDropsCountsAndReportsAfterTheSoundSticks) {
+TEST(BoardLosses, FullRingDropsAreCountedAndReported) {
   const AcquisitionPlan plan = small_plan(2);
-  Board board(std::make_unique<MemoryLink>(stream_of(plan), impatient()), {.ring_slots = 5});
+  Board board(std::make_unique<MemoryLink>(stream_of(plan), overrunning()), {.ring_slots = 5});
   board.start();
-  // Nobody takes anything until the link has been read to its end.
+  // No event is taken until the link has been read to its end.
   while (board.account().emitted < 24) std::this_thread::yield();
   EXPECT_EQ(board.account().delivered, 5U);
   EXPECT_EQ(board.account().lost.ring_full, 19U);
@@ -207,12 +207,12 @@ TEST(BoardLosses, AFullRingDropsCountsAndReportsAfterTheSoundSticks) {
   EXPECT_TRUE(board.account().balanced());
 }
 
-TEST(BoardLosses, AStallOfAnyLengthKeepsTheQueueBoundedAndTheAccountExact) {
+TEST(BoardLosses, LongStallKeepsTheQueueBoundedAndTheCountsExact) {
   const AcquisitionPlan plan = small_plan(1000);
   auto packets = packets_of(plan);
   std::uint64_t dropped = 0;
   for (std::uint64_t i = 20; i < 12000 - 1; i += 3, ++dropped) packets[packet_index(plan, i)] = {};
-  Board board(std::make_unique<MemoryLink>(join(packets), impatient()), {.ring_slots = 4});
+  Board board(std::make_unique<MemoryLink>(join(packets), overrunning()), {.ring_slots = 4});
   board.start();
   while (board.account().emitted < 12000) std::this_thread::yield();
   const BoardAccount account = board.account();
@@ -225,10 +225,10 @@ TEST(BoardLosses, AStallOfAnyLengthKeepsTheQueueBoundedAndTheAccountExact) {
   EXPECT_LE(seen.gaps.size() + seen.ends.size(), 4U + 256U + 1U);
 }
 
-TEST(BoardLosses, ASlowReaderSeesEveryStickOnceAsDataOrAsGap) {
+TEST(BoardLosses, SlowReaderGetsEveryStickOnceOrItsGap) {
   const AcquisitionPlan plan = small_plan(40);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    MemoryLinkOptions options = impatient();
+    MemoryLinkOptions options = overrunning();
     options.chunk_seed = seed;
     Board board(std::make_unique<MemoryLink>(stream_of(plan), options), {.ring_slots = 3});
     board.start();
@@ -248,7 +248,7 @@ TEST(BoardLosses, ASlowReaderSeesEveryStickOnceAsDataOrAsGap) {
   }
 }
 
-TEST(BoardLosses, AnyMixtureOfFaultsBalances) {
+TEST(BoardLosses, MixedFaultsBalance) {
   const AcquisitionPlan plan = small_plan(6);
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     auto packets = packets_of(plan);

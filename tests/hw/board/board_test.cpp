@@ -20,11 +20,11 @@ std::unique_ptr<MemoryLink> link_of(Bytes bytes, const MemoryLinkOptions& option
   return std::make_unique<MemoryLink>(std::move(bytes), options);
 }
 
-MemoryLinkOptions silent_line() {
+MemoryLinkOptions idle_link() {
   return {.ending = ReadStatus::timeout};
 }
 
-TEST(Board, DeliversASoundStreamWholeAndInOrder) {
+TEST(Board, DeliversAnIntactStreamCompletelyAndInOrder) {
   const AcquisitionPlan plan = small_plan(5);
   Board board(link_of(stream_of(plan), {.chunk_seed = 3}));
   EXPECT_EQ(board.state(), BoardState::open);
@@ -45,11 +45,11 @@ TEST(Board, DeliversASoundStreamWholeAndInOrder) {
   EXPECT_TRUE(seen.gaps.empty());
   EXPECT_EQ(board.account().emitted, 60U);
   EXPECT_EQ(board.account().delivered, 60U);
-  EXPECT_EQ(board.damage().places, 0U);
+  EXPECT_EQ(board.damage().regions, 0U);
   EXPECT_EQ(board.capabilities().origin, StreamOrigin::emulator);
 }
 
-TEST(Board, ALinkThatWaitsLosesNothingToATinyRing) {
+TEST(Board, WaitingLinkLosesNothingToASmallRing) {
   const AcquisitionPlan plan = small_plan(50);
   Board board(link_of(stream_of(plan)), {.ring_slots = 1});
   board.start();
@@ -81,7 +81,7 @@ TEST(Board, NeverWritesASlotThatIsHeld) {
   for (const StickSlot& slot : held) EXPECT_TRUE(is_genuine(plan, *slot));
 }
 
-TEST(Board, SlotsComeBackWhenReleased) {
+TEST(Board, ReleasedSlotsAreFree) {
   Board board(link_of(stream_of(small_plan(1))), {.ring_slots = 100});
   board.start();
   Collected seen;
@@ -89,8 +89,8 @@ TEST(Board, SlotsComeBackWhenReleased) {
   EXPECT_EQ(board.free_slots(), 100);
 }
 
-TEST(Board, ADeadlineInThePastPollsAndALaterOneIsKept) {
-  Board board(link_of({}, silent_line()));
+TEST(Board, PastDeadlinePollsAndLaterOneIsKept) {
+  Board board(link_of({}, idle_link()));
   board.start();
   EXPECT_TRUE(std::holds_alternative<TimedOut>(board.next(kNow)));
   const HostTime deadline = HostClock::now() + std::chrono::milliseconds(20);
@@ -98,7 +98,7 @@ TEST(Board, ADeadlineInThePastPollsAndALaterOneIsKept) {
   EXPECT_GE(HostClock::now(), deadline);
 }
 
-TEST(Board, PollingStillGivesWhatIsThere) {
+TEST(Board, PollingReturnsQueuedEvents) {
   Board board(link_of(stream_of(small_plan(1))));
   board.start();
   while (board.account().delivered < 12) std::this_thread::yield();
@@ -108,14 +108,14 @@ TEST(Board, PollingStillGivesWhatIsThere) {
   EXPECT_EQ(seen.sticks.size(), 12U);
 }
 
-TEST(Board, CancelWakesAWaiterAndStartGoesOn) {
+TEST(Board, CancelWakesAWaiterAndStartContinues) {
   const AcquisitionPlan plan = small_plan(2);
-  auto link = link_of(stream_of(plan), silent_line());
+  auto link = link_of(stream_of(plan), idle_link());
   Board board(std::move(link));
   board.start();
   Collected seen;
   while (seen.sticks.size() < 10) note(board.next(patience()), seen);
-  std::thread waiter([&] {
+  std::jthread waiter([&] {
     while (!std::holds_alternative<Cancelled>(board.next(patience()))) {
     }
   });
@@ -128,7 +128,7 @@ TEST(Board, CancelWakesAWaiterAndStartGoesOn) {
   EXPECT_EQ(board.account().lost.total(), 0U);
 }
 
-TEST(Board, BrokenOffAnywhereItLosesNothing) {
+TEST(Board, StopAndCancelAnywhereLoseNothing) {
   const AcquisitionPlan plan = small_plan(4);
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Board board(link_of(stream_of(plan), {.chunk_seed = seed}), {.ring_slots = 2});
@@ -162,8 +162,8 @@ TEST(Board, CancelEndsBackpressure) {
 }
 
 TEST(Board, StatesAndIllegalCalls) {
-  Board board(link_of(stream_of(small_plan(1)), silent_line()));
-  EXPECT_THROW(board.next(kNow), IllegalBoardCall);
+  Board board(link_of(stream_of(small_plan(1)), idle_link()));
+  EXPECT_THROW(static_cast<void>(board.next(kNow)), IllegalBoardCall);
   board.stop();
   EXPECT_EQ(board.state(), BoardState::open);
   board.start();
@@ -181,32 +181,32 @@ TEST(Board, StatesAndIllegalCalls) {
   board.close();
   EXPECT_EQ(board.state(), BoardState::closed);
   EXPECT_THROW(board.start(), IllegalBoardCall);
-  EXPECT_THROW(board.next(kNow), IllegalBoardCall);
+  EXPECT_THROW(static_cast<void>(board.next(kNow)), IllegalBoardCall);
   board.stop();
   board.cancel();
   EXPECT_EQ(board.state(), BoardState::closed);
 }
 
-TEST(Board, StoppedBeforeAnyConfigurationItIsOpenAgain) {
-  Board board(link_of({}, silent_line()));
+TEST(Board, StoppedBeforeAnyConfigurationIsOpen) {
+  Board board(link_of({}, idle_link()));
   board.start();
   board.stop();
   EXPECT_EQ(board.state(), BoardState::open);
 }
 
-TEST(Board, RefusesWhatItCannotBe) {
+TEST(Board, RejectsInvalidArguments) {
   EXPECT_THROW(Board(nullptr), std::invalid_argument);
   EXPECT_THROW(Board(link_of({}), {.ring_slots = 0}), InvalidOption);
   EXPECT_NO_THROW(check_options(BoardOptions{}));
 }
 
-TEST(Board, AnUnpluggedDeviceIsLostForGoodAfterAllThatCame) {
+TEST(Board, UnpluggedDeviceIsLostAfterEarlierSticks) {
   Board board(link_of(stream_of(small_plan(1)), {.ending = ReadStatus::lost}));
   board.start();
   Collected seen;
   const Event last = collect(board, seen);
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
-  EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unplugged);
+  EXPECT_EQ(std::get<DeviceLost>(last).cause, DeviceLossCause::unplugged);
   EXPECT_EQ(std::get<DeviceLost>(last).reason, "the device is gone");
   EXPECT_EQ(seen.sticks.size(), 12U);
   EXPECT_EQ(board.state(), BoardState::lost);
@@ -216,8 +216,8 @@ TEST(Board, AnUnpluggedDeviceIsLostForGoodAfterAllThatCame) {
   EXPECT_TRUE(std::holds_alternative<DeviceLost>(board.next(kNow)));
 }
 
-TEST(Board, ALaterWireVersionSaysSo) {
-  // A volume end of version 2, whose CRC was computed apart.
+TEST(Board, LaterWireVersionIsReported) {
+  // A volume end of version 2 with a correct CRC.
   Bytes stream;
   encode(VolumeEndPacket{}, stream);
   stream[4] = std::byte{2};
@@ -229,12 +229,12 @@ TEST(Board, ALaterWireVersionSaysSo) {
   Collected seen;
   const Event last = collect(board, seen);
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(last));
-  EXPECT_EQ(std::get<DeviceLost>(last).cause, LossOfDevice::unreadable);
+  EXPECT_EQ(std::get<DeviceLost>(last).cause, DeviceLossCause::unreadable);
   EXPECT_EQ(std::get<DeviceLost>(last).reason,
             "wire format version 2: this program reads version 1");
 }
 
-TEST(Board, AnImpossibleConfigurationSaysWhy) {
+TEST(Board, ImpossibleConfigurationIsReported) {
   ConfigurationPacket packet;
   packet.acquisition.depth_m = -1;
   Bytes stream;
@@ -249,7 +249,7 @@ TEST(Board, AnImpossibleConfigurationSaysWhy) {
             "depth_mm = -1000: must be within 1 and 400");
 }
 
-TEST(Board, ANewConfigurationBeginsANewStream) {
+TEST(Board, NewConfigurationStartsANewStream) {
   const AcquisitionPlan first = small_plan(1);
   AcquisitionOptions changed = first.acquisition();
   changed.depth_m = 0.1;
@@ -267,7 +267,7 @@ TEST(Board, ANewConfigurationBeginsANewStream) {
   EXPECT_EQ(board.account().duplicates, 0U);
 }
 
-TEST(Board, SteppedItReadsOnlyWhenAsked) {
+TEST(Board, SteppedBoardReadsOnlyInStep) {
   const AcquisitionPlan plan = small_plan(4);
   Board board(link_of(stream_of(plan), {.chunk_seed = 2}),
               {.ring_slots = 3, .reader = ReaderMode::stepped});
@@ -291,7 +291,7 @@ TEST(Board, SteppedItReadsOnlyWhenAsked) {
   EXPECT_THROW(threaded.step(), IllegalBoardCall);
 }
 
-TEST(Board, ManyThreadsShareTheEvents) {
+TEST(Board, ThreadsShareTheEvents) {
   Board board(link_of(stream_of(small_plan(100)), {.chunk_seed = 5}), {.ring_slots = 7});
   board.start();
   std::atomic<std::uint64_t> sticks{0}, sum{0};
@@ -302,22 +302,22 @@ TEST(Board, ManyThreadsShareTheEvents) {
     sticks += seen.sticks.size();
     for (const Stick& stick : seen.sticks) sum += stick.sequence;
   };
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;
   for (int i = 0; i < 3; ++i) threads.emplace_back(take);
   while (sticks < 1200) {
     if (!board.account().balanced()) unbalanced = true;
     std::this_thread::yield();
   }
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();  // joins
   EXPECT_EQ(sticks, 1200U);
   EXPECT_EQ(sum, 1199U * 1200U / 2);
   EXPECT_FALSE(unbalanced);
 }
 
-TEST(Board, StartStopAndCancelFromManyThreadsEndInPeace) {
-  Board board(link_of(stream_of(small_plan(20)), silent_line()), {.ring_slots = 5});
+TEST(Board, StartStopAndCancelFromManyThreads) {
+  Board board(link_of(stream_of(small_plan(20)), idle_link()), {.ring_slots = 5});
   board.start();
-  const auto meddle = [&](std::uint64_t seed) {
+  const auto interfere = [&](std::uint64_t seed) {
     for (std::uint64_t i = 0; i < 200; ++i) {
       const std::uint64_t draw = hash(seed, i) % 4;
       if (draw == 0) board.stop();
@@ -327,12 +327,12 @@ TEST(Board, StartStopAndCancelFromManyThreadsEndInPeace) {
       } catch (const IllegalBoardCall&) {
         // Another thread started it first.
       }
-      board.next(kNow);
+      static_cast<void>(board.next(kNow));
     }
   };
-  std::vector<std::thread> threads;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) threads.emplace_back(meddle, seed);
-  for (std::thread& thread : threads) thread.join();
+  std::vector<std::jthread> threads;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) threads.emplace_back(interfere, seed);
+  threads.clear();  // joins
   board.stop();
   EXPECT_TRUE(board.account().balanced());
   EXPECT_EQ(board.account().lost.total(), 0U);

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/options.h"
+#include "hw/board/board.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -25,25 +26,23 @@ TEST(StickRing, HasAFixedNumberOfSlots) {
   EXPECT_EQ(ring.acquire(), *taken.begin());
 }
 
-TEST(StickRing, RefusesSizesBeyondReason) {
+TEST(StickRing, RejectsSizesOutOfRange) {
   for (const int slots : {0, -1, kMaxRingSlots + 1}) EXPECT_THROW(StickRing{slots}, InvalidOption);
 }
 
 TEST(StickRing, WaitsForARelease) {
   StickRing ring(1);
   Stick* slot = ring.acquire();
-  std::thread releaser([&] { ring.release(slot); });
+  std::jthread releaser([&] { ring.release(slot); });
   EXPECT_EQ(ring.wait(std::stop_token()), slot);
-  releaser.join();
 }
 
-TEST(StickRing, AStopEndsTheWait) {
+TEST(StickRing, StopEndsTheWait) {
   StickRing ring(1);
-  ring.acquire();
+  ASSERT_NE(ring.acquire(), nullptr);
   std::stop_source stop;
-  std::thread stopper([&] { stop.request_stop(); });
+  std::jthread stopper([&] { stop.request_stop(); });
   EXPECT_EQ(ring.wait(stop.get_token()), nullptr);
-  stopper.join();
 }
 
 TEST(StickRing, NoTwoThreadsHoldOneSlot) {
@@ -58,9 +57,9 @@ TEST(StickRing, NoTwoThreadsHoldOneSlot) {
       ring.release(slot);
     }
   };
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;
   for (std::uint64_t id = 0; id < 5; ++id) threads.emplace_back(work, id);
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();  // joins
   EXPECT_EQ(clashes, 0);
   EXPECT_EQ(ring.free_slots(), 3);
 }

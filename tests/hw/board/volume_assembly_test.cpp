@@ -30,7 +30,7 @@ void expect_holds(const AcquisitionPlan& plan, const PolarVolume& volume, std::u
   }
 }
 
-TEST(VolumeAssembly, GivesEveryVolumeWhole) {
+TEST(VolumeAssembly, ReturnsEveryVolumeComplete) {
   const AcquisitionPlan plan = small_plan(4);
   const auto volumes = volumes_of(stream_of(plan));
   ASSERT_EQ(volumes.size(), 4U);
@@ -38,7 +38,7 @@ TEST(VolumeAssembly, GivesEveryVolumeWhole) {
   for (std::uint32_t v = 0; v < 4; ++v) EXPECT_EQ(volumes[v].volume_index(), v);
 }
 
-TEST(VolumeAssembly, MarksWhatIsMissingAndFillsItWithNothingOld) {
+TEST(VolumeAssembly, MarksMissingSticksAndZeroesThem) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   packets[packet_index(plan, 14)] = {};
@@ -60,7 +60,7 @@ TEST(VolumeAssembly, NeedsNoVolumeEnd) {
   for (const PolarVolume& volume : volumes) EXPECT_EQ(volume.missing_sticks(), 0);
 }
 
-TEST(VolumeAssembly, GivesTheVolumeThatTheEndCutsShort) {
+TEST(VolumeAssembly, ReturnsTheVolumeThatTheEndTruncates) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   packets.resize(packet_index(plan, 15) + 1);
@@ -70,7 +70,7 @@ TEST(VolumeAssembly, GivesTheVolumeThatTheEndCutsShort) {
   expect_holds(plan, volumes[1], 15);
 }
 
-TEST(VolumeAssembly, PassesOverAVolumeOfWhichNothingCame) {
+TEST(VolumeAssembly, SkipsAVolumeWithoutSticks) {
   const AcquisitionPlan plan = small_plan(3);
   auto packets = packets_of(plan);
   for (std::uint64_t i = 12; i < 24; ++i) packets[packet_index(plan, i)] = {};
@@ -79,7 +79,7 @@ TEST(VolumeAssembly, PassesOverAVolumeOfWhichNothingCame) {
   EXPECT_EQ(volumes[1].volume_index(), 2U);
 }
 
-TEST(VolumeAssembly, KeepsWhatArrivedWhenTheDeadlinePasses) {
+TEST(VolumeAssembly, KeepsSticksWhenTheDeadlinePasses) {
   const AcquisitionPlan plan = small_plan(1);
   const auto packets = packets_of(plan);
   auto owned = std::make_unique<MemoryLink>(join({packets.begin(), packets.begin() + 6}),

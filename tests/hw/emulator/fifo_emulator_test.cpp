@@ -21,9 +21,9 @@ class FifoEmulatorTest : public testing_support::FolderTest {
   const AcquisitionPlan plan_ = small_plan(5);
 };
 
-TEST_F(FifoEmulatorTest, ABoardGetsEveryStickAndTheEnd) {
-  FifoEmulator stand_in(folder_, source(ReadStatus::end_of_stream));
-  Board board(std::make_unique<XdmaLink>(stand_in.path()));
+TEST_F(FifoEmulatorTest, BoardGetsEveryStickAndTheEnd) {
+  FifoEmulator emulator(folder_, source(ReadStatus::end_of_stream));
+  Board board(std::make_unique<XdmaLink>(emulator.path()));
   board.start();
   Collected seen;
   const Event last = collect(board, seen);
@@ -33,23 +33,23 @@ TEST_F(FifoEmulatorTest, ABoardGetsEveryStickAndTheEnd) {
   for (const Stick& stick : seen.sticks) EXPECT_TRUE(is_genuine(plan_, stick));
 }
 
-TEST_F(FifoEmulatorTest, UnpluggedItEnds) {
-  FifoEmulator stand_in(folder_, source(ReadStatus::timeout));
-  Board board(std::make_unique<XdmaLink>(stand_in.path()));
+TEST_F(FifoEmulatorTest, UnplugEndsTheStream) {
+  FifoEmulator emulator(folder_, source(ReadStatus::timeout));
+  Board board(std::make_unique<XdmaLink>(emulator.path()));
   board.start();
   Collected seen;
   while (seen.ends.size() < 5) ASSERT_TRUE(note(board.next(patience()), seen));
-  stand_in.unplug();
+  emulator.unplug();
   EXPECT_TRUE(std::holds_alternative<EndOfStream>(collect(board, seen)));
 }
 
-TEST_F(FifoEmulatorTest, OutlivesAReaderThatLeaves) {
-  FifoEmulator stand_in(folder_, source(ReadStatus::timeout));
-  XdmaLink(stand_in.path()).close();
+TEST_F(FifoEmulatorTest, ReaderMayCloseFirst) {
+  FifoEmulator emulator(folder_, source(ReadStatus::timeout));
+  XdmaLink(emulator.path()).close();
 }
 
-TEST_F(FifoEmulatorTest, GoesWithoutAReader) {
-  { const FifoEmulator stand_in(folder_, source(ReadStatus::timeout)); }
+TEST_F(FifoEmulatorTest, MayBeDestroyedWithoutAReader) {
+  { const FifoEmulator emulator(folder_, source(ReadStatus::timeout)); }
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace wobblebench::hw {
@@ -15,45 +16,45 @@ Bytes ones(std::size_t count) {
 
 /// Other bytes, then ones.
 Bytes other_then_ones(std::size_t others, std::size_t count) {
-  Bytes bytes(others, std::byte{7});
-  bytes.insert(bytes.end(), count, std::byte{0xFF});
+  Bytes bytes = ones(others + count);
+  std::fill_n(bytes.begin(), others, std::byte{7});
   return bytes;
 }
 
-TEST(AllOnes, PassesOtherBytesOnAtOnce) {
-  DeviceGoneDetector watch;
-  const auto verdict = watch.look_at(other_then_ones(100, 20));
-  EXPECT_EQ(verdict.held_back, 0U);
-  EXPECT_EQ(verdict.sound, 120U);
-  EXPECT_FALSE(verdict.gone);
+TEST(DeviceGoneDetector, PassesOtherBytesAtOnce) {
+  DeviceGoneDetector detector;
+  const auto result = detector.inspect(other_then_ones(100, 20));
+  EXPECT_EQ(result.held_back, 0U);
+  EXPECT_EQ(result.valid, 120U);
+  EXPECT_FALSE(result.gone);
 }
 
-TEST(AllOnes, HoldsATransferOfOnesBackUntilItShowsToBeSamples) {
-  DeviceGoneDetector watch;
-  EXPECT_EQ(watch.look_at(ones(1024)).sound, 0U);
-  EXPECT_EQ(watch.look_at(ones(1024)).sound, 0U);
-  const auto verdict = watch.look_at(other_then_ones(1, 0));
-  EXPECT_EQ(verdict.held_back, 2048U);
-  EXPECT_EQ(verdict.sound, 1U);
-  EXPECT_EQ(watch.end(), 0U);
+TEST(DeviceGoneDetector, HoldsTransfersOfOnesBackUntilOtherBytesFollow) {
+  DeviceGoneDetector detector;
+  EXPECT_EQ(detector.inspect(ones(1024)).valid, 0U);
+  EXPECT_EQ(detector.inspect(ones(1024)).valid, 0U);
+  const auto result = detector.inspect(other_then_ones(1, 0));
+  EXPECT_EQ(result.held_back, 2048U);
+  EXPECT_EQ(result.valid, 1U);
+  EXPECT_EQ(detector.end(), 0U);
 }
 
-TEST(AllOnes, TheLongestSoundRunIsSoundAndOneMoreIsNot) {
-  DeviceGoneDetector sound, gone;
-  sound.look_at(other_then_ones(1, 64));
-  gone.look_at(other_then_ones(1, 64));
-  EXPECT_FALSE(sound.look_at(ones(kLongestValidOnes - 64)).gone);
-  EXPECT_EQ(sound.end(), kLongestValidOnes - 64);
-  const auto verdict = gone.look_at(ones(kLongestValidOnes - 63));
-  EXPECT_TRUE(verdict.gone);
-  EXPECT_EQ(verdict.sound + verdict.held_back, 0U);
+TEST(DeviceGoneDetector, LongestValidRunIsValidAndOneMoreIsNot) {
+  DeviceGoneDetector present, gone;
+  EXPECT_FALSE(present.inspect(other_then_ones(1, 64)).gone);
+  EXPECT_FALSE(gone.inspect(other_then_ones(1, 64)).gone);
+  EXPECT_FALSE(present.inspect(ones(kLongestValidOnes - 64)).gone);
+  EXPECT_EQ(present.end(), kLongestValidOnes - 64);
+  const auto result = gone.inspect(ones(kLongestValidOnes - 63));
+  EXPECT_TRUE(result.gone);
+  EXPECT_EQ(result.valid + result.held_back, 0U);
 }
 
-TEST(AllOnes, OfATransferThatTurnsToOnesTheFirstPartIsHandedOn) {
-  DeviceGoneDetector watch;
-  const auto verdict = watch.look_at(other_then_ones(300, kLongestValidOnes + 1));
-  EXPECT_TRUE(verdict.gone);
-  EXPECT_EQ(verdict.sound, 300U);
+TEST(DeviceGoneDetector, PassesThePartOfATransferBeforeTheOnes) {
+  DeviceGoneDetector detector;
+  const auto result = detector.inspect(other_then_ones(300, kLongestValidOnes + 1));
+  EXPECT_TRUE(result.gone);
+  EXPECT_EQ(result.valid, 300U);
 }
 
 }  // namespace

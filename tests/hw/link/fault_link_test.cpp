@@ -1,4 +1,4 @@
-// Faults strike what their plan says, and the board's account says what they cost.
+// Fault plans, injected faults, and the board's counts of the resulting losses.
 #include "hw/link/fault_link.h"
 
 #include <gtest/gtest.h>
@@ -30,21 +30,21 @@ struct Outcome {
 
 Outcome run(const AcquisitionPlan& plan, const std::string& faults) {
   auto link = faulty(plan, faults, 7);
-  const FaultLink& struck = *link;
+  const FaultLink& faults_of = *link;
   Board board(std::move(link));
   board.start();
   Outcome outcome;
   outcome.last = collect(board, outcome.seen);
   board.stop();
   outcome.account = board.account();
-  outcome.events = struck.events();
+  outcome.events = faults_of.events();
   EXPECT_TRUE(outcome.account.balanced());
   for (const Stick& stick : outcome.seen.sticks) EXPECT_TRUE(is_genuine(plan, stick));
   return outcome;
 }
 
-/// Sequence numbers of sticks that a kind of fault struck.
-std::set<std::uint64_t> struck(const Outcome& outcome, FaultKind kind) {
+/// Sequence numbers of the sticks with a kind of fault.
+std::set<std::uint64_t> affected(const Outcome& outcome, FaultKind kind) {
   std::set<std::uint64_t> sequences;
   for (const FaultEvent& event : outcome.events) {
     if (event.kind == kind && event.packet_kind == PacketKind::stick) {
@@ -54,24 +54,24 @@ std::set<std::uint64_t> struck(const Outcome& outcome, FaultKind kind) {
   return sequences;
 }
 
-TEST(FaultPlan, ReadsWhatIsWritten) {
+TEST(FaultPlan, ParsesEveryTerm) {
   const FaultPlan plan =
       parse_faults("drop:0.25+unplug@17+seed:9+delay_ms:2+stall_ms:40+corrupt@3");
   ASSERT_EQ(plan.faults.size(), 3U);
   EXPECT_EQ(plan.seed, 9U);
   EXPECT_EQ(plan.delay, std::chrono::milliseconds(2));
   EXPECT_EQ(plan.stall, std::chrono::milliseconds(40));
-  EXPECT_TRUE(plan.strikes(FaultKind::unplug, 17));
-  EXPECT_FALSE(plan.strikes(FaultKind::unplug, 16));
-  EXPECT_TRUE(plan.strikes(FaultKind::corrupt, 3));
+  EXPECT_TRUE(plan.affects(FaultKind::unplug, 17));
+  EXPECT_FALSE(plan.affects(FaultKind::unplug, 16));
+  EXPECT_TRUE(plan.affects(FaultKind::corrupt, 3));
   int drops = 0;
   for (std::uint64_t packet = 0; packet < 100000; ++packet) {
-    drops += plan.strikes(FaultKind::drop, packet);
+    drops += plan.affects(FaultKind::drop, packet);
   }
   EXPECT_NEAR(drops, 25000, 5 * std::sqrt(100000 * 0.25 * 0.75)) << "five deviations";
 }
 
-TEST(FaultPlan, RefusesWhatItDoesNotKnow) {
+TEST(FaultPlan, RejectsInvalidTerms) {
   for (const char* text : {"",
                            "drop",
                            "drop:",
@@ -89,7 +89,7 @@ TEST(FaultPlan, RefusesWhatItDoesNotKnow) {
   }
 }
 
-TEST(FaultLink, WhatStrikesDoesNotDependOnHowItIsRead) {
+TEST(FaultLink, FaultsDoNotDependOnReadSizes) {
   const AcquisitionPlan plan = small_plan(20);
   const std::string faults = "drop:0.1+corrupt:0.1+truncate:0.1+duplicate:0.1+reorder:0.1+seed:5";
   const Bytes whole = all_bytes(*faulty(plan, faults), 65536);
@@ -98,17 +98,17 @@ TEST(FaultLink, WhatStrikesDoesNotDependOnHowItIsRead) {
   EXPECT_NE(all_bytes(*faulty(plan, faults + "+seed:6"), 65536), whole);
 }
 
-TEST(FaultLink, WithoutFaultsItChangesNothing) {
+TEST(FaultLink, ZeroRateChangesNothing) {
   const AcquisitionPlan plan = small_plan(5);
   EXPECT_EQ(all_bytes(*faulty(plan, "drop:0"), 999), stream_of(plan));
 }
 
-TEST(FaultLink, DropsAreTheLinks) {
+TEST(FaultLink, DropsAreLinkLosses) {
   const AcquisitionPlan plan = small_plan(30);
   const Outcome outcome = run(plan, "drop:0.05+seed:3");
-  const auto lost = struck(outcome, FaultKind::drop);
+  const auto lost = affected(outcome, FaultKind::drop);
   EXPECT_GT(lost.size(), 5U);
-  // A stick dropped at the very end leaves no trace.
+  // A stick dropped at the end of the stream could not be detected.
   EXPECT_EQ(outcome.account.lost.link, lost.size());
   EXPECT_EQ(outcome.account.lost.total(), lost.size());
   for (const Stick& stick : outcome.seen.sticks) EXPECT_FALSE(lost.contains(stick.sequence));
@@ -118,32 +118,33 @@ TEST(FaultLink, DamageIsCorrupt) {
   const AcquisitionPlan plan = small_plan(30);
   for (const std::string kind : {"corrupt", "truncate"}) {
     const Outcome outcome = run(plan, kind + ":0.05+seed:3");
-    const auto lost = struck(outcome, kind == "corrupt" ? FaultKind::corrupt : FaultKind::truncate);
+    const auto lost =
+        affected(outcome, kind == "corrupt" ? FaultKind::corrupt : FaultKind::truncate);
     EXPECT_GT(lost.size(), 5U);
     EXPECT_EQ(outcome.account.lost.corrupt, lost.size()) << kind;
     EXPECT_EQ(outcome.account.lost.total(), lost.size()) << kind;
   }
 }
 
-TEST(FaultLink, RepeatsAreDuplicatesAndLatecomersOutOfOrder) {
+TEST(FaultLink, RepeatedSticksAreDuplicatesAndLateOnesOutOfOrder) {
   const AcquisitionPlan plan = small_plan(30);
   const Outcome twice = run(plan, "duplicate:0.1+seed:3");
-  EXPECT_EQ(twice.account.duplicates, struck(twice, FaultKind::duplicate).size());
+  EXPECT_EQ(twice.account.duplicates, affected(twice, FaultKind::duplicate).size());
   EXPECT_EQ(twice.account.delivered, 360U);
   const Outcome late = run(plan, "reorder:0.05+seed:4");
   EXPECT_GT(late.account.lost.out_of_order, 5U);
-  EXPECT_LE(late.account.lost.out_of_order, struck(late, FaultKind::reorder).size());
+  EXPECT_LE(late.account.lost.out_of_order, affected(late, FaultKind::reorder).size());
   EXPECT_EQ(late.account.lost.total(), late.account.lost.out_of_order);
 }
 
-TEST(FaultLink, UnpluggedItIsLostAfterAllThatCame) {
+TEST(FaultLink, UnpluggedDeviceIsLostAfterEarlierPackets) {
   const Outcome outcome = run(small_plan(2), "unplug@9");
   ASSERT_TRUE(std::holds_alternative<DeviceLost>(outcome.last));
   EXPECT_EQ(std::get<DeviceLost>(outcome.last).reason, "the device is gone (a fault, at packet 9)");
   EXPECT_EQ(outcome.seen.sticks.size(), 8U) << "packet 0 is the configuration";
 }
 
-TEST(FaultLink, StallsAndDelaysKeepDeadlinesAndLoseNothing) {
+TEST(FaultLink, StallKeepsDeadlinesAndLosesNothing) {
   const AcquisitionPlan plan = small_plan(1);
   auto link = faulty(plan, "stall@4+stall_ms:30");
   Bytes got, buffer(65536);
@@ -160,7 +161,7 @@ TEST(FaultLink, StallsAndDelaysKeepDeadlinesAndLoseNothing) {
   EXPECT_EQ(got, stream_of(plan));
 }
 
-TEST(FaultLink, DamageOfTheLinkWithinPassesAsItIs) {
+TEST(FaultLink, DamageOfTheInnerLinkIsUnchanged) {
   Bytes stream = stream_of(small_plan(3));
   for (std::size_t i = 500; i < 700; ++i) stream[i] = std::byte{0x5A};
   stream.resize(stream.size() - 13);

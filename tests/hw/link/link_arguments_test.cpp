@@ -20,20 +20,20 @@ TEST(LinkArguments, NameValueAndSettings) {
   EXPECT_EQ(file.settings.at("pace"), "realtime");
 }
 
-TEST(LinkArguments, ACommaInAPathIsThePaths) {
+TEST(LinkArguments, CommaInAPathBelongsToThePath) {
   const LinkArguments file = parse_link_arguments("file=a,b,C=d,1=2.wbst,loop=true");
   EXPECT_EQ(file.value, "a,b,C=d,1=2.wbst");
   EXPECT_EQ(file.settings.size(), 1U);
 }
 
-TEST(LinkArguments, RefusesWhatHasNoName) {
+TEST(LinkArguments, RejectsMissingNamesAndRepeatedKeys) {
   for (const char* text : {"", "=x", ",loop=true", "Sim", "si m"}) {
     EXPECT_THROW(parse_link_arguments(text), InvalidOption) << text;
   }
   EXPECT_THROW(parse_link_arguments("sim,pace=asap,pace=asap"), InvalidOption);
 }
 
-TEST(LinkSettings, SetOptionsByTheirDescription) {
+TEST(LinkSettings, SetDescribedOptions) {
   LinkSettings settings(parse_link_arguments("file=x,loop=true,pace=realtime,start_volume=3"));
   FileLinkOptions options;
   settings.read(options);
@@ -47,7 +47,7 @@ TEST(LinkSettings, SetOptionsByTheirDescription) {
   EXPECT_DOUBLE_EQ(device.busy_patience_s, 0.25);
 }
 
-std::string refusal(const std::string& text) {
+std::string rejection(const std::string& text) {
   try {
     LinkSettings settings(parse_link_arguments(text));
     FileLinkOptions options;
@@ -59,14 +59,14 @@ std::string refusal(const std::string& text) {
   return "";
 }
 
-TEST(LinkSettings, SayWhatIsAllowed) {
-  EXPECT_EQ(refusal("file=x,pace=fast"), "pace = fast: must be one of asap, realtime");
-  EXPECT_EQ(refusal("file=x,loop=1"), "loop = 1: must be true or false");
-  EXPECT_EQ(refusal("file=x,start_volume=two"),
+TEST(LinkSettings, RejectionNamesTheAllowedValues) {
+  EXPECT_EQ(rejection("file=x,pace=fast"), "pace = fast: must be one of asap, realtime");
+  EXPECT_EQ(rejection("file=x,loop=1"), "loop = 1: must be true or false");
+  EXPECT_EQ(rejection("file=x,start_volume=two"),
             "start_volume = two: must be a whole number within 0 and 1073741824");
-  EXPECT_EQ(refusal("file=x,start_volume=-1"),
+  EXPECT_EQ(rejection("file=x,start_volume=-1"),
             "start_volume = -1: must be within 0 and 1073741824");
-  EXPECT_EQ(refusal("file=x,colour=red"),
+  EXPECT_EQ(rejection("file=x,colour=red"),
             "colour = red: no such key; file takes pace, loop, start_volume");
 }
 

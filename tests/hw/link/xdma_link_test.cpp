@@ -1,5 +1,5 @@
-// The link on what every machine has: FIFOs, files and the kernel's own devices. Its behaviour on
-// the driver's rules is in xdma_stand_in_test.cpp.
+// The link on FIFOs, files and the kernel's own devices. Tests of the driver's rules are in
+// emulator/xdma_emulator_test.cpp.
 #include "hw/link/xdma_link.h"
 
 #include <fcntl.h>
@@ -23,8 +23,8 @@ namespace wobblebench::hw {
 namespace {
 
 constexpr HostTime kNow = HostTime::min();
-/// A fault would hang for ever, or for the driver's 10 s.
-constexpr auto kNotHanging = std::chrono::seconds(1);
+/// Far below the driver's timeout of 10 s, in which a wrong close() would block.
+constexpr auto kAtOnce = std::chrono::seconds(1);
 
 class XdmaLinkOnFifo : public testing_support::FolderTest {
  protected:
@@ -65,11 +65,11 @@ OpenFault fault_of(const std::filesystem::path& path, std::string& what) {
   return OpenFault::empty;
 }
 
-TEST_F(XdmaLinkOnFifo, ABoardGetsEveryStickAndTheEnd) {
+TEST_F(XdmaLinkOnFifo, BoardGetsEveryStickAndTheEnd) {
   const AcquisitionPlan plan = small_plan(5);
   Board board(std::make_unique<XdmaLink>(path_));
   board.start();
-  std::thread feeder([&, to = writer()] {
+  std::jthread feeder([&, to = writer()] {
     for (const Bytes& packet : packets_of(plan)) {
       const auto cut = static_cast<long>(packet.size() / 3);
       write_all(to, {packet.begin(), packet.begin() + cut});
@@ -86,7 +86,7 @@ TEST_F(XdmaLinkOnFifo, ABoardGetsEveryStickAndTheEnd) {
   EXPECT_TRUE(seen.gaps.empty());
 }
 
-TEST_F(XdmaLinkOnFifo, SilenceIsNoEndBeforeTheFirstWriterNorAfter) {
+TEST_F(XdmaLinkOnFifo, NoDataIsNoEndBeforeOrAfterTheFirstWriter) {
   XdmaLink link(path_);
   Bytes buffer(100);
   EXPECT_EQ(link.read(buffer, kNow).status, ReadStatus::timeout);
@@ -103,13 +103,13 @@ TEST_F(XdmaLinkOnFifo, SilenceIsNoEndBeforeTheFirstWriterNorAfter) {
   EXPECT_EQ(link.read(buffer, patience()).status, ReadStatus::end_of_stream);
 }
 
-TEST_F(XdmaLinkOnFifo, WhatTheReaderIsTooSlowForWaits) {
+TEST_F(XdmaLinkOnFifo, WaitsForASlowReader) {
   Bytes sent(10U << 20U);
   for (std::size_t i = 0; i < sent.size(); ++i) sent[i] = std::byte(hash(1, i));
   XdmaLink link(path_);
   FileDescriptor to = writer();
   ::fcntl(to.get(), F_SETFL, 0);
-  std::thread feeder([&] {
+  std::jthread feeder([&] {
     write_all(to, sent);
     to.close();
   });
@@ -118,11 +118,11 @@ TEST_F(XdmaLinkOnFifo, WhatTheReaderIsTooSlowForWaits) {
   feeder.join();
 }
 
-TEST_F(XdmaLinkOnFifo, CancelWakesAReaderAndLosesNothing) {
+TEST_F(XdmaLinkOnFifo, CancelWakesReaderAndLosesNothing) {
   XdmaLink link(path_);
   const FileDescriptor to = writer();
   Bytes buffer(100);
-  std::thread canceller([&] {
+  std::jthread canceller([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     link.cancel();
   });
@@ -134,20 +134,20 @@ TEST_F(XdmaLinkOnFifo, CancelWakesAReaderAndLosesNothing) {
   EXPECT_EQ(link.read(buffer, patience()).bytes, 7U);
 }
 
-TEST_F(XdmaLinkOnFifo, CloseReturnsAtOnceAndIsForGood) {
+TEST_F(XdmaLinkOnFifo, CloseReturnsAtOnceAndIsFinal) {
   XdmaLink link(path_);
   const FileDescriptor to = writer();
   const HostTime begin = HostClock::now();
   link.close();
   link.close();
-  EXPECT_LT(HostClock::now() - begin, kNotHanging);
+  EXPECT_LT(HostClock::now() - begin, kAtOnce);
   Bytes buffer(100);
   EXPECT_EQ(link.read(buffer, patience()).status, ReadStatus::lost);
   EXPECT_EQ(link.loss(), path_.string() + ": closed");
   EXPECT_TRUE(XdmaLink(path_).capabilities().waits_for_reader);
 }
 
-TEST_F(XdmaLinkOnFifo, AllOnesIsALossThatHandsNothingOn) {
+TEST_F(XdmaLinkOnFifo, AllOnesIsALossWithoutData) {
   XdmaLink link(path_, {.transfer_kb = 4});
   FileDescriptor to = writer();
   ::fcntl(to.get(), F_SETFL, 0);
@@ -159,7 +159,7 @@ TEST_F(XdmaLinkOnFifo, AllOnesIsALossThatHandsNothingOn) {
   EXPECT_EQ(link.loss(), path_.string() + ": reads all ones: the card has left the bus");
 }
 
-TEST_F(XdmaLinkOnFifo, OnesThatCanBeSamplesArePassedOn) {
+TEST_F(XdmaLinkOnFifo, OnesThatMayBeSamplesAreDelivered) {
   Bytes sent(kLongestValidOnes, std::byte{0xFF});
   sent.push_back(std::byte{1});
   sent.insert(sent.end(), 5000, std::byte{0xFF});
@@ -171,7 +171,7 @@ TEST_F(XdmaLinkOnFifo, OnesThatCanBeSamplesArePassedOn) {
   EXPECT_TRUE(read_until(link, ReadStatus::end_of_stream) == sent);
 }
 
-TEST_F(XdmaLinkOnFifo, SaysWhatItIs) {
+TEST_F(XdmaLinkOnFifo, ReportsCapabilities) {
   const LinkCapabilities capabilities = XdmaLink(path_, {.transfer_kb = 128}).capabilities();
   EXPECT_EQ(capabilities.origin, StreamOrigin::emulator);
   EXPECT_TRUE(capabilities.copy_in);
@@ -180,7 +180,7 @@ TEST_F(XdmaLinkOnFifo, SaysWhatItIs) {
   EXPECT_EQ(capabilities.buffers_per_interrupt, 1);
 }
 
-TEST_F(XdmaLinkPaths, WhatCannotBeAStreamIsRefusedInOneLine) {
+TEST_F(XdmaLinkPaths, RejectsOtherKindsOfFilesInOneLine) {
   const std::string allowed =
       "; must be a character device or a FIFO; a recording is opened with file=";
   std::string what;
@@ -199,7 +199,7 @@ TEST_F(XdmaLinkPaths, WhatCannotBeAStreamIsRefusedInOneLine) {
   EXPECT_EQ(what, file("socket").string() + ": is a socket" + allowed);
 }
 
-TEST_F(XdmaLinkPaths, ARecordingIsRefusedAndNotEmptied) {
+TEST_F(XdmaLinkPaths, RejectsARecordingWithoutTruncatingIt) {
   std::ofstream(file("recording")) << "a whole volume";
   std::string what;
   EXPECT_EQ(fault_of(file("recording"), what), OpenFault::wrong_kind);
@@ -207,7 +207,7 @@ TEST_F(XdmaLinkPaths, ARecordingIsRefusedAndNotEmptied) {
   EXPECT_EQ(std::filesystem::file_size(file("recording")), 14U);
 }
 
-TEST_F(XdmaLinkPaths, OneThatMayNotBeReadSaysSo) {
+TEST_F(XdmaLinkPaths, RejectsAnUnreadableFifo) {
   if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
   ASSERT_EQ(::mkfifo(file("locked").c_str(), 0000), 0);
   std::string what;
@@ -217,7 +217,7 @@ TEST_F(XdmaLinkPaths, OneThatMayNotBeReadSaysSo) {
       file("locked").string() + ": Permission denied (EACCES); must be readable by this user");
 }
 
-TEST(XdmaLinkOnDevice, OneThatGivesNothingIsSilentAndDoesNotHang) {
+TEST(XdmaLinkOnDevice, DeviceWithoutDataTimesOut) {
   const HostTime begin = HostClock::now();
   {
     XdmaLink link("/dev/null");
@@ -227,10 +227,10 @@ TEST(XdmaLinkOnDevice, OneThatGivesNothingIsSilentAndDoesNotHang) {
     EXPECT_EQ(link.capabilities().origin, StreamOrigin::hardware);
     EXPECT_FALSE(link.capabilities().waits_for_reader);
   }
-  EXPECT_LT(HostClock::now() - begin, kNotHanging);
+  EXPECT_LT(HostClock::now() - begin, kAtOnce);
 }
 
-TEST(XdmaLinkOnDevice, OneThatNeverEndsIsReadAndClosed) {
+TEST(XdmaLinkOnDevice, EndlessDeviceIsReadAndClosed) {
   XdmaLink link("/dev/zero");
   Bytes buffer(100, std::byte{1});
   EXPECT_EQ(link.read(buffer, patience()).bytes, 100U);

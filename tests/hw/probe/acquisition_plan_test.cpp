@@ -25,13 +25,13 @@ AcquisitionOptions with_frames(int frames) {
   return acquisition;
 }
 
-TEST(AcquisitionPlan, TakesTheTimeOfThePaper) {
+TEST(AcquisitionPlan, VolumeDurationIsThePapers) {
   // 35 x 64 x 2 x 0.16 m / 1540 m/s = 0.46545454... s
   EXPECT_EQ(plan_of(with_frames(35)).volume_duration().count(), 465454545);
   EXPECT_EQ(plan_of(with_frames(37)).volume_duration().count(), 492051948);
 }
 
-TEST(AcquisitionPlan, TimesOfSticksDoNotDrift) {
+TEST(AcquisitionPlan, StickTimesDoNotDrift) {
   const AcquisitionPlan plan = plan_of({});
   // 77 sticks take 77 x 0.32 / 1540 s = 16 ms exactly.
   for (const std::uint64_t n : {0ULL, 1ULL, 1000ULL, 1000000ULL, 1000000000ULL}) {
@@ -45,7 +45,7 @@ TEST(AcquisitionPlan, TimesOfSticksDoNotDrift) {
   }
 }
 
-TEST(AcquisitionPlan, TimesAreRoundedOnceEvenAfterWeeks) {
+TEST(AcquisitionPlan, TimesAreRoundedOnce) {
   // A stick takes 16e6 / 77 ns. Near a tie the rounding of 0.16 itself to a double may show.
   const AcquisitionPlan plan = plan_of({});
   for (std::uint64_t i = 0; i < 10000; ++i) {
@@ -66,12 +66,12 @@ TEST(AcquisitionPlan, AddsDeadTimeToEveryStick) {
   EXPECT_EQ(plan.stick_time(1000001).time_since_epoch().count(), 112500112500);
 }
 
-TEST(AcquisitionPlan, TimeStaysAtTheEndOfTheClock) {
+TEST(AcquisitionPlan, TimeSaturatesAtTheEndOfTheClock) {
   const DeviceTime end = plan_of({}).stick_time(std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(end.time_since_epoch(), DeviceDuration::max());
 }
 
-TEST(AcquisitionPlan, AnglesReachTheEdgesAndLieEvenly) {
+TEST(AcquisitionPlan, AnglesAreEquallySpacedBetweenTheEdges) {
   const AcquisitionPlan plan = plan_of({});
   EXPECT_DOUBLE_EQ(plan.theta_rad(0), -38.5 * kDegree);
   EXPECT_DOUBLE_EQ(plan.theta_rad(63), 38.5 * kDegree);
@@ -85,7 +85,7 @@ TEST(AcquisitionPlan, AnglesReachTheEdgesAndLieEvenly) {
   EXPECT_EQ(plan.theta_rad(10), -plan.theta_rad(53));
 }
 
-TEST(AcquisitionPlan, LoneLineAndLoneFrameLookStraightAhead) {
+TEST(AcquisitionPlan, SingleLineAndSingleFrameHaveAngleZero) {
   AcquisitionOptions acquisition = with_frames(1);
   acquisition.sticks_per_frame = 1;
   acquisition.motor = MotorMode::continuous;
@@ -96,56 +96,56 @@ TEST(AcquisitionPlan, LoneLineAndLoneFrameLookStraightAhead) {
   EXPECT_EQ(plan.phi_step_rad(), 0);
 }
 
-TEST(AcquisitionPlan, SamplesStandInTheMiddleOfTheirRange) {
+TEST(AcquisitionPlan, SamplesAreAtTheCentreOfTheirRange) {
   const AcquisitionPlan plan = plan_of({});
   EXPECT_DOUBLE_EQ(plan.sample_spacing_m(), 0.16 / 512);
   EXPECT_DOUBLE_EQ(plan.sample_range_m(0), 0.08 / 512);
   EXPECT_DOUBLE_EQ(plan.sample_range_m(511), 0.16 - 0.08 / 512);
 }
 
-/// Sets one described field just outside one of its limits, and says what must be refused.
-struct Saboteur {
+/// Sets one described field just outside one of its limits, and holds the expected message.
+struct OutOfRangeVisitor {
   int target;
-  bool beyond;
+  bool above;
   int field = 0;
   std::string expected;
 
   void real(std::string_view key, double& value, double unit, double min, double max) {
     if (field++ != target) return;
-    value = (beyond ? max * 1.001 : min - 0.001) * unit;
-    remember(key, min, max);
+    value = (above ? max * 1.001 : min - 0.001) * unit;
+    expect_message(key, min, max);
   }
   void integer(std::string_view key, int& value, int min, int max) {
     if (field++ != target) return;
-    value = beyond ? max + 1 : min - 1;
-    remember(key, min, max);
+    value = above ? max + 1 : min - 1;
+    expect_message(key, min, max);
   }
   template <class Enum>
   void choice(std::string_view, Enum&, std::initializer_list<std::pair<std::string_view, Enum>>) {}
-  void remember(std::string_view key, double min, double max) {
+  void expect_message(std::string_view key, double min, double max) {
     std::ostringstream text;
     text << key << " = |: must be within " << min << " and " << max;
     expected = text.str();
   }
 };
 
-TEST(AcquisitionOptions, RefusesEveryFieldBeyondItsLimits) {
+TEST(AcquisitionOptions, RejectsEveryFieldOutOfRange) {
   std::set<std::string> keys;
   for (int target = 0; target < 10; ++target) {
-    for (const bool beyond : {false, true}) {
+    for (const bool above : {false, true}) {
       AcquisitionOptions acquisition;
-      Saboteur saboteur{target, beyond};
-      describe(acquisition, saboteur);
-      ASSERT_EQ(saboteur.field, 10);
+      OutOfRangeVisitor visitor{target, above};
+      describe(acquisition, visitor);
+      ASSERT_EQ(visitor.field, 10);
       try {
         plan_of(acquisition);
-        FAIL() << "accepted, wanted: " << saboteur.expected;
+        FAIL() << "accepted, wanted: " << visitor.expected;
       } catch (const InvalidOption& error) {
-        const std::string said = error.what();
-        const auto bar = saboteur.expected.find('|');
-        EXPECT_TRUE(said.starts_with(saboteur.expected.substr(0, bar))) << said;
-        EXPECT_TRUE(said.ends_with(saboteur.expected.substr(bar + 1))) << said;
-        keys.insert(said.substr(0, said.find(' ')));
+        const std::string message = error.what();
+        const auto bar = visitor.expected.find('|');
+        EXPECT_TRUE(message.starts_with(visitor.expected.substr(0, bar))) << message;
+        EXPECT_TRUE(message.ends_with(visitor.expected.substr(bar + 1))) << message;
+        keys.insert(message.substr(0, message.find(' ')));
       }
     }
   }

@@ -1,4 +1,4 @@
-// What the motor does to the order, the angle and the time of sticks.
+// Order, angle and time of sticks in each motor mode.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,22 +43,22 @@ TEST_P(EveryMotorMode, IndexAndSequenceAreInverse) {
   }
 }
 
-TEST_P(EveryMotorMode, EveryVolumeTakesEveryPlaceOnce) {
+TEST_P(EveryMotorMode, EveryVolumeHasEveryFrameAndLineOnce) {
   const AcquisitionPlan plan = small_plan(4, GetParam());
   for (std::uint32_t volume = 0; volume < 4; ++volume) {
-    std::set<std::tuple<std::uint32_t, std::uint32_t>> places;
+    std::set<std::tuple<std::uint32_t, std::uint32_t>> sticks;
     for (std::uint64_t i = 0; i < 12; ++i) {
       const StickIndex index = plan.index(plan.first_sequence(volume) + i);
       ASSERT_EQ(index.volume, volume);
-      ASSERT_EQ(index.line, i % 4) << "lines of a frame are never taken backwards";
-      places.insert({index.frame, index.line});
+      ASSERT_EQ(index.line, i % 4) << "lines of a frame are acquired in increasing order";
+      sticks.insert({index.frame, index.line});
     }
-    EXPECT_EQ(places.size(), 12U);
-    EXPECT_EQ(std::get<0>(*places.rbegin()), 2U);
+    EXPECT_EQ(sticks.size(), 12U);
+    EXPECT_EQ(std::get<0>(*sticks.rbegin()), 2U);
   }
 }
 
-TEST_P(EveryMotorMode, TheAngleGrowsOrFallsOverTheVolumeAsItsDirectionSays) {
+TEST_P(EveryMotorMode, MotorAngleFollowsTheSweepDirection) {
   const AcquisitionPlan plan = default_plan(GetParam());
   const bool turns = GetParam() != MotorMode::stepped;
   const auto sticks = static_cast<std::uint64_t>(plan.sticks_per_volume());
@@ -76,7 +76,7 @@ TEST_P(EveryMotorMode, TheAngleGrowsOrFallsOverTheVolumeAsItsDirectionSays) {
   }
 }
 
-TEST_P(EveryMotorMode, AFrameLooksAtItsPlaneInEveryVolume) {
+TEST_P(EveryMotorMode, FrameHasItsPlaneInEveryVolume) {
   const AcquisitionPlan plan = default_plan(GetParam());
   for (std::uint32_t volume = 0; volume < 3; ++volume) {
     for (std::uint32_t frame = 0; frame < 37; ++frame) {
@@ -88,7 +88,7 @@ TEST_P(EveryMotorMode, AFrameLooksAtItsPlaneInEveryVolume) {
   }
 }
 
-TEST_P(EveryMotorMode, ALoneStickLooksStraightAhead) {
+TEST_P(EveryMotorMode, SingleStickHasAngleZero) {
   AcquisitionOptions acquisition;
   acquisition.frames_per_volume = 1;
   acquisition.sticks_per_frame = 1;
@@ -99,7 +99,7 @@ TEST_P(EveryMotorMode, ALoneStickLooksStraightAhead) {
   EXPECT_EQ(plan.sequence({3, 0, 0}), 3U);
 }
 
-TEST_P(EveryMotorMode, OnlyAFlyBackTakesTime) {
+TEST_P(EveryMotorMode, OnlyFlyBackTakesTime) {
   const AcquisitionPlan plan = default_plan(GetParam());
   // 77 sticks take 16 ms exactly; a volume is 2368 of them, 77 volumes then take 2368 x 16 ms.
   const std::int64_t return_ns = GetParam() == MotorMode::fly_back ? 50000000 : 0;
@@ -113,7 +113,7 @@ TEST_P(EveryMotorMode, OnlyAFlyBackTakesTime) {
   EXPECT_EQ(plan.volume_duration().count(), 492051948 + return_ns);
 }
 
-TEST_P(EveryMotorMode, TimeNeverRunsBackwards) {
+TEST_P(EveryMotorMode, TimeIncreasesByOnePeriod) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const AcquisitionPlan plan = odd_plan(GetParam(), seed);
     const bool returns = GetParam() == MotorMode::fly_back;
@@ -128,31 +128,31 @@ TEST_P(EveryMotorMode, TimeNeverRunsBackwards) {
   }
 }
 
-TEST_P(EveryMotorMode, NearestStickShowsThePlace) {
+TEST_P(EveryMotorMode, NearestStickIsNearestInAngle) {
   const AcquisitionPlan plan = default_plan(GetParam());
   for (std::uint64_t i = 0; i < 10000; ++i) {
-    const PolarPoint place{0.1, uniform(1, i, -0.8, 0.8), uniform(2, i, -0.7, 0.7)};
-    const StickIndex stick = plan.nearest_stick(place, 5);
+    const PolarPoint point{0.1, uniform(1, i, -0.8, 0.8), uniform(2, i, -0.7, 0.7)};
+    const StickIndex stick = plan.nearest_stick(point, 5);
     ASSERT_EQ(stick.volume, 5U);
     const double half = 0.5000001;
     const double off_theta =
-        std::abs(plan.theta_rad(static_cast<int>(stick.line)) - place.theta_rad);
+        std::abs(plan.theta_rad(static_cast<int>(stick.line)) - point.theta_rad);
     const double off_phi =
-        std::abs(plan.frame_phi_rad(static_cast<int>(stick.frame)) - place.phi_rad);
-    if (std::abs(place.theta_rad) < 38.5 * kDegree) {
+        std::abs(plan.frame_phi_rad(static_cast<int>(stick.frame)) - point.phi_rad);
+    if (std::abs(point.theta_rad) < 38.5 * kDegree) {
       ASSERT_LE(off_theta, half * plan.theta_step_rad());
     } else {
-      ASSERT_EQ(stick.line, place.theta_rad < 0 ? 0U : 63U);
+      ASSERT_EQ(stick.line, point.theta_rad < 0 ? 0U : 63U);
     }
-    if (std::abs(place.phi_rad) < 30.5 * kDegree) {
+    if (std::abs(point.phi_rad) < 30.5 * kDegree) {
       ASSERT_LE(off_phi, half * plan.phi_step_rad());
     } else {
-      ASSERT_EQ(stick.frame, place.phi_rad < 0 ? 0U : 36U);
+      ASSERT_EQ(stick.frame, point.phi_rad < 0 ? 0U : 36U);
     }
   }
 }
 
-TEST_P(EveryMotorMode, BoardDeliversItsVolumesWholeAndAccountsForThem) {
+TEST_P(EveryMotorMode, BoardDeliversCompleteVolumes) {
   const AcquisitionPlan plan = small_plan(4, GetParam());
   Board board(std::make_unique<MemoryLink>(stream_of(plan), MemoryLinkOptions{.chunk_seed = 7}));
   board.start();
@@ -170,7 +170,7 @@ TEST_P(EveryMotorMode, BoardDeliversItsVolumesWholeAndAccountsForThem) {
   EXPECT_TRUE(seen.gaps.empty());
 }
 
-TEST_P(EveryMotorMode, AssemblyPutsEveryStickInItsPlace) {
+TEST_P(EveryMotorMode, AssemblyStoresEveryStickAtItsIndex) {
   const AcquisitionPlan plan = small_plan(2, GetParam());
   auto packets = packets_of(plan);
   packets[packet_index(plan, 13)] = {};  // the second stick of the second volume
@@ -202,7 +202,7 @@ std::string name_of(const testing::TestParamInfo<MotorMode>& test) {
 
 INSTANTIATE_TEST_SUITE_P(Motor, EveryMotorMode, testing::ValuesIn(kMotorModes), name_of);
 
-TEST(AlternatingMotor, TurnsBackWhereItStands) {
+TEST(AlternatingMotor, DoesNotMoveBetweenVolumes) {
   const AcquisitionPlan plan = default_plan(MotorMode::alternating);
   EXPECT_EQ(plan.index(2368), (StickIndex{1, 36, 0}));
   EXPECT_EQ(plan.index(2 * 2368 - 1), (StickIndex{1, 0, 63}));
@@ -212,7 +212,7 @@ TEST(AlternatingMotor, TurnsBackWhereItStands) {
   EXPECT_EQ(plan.motor_angle_rad({1, 0, 63}), plan.motor_angle_rad({2, 0, 0}));
 }
 
-TEST(AlternatingMotor, ALostFrameOnTheWayBackIsAGapAndNothingElse) {
+TEST(AlternatingMotor, LostFrameOfABackwardSweepIsOneGap) {
   const AcquisitionPlan plan = small_plan(2, MotorMode::alternating);
   auto packets = packets_of(plan);
   for (std::uint64_t i = 16; i < 20; ++i) packets[packet_index(plan, i)] = {};
@@ -228,7 +228,7 @@ TEST(AlternatingMotor, ALostFrameOnTheWayBackIsAGapAndNothingElse) {
   EXPECT_EQ(seen.ends.size(), 2U);
 }
 
-TEST(AlternatingMotor, AStickThatCountsItsFramesTheOtherWayIsCorrupt) {
+TEST(AlternatingMotor, StickWithAReversedFrameIndexIsCorrupt) {
   const AcquisitionPlan plan = small_plan(2, MotorMode::alternating);
   auto packets = packets_of(plan);
   Stick stick = test_stick(plan, 14);

@@ -21,7 +21,7 @@ TEST(PolarVolume, IsEmptyAtFirst) {
   }
 }
 
-TEST(PolarVolume, PutsEveryStickInItsPlace) {
+TEST(PolarVolume, StoresEveryStickAtItsIndex) {
   const AcquisitionPlan plan = small_plan();
   PolarVolume volume(plan, 1);
   for (std::uint64_t i = 0; i < 12; ++i) {
@@ -41,7 +41,7 @@ TEST(PolarVolume, PutsEveryStickInItsPlace) {
   EXPECT_EQ(volume.volume_index(), 1U);
 }
 
-TEST(PolarVolume, RefusesWhatDoesNotFitAndStaysAsItWas) {
+TEST(PolarVolume, RejectsInvalidSticksAndIsUnchanged) {
   const AcquisitionPlan plan = small_plan();
   PolarVolume volume(plan);
   Stick stick = test_stick(plan, 0);

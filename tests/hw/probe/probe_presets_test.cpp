@@ -13,7 +13,7 @@ namespace {
 constexpr ProbePreset kPresets[] = {
     ProbePreset::standard, ProbePreset::c5_2v, ProbePreset::curvilinear_60};
 
-TEST(ProbePresets, AreValidAndSaySourceAndAssumptions) {
+TEST(ProbePresets, AreValidAndNameSourceAndAssumptions) {
   for (const ProbePreset preset : kPresets) {
     const ProbePresetData& data = probe_preset(preset);
     EXPECT_NO_THROW(validate(data.probe));
@@ -25,12 +25,12 @@ TEST(ProbePresets, AreValidAndSaySourceAndAssumptions) {
   }
 }
 
-TEST(ProbePresets, DefaultIsWhatTheOptionsHold) {
+TEST(ProbePresets, DefaultIsTheOptionsDefault) {
   EXPECT_TRUE(probe_preset(ProbePreset::standard).probe == ProbeOptions{});
   EXPECT_EQ(probe_preset(ProbePreset::standard).sector_rad, AcquisitionOptions{}.sector_rad);
 }
 
-TEST(ProbePresets, HoldThePublishedFigures) {
+TEST(ProbePresets, HaveThePublishedValues) {
   const ProbePresetData& c5 = probe_preset(ProbePreset::c5_2v);
   EXPECT_DOUBLE_EQ(c5.probe.center_frequency_hz, 3.57e6);
   EXPECT_DOUBLE_EQ(c5.probe.radius_m, 49.57e-3);
@@ -61,7 +61,7 @@ struct Reader {
   void integer(std::string_view, int&, int, int) {}
 };
 
-TEST(NamedProbeOptions, TakeThePresetThenTheKeysBesideIt) {
+TEST(NamedProbeOptions, KeysOverrideThePreset) {
   for (const ProbePreset preset : kPresets) {
     NamedProbeOptions probe;
     Reader reader{preset, ""};
@@ -73,7 +73,7 @@ TEST(NamedProbeOptions, TakeThePresetThenTheKeysBesideIt) {
   }
 }
 
-TEST(NamedProbeOptions, KeepTheirValuesWhereThePresetStaysAsItWas) {
+TEST(NamedProbeOptions, KeepTheirValuesWhereThePresetIsUnchanged) {
   NamedProbeOptions probe;
   probe.radius_m = 50e-3;
   Reader reader{ProbePreset::standard, ""};

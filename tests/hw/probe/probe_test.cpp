@@ -21,16 +21,16 @@ ProbeGeometry geometry(double radius_m, double wobble_radius_m) {
   return ProbeGeometry(options);
 }
 
-/// Both ways: the place found again, and, away from the wobble axis, the same three coordinates.
+/// Both directions: the same position, and the same polar coordinates.
 void expect_round_trip(const ProbeGeometry& probe, const PolarPoint& point) {
   const glm::dvec3 position = probe.to_cartesian(point);
   const PolarPoint back = probe.to_polar(position);
   const double r_m = probe.radius_m() + point.range_m;
-  const double lever_m = r_m * std::cos(point.theta_rad) - probe.axis_z_m();
+  const double axis_distance_m = r_m * std::cos(point.theta_rad) - probe.axis_z_m();
   ASSERT_NEAR(glm::distance(probe.to_cartesian(back), position), 0, kTolerance_m);
   ASSERT_NEAR(back.range_m, point.range_m, kTolerance_m);
   ASSERT_NEAR(back.theta_rad * r_m, point.theta_rad * r_m, kTolerance_m);
-  ASSERT_NEAR(back.phi_rad * lever_m, point.phi_rad * lever_m, kTolerance_m);
+  ASSERT_NEAR(back.phi_rad * axis_distance_m, point.phi_rad * axis_distance_m, kTolerance_m);
 }
 
 TEST(ProbeGeometry, RoundTripsOverTheWholeFieldOfManyProbes) {
@@ -59,17 +59,17 @@ TEST(ProbeGeometry, RoundTripsAtRandom) {
   }
 }
 
-TEST(ProbeGeometry, FindsPointsBehindTheWobbleAxis) {
+TEST(ProbeGeometry, PointsBehindTheWobbleAxis) {
   // w = 0: at 60 degrees the face lies at r cos(theta) = a / 2 < b = a.
   const ProbeGeometry probe = geometry(40e-3, 0);
   const PolarPoint point{0, 60 * kDegree, 20 * kDegree};
   const glm::dvec3 position = probe.to_cartesian(point);
   EXPECT_LT(position.z, probe.axis_z_m());
-  EXPECT_GT(position.y, 0) << "behind the axis the plane swings the other way";
+  EXPECT_GT(position.y, 0) << "behind the axis the plane moves in the opposite direction";
   expect_round_trip(probe, point);
 }
 
-TEST(ProbeGeometry, IsThePublishedFormula) {
+TEST(ProbeGeometry, EqualsThePublishedFormula) {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const double a = uniform(6, i, 5e-3, 0.1);
     const double b = a - uniform(7, i, 0, a);
@@ -82,14 +82,14 @@ TEST(ProbeGeometry, IsThePublishedFormula) {
   }
 }
 
-TEST(ProbeGeometry, WobbleRadiusZeroTurnsAboutTheFaceAndFullTurnsAboutTheCentre) {
+TEST(ProbeGeometry, WobbleAxisMayBeOnTheFaceOrAtTheCentre) {
   const glm::dvec3 apex = geometry(40e-3, 0).to_cartesian({0, 0, 0.5});
   EXPECT_NEAR(glm::distance(apex, glm::dvec3(0, 0, 40e-3)), 0, 1e-15);
   const glm::dvec3 on_sphere = geometry(40e-3, 40e-3).to_cartesian({60e-3, 0.4, -0.7});
   EXPECT_NEAR(glm::length(on_sphere), 100e-3, 1e-15);
 }
 
-TEST(ProbeGeometry, AStickIsTheStraightLineOfItsSamples) {
+TEST(ProbeGeometry, SamplesLieOnTheStick) {
   const ProbeGeometry probe = geometry(40e-3, 27e-3);
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const double theta = uniform(11, i, -1.4, 1.4), phi = uniform(12, i, -1.4, 1.4);
@@ -101,14 +101,14 @@ TEST(ProbeGeometry, AStickIsTheStraightLineOfItsSamples) {
   }
 }
 
-TEST(ProbeGeometry, GivesPhiZeroOnTheWobbleAxis) {
+TEST(ProbeGeometry, PhiIsZeroOnTheWobbleAxis) {
   const ProbeGeometry probe = geometry(40e-3, 27e-3);
   const PolarPoint point = probe.to_polar({0.03, 0, probe.axis_z_m()});
   EXPECT_EQ(point.phi_rad, 0);
   EXPECT_NEAR(glm::distance(probe.to_cartesian(point), glm::dvec3(0.03, 0, 0.013)), 0, 1e-15);
 }
 
-std::string refusal(const ProbeOptions& options) {
+std::string rejection(const ProbeOptions& options) {
   try {
     validate(options);
   } catch (const InvalidOption& error) {
@@ -118,31 +118,31 @@ std::string refusal(const ProbeOptions& options) {
 }
 
 TEST(ProbeOptions, DefaultsPass) {
-  EXPECT_EQ(refusal({}), "accepted");
+  EXPECT_EQ(rejection({}), "accepted");
 }
 
-TEST(ProbeOptions, RefusesWithKeyValueAndWhatIsAllowed) {
+TEST(ProbeOptions, RejectionNamesKeyValueAndRange) {
   ProbeOptions wobble;
   wobble.wobble_radius_m = 41e-3;
-  EXPECT_EQ(refusal(wobble), "wobble_radius_mm = 41: must not exceed radius_mm = 40");
+  EXPECT_EQ(rejection(wobble), "wobble_radius_mm = 41: must not exceed radius_mm = 40");
   ProbeOptions radius;
   radius.radius_m = 0;
-  EXPECT_EQ(refusal(radius), "radius_mm = 0: must be within 1 and 200");
+  EXPECT_EQ(rejection(radius), "radius_mm = 0: must be within 1 and 200");
   ProbeOptions frequency;
   frequency.center_frequency_hz = NAN;
-  EXPECT_EQ(refusal(frequency), "center_frequency_mhz = nan: must be within 0.5 and 20");
+  EXPECT_EQ(rejection(frequency), "center_frequency_mhz = nan: must be within 0.5 and 20");
   ProbeOptions bandwidth;
   bandwidth.fractional_bandwidth = INFINITY;
-  EXPECT_EQ(refusal(bandwidth), "fractional_bandwidth = inf: must be within 0.1 and 1.5");
+  EXPECT_EQ(rejection(bandwidth), "fractional_bandwidth = inf: must be within 0.1 and 1.5");
   ProbeOptions pitch;
   pitch.pitch_m = 0.01e-3;
-  EXPECT_EQ(refusal(pitch), "pitch_mm = 0.01: must be within 0.05 and 2");
+  EXPECT_EQ(rejection(pitch), "pitch_mm = 0.01: must be within 0.05 and 2");
   ProbeOptions focus;
   focus.transmit_focus_m = 401e-3;
-  EXPECT_EQ(refusal(focus), "transmit_focus_mm = 401: must be within 5 and 400");
+  EXPECT_EQ(rejection(focus), "transmit_focus_mm = 401: must be within 5 and 400");
   ProbeOptions elements;
   elements.elements = 0;
-  EXPECT_EQ(refusal(elements), "elements = 0: must be within 1 and 1024");
+  EXPECT_EQ(rejection(elements), "elements = 0: must be within 1 and 1024");
   EXPECT_THROW(ProbeGeometry{wobble}, InvalidOption);
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/options.h"
+#include "hw/wire/decoder.h"
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/streams.h"
 #include "tests/support/folder_test.h"
@@ -22,7 +23,7 @@ class FileLinks : public testing_support::FolderTest {
   }
 };
 
-TEST_F(FileLinks, GiveTheFilesBytesAtEitherPaceDamageToo) {
+TEST_F(FileLinks, DeliverTheFilesBytesAtEitherPace) {
   Bytes stream = stream_of(small_plan(2));
   stream[300] ^= std::byte{1};
   for (std::size_t i = 0; i < 50; ++i) stream.push_back(std::byte{7});
@@ -34,7 +35,7 @@ TEST_F(FileLinks, GiveTheFilesBytesAtEitherPaceDamageToo) {
   }
 }
 
-TEST_F(FileLinks, RealtimeTakesTheTimeThatTheProbeTook) {
+TEST_F(FileLinks, RealtimeLastsAsLongAsTheAcquisition) {
   const AcquisitionPlan plan = small_plan(20);
   FileLink link(write(stream_of(plan)), {.pace = Pace::realtime});
   const auto start = HostClock::now();
@@ -43,7 +44,7 @@ TEST_F(FileLinks, RealtimeTakesTheTimeThatTheProbeTook) {
             plan.volume_end_time(19).time_since_epoch() - std::chrono::milliseconds(1));
 }
 
-TEST_F(FileLinks, BeginAtAVolume) {
+TEST_F(FileLinks, StartAtAVolume) {
   const AcquisitionPlan plan = small_plan(3);
   const auto path = write(stream_of(plan));
   for (const Pace pace : {Pace::asap, Pace::realtime}) {
@@ -63,8 +64,8 @@ TEST_F(FileLinks, BeginAtAVolume) {
   }
 }
 
-/// Looped, a recording is one stream without an end: nothing lost, numbers and times go on.
-TEST_F(FileLinks, LoopedTheyGoOnAsTheProbeWould) {
+/// A loop is one endless stream: nothing is lost, numbers and times continue.
+TEST_F(FileLinks, LoopContinuesNumbersAndTimes) {
   for (const MotorMode motor : kMotorModes) {
     const AcquisitionPlan plan = small_plan(2, motor);
     Board board(std::make_unique<FileLink>(write(stream_of(plan)), FileLinkOptions{.loop = true}));
@@ -83,7 +84,7 @@ TEST_F(FileLinks, LoopedTheyGoOnAsTheProbeWould) {
   }
 }
 
-TEST_F(FileLinks, LoopedACutRecordingShowsWhatIsMissing) {
+TEST_F(FileLinks, LoopOverATruncatedRecordingReportsGaps) {
   const AcquisitionPlan plan = small_plan(2);
   Bytes stream = stream_of(plan);
   stream.resize(stream.size() - 300);
@@ -97,8 +98,8 @@ TEST_F(FileLinks, LoopedACutRecordingShowsWhatIsMissing) {
   }
 }
 
-TEST_F(FileLinks, LoopsThatCannotGoOnAreRefused) {
-  const auto refuse = [&](const Bytes& stream, const std::string& why) {
+TEST_F(FileLinks, RejectLoopsThatCannotBeRepeated) {
+  const auto expect_rejected = [&](const Bytes& stream, const std::string& why) {
     try {
       FileLink link(write(stream), {.loop = true});
       ADD_FAILURE() << "accepted";
@@ -106,14 +107,14 @@ TEST_F(FileLinks, LoopsThatCannotGoOnAreRefused) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
     }
   };
-  refuse(stream_of(small_plan(3, MotorMode::alternating)), "an odd number of volumes");
+  expect_rejected(stream_of(small_plan(3, MotorMode::alternating)), "an odd number of volumes");
   Bytes two = stream_of(small_plan(1));
   const Bytes other = stream_of(small_plan(1, MotorMode::continuous));
   two.insert(two.end(), other.begin(), other.end());
-  refuse(two, "several acquisitions");
+  expect_rejected(two, "several acquisitions");
   Bytes none;
   encode(VolumeEndPacket{}, none);
-  refuse(none, "no configuration");
+  expect_rejected(none, "no configuration");
 }
 
 }  // namespace

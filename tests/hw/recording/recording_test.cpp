@@ -1,4 +1,4 @@
-// Recordings, whole and damaged: what inspect says, and what salvage keeps.
+// Inspection and salvage of intact and damaged recordings.
 #include "hw/recording/recording.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include "hw/recording/file_link.h"
 #include "hw/recording/recorder.h"
 #include "hw/wire/crc32c.h"
+#include "hw/wire/decoder.h"
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
@@ -34,12 +35,12 @@ class Recordings : public testing_support::FolderTest {
     return kept;
   }
 
-  /// Salvages a damaged recording of `plan`, and checks what comes of it. `touched`: sticks that
-  /// the damage touched. Nothing to salvage: the recording holds no configuration.
-  void expect_safe(const AcquisitionPlan& plan,
-                   const Bytes& damaged,
-                   const std::set<std::uint64_t>& touched,
-                   std::uint64_t sent) const;
+  /// Salvages a damaged recording of `plan`, and checks that only `touched` sticks are lost of the
+  /// first `sent`. Does nothing if the recording holds no configuration.
+  void expect_salvaged(const AcquisitionPlan& plan,
+                       const Bytes& damaged,
+                       const std::set<std::uint64_t>& touched,
+                       std::uint64_t sent) const;
 };
 
 std::set<std::uint64_t> sticks_in(const AcquisitionPlan& plan, const Bytes& stream) {
@@ -56,10 +57,10 @@ std::set<std::uint64_t> sticks_in(const AcquisitionPlan& plan, const Bytes& stre
   return sequences;
 }
 
-void Recordings::expect_safe(const AcquisitionPlan& plan,
-                             const Bytes& damaged,
-                             const std::set<std::uint64_t>& touched,
-                             std::uint64_t sent) const {
+void Recordings::expect_salvaged(const AcquisitionPlan& plan,
+                                 const Bytes& damaged,
+                                 const std::set<std::uint64_t>& touched,
+                                 std::uint64_t sent) const {
   const auto path = write(damaged);
   const RecordingContents contents = inspect_recording(path);
   ASSERT_TRUE(contents.account.balanced());
@@ -76,7 +77,7 @@ void Recordings::expect_safe(const AcquisitionPlan& plan,
   ASSERT_EQ(again.account.delivered, sticks.size());
 }
 
-TEST_F(Recordings, AWholeOneIsUndamagedAndComplete) {
+TEST_F(Recordings, IntactRecordingIsUndamagedAndComplete) {
   for (const MotorMode motor : kMotorModes) {
     const AcquisitionPlan plan = small_plan(3, motor);
     const auto path = write(stream_of(plan));
@@ -91,11 +92,11 @@ TEST_F(Recordings, AWholeOneIsUndamagedAndComplete) {
     ASSERT_EQ(contents.volumes.size(), 3U);
     EXPECT_EQ(contents.volumes[2].sticks, 12U);
     EXPECT_TRUE(contents.volumes[2].closed);
-    EXPECT_EQ(salvage(path), stream_of(plan)) << "what is sound is kept byte for byte";
+    EXPECT_EQ(salvage(path), stream_of(plan)) << "intact packets are copied byte for byte";
   }
 }
 
-TEST_F(Recordings, TruncatedAtEveryByteTheyLoseOnlyWhatIsCut) {
+TEST_F(Recordings, TruncationAtAnyByteLosesOnlyWhatIsCut) {
   const AcquisitionPlan plan = small_plan(3);
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
@@ -109,12 +110,12 @@ TEST_F(Recordings, TruncatedAtEveryByteTheyLoseOnlyWhatIsCut) {
       EXPECT_THROW(inspect_recording(write(cut)), LinkOpenError);
       continue;
     }
-    expect_safe(plan, cut, {}, whole);
+    expect_salvaged(plan, cut, {}, whole);
     if (HasFatalFailure()) FAIL() << "cut at " << length;
   }
 }
 
-TEST_F(Recordings, TenThousandFlippedBitsCostOnlyTheStickTheyTouch) {
+TEST_F(Recordings, FlippedBitLosesOnlyItsStick) {
   const AcquisitionPlan plan = small_plan(3);
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
@@ -124,12 +125,12 @@ TEST_F(Recordings, TenThousandFlippedBitsCostOnlyTheStickTheyTouch) {
     damaged[bit / 8] ^= std::byte(1U << (bit % 8));
     std::set<std::uint64_t> touched;
     if (owner[bit / 8] >= 0) touched.insert(static_cast<std::uint64_t>(owner[bit / 8]));
-    expect_safe(plan, damaged, touched, 36);
+    expect_salvaged(plan, damaged, touched, 36);
     if (HasFatalFailure()) FAIL() << "bit " << bit;
   }
 }
 
-TEST_F(Recordings, ADamagedFirstConfigurationCostsNoStick) {
+TEST_F(Recordings, DamagedFirstConfigurationLosesNoStick) {
   const AcquisitionPlan plan = small_plan(2);
   Bytes stream = stream_of(plan);
   stream[100] ^= std::byte{1};
@@ -140,16 +141,16 @@ TEST_F(Recordings, ADamagedFirstConfigurationCostsNoStick) {
   EXPECT_EQ(salvage(path), stream_of(plan));
 }
 
-TEST_F(Recordings, SayWhereTheDamageIs) {
+TEST_F(Recordings, DamagedRegionsAreLocated) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   const std::size_t before = packets[0].size() + 3 * packets[1].size();
   packets[4][70] ^= std::byte{1};
   packets[7] = {};
   const RecordingContents contents = inspect_recording(write(join(packets)));
-  ASSERT_EQ(contents.places.size(), 1U);
-  EXPECT_EQ(contents.places[0].offset, before);
-  EXPECT_EQ(contents.places[0].bytes, packets[4].size());
+  ASSERT_EQ(contents.damaged_regions.size(), 1U);
+  EXPECT_EQ(contents.damaged_regions[0].offset, before);
+  EXPECT_EQ(contents.damaged_regions[0].bytes, packets[4].size());
   ASSERT_EQ(contents.gaps.size(), 2U);
   EXPECT_EQ(contents.gaps[0].cause, LossCause::corrupt);
   EXPECT_EQ(contents.gaps[1].cause, LossCause::link);
@@ -157,7 +158,7 @@ TEST_F(Recordings, SayWhereTheDamageIs) {
   EXPECT_TRUE(contents.damaged());
 }
 
-TEST_F(Recordings, WhatNeverCameIsMissingAndNoDamage) {
+TEST_F(Recordings, MissingStickIsNoDamage) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
   packets[5] = {};
@@ -167,7 +168,7 @@ TEST_F(Recordings, WhatNeverCameIsMissingAndNoDamage) {
   EXPECT_EQ(contents.account.lost.link, 1U);
 }
 
-TEST_F(Recordings, WhatCannotBeOneIsRefusedByItsReason) {
+TEST_F(Recordings, RejectsOtherFilesWithTheReason) {
   const auto fault = [](const std::filesystem::path& path) {
     try {
       inspect_recording(path);
@@ -191,7 +192,7 @@ TEST_F(Recordings, WhatCannotBeOneIsRefusedByItsReason) {
   EXPECT_EQ(fault(write(later)), OpenFault::later_version);
 }
 
-TEST_F(Recordings, AGiganticLengthIsDamageAndAllocatesNothing) {
+TEST_F(Recordings, HugeLengthIsDamage) {
   Bytes stream = stream_of(small_plan(2));
   Bytes header(stream.begin(), stream.begin() + 64);
   for (std::size_t i = 8; i < 12; ++i) header[i] = std::byte{0xFF};
@@ -201,7 +202,7 @@ TEST_F(Recordings, AGiganticLengthIsDamageAndAllocatesNothing) {
   EXPECT_EQ(contents.account.delivered, 24U);
 }
 
-TEST_F(Recordings, ASparseFileOfATerabyteIsReadAsFarAsItSays) {
+TEST_F(Recordings, SparseTerabyteIsReadIncrementally) {
   const auto path = write(stream_of(small_plan(1)));
   std::filesystem::resize_file(path, 1ULL << 40);
   FileLink link(path);
@@ -212,7 +213,7 @@ TEST_F(Recordings, ASparseFileOfATerabyteIsReadAsFarAsItSays) {
   board.close();
 }
 
-TEST_F(Recordings, TheRecorderWritesTheBytesOfTheLink) {
+TEST_F(Recordings, RecorderWritesTheLinksBytes) {
   const AcquisitionPlan plan = small_plan(4);
   for (const std::uint64_t chunks : {0, 1, 2, 3}) {
     MemoryLink link(stream_of(plan), {.chunk_seed = chunks});
@@ -226,7 +227,7 @@ TEST_F(Recordings, TheRecorderWritesTheBytesOfTheLink) {
   }
 }
 
-TEST_F(Recordings, ABoundedRecordingEndsWithItsLastVolume) {
+TEST_F(Recordings, BoundedRecordingEndsWithItsLastVolume) {
   const AcquisitionPlan plan = small_plan(4);
   Bytes two;
   const auto packets = packets_of(plan);
@@ -245,7 +246,7 @@ TEST_F(Recordings, ABoundedRecordingEndsWithItsLastVolume) {
   }
 }
 
-TEST_F(Recordings, AFullDiskEndsTheRecordingAndKeepsWhatIsThere) {
+TEST_F(Recordings, ExceptionOfTheSinkEndsTheRecording) {
   const AcquisitionPlan plan = small_plan(4);
   MemoryLink link(stream_of(plan), {.chunk_seed = 1});
   Bytes written;
@@ -253,7 +254,7 @@ TEST_F(Recordings, AFullDiskEndsTheRecordingAndKeepsWhatIsThere) {
     if (written.size() + bytes.size() > 3000) throw std::runtime_error("no space left");
     written.insert(written.end(), bytes.begin(), bytes.end());
   });
-  EXPECT_THROW(recorder.run([] { return false; }), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(recorder.run([] { return false; })), std::runtime_error);
   const Bytes stream = stream_of(plan);
   EXPECT_EQ(written, Bytes(stream.begin(), stream.begin() + std::ptrdiff_t(written.size())));
   EXPECT_EQ(recorder.progress().bytes, written.size());

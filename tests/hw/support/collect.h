@@ -1,4 +1,4 @@
-// Everything that a board hands out, for tests.
+// Collects the events of a board, for tests.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::hw {
 
-/// Long enough for any machine; no test waits for it unless it fails.
+/// A deadline that passes only where a test fails.
 inline HostTime patience() {
   return HostClock::now() + std::chrono::seconds(60);
 }
@@ -19,11 +19,11 @@ struct Collected {
   std::vector<Gap> gaps;
   std::vector<VolumeEnd> ends;
   std::vector<Configuration> configurations;
-  /// Sequence numbers in the order of the events: of each stick, and of all in each gap.
+  /// Sequence numbers in the order of the events: of the sticks, and of all sticks in the gaps.
   std::vector<std::uint64_t> order;
 };
 
-/// Notes one event; false for one that says that no more will come, or nothing in time.
+/// Adds one event; false for one that carries no data (an end, a timeout).
 inline bool note(const Event& event, Collected& seen) {
   if (const auto* slot = std::get_if<StickSlot>(&event)) {
     seen.sticks.push_back(**slot);
@@ -41,7 +41,7 @@ inline bool note(const Event& event, Collected& seen) {
   return true;
 }
 
-/// Takes events until one that says that no more will come, and gives that one.
+/// Takes events until the first that carries no data, and returns that one.
 inline Event collect(Board& board, Collected& seen) {
   for (;;) {
     Event event = board.next(patience());
@@ -49,9 +49,9 @@ inline Event collect(Board& board, Collected& seen) {
   }
 }
 
-/// What a link gives until it gives no more, read in pieces of at most `piece` bytes.
-inline std::vector<std::byte> all_bytes(Link& link, std::size_t piece) {
-  std::vector<std::byte> bytes, buffer(piece);
+/// All bytes of a link, in reads of at most `read_bytes`.
+inline std::vector<std::byte> all_bytes(Link& link, std::size_t read_bytes) {
+  std::vector<std::byte> bytes, buffer(read_bytes);
   for (;;) {
     const ReadResult result = link.read(buffer, patience());
     if (result.status != ReadStatus::ok) return bytes;

@@ -13,9 +13,9 @@ namespace wobblebench::hw {
 
 struct MemoryLinkOptions {
   bool waits_for_reader = true;
-  /// Chunks of a size that depends on this and on the chunk's number; 0: whole reads.
+  /// Seed of the sizes of the chunks that reads return; 0: whole reads.
   std::uint64_t chunk_seed = 0;
-  /// What comes after the last byte: end_of_stream, lost, or timeout (a silent line).
+  /// Status after the last byte: end_of_stream, lost, or timeout (an idle link).
   ReadStatus ending = ReadStatus::end_of_stream;
 };
 
@@ -29,7 +29,7 @@ class MemoryLink : public Link {
   void close() override;
   LinkCapabilities capabilities() const override;
 
-  /// More bytes on the line. From any thread.
+  /// Appends bytes to the stream. May be called from any thread.
   void append(const std::vector<std::byte>& bytes);
 
  private:

@@ -1,4 +1,4 @@
-// Small streams whose every stick can be recognised, for tests.
+// Small streams of identifiable sticks, for tests.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace wobblebench::hw {
 
-/// A well-mixed function of seed and index (splitmix64).
+/// Uniform 64-bit hash of seed and index (splitmix64).
 std::uint64_t hash(std::uint64_t seed, std::uint64_t index);
 /// Uniform in [low, high).
 double uniform(std::uint64_t seed, std::uint64_t index, double low, double high);
@@ -21,7 +21,7 @@ AcquisitionPlan small_plan(int volumes = 2, MotorMode motor = MotorMode::stepped
 inline constexpr MotorMode kMotorModes[] = {
     MotorMode::stepped, MotorMode::continuous, MotorMode::alternating, MotorMode::fly_back};
 
-/// The stick that stands at `sequence`, with samples that only it has.
+/// The stick with number `sequence`, with samples of its own.
 Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence);
 
 ConfigurationPacket configuration_of(const AcquisitionPlan& plan, std::uint32_t volume);
@@ -29,15 +29,15 @@ VolumeEndPacket volume_end_of(const AcquisitionPlan& plan, std::uint32_t volume)
 
 using Bytes = std::vector<std::byte>;
 
-/// All packets of the plan's volumes, each in its own bytes, in order.
+/// All packets of the plan's volumes, in order.
 std::vector<Bytes> packets_of(const AcquisitionPlan& plan, WireCrc crc = WireCrc::crc32c);
 Bytes join(const std::vector<Bytes>& packets);
 Bytes stream_of(const AcquisitionPlan& plan, WireCrc crc = WireCrc::crc32c);
 
-/// The stick is what the plan's stream holds at its sequence number, bit for bit.
+/// The stick equals that of the plan's stream with its sequence number, bit for bit.
 bool is_genuine(const AcquisitionPlan& plan, const Stick& stick);
 
-/// The place of a stick in packets_of(): each volume has a configuration before and an end after.
+/// Index of a stick in packets_of(): each volume has a configuration before and an end after.
 std::size_t packet_index(const AcquisitionPlan& plan, std::uint64_t sequence);
 
 /// For each byte of the plan's stream the sequence number of the stick that it belongs to; -1 in

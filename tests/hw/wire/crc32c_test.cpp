@@ -52,7 +52,7 @@ TEST(Crc32c, EmptyIsZero) {
   expect_crc({}, 0);
 }
 
-TEST(Crc32c, BothWaysAgreeAtEveryLengthAlignmentAndCut) {
+TEST(Crc32c, BothVariantsAgreeAtEveryLengthAlignmentAndCut) {
   Bytes bytes;
   for (std::uint64_t i = 0; i < 300; ++i) bytes.push_back(static_cast<std::byte>(hash(1, i)));
   for (std::size_t start = 0; start < 9; ++start) {

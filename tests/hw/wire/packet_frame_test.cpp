@@ -8,7 +8,7 @@
 namespace wobblebench::hw {
 namespace {
 
-TEST(PacketFramer, FramesAreThePacketsWhateverThePieces) {
+TEST(PacketFramer, FramesDoNotDependOnPieceSizes) {
   const auto packets = packets_of(small_plan());
   const Bytes stream = join(packets);
   for (const std::size_t piece : {std::size_t{1}, std::size_t{7}, std::size_t{64}, stream.size()}) {
@@ -25,11 +25,11 @@ TEST(PacketFramer, FramesAreThePacketsWhateverThePieces) {
       }
     }
     EXPECT_EQ(frames, packets.size());
-    EXPECT_EQ(framer.damage().places, 0U);
+    EXPECT_EQ(framer.damage().regions, 0U);
   }
 }
 
-TEST(PacketFramer, OffsetsSkipWhatIsDamaged) {
+TEST(PacketFramer, OffsetsIncludeDamage) {
   const auto packets = packets_of(small_plan());
   Bytes stream(10, std::byte{7});
   stream.insert(stream.end(), packets[0].begin(), packets[0].end());
@@ -38,21 +38,21 @@ TEST(PacketFramer, OffsetsSkipWhatIsDamaged) {
   const auto frame = framer.next();
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->offset, 10U);
-  EXPECT_EQ(framer.damage().places, 1U);
+  EXPECT_EQ(framer.damage().regions, 1U);
   EXPECT_EQ(framer.damage().bytes_skipped, 10U);
 }
 
-TEST(PacketFramer, ARefusedFrameIsDamage) {
+TEST(PacketFramer, RejectedFrameIsDamage) {
   const auto packets = packets_of(small_plan());
   PacketFramer framer;
   framer.feed(join(packets));
   ASSERT_TRUE(framer.next());
-  framer.refuse();
-  EXPECT_EQ(framer.damage().places, 1U);
+  framer.reject_last();
+  EXPECT_EQ(framer.damage().regions, 1U);
   EXPECT_EQ(framer.damage().bytes_skipped, packets[0].size());
   ASSERT_TRUE(framer.next());
-  framer.refuse();
-  EXPECT_EQ(framer.damage().places, 1U) << "no sound packet stood between them";
+  framer.reject_last();
+  EXPECT_EQ(framer.damage().regions, 1U) << "one region: no accepted packet between them";
 }
 
 TEST(PacketStamp, IsReadAndRewrittenWithItsCrc) {

@@ -45,13 +45,13 @@ void set_unsigned(Bytes& bytes, std::size_t offset, std::size_t size, std::uint6
   for (std::size_t i = 0; i < size; ++i) bytes.at(offset + i) = std::byte(value >> (8 * i) & 0xFF);
 }
 
-/// Makes the CRC right again after fields were changed.
+/// Updates the CRC after fields were changed.
 void reseal(Bytes& packet) {
   const auto all = std::span<const std::byte>(packet);
   set_unsigned(packet, 60, 4, crc32c(all.subspan(64), crc32c(all.first(60))));
 }
 
-/// Moves every described field to a value of its own.
+/// Sets every described field to a value of its own.
 struct Perturb {
   double share = 0.11;
   void real(std::string_view, double& value, double unit, double min, double max) {
@@ -118,7 +118,7 @@ TEST(Wire, StickKeepsEveryBitOfItsSamples) {
   }
 }
 
-TEST(Wire, HeaderLiesWhereThePageSays) {
+TEST(Wire, HeaderOffsetsAreThoseOfTheSpecification) {
   Stick stick;
   stick.sequence = 0x1122334455667788;
   stick.index = {0xA1A2A3A4, 0xB1B2B3B4, 0xC1C2C3C4};
@@ -151,7 +151,7 @@ TEST(Wire, HeaderLiesWhereThePageSays) {
   EXPECT_EQ(resealed, bytes);
 }
 
-TEST(Wire, ConfigurationPayloadLiesWhereThePageSays) {
+TEST(Wire, ConfigurationOffsetsAreThoseOfTheSpecification) {
   ConfigurationPacket packet;
   packet.probe.f_number = 2.0;
   packet.probe.elevation_focus_m = 0.06;
@@ -187,7 +187,7 @@ TEST(Wire, ConfigurationPayloadLiesWhereThePageSays) {
   }
 }
 
-TEST(Wire, RefusesAStickThatNoPlanCanHave) {
+TEST(Wire, RejectsSticksOfImpossibleLength) {
   Bytes out;
   Stick stick;
   EXPECT_THROW(encode(stick, out), std::length_error);
@@ -217,12 +217,12 @@ TEST(Wire, ChunksOfAnySizeGiveTheSamePackets) {
         }
       }
       ASSERT_EQ(count, expected.size());
-      ASSERT_EQ(decoder.damage().places, 0U);
+      ASSERT_EQ(decoder.damage().regions, 0U);
     }
   }
 }
 
-TEST(Wire, LaterVersionIsSaidAndNotDamage) {
+TEST(Wire, LaterVersionIsReportedAndNotDamage) {
   const AcquisitionPlan plan = small_plan();
   Bytes packet = encoded(StickPacket{test_stick(plan, 0)});
   set_unsigned(packet, 4, 2, 7);
@@ -231,7 +231,7 @@ TEST(Wire, LaterVersionIsSaidAndNotDamage) {
   decoder.feed(packet);
   for (int i = 0; i < 2; ++i) {
     try {
-      decoder.next();
+      static_cast<void>(decoder.next());
       FAIL();
     } catch (const UnsupportedWireVersion& error) {
       EXPECT_EQ(error.version(), 7);
@@ -251,11 +251,11 @@ TEST(Wire, DamagedVersionIsDamage) {
     const auto packet = decoder.next();
     ASSERT_TRUE(packet);
     EXPECT_EQ(std::get<StickPacket>(*packet).stick.sequence, 1U);
-    EXPECT_EQ(decoder.damage().places, 1U);
+    EXPECT_EQ(decoder.damage().regions, 1U);
   }
 }
 
-TEST(Wire, LaterKindIsPassedOverInSilence) {
+TEST(Wire, UnknownKindIsSkipped) {
   const AcquisitionPlan plan = small_plan();
   Bytes stream = encoded(StickPacket{test_stick(plan, 0)});
   set_unsigned(stream, 6, 2, 99);
@@ -266,7 +266,7 @@ TEST(Wire, LaterKindIsPassedOverInSilence) {
   EXPECT_EQ(std::get<StickPacket>(packets[0]).stick.sequence, 1U);
 }
 
-TEST(Wire, HugeLengthIsDamageAndWaitsForNothing) {
+TEST(Wire, HugeLengthIsDamageAtOnce) {
   const AcquisitionPlan plan = small_plan();
   for (const std::uint64_t length : {0xFFFFFFFFULL, 0xFFFFFFF8ULL, 65544ULL, 28ULL}) {
     Bytes stream = encoded(StickPacket{test_stick(plan, 0)});
@@ -281,7 +281,7 @@ TEST(Wire, HugeLengthIsDamageAndWaitsForNothing) {
   }
 }
 
-TEST(Wire, FieldsThatTheFormatDoesNotKnowAreDamage) {
+TEST(Wire, UndefinedFieldValuesAreDamage) {
   const AcquisitionPlan plan = small_plan();
   const struct {
     std::size_t offset, size;
@@ -300,7 +300,7 @@ TEST(Wire, FieldsThatTheFormatDoesNotKnowAreDamage) {
     decoder.feed(stream);
     decoder.finish();
     EXPECT_FALSE(decoder.next()) << bad.offset;
-    EXPECT_EQ(decoder.damage().places, 1U);
+    EXPECT_EQ(decoder.damage().regions, 1U);
     EXPECT_EQ(decoder.damage().bytes_skipped, stream.size());
   }
   for (const std::size_t offset : {64 + 140, 64 + 144}) {
@@ -310,11 +310,11 @@ TEST(Wire, FieldsThatTheFormatDoesNotKnowAreDamage) {
     Decoder decoder;
     decoder.feed(stream);
     EXPECT_FALSE(decoder.next()) << offset;
-    EXPECT_EQ(decoder.damage().places, 1U);
+    EXPECT_EQ(decoder.damage().regions, 1U);
   }
 }
 
-TEST(Wire, UncheckedPacketsAreTakenOnlyInStep) {
+TEST(Wire, UncheckedPacketsAreAcceptedOnlyInSync) {
   const AcquisitionPlan plan = small_plan();
   Bytes stream(5, std::byte{'?'});
   encode(test_stick(plan, 0), stream, WireCrc::none);
@@ -338,10 +338,10 @@ TEST(Wire, UncheckedFlagNeedsAnEmptyCrc) {
   decoder.feed(stream);
   decoder.finish();
   EXPECT_FALSE(decoder.next());
-  EXPECT_EQ(decoder.damage().places, 1U);
+  EXPECT_EQ(decoder.damage().regions, 1U);
 }
 
-TEST(Wire, ALongPacketThatNeverEndsHidesNothingAtTheEnd) {
+TEST(Wire, TruncatedLongPacketHidesNoPacketAtTheEnd) {
   const AcquisitionPlan plan = small_plan();
   Bytes stream = encoded(StickPacket{test_stick(plan, 0)});
   set_unsigned(stream, 8, 4, 4096 * 4);

@@ -1,4 +1,4 @@
-// A damaged stream loses what is damaged, and nothing else; and what is wrong is never accepted.
+// A damaged stream loses the damaged packets only, and no damaged packet is accepted.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace wobblebench::hw {
 namespace {
 
-/// The sequence numbers of all sticks that come out; every one must be as it went in.
+/// Sequence numbers of all decoded sticks, each of which must equal the original.
 std::set<std::uint64_t> genuine_sticks(const AcquisitionPlan& plan, const Bytes& stream) {
   Decoder decoder;
   decoder.feed(stream);
@@ -27,7 +27,7 @@ std::set<std::uint64_t> genuine_sticks(const AcquisitionPlan& plan, const Bytes&
   return sequences;
 }
 
-TEST(WireDamage, EveryTruncationKeepsAllThatCameWhole) {
+TEST(WireDamage, EveryTruncationKeepsAllCompleteSticks) {
   const AcquisitionPlan plan = small_plan();
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
@@ -42,7 +42,7 @@ TEST(WireDamage, EveryTruncationKeepsAllThatCameWhole) {
   }
 }
 
-TEST(WireDamage, EveryMissingByteCostsAtMostItsStick) {
+TEST(WireDamage, EveryMissingByteLosesOnlyItsStick) {
   const AcquisitionPlan plan = small_plan();
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
@@ -55,7 +55,7 @@ TEST(WireDamage, EveryMissingByteCostsAtMostItsStick) {
   }
 }
 
-TEST(WireDamage, EveryFlippedBitCostsExactlyItsStick) {
+TEST(WireDamage, EveryFlippedBitLosesOnlyItsStick) {
   const AcquisitionPlan plan = small_plan();
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
@@ -68,19 +68,19 @@ TEST(WireDamage, EveryFlippedBitCostsExactlyItsStick) {
   }
 }
 
-TEST(WireDamage, RandomDamageCostsNoMoreThanItTouches) {
+TEST(WireDamage, RandomDamageLosesOnlyTouchedSticks) {
   const AcquisitionPlan plan = small_plan();
   const Bytes stream = stream_of(plan);
   const auto owner = owners(plan);
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     Bytes damaged = stream;
     std::set<std::int64_t> touched;
-    const std::uint64_t blows = 1 + hash(seed, 0) % 12;
-    for (std::uint64_t blow = 1; blow <= blows; ++blow) {
-      const std::size_t at = hash(seed, 3 * blow) % stream.size();
-      const std::size_t length = 1 + hash(seed, 3 * blow + 1) % 40;
+    const std::uint64_t hits = 1 + hash(seed, 0) % 12;
+    for (std::uint64_t hit = 1; hit <= hits; ++hit) {
+      const std::size_t at = hash(seed, 3 * hit) % stream.size();
+      const std::size_t length = 1 + hash(seed, 3 * hit + 1) % 40;
       for (std::size_t i = at; i < std::min(at + length, stream.size()); ++i) {
-        damaged[i] = static_cast<std::byte>(hash(seed + i, blow));
+        damaged[i] = static_cast<std::byte>(hash(seed + i, hit));
         if (owner[i] >= 0) touched.insert(owner[i]);
       }
     }
@@ -97,7 +97,7 @@ TEST(WireDamage, NoiseIsNeverAStick) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Bytes noise;
     for (std::uint64_t i = 0; i < 20000; ++i) {
-      // Mostly beginnings of packets.
+      // With many magics.
       const std::uint64_t draw = hash(seed, i);
       if (draw % 8 == 0) noise.insert(noise.end(), kWireMagic.begin(), kWireMagic.end());
       noise.push_back(static_cast<std::byte>(draw >> 8 & (draw % 3 == 0 ? 0xFF : 0x03)));

@@ -1,4 +1,4 @@
-#include "hw/link/xdma_puller.h"
+#include "hw/link/xdma_reader.h"
 
 #include <poll.h>
 #include <signal.h>
@@ -13,14 +13,14 @@
 namespace wobblebench::hw {
 namespace {
 
-/// Some tenths of a second of the paper's stream.
+/// About 0.4 s of the paper's stream.
 constexpr std::size_t kQueueBytes = 4U << 20U;
 constexpr std::size_t kLeastQueuedTransfers = 4;
 constexpr std::size_t kPageBytes = 4096;
-/// What to wait after a read that gave nothing at once: it would be asked a million times a second.
+/// After a read that returned nothing at once: avoids polling a million times a second.
 constexpr auto kIdlePause = std::chrono::milliseconds(1);
 
-/// A signal would break the driver's wait off, and with it the transfer.
+/// A signal would interrupt the driver's wait, and with it the transfer.
 void block_signals() {
   sigset_t all;
   sigfillset(&all);
@@ -42,7 +42,7 @@ FileDescriptor make_wake() {
 
 }  // namespace
 
-XdmaPuller::XdmaPuller(XdmaNode node, std::string name, std::size_t transfer_bytes)
+XdmaReader::XdmaReader(XdmaNode node, std::string name, std::size_t transfer_bytes)
     : node_(std::move(node)),
       wake_(make_wake()),
       name_(std::move(name)),
@@ -51,9 +51,9 @@ XdmaPuller::XdmaPuller(XdmaNode node, std::string name, std::size_t transfer_byt
       transfer_(aligned_bytes(transfer_bytes, node_.alignment)),
       queue_(queued_transfers_ * transfer_bytes + kLongestValidOnes) {}
 
-void XdmaPuller::run() {
+void XdmaReader::run() {
   block_signals();
-  while (wait_for_room() && pull()) {
+  while (wait_for_room() && read_transfer()) {
   }
   node_.file.close();
   std::lock_guard lock(mutex_);
@@ -61,69 +61,69 @@ void XdmaPuller::run() {
   changed_.notify_all();
 }
 
-bool XdmaPuller::wait_for_room() {
+bool XdmaReader::wait_for_room() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock,
                 [&] { return closed_ || queue_.room() >= transfer_bytes_ + kLongestValidOnes; });
   return !closed_;
 }
 
-bool XdmaPuller::pull() {
+bool XdmaReader::read_transfer() {
   if (node_.kind == XdmaNodeKind::fifo && !wait_for_fifo()) return true;
   const ssize_t count = ::read(node_.file.get(), transfer_.get(), transfer_bytes_);
-  if (count < 0) return failed(errno);
+  if (count < 0) return handle_error(errno);
   if (count > 0) return accept({transfer_.get(), static_cast<std::size_t>(count)});
-  // A pipe gives nothing once its writers have gone; a card where nothing was in the transfer.
+  // 0 bytes: the end of a FIFO whose writers have closed it; an empty transfer of a card.
   if (node_.kind == XdmaNodeKind::fifo) return end(ReadStatus::end_of_stream, "");
-  return nothing_came();
+  return pause_when_idle();
 }
 
-bool XdmaPuller::wait_for_fifo() const {
+bool XdmaReader::wait_for_fifo() const {
   pollfd watched[] = {{node_.file.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
-  // Nothing, not even an end, is reported before the first writer came.
+  // poll(2) reports nothing, not even POLLHUP, before the first writer opened the FIFO.
   return ::poll(watched, 2, -1) > 0 && watched[0].revents != 0;
 }
 
-bool XdmaPuller::accept(std::span<const std::byte> transfer) {
-  const DeviceGoneDetector::Verdict verdict = ones_.look_at(transfer);
+bool XdmaReader::accept(std::span<const std::byte> transfer) {
+  const DeviceGoneDetector::Result result = device_gone_.inspect(transfer);
   {
     std::lock_guard lock(mutex_);
-    queue_.push(verdict.held_back, std::byte{0xFF});
-    queue_.push(transfer.first(verdict.sound));
+    queue_.push(result.held_back, std::byte{0xFF});
+    queue_.push(transfer.first(result.valid));
     changed_.notify_all();
   }
-  return !verdict.gone || end(ReadStatus::lost, "reads all ones: the card has left the bus");
+  return !result.gone || end(ReadStatus::lost, "reads all ones: the card has left the bus");
 }
 
-bool XdmaPuller::nothing_came() {
+bool XdmaReader::pause_when_idle() {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, kIdlePause, [&] { return closed_; });
   return true;
 }
 
-bool XdmaPuller::failed(int error_number) {
+bool XdmaReader::handle_error(int error_number) {
   switch (error_number) {
     case EINTR:
-    case ETIMEDOUT:  // The driver's own patience; the next read starts the engine again.
+    case ETIMEDOUT:  // The driver's own timeout; the next read starts the engine again.
       return true;
     case EAGAIN:
-      return nothing_came();
+      return pause_when_idle();
     default:
       return end(ReadStatus::lost, error_text(error_number));
   }
 }
 
-bool XdmaPuller::end(ReadStatus how, const std::string& why) {
-  const std::size_t held_back = how == ReadStatus::end_of_stream ? ones_.end() : 0;
+bool XdmaReader::end(ReadStatus status, const std::string& reason) {
+  const std::size_t held_back = status == ReadStatus::end_of_stream ? device_gone_.end() : 0;
   std::lock_guard lock(mutex_);
   queue_.push(held_back, std::byte{0xFF});
-  ending_ = how;
-  if (how == ReadStatus::lost) loss_ = name_ + ": " + why;
+  ending_ = status;
+  if (status == ReadStatus::lost) loss_ = name_ + ": " + reason;
   changed_.notify_all();
   return false;
 }
 
-ReadResult XdmaPuller::take(std::span<std::byte> to, HostTime deadline) {
+ReadResult XdmaReader::read(std::span<std::byte> to, HostTime deadline) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, deadline, [&] {
     return closed_ || cancelled_ || queue_.size() > 0 || ending_ != ReadStatus::ok;
@@ -138,18 +138,18 @@ ReadResult XdmaPuller::take(std::span<std::byte> to, HostTime deadline) {
   return {0, ending_ != ReadStatus::ok ? ending_ : ReadStatus::timeout};
 }
 
-void XdmaPuller::cancel() {
+void XdmaReader::cancel() {
   std::lock_guard lock(mutex_);
   cancelled_ = true;
   changed_.notify_all();
 }
 
-void XdmaPuller::resume() {
+void XdmaReader::resume() {
   std::lock_guard lock(mutex_);
   cancelled_ = false;
 }
 
-void XdmaPuller::close() {
+void XdmaReader::close() {
   std::lock_guard lock(mutex_);
   closed_ = true;
   if (ending_ != ReadStatus::lost) loss_ = name_ + ": closed";
@@ -157,12 +157,12 @@ void XdmaPuller::close() {
   ::eventfd_write(wake_.get(), 1);
 }
 
-bool XdmaPuller::ended_before(HostTime deadline) {
+bool XdmaReader::wait_until_closed(HostTime deadline) {
   std::unique_lock lock(mutex_);
   return changed_.wait_until(lock, deadline, [&] { return node_closed_; });
 }
 
-std::string XdmaPuller::loss() const {
+std::string XdmaReader::loss() const {
   std::lock_guard lock(mutex_);
   return loss_;
 }

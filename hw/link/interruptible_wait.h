@@ -1,4 +1,4 @@
-// What links that wait have in common: a wait that cancel() and close() end from any thread.
+// A wait that cancel() and close() of a link end, from any thread.
 #pragma once
 
 #include <condition_variable>
@@ -12,25 +12,24 @@
 namespace wobblebench::hw {
 
 /// All functions may be called from any thread.
-class Waiting {
+class InterruptibleWait {
  public:
   void cancel();
   void resume();
   void close();
-  /// What a read has to give now, whatever there is to read: lost after close(), cancelled after
-  /// cancel().
-  std::optional<ReadStatus> ended() const;
-  /// Ends a sleep from outside: something else came that it waits for.
+  /// Status of a read that may not continue: lost after close(), cancelled after cancel().
+  std::optional<ReadStatus> interrupted() const;
+  /// Ends a sleep early, for an event other than cancel() and close().
   void wake();
-  /// How often wake() was called. Read before looking for what a sleep would wait for, so that a
-  /// wake() in between is not slept through.
+  /// Number of calls of wake(). Read it before checking for the event, and pass it to
+  /// sleep_until(), so that no wake() is missed in between.
   std::uint64_t wakes() const;
-  /// Sleeps until `time`, ended() comes to hold, or wakes() is no longer `seen`.
+  /// Sleeps until `time`, interrupted(), or wakes() differs from `seen`.
   void sleep_until(HostTime time, std::uint64_t seen);
   void sleep_until(HostTime time) { sleep_until(time, wakes()); }
 
  private:
-  bool has_ended() const { return cancelled_ || closed_; }
+  bool is_interrupted() const { return cancelled_ || closed_; }
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -1,4 +1,4 @@
-// The worked example of docs/wire_format.md is what this program writes and reads.
+// The example of docs/wire_format.md equals what this program writes and reads.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,13 +11,13 @@
 namespace wobblebench::hw {
 namespace {
 
-/// The bytes of all lines of the page that read "OFFSET  xx xx ...", in code blocks marked hex.
+/// The bytes of the lines "OFFSET  xx xx ..." in the document's code blocks marked hex.
 Bytes example() {
-  std::ifstream page(WOBBLEBENCH_DOCS "/wire_format.md");
-  EXPECT_TRUE(page) << "no page";
+  std::ifstream document(WOBBLEBENCH_DOCS "/wire_format.md");
+  EXPECT_TRUE(document) << "no document";
   Bytes bytes;
   bool inside = false;
-  for (std::string line; std::getline(page, line);) {
+  for (std::string line; std::getline(document, line);) {
     if (line.starts_with("```")) {
       inside = line == "```hex";
     } else if (inside) {
@@ -31,7 +31,7 @@ Bytes example() {
   return bytes;
 }
 
-/// Written out, so that the page stays right when defaults change.
+/// Explicit values, so that the document does not depend on the defaults.
 AcquisitionPlan example_plan() {
   const ProbeOptions probe{.f_number = 2.0,
                            .transmit_focus_m = 80e-3,
@@ -52,7 +52,7 @@ Stick example_stick(const AcquisitionPlan& plan) {
   return stick;
 }
 
-TEST(WireFormatPage, ExampleIsWhatThisProgramWrites) {
+TEST(WireFormatDocument, ExampleIsWritten) {
   const AcquisitionPlan plan = example_plan();
   Bytes written;
   encode(configuration_of(plan, 0), written);
@@ -61,7 +61,7 @@ TEST(WireFormatPage, ExampleIsWhatThisProgramWrites) {
   EXPECT_EQ(example(), written);
 }
 
-TEST(WireFormatPage, ExampleIsRead) {
+TEST(WireFormatDocument, ExampleIsRead) {
   const AcquisitionPlan plan = example_plan();
   Decoder decoder;
   decoder.feed(example());
@@ -78,7 +78,7 @@ TEST(WireFormatPage, ExampleIsRead) {
   ASSERT_TRUE(end && std::holds_alternative<VolumeEndPacket>(*end));
   EXPECT_EQ(std::get<VolumeEndPacket>(*end).sequence, 1U);
   EXPECT_EQ(std::get<VolumeEndPacket>(*end).time.time_since_epoch().count(), 207792);
-  EXPECT_EQ(decoder.damage().places, 0U);
+  EXPECT_EQ(decoder.damage().regions, 0U);
   EXPECT_EQ(decoder.pending_bytes(), 0U);
 }
 

@@ -1,0 +1,15 @@
+// The acquisition that the sticks of a stream belong to.
+#pragma once
+
+#include "hw/probe/acquisition_plan.h"
+#include "hw/wire/stream_origin.h"
+
+namespace wobblebench::hw {
+
+/// Given at the start of a stream, and again where it changes.
+struct Configuration {
+  AcquisitionPlan plan;
+  StreamOrigin source;  ///< of the samples, also in a recording
+};
+
+}  // namespace wobblebench::hw
