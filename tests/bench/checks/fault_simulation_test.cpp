@@ -5,6 +5,7 @@
 #include "bench/checks/fault_simulation/oracle.h"
 #include "bench/checks/fault_simulation/scenario.h"
 #include "bench/pipeline/synthetic_sticks.h"
+#include "hw/board/ring.h"
 #include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
