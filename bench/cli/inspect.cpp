@@ -29,9 +29,9 @@ std::string count(std::uint64_t number, const std::string& what) {
 Json checks_json(const hw::RecordingContents& contents) {
   return Json::array(
       {check_json("recording.bytes",
-                  contents.damage.places == 0,
+                  contents.damage.regions == 0,
                   count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
-                      count(contents.damage.places, "place")),
+                      count(contents.damage.regions, "place")),
        check_json("recording.configuration",
                   contents.configuration.has_value(),
                   count(contents.configurations, "configuration")),
@@ -42,7 +42,7 @@ Json checks_json(const hw::RecordingContents& contents) {
 
 Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
-  for (const auto& place : contents.places) {
+  for (const auto& place : contents.damaged_regions) {
     places.push_back({{"offset", place.offset}, {"bytes", place.bytes}});
   }
   for (const auto& gap : contents.gaps) {
@@ -115,11 +115,11 @@ void print_volumes(const hw::RecordingContents& contents) {
 }
 
 void print_faults(const hw::RecordingContents& contents) {
-  std::cout << "damage      " << count(contents.damage.places, "place") << ", "
+  std::cout << "damage      " << count(contents.damage.regions, "place") << ", "
             << count(contents.damage.bytes_skipped, "byte") << "\n";
-  for (std::size_t i = 0; i < std::min(kShownFaults, contents.places.size()); ++i) {
-    std::cout << "            at byte " << contents.places[i].offset << ": "
-              << count(contents.places[i].bytes, "byte") << "\n";
+  for (std::size_t i = 0; i < std::min(kShownFaults, contents.damaged_regions.size()); ++i) {
+    std::cout << "            at byte " << contents.damaged_regions[i].offset << ": "
+              << count(contents.damaged_regions[i].bytes, "byte") << "\n";
   }
   std::cout << "missing     " << count(contents.account.lost.total(), "stick") << "\n";
   for (std::size_t i = 0; i < std::min(kShownFaults, contents.gaps.size()); ++i) {

@@ -39,7 +39,8 @@ int stand_in_command(const CommandArguments& arguments) {
     throw UserError("FOLDER = " + arguments.folder.string() + ": must be a folder that is there");
   }
   if (!hw::XdmaEmulator::can_mount()) {
-    throw std::runtime_error("stand-in: FUSE cannot be mounted: " + hw::XdmaEmulator::why_not());
+    throw std::runtime_error("stand-in: FUSE cannot be mounted: " +
+                             hw::XdmaEmulator::mount_error());
   }
   const MakeSticks sticks = is_simulated(board) ? simulated_sticks(scene) : MakeSticks{};
   // What cannot be opened is said now, not to the first reader.

@@ -26,7 +26,7 @@ Json link_json(const hw::LinkCapabilities& link) {
 
 Json board_json(const Acquisition& acquisition) {
   Json json = account_json(acquisition.account);
-  json["damage"] = {{"places", acquisition.damage.places},
+  json["damage"] = {{"places", acquisition.damage.regions},
                     {"bytes_skipped", acquisition.damage.bytes_skipped}};
   json["samples_from"] = hw::to_string(acquisition.source);
   json["volume"] = acquisition.volume.volume_index();

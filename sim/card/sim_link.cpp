@@ -64,7 +64,7 @@ hw::LinkCapabilities SimLink::capabilities() const {
 }
 
 hw::ReadResult SimLink::read(std::span<std::byte> buffer, hw::HostTime deadline) {
-  if (const auto ended = waiting_.ended()) return {0, *ended};
+  if (const auto ended = waiting_.interrupted()) return {0, *ended};
   try {
     return read_card(buffer, deadline);
   } catch (const std::exception& error) {
@@ -85,7 +85,7 @@ hw::ReadResult SimLink::read_card(std::span<std::byte> buffer, hw::HostTime dead
     if (over_ && !card_.next_interrupt()) return {0, hw::ReadStatus::end_of_stream};
     if (deadline <= now()) return {0, hw::ReadStatus::timeout};
     waiting_.sleep_until(std::min(deadline, next_event()), wakes);
-    if (const auto ended = waiting_.ended()) return {0, *ended};
+    if (const auto ended = waiting_.interrupted()) return {0, *ended};
   }
 }
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "hw/link/interruptible_wait.h"
 #include "hw/link/link.h"
 #include "hw/link/pace.h"
-#include "hw/link/waiting.h"
 #include "sim/card/card_model.h"
 #include "sim/card/volume_feed.h"
 #include "sim/probe_simulator.h"
@@ -83,7 +83,7 @@ class SimLink : public hw::Link {
   const SimLinkOptions options_;
   const std::shared_ptr<SimLinkFigures> figures_;
   const hw::HostTimeSource* const time_;
-  hw::Waiting waiting_;
+  hw::InterruptibleWait waiting_;
   CardModel card_;
   std::string loss_;
   std::uint64_t sequence_ = 0;    ///< of the stick that is sent next

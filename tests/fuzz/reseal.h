@@ -18,10 +18,10 @@ inline void seal(std::span<std::byte> bytes, std::size_t at) {
   const auto packet = bytes.subspan(at);
   if (packet.size() < kWireHeaderBytes) return;
   const std::uint64_t size = kWireHeaderBytes + std::uint64_t{wire_layout::get<std::uint32_t>(
-                                                    packet, wire_layout::kPayloadBytesAt)};
+                                                    packet, wire_layout::kPayloadBytesOffset)};
   if (size > packet.size()) return;
   const auto whole = packet.first(static_cast<std::size_t>(size));
-  wire_layout::put(whole.data() + wire_layout::kCrcAt, wire_layout::packet_crc(whole));
+  wire_layout::put(whole.data() + wire_layout::kCrcOffset, wire_layout::packet_crc(whole));
 }
 
 /// Mutates as libFuzzer does, then seals most packets; which, the seed says.

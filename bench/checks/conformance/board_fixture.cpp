@@ -86,7 +86,7 @@ MakeSticks simulated(Scene scene) {
 
 ConformanceFixture emulator_fixture(const Scene& scene) {
   if (!hw::XdmaEmulator::can_mount()) {
-    throw UserError("--board = xdma=stand-in: needs FUSE: " + hw::XdmaEmulator::why_not() +
+    throw UserError("--board = xdma=stand-in: needs FUSE: " + hw::XdmaEmulator::mount_error() +
                     "; xdma=fifo-stand-in does without");
   }
   const MakeSticks sticks = simulated(scene);

@@ -116,7 +116,7 @@ Break lost_if(const std::function<bool(const hw::BoardAccount&)>& fatal) {
   return [fatal](BoardFace& face) {
     face.next = [next = face.next, account = face.account, fatal](hw::HostTime deadline) {
       if (fatal(account()))
-        return hw::Event(hw::DeviceLost{hw::LossOfDevice::unplugged, "gave up"});
+        return hw::Event(hw::DeviceLost{hw::DeviceLossCause::unplugged, "gave up"});
       return next(deadline);
     };
   };
