@@ -11,7 +11,6 @@
 #include "bench/report/report.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
-#include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
 

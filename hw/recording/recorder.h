@@ -12,6 +12,7 @@
 #include "hw/link/link.h"
 #include "hw/wire/account.h"
 #include "hw/wire/configuration.h"
+#include "hw/wire/version.h"
 
 namespace wobblebench::hw {
 

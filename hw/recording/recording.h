@@ -11,6 +11,7 @@
 
 #include "hw/wire/account.h"
 #include "hw/wire/configuration.h"
+#include "hw/wire/version.h"
 
 namespace wobblebench::hw {
 

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 #include "hw/wire/layout.h"
 #include "hw/wire/packet.h"

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -16,12 +14,12 @@
 #include "hw/probe/clock.h"
 #include "hw/probe/stick.h"
 #include "hw/wire/stream_origin.h"
+#include "hw/wire/version.h"
 
 namespace wobblebench::hw {
 
 inline constexpr std::array<std::byte, 4> kWireMagic = {
     std::byte{'W'}, std::byte{'B'}, std::byte{'S'}, std::byte{'T'}};
-inline constexpr std::uint16_t kWireVersion = 1;
 inline constexpr std::size_t kWireHeaderBytes = 64;
 /// No packet of any version has a longer payload; a length beyond it is damage.
 inline constexpr std::size_t kWireMaxPayloadBytes = 65536;
@@ -67,18 +65,5 @@ void encode(const Stick& stick, std::vector<std::byte>& out, WireCrc crc = WireC
 void encode(const VolumeEndPacket& packet,
             std::vector<std::byte>& out,
             WireCrc crc = WireCrc::crc32c);
-
-/// The stream has a version that this program cannot read.
-class UnsupportedWireVersion : public std::runtime_error {
- public:
-  explicit UnsupportedWireVersion(std::uint16_t version)
-      : std::runtime_error("wire format version " + std::to_string(version) +
-                           ": this program reads version " + std::to_string(kWireVersion)),
-        version_(version) {}
-  std::uint16_t version() const { return version_; }
-
- private:
-  std::uint16_t version_;
-};
 
 }  // namespace wobblebench::hw

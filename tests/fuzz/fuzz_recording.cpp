@@ -12,7 +12,6 @@
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"
 #include "hw/recording/recording.h"
-#include "hw/wire/packet.h"
 #include "tests/fuzz/reseal.h"
 
 namespace hw = wobblebench::hw;
