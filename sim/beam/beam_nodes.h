@@ -57,7 +57,7 @@ class BeamNodes {
     float lateral2 = 0;  ///< squared sigma of the two-way power
     float elevation2 = 0;
   };
-  /// An interface, seen from the side from which the sound arrives.
+  /// An interface, from the side from which the sound arrives.
   struct Crossing {
     float impedance_before = 1;
     float impedance_behind = 1;

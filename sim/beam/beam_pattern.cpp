@@ -106,8 +106,8 @@ std::complex<double> aperture_response(const Aperture& aperture,
                                static_cast<float>(aperture.element_phase_per_m * half)});
     sum += std::complex<double>(static_cast<double>(part.re), static_cast<double>(part.im));
   }
-  const double aside = -0.5 * wavenumber_per_m * offset_m * offset_m / range_m;
-  return sum / static_cast<double>(panels) * std::polar(1.0, aside);
+  const double offset_phase = -0.5 * wavenumber_per_m * offset_m * offset_m / range_m;
+  return sum / static_cast<double>(panels) * std::polar(1.0, offset_phase);
 }
 
 std::complex<double> lateral_response(const hw::AcquisitionPlan& plan,

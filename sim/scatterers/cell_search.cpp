@@ -32,15 +32,16 @@ WOBBLEBENCH_INLINE void test_within(const CellCenters& centers,
   const float begin_m = test.begin_m, end_m = test.end_m;
   for (int i = 0; i < count; ++i) {
     const float axial = corner.axial + centers.axial[i];
-    const float wide = reach_at(reach.lateral, axial);
-    const float high = reach_at(reach.elevation, axial);
+    const float lateral_reach = reach_at(reach.lateral, axial);
+    const float elevation_reach = reach_at(reach.elevation, axial);
     // Lower bounds of the cell's offsets, over the reach in both directions, multiplied out to
     // avoid divisions.
     const float lateral = magnitude(corner.lateral + centers.lateral[i]) - half_lateral_m;
     const float elevation = magnitude(corner.elevation + centers.elevation[i]) - half_elevation_m;
-    const float u = (lateral > 0.0f ? lateral : 0.0f) * high;
-    const float v = (elevation > 0.0f ? elevation : 0.0f) * wide;
-    touched[i] = within_rim<rim>(u, v, wide * high) & (axial > begin_m) & (axial < end_m);
+    const float u = (lateral > 0.0f ? lateral : 0.0f) * elevation_reach;
+    const float v = (elevation > 0.0f ? elevation : 0.0f) * lateral_reach;
+    touched[i] = within_rim<rim>(u, v, lateral_reach * elevation_reach) & (axial > begin_m) &
+                 (axial < end_m);
   }
 }
 

@@ -30,8 +30,8 @@ const hw::AcquisitionPlan& plan() {
 
 /// Made once for each name.
 ScannedTissue tissue_of(const std::string& name, const phantoms::Motion& motion = {}) {
-  static std::map<std::string, ScannedTissue> known;
-  auto& tissue = known[name];
+  static std::map<std::string, ScannedTissue> cache;
+  auto& tissue = cache[name];
   if (!tissue.map) {
     const auto phantom = phantoms::make_phantom({.name = name, .voxel_m = 1e-3});
     tissue = {std::make_shared<const TissueMap>(phantom, 2e-3, 0),

@@ -9,7 +9,10 @@
 #include <random>
 
 #include "phantoms/grids.h"
+#include "phantoms/phantom.h"
 #include "sim/beam/point_spread.h"
+#include "sim/receive/losses.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -82,10 +85,10 @@ double share_inside(const hw::Ray& stick, double range_m) {
       for (int k = -kHalf; k <= kHalf; ++k) {
         const double u = 4.0 * i / kHalf, v = 4.0 * j / kHalf, w = 4.0 * k / kHalf;
         const double weight = std::exp(-0.5 * (u * u + v * v + w * w));
-        const glm::dvec3 place = stick.at(range_m + w * axial) + u * lateral * across.lateral +
-                                 v * elevation * across.elevation;
+        const glm::dvec3 position = stick.at(range_m + w * axial) + u * lateral * across.lateral +
+                                    v * elevation * across.elevation;
         all += weight;
-        if (glm::distance(place, kCenter) < kRadius_m) inside += weight;
+        if (glm::distance(position, kCenter) < kRadius_m) inside += weight;
       }
     }
   }

@@ -6,6 +6,10 @@
 #include <glm/geometric.hpp>
 #include <random>
 
+#include "hw/probe/acquisition_plan.h"
+#include "phantoms/phantom.h"
+#include "sim/tissue/scanned_tissue.h"
+
 namespace wobblebench::sim {
 namespace {
 
