@@ -1,9 +1,8 @@
 #include "sim/fidelity.h"
 
-#include <stdexcept>
-#include <tuple>
 #include <utility>
 
+#include "sim/echo/echo_model.h"
 #include "sim/math/random.h"
 #include "sim/receive/losses.h"
 
@@ -18,84 +17,71 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options, bool 
   }
   const bool echoes_only = !options.speckle && !options.attenuation && !options.transmission_loss &&
                            !options.interface_echo && !options.tissue_sound_speed &&
-                           options.noise_db <= kSilent_db;
+                           options.noise_db <= kZeroAmplitude_db;
   if (echoes_only) return {Rung::geometry, "every effect of the higher rungs is switched off"};
   if (moving) return {Rung::field, "the phantom moves, but speckle is switched off"};
   return {Rung::field, "speckle and losses of a phantom at rest"};
 }
 
-/// The loudest noise, after time gain, stays below the display.
-bool noise_never_shows(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
+/// Even the largest noise, after time gain, lies below the dynamic range.
+bool noise_is_invisible(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   if (options.output == hw::SampleScale::linear_envelope) return false;
-  const double loudest = amplitude_of_db(options.noise_db) *
-                         static_cast<double>(kMaxComplexNormal) *
+  const double largest = amplitude_of_db(options.noise_db) * static_cast<double>(kMostNormal) *
                          time_gain(plan, options, plan.acquisition().depth_m);
-  return loudest < amplitude_of_db(options.full_scale_db - options.dynamic_range_db);
+  return largest < amplitude_of_db(options.full_scale_db - options.dynamic_range_db);
 }
 
 constexpr char kSwitchedOff[] = "switched off";
 
 class EffectList {
  public:
-  explicit EffectList(Rung rung) : rung_(rung) {}
+  explicit EffectList(const EchoModelType& model) : model_(model) {}
 
-  void add(const std::string& name, Rung from, bool asked, const std::string& no_show = "") {
-    if (rung_ < from) {
-      effects_.push_back({name, "the rung " + to_string(rung_) + " leaves it out"});
+  /// `left_out`: the reason why it does not run although it is switched on.
+  void add(const std::string& name, bool switched_on, const std::string& left_out = "") {
+    if (!model_.models(name)) {
+      effects_.push_back({name, "the rung " + std::string(model_.name) + " leaves it out"});
     } else {
-      effects_.push_back({name, asked ? no_show : kSwitchedOff});
+      effects_.push_back({name, switched_on ? left_out : kSwitchedOff});
     }
   }
   std::vector<Effect> take() { return std::move(effects_); }
 
  private:
-  Rung rung_;
+  const EchoModelType& model_;
   std::vector<Effect> effects_;
 };
 
-std::vector<Effect> effects_of(Rung rung,
+std::vector<Effect> effects_of(const EchoModelType& model,
                                const SimulationOptions& o,
                                const hw::AcquisitionPlan& plan,
                                bool moving) {
-  EffectList list(rung);
-  list.add("tissue_echo", Rung::geometry, true);
-  list.add("tissue_motion", Rung::geometry, moving);
-  list.add("attenuation", Rung::field, o.attenuation);
-  list.add("transmission_loss", Rung::field, o.transmission_loss);
-  list.add("tissue_sound_speed", Rung::field, o.tissue_sound_speed);
-  list.add("beam_width", Rung::field, true);
-  list.add("speckle", Rung::field, o.speckle);
-  list.add("interface_echo", Rung::field, o.interface_echo);
-  list.add("scatterers_in_tissue", Rung::scatterers, o.speckle);
-  list.add("side_lobes", Rung::scatterers, o.side_lobes);
-  list.add("element_sum", Rung::reference, true);
+  EffectList list(model);
+  list.add("tissue_echo", true);
+  list.add("tissue_motion", moving);
+  list.add("attenuation", o.attenuation);
+  list.add("transmission_loss", o.transmission_loss);
+  list.add("tissue_sound_speed", o.tissue_sound_speed);
+  list.add("beam_width", true);
+  list.add("speckle", o.speckle);
+  list.add("interface_echo", o.interface_echo);
+  list.add("scatterers_in_tissue", o.speckle);
+  list.add("side_lobes", o.side_lobes);
+  list.add("element_sum", true);
   list.add("noise",
-           Rung::field,
-           o.noise_db > kSilent_db,
-           noise_never_shows(o, plan) ? "below the display at every depth" : "");
-  list.add("envelope", Rung::field, true);
-  list.add("low_pass", Rung::field, o.low_pass);
-  list.add("time_gain", Rung::field, o.tgc_db_per_cm_mhz > 0);
-  list.add("log_compression", Rung::geometry, o.output == hw::SampleScale::log_compressed);
+           o.noise_db > kZeroAmplitude_db,
+           noise_is_invisible(o, plan) ? "below the display at every depth" : "");
+  list.add("envelope", true);
+  list.add("low_pass", o.low_pass);
+  list.add("time_gain", o.tgc_db_per_cm_mhz > 0);
+  list.add("log_compression", o.output == hw::SampleScale::log_compressed);
   return list.take();
 }
 
 }  // namespace
 
 std::string to_string(Rung rung) {
-  switch (rung) {
-    case Rung::automatic:
-      return "auto";
-    case Rung::geometry:
-      return "geometry";
-    case Rung::field:
-      return "field";
-    case Rung::scatterers:
-      return "scatterers";
-    case Rung::reference:
-      return "reference";
-  }
-  throw std::logic_error("Rung: no such rung");
+  return rung == Rung::automatic ? "auto" : std::string(echo_model_type(rung).name);
 }
 
 Fidelity choose_fidelity(const SimulationOptions& options,
@@ -108,17 +94,18 @@ Fidelity choose_fidelity(const SimulationOptions& options,
     choice.rung = options.fidelity;
     choice.reason = "asked for";
   }
+  const EchoModelType& model = echo_model_type(choice.rung);
   const auto refuse = [&](const char* key, const std::string& needs) {
     throw InvalidOption(
         key, "true", needs + "; simulation.fidelity is \"" + to_string(choice.rung) + '"');
   };
-  if (options.side_lobes && choice.rung < Rung::scatterers) {
+  if (options.side_lobes && !model.models("side_lobes")) {
     refuse("side_lobes", "needs the rung scatterers or reference");
   }
-  if (options.tissue_sound_speed && choice.rung < Rung::field) {
+  if (options.tissue_sound_speed && !model.models("tissue_sound_speed")) {
     refuse("tissue_sound_speed", "needs the rung field or higher");
   }
-  choice.effects = effects_of(choice.rung, options, plan, moving);
+  choice.effects = effects_of(model, options, plan, moving);
   return choice;
 }
 

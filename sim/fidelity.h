@@ -1,4 +1,4 @@
-// Which rung and which effects a scene asks for, and why.
+// Choice of the rung for a scene, and the list of effects that it models.
 #pragma once
 
 #include <string>
@@ -11,21 +11,21 @@ namespace wobblebench::sim {
 
 struct Effect {
   std::string name;
-  std::string left_out;  ///< why it did not run; empty: it ran
+  std::string left_out;  ///< the reason why it did not run; empty: it ran
 };
 
 struct Fidelity {
   Rung rung = Rung::field;  ///< never `automatic`
   std::string reason;
-  std::vector<Effect> effects;  ///< in the order of the signal's way
+  std::vector<Effect> effects;  ///< in the order of the signal path
 };
 
-/// "geometry", "field", "scatterers", "reference".
+/// "auto", "geometry", "field", "scatterers" or "reference".
 std::string to_string(Rung rung);
 
-/// Takes the lowest rung that shows all effects that the options ask for; a rung that is asked for
-/// by name is taken. `moving`: tissue moves during the acquisition. Throws InvalidOption where
-/// the rung that is asked for cannot show an effect that is asked for.
+/// The rung that the options name, or else the lowest that models all effects that they switch on.
+/// `moving`: tissue moves during the acquisition. Throws InvalidOption if the named rung does not
+/// model an effect that is switched on.
 Fidelity choose_fidelity(const SimulationOptions& options,
                          const hw::AcquisitionPlan& plan,
                          bool moving);

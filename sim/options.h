@@ -1,4 +1,4 @@
-// Settings of the synthetic probe.
+// Settings of the synthetic probe and of the capture card behind it.
 #pragma once
 
 #include <cstdint>
@@ -9,48 +9,48 @@
 
 namespace wobblebench::sim {
 
-/// The ladder of fidelity (docs/architecture.md): each rung models what the one below leaves out.
+/// The ladder of fidelity (docs/architecture.md): each rung adds effects to the one below. Each is
+/// a class in sim/echo.
 enum class Rung {
-  automatic,   ///< the lowest of these that the scene asks for (sim/fidelity.h)
+  automatic,   ///< the lowest that models what the options switch on (sim/fidelity.h)
   geometry,    ///< mean echo of the tissue at each sample; no speckle, no beam, no losses
   field,       ///< + speckle filtered by the point spread, losses, interface echoes, receive chain
   scatterers,  ///< + scatterers fixed in the tissue: speckle that moves with it
   reference,   ///< the same scatterers summed over the elements of the probe: small scenes only
 };
 
-/// The dB value that stands for silence: no noise is made at this level.
-inline constexpr double kSilent_db = -200;
+/// The dB value that stands for an amplitude of 0.
+inline constexpr double kZeroAmplitude_db = -200;
 
-/// Echo amplitudes are in dB against the echo of a perfect mirror across the beam.
+/// Echo amplitudes are in dB relative to a perfect mirror perpendicular to the beam.
 struct SimulationOptions {
   Rung fidelity = Rung::automatic;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: all that the machine has. Results do not depend on it.
+  int threads = 0;  ///< 0: one for each core. Results do not depend on it.
 
-  // Effects of `field` that a scene may switch off; what is off is skipped, not multiplied by one.
+  // Effects from `field` on that a scene may switch off; they are then skipped.
   bool speckle = true;
   bool attenuation = true;        ///< two-way absorption and scattering loss
-  bool transmission_loss = true;  ///< what an interface reflects is missing behind it
+  bool transmission_loss = true;  ///< energy that an interface reflects is lost behind it
   bool interface_echo = true;
-  /// The beam as a rectangular aperture makes it, side lobes included, instead of its main lobe
-  /// alone. From `scatterers` on.
+  /// The beam of a rectangular aperture with its side lobes, instead of the main lobe alone. From
+  /// `scatterers` on.
   bool side_lobes = false;
-  /// Sound travels at each material's own speed; the scanner goes on assuming one.
+  /// Sound travels at each material's own speed, while the scanner assumes one speed.
   bool tissue_sound_speed = false;
 
-  /// Scatterers that each resolution cell (product of the three -6 dB widths at its range) holds at
-  /// least. With 10 the envelope's mean over sigma is 2 % short of Rayleigh's, with 30 less than
-  /// 1 %.
+  /// Minimum number of scatterers in a resolution cell (product of the three -6 dB widths at its
+  /// range). With 10 the envelope's mean over sigma is 2 % below Rayleigh's, with 30 less than 1 %.
   double scatterers_per_cell = 10;
   /// -3 dB full width of the specular lobe: about 3 deg for a focused beam (references.md [6]).
   double specular_width_rad = 3 * kDegree;
 
   // Receive chain.
-  double tgc_db_per_cm_mhz = 0.3;  ///< nominal one-way loss that time gain undoes, both ways
-  double noise_db = -95;           ///< RMS electronic noise ahead of time gain; -200: none
-  double full_scale_db = -15;      ///< echo that becomes sample value 1
+  double tgc_db_per_cm_mhz = 0.3;  ///< nominal one-way loss that TGC compensates, both ways
+  double noise_db = -95;           ///< RMS electronic noise before TGC; -200: none
+  double full_scale_db = -15;      ///< echo amplitude after TGC that becomes sample value 1
   double dynamic_range_db = 60;    ///< below full scale; log compression maps it to [0, 1]
-  bool low_pass = true;  ///< average the envelope over each output sample before decimation
+  bool low_pass = true;            ///< average the envelope over each output sample, then decimate
   hw::SampleScale output = hw::SampleScale::log_compressed;
 };
 
@@ -74,7 +74,7 @@ void describe(O& o, Visitor& v) {
   v.real("scatterers_per_cell", o.scatterers_per_cell, 1, 0.1, 100);
   v.real("specular_width_deg", o.specular_width_rad, kDegree, 0.1, 90);
   v.real("tgc_db_per_cm_mhz", o.tgc_db_per_cm_mhz, 1, 0, 3);
-  v.real("noise_db", o.noise_db, 1, kSilent_db, 0);
+  v.real("noise_db", o.noise_db, 1, kZeroAmplitude_db, 0);
   v.real("full_scale_db", o.full_scale_db, 1, -100, 20);
   v.real("dynamic_range_db", o.dynamic_range_db, 1, 10, 200);
   v.flag("low_pass", o.low_pass);
@@ -82,6 +82,27 @@ void describe(O& o, Visitor& v) {
       "output",
       o.output,
       {{"log", hw::SampleScale::log_compressed}, {"linear", hw::SampleScale::linear_envelope}});
+}
+
+/// The capture card between the probe and the host. Defaults: a small ring of LitePCIe's 8 KiB
+/// buffers with an interrupt each, behind one lane of PCIe 3.0 with payloads of 256 bytes
+/// (references 17, 18).
+struct CardOptions {
+  int buffer_bytes = 8192;  ///< of each DMA buffer
+  int buffers = 256;        ///< in the ring
+  /// Interrupt coalescing: an interrupt for so many full buffers, or at the end of a volume.
+  int buffers_per_interrupt = 1;
+  double payload_rate_mb_s = 900;  ///< 1e6 bytes a second over the PCIe link
+  double interrupt_latency_s = 0;  ///< from the end of the DMA transfer to the host's wake-up
+};
+
+template <OptionsOf<CardOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.integer("buffer_bytes", o.buffer_bytes, 64, 1 << 24);
+  v.integer("buffers", o.buffers, 2, 1 << 16);
+  v.integer("buffers_per_interrupt", o.buffers_per_interrupt, 1, 1 << 16);
+  v.real("payload_rate_mb_s", o.payload_rate_mb_s, 1, 0.1, 100000);
+  v.real("interrupt_latency_us", o.interrupt_latency_s, kMicrosecond, 0, 1e6);
 }
 
 }  // namespace wobblebench::sim

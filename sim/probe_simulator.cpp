@@ -1,13 +1,8 @@
 #include "sim/probe_simulator.h"
 
-#include <algorithm>
-#include <optional>
-
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
-#include "sim/echo/stick_echoes.h"
-#include "sim/math/random.h"
-#include "sim/receive/losses.h"
+#include "sim/echo/echo_model.h"
 
 namespace wobblebench::sim {
 
@@ -17,117 +12,80 @@ double milliseconds_since(hw::HostTime start) {
   return std::chrono::duration<double, std::milli>(hw::HostClock::now() - start).count();
 }
 
-std::span<float> stick_of(VolumeSamples& volume, int place, int samples) {
-  const auto count = static_cast<std::size_t>(samples);
-  return {volume.data() + static_cast<std::size_t>(place) * count, count};
-}
-
 }  // namespace
 
-ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
-                               const hw::AcquisitionPlan& plan,
-                               const SimulationOptions& options)
-    : plan_(plan), options_(options) {
-  check_options(options);
-  fidelity_ = choose_fidelity(options, plan, !subject.motion.still());
-  const auto begin = hw::HostClock::now();
-  subject_ = {std::make_shared<const TissueMap>(
-                  subject.phantom, StickEchoes::reach_m(plan, fidelity_.rung), options.threads),
-              subject.phantom.materials(),
-              subject.placement,
-              subject.motion};
-  map_ms_ = milliseconds_since(begin);
-  const auto mapped = hw::HostClock::now();
-  if (fidelity_.rung != Rung::geometry) prepare_echoes();
-  once_ms_ = milliseconds_since(mapped);
-}
+struct ProbeSimulator::Impl {
+  hw::AcquisitionPlan plan;
+  SimulationOptions options;
+  Fidelity fidelity;
+  std::unique_ptr<const EchoModel> model;
+  double map_ms = 0;
+  double once_ms = 0;
+};
 
-void ProbeSimulator::prepare_echoes() {
-  fresh_receiver_.emplace(plan_, options_, iq_oversampling(plan_));
-  source_ = std::make_shared<StickEchoes>(subject_, plan_, options_, fidelity_.rung);
-  same_in_each_volume_ =
-      subject_.motion.still() && plan_.acquisition().motor != hw::MotorMode::alternating;
-  if (!same_in_each_volume_) return;
-  echoes_ = make_iq_field(plan_);
-  parallel_ranges(plan_.sticks_per_volume(), options_.threads, [&](int first, int last) {
-    auto worker = source_->make_worker();
-    for (int place = first; place < last; ++place) {
-      const auto index = plan_.index(static_cast<std::uint64_t>(place));
-      source_->make(index,
-                    worker,
-                    echoes_.stick(static_cast<int>(index.frame), static_cast<int>(index.line)));
-    }
-  });
-  source_.reset();
+ProbeSimulator::ProbeSimulator(const phantoms::Phantom& phantom,
+                               const phantoms::Placement& placement,
+                               const hw::AcquisitionPlan& plan,
+                               const SimulationOptions& options,
+                               const phantoms::Motion& motion) {
+  check_options(options);
+  auto impl = std::make_shared<Impl>(
+      Impl{plan, options, choose_fidelity(options, plan, !motion.still()), nullptr});
+  const Rung rung = impl->fidelity.rung;
+  const auto begin = hw::HostClock::now();
+  const double reach_m = echo_model_type(rung).reach_m(plan);
+  const ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, reach_m, options.threads),
+                             phantom.materials(),
+                             placement,
+                             motion};
+  impl->map_ms = milliseconds_since(begin);
+  const auto mapped = hw::HostClock::now();
+  impl->model = make_echo_model(rung, tissue, plan, options);
+  impl->once_ms = milliseconds_since(mapped);
+  impl_ = std::move(impl);
 }
 
 VolumeSamples ProbeSimulator::volume(std::uint32_t index) const {
-  if (fidelity_.rung == Rung::geometry) return geometry_volume(index);
-  const int samples = plan_.acquisition().samples_per_stick, sticks = plan_.sticks_per_volume();
-  VolumeSamples result(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples));
-  const auto first_sequence =
-      static_cast<std::uint64_t>(index) * static_cast<std::uint64_t>(sticks);
-  parallel_ranges(sticks, options_.threads, [&](int first, int last) {
-    Receiver receiver = *fresh_receiver_;
-    std::optional<StickEchoes::Worker> worker;
-    std::vector<std::complex<float>> made;
-    if (!same_in_each_volume_) {
-      worker = source_->make_worker();
-      made.resize(static_cast<std::size_t>(source_->samples()));
-    }
-    for (int place = first; place < last; ++place) {
-      const auto stick = plan_.index(first_sequence + static_cast<std::uint64_t>(place));
-      std::span<const std::complex<float>> iq = made;
-      if (worker) {
-        source_->make(stick, *worker, made);
-      } else {
-        iq = echoes_.stick(static_cast<int>(stick.frame), static_cast<int>(stick.line));
-      }
-      const auto noise_key =
-          random_key(options_.seed, RandomStream::noise, index, static_cast<std::uint64_t>(place));
-      receiver.detect(iq, noise_key, stick_of(result, place, samples));
+  const int sticks = plan().sticks_per_volume();
+  const auto samples = static_cast<std::size_t>(plan().acquisition().samples_per_stick);
+  const std::uint64_t first_sequence = plan().first_sequence(index);
+  VolumeSamples volume(static_cast<std::size_t>(sticks) * samples);
+  parallel_ranges(sticks, options().threads, [&](int first, int last) {
+    const StickMaker make = impl_->model->stick_maker();
+    for (int i = first; i < last; ++i) {
+      const auto stick = static_cast<std::size_t>(i);
+      make(first_sequence + stick, std::span(volume).subspan(stick * samples, samples));
     }
   });
-  return result;
+  return volume;
 }
 
-VolumeSamples ProbeSimulator::geometry_volume(std::uint32_t index) const {
-  const int samples = plan_.acquisition().samples_per_stick, sticks = plan_.sticks_per_volume();
-  std::vector<float> shown;
-  for (const auto& material : subject_.materials) {
-    const double mean = amplitude_of_db(material.backscatter_db);
-    shown.push_back(options_.output == hw::SampleScale::linear_envelope
-                        ? static_cast<float>(mean / amplitude_of_db(options_.full_scale_db))
-                        : log_compressed(mean, options_));
-  }
-  VolumeSamples result(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples));
-  const auto first_sequence =
-      static_cast<std::uint64_t>(index) * static_cast<std::uint64_t>(sticks);
-  parallel_ranges(sticks, options_.threads, [&](int first, int last) {
-    StickTrack track;
-    for (int place = first; place < last; ++place) {
-      const auto stick = plan_.index(first_sequence + static_cast<std::uint64_t>(place));
-      follow(
-          subject_, sightline(plan_, stick), plan_.acquisition().depth_m, track, Surfaces::crossed);
-      const auto values = stick_of(result, place, samples);
-      int k = 0;
-      for (const Stretch& stretch : track.stretches) {
-        const bool is_last = &stretch == &track.stretches.back();
-        while (k < samples && (is_last || plan_.sample_range_m(k) < stretch.to_m)) {
-          values[static_cast<std::size_t>(k++)] = shown[static_cast<std::size_t>(stretch.material)];
-        }
-      }
-    }
-  });
-  return result;
+const hw::AcquisitionPlan& ProbeSimulator::plan() const {
+  return impl_->plan;
+}
+
+const SimulationOptions& ProbeSimulator::options() const {
+  return impl_->options;
+}
+
+const Fidelity& ProbeSimulator::fidelity() const {
+  return impl_->fidelity;
 }
 
 std::vector<std::string> ProbeSimulator::effects() const {
   std::vector<std::string> ran;
-  for (const Effect& effect : fidelity_.effects) {
+  for (const Effect& effect : fidelity().effects) {
     if (effect.left_out.empty()) ran.push_back(effect.name);
   }
   return ran;
+}
+
+double ProbeSimulator::map_ms() const {
+  return impl_->map_ms;
+}
+
+double ProbeSimulator::once_ms() const {
+  return impl_->once_ms;
 }
 
 }  // namespace wobblebench::sim

@@ -1,64 +1,60 @@
-// The synthetic probe: phantom in, image sticks out.
+// The synthetic probe: computes the sticks that a probe acquires from a phantom.
 #pragma once
 
-#include <complex>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/placed_phantom.h"
-#include "sim/echo/iq_field.h"
+#include "phantoms/motion.h"
+#include "phantoms/phantom.h"
 #include "sim/fidelity.h"
 #include "sim/options.h"
-#include "sim/receive/receiver.h"
-#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
-
-class StickEchoes;
 
 /// The detected samples of one volume, stick after stick in the order of their sequence numbers.
 using VolumeSamples = std::vector<float>;
 
-/// Scans a phantom. Where neither the phantom nor the places of the sticks change from volume to
-/// volume, echoes are made once, at construction, and volumes differ in their noise alone.
+/// Scans a phantom. Where neither the phantom nor the directions of the sticks change from volume
+/// to volume, echoes are computed once, by the constructor, and volumes differ in their noise only.
+/// Copies share everything; const functions may be called from several threads.
+///
+/// @code
+/// #include <iostream>
+/// const auto phantom = phantoms::make_phantom({.name = "sphere"});
+/// const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
+/// const hw::AcquisitionPlan plan({}, {.sticks_per_frame = 32, .frames_per_volume = 16});
+/// const sim::ProbeSimulator simulator(phantom, placement, plan, {.noise_db = -80});
+/// const sim::VolumeSamples samples = simulator.volume(0);
+/// std::cout << samples.size() << " samples\n";  // 16 frames of 32 sticks of 512 samples
+/// @endcode
 class ProbeSimulator {
  public:
   /// Throws InvalidOption.
-  ProbeSimulator(const phantoms::PlacedPhantom& subject,
+  ProbeSimulator(const phantoms::Phantom& phantom,
+                 const phantoms::Placement& placement,
                  const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options);
+                 const SimulationOptions& options,
+                 const phantoms::Motion& motion = {});
 
   VolumeSamples volume(std::uint32_t index) const;
 
-  const hw::AcquisitionPlan& plan() const { return plan_; }
-  const SimulationOptions& options() const { return options_; }
-  const Fidelity& fidelity() const { return fidelity_; }
-  /// Names of the effects that ran, in the order of the signal's way.
+  const hw::AcquisitionPlan& plan() const;
+  const SimulationOptions& options() const;
+  const Fidelity& fidelity() const;
+  /// Names of the effects that ran, in the order of the signal path.
   std::vector<std::string> effects() const;
 
-  /// Wall time of what is done once for a phantom (its map), and once for a probe and seed (even
-  /// speckle; echoes where they stay the same).
-  double map_ms() const { return map_ms_; }
-  double once_ms() const { return once_ms_; }
+  /// Wall time of what is computed once for a phantom (its map), and once for a probe and seed
+  /// (homogeneous speckle; echoes where they are the same in each volume).
+  double map_ms() const;
+  double once_ms() const;
 
  private:
-  VolumeSamples geometry_volume(std::uint32_t index) const;
-  void prepare_echoes();
-
-  hw::AcquisitionPlan plan_;
-  SimulationOptions options_;
-  Fidelity fidelity_;
-  ScannedTissue subject_;
-  std::shared_ptr<const StickEchoes> source_;
-  std::optional<Receiver> fresh_receiver_;  ///< what a thread begins with: gains over the range
-  IqField echoes_;  ///< noiseless IQ of every stick, where it is the same in each volume
-  bool same_in_each_volume_ = false;
-  double map_ms_ = 0;
-  double once_ms_ = 0;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
 };
 
 }  // namespace wobblebench::sim

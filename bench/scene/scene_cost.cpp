@@ -3,13 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <complex>
 #include <sstream>
 #include <stdexcept>
 
 #include "bench/cli/user_error.h"
 #include "phantoms/motion.h"
-#include "sim/echo/iq_field.h"
+#include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -17,24 +16,17 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kSampleBytes = sizeof(float);
-constexpr double kIqBytes = sizeof(std::complex<float>);
 
 double samples_per_volume(const hw::AcquisitionPlan& plan) {
   return 1.0 * plan.sticks_per_volume() * plan.acquisition().samples_per_stick;
 }
 
-/// sim::ProbeSimulator holds the echoes of all sticks where they are the same in each volume; while
-/// it makes them on the rung field, even speckle beside them. A volume on its way is held where it
-/// is made and where it is put together.
+/// A volume in transfer is stored where it is made and where it is assembled.
 double acquisition_bytes(const Scene& scene, const hw::AcquisitionPlan& plan) {
   const double volume = kSampleBytes * samples_per_volume(plan);
   const sim::Rung rung = sim::choose_fidelity(scene.simulation, plan, scene.moves()).rung;
-  if (rung == sim::Rung::geometry) return 2 * volume;
-  const double iq = kIqBytes * samples_per_volume(plan) * sim::iq_oversampling(plan);
-  const bool kept = !scene.moves() && plan.acquisition().motor != hw::MotorMode::alternating;
-  const double speckle = rung == sim::Rung::field && scene.simulation.speckle ? iq : 0;
-  const double made = kept ? iq : 0;
-  return std::max(speckle + made, (kept ? made : speckle) + 2 * volume);
+  const auto echoes = sim::echo_model_type(rung).memory(plan, scene.simulation, scene.moves());
+  return std::max(echoes.constructing, echoes.kept + 2 * volume);
 }
 
 double texel_bytes(render::TextureFormat format) {

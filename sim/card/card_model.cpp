@@ -4,8 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "base/options.h"
-
 namespace wobblebench::sim {
 namespace {
 
@@ -27,65 +25,64 @@ CardModel::CardModel(const CardOptions& options) : options_(options) {
 std::size_t CardModel::free_bytes() const {
   const auto size = static_cast<std::size_t>(options_.buffer_bytes);
   const std::size_t unused = static_cast<std::size_t>(options_.buffers) - ring_.size();
-  return unused * size + (open_ ? size - ring_.back().bytes.size() : 0);
+  return unused * size + (filling_ ? size - ring_.back().bytes.size() : 0);
 }
 
-void CardModel::put(std::span<const std::byte> packet, hw::DeviceTime time, bool ends_volume) {
+void CardModel::push(std::span<const std::byte> packet, hw::DeviceTime time, bool ends_volume) {
   if (packet.size() > free_bytes()) {
     ++packets_dropped_;
   } else {
     const double transfer_s =
         static_cast<double>(packet.size()) / (options_.payload_rate_mb_s * 1e6);
-    transferred_ = std::max(transferred_, time) + seconds(transfer_s);
+    transfer_end_ = std::max(transfer_end_, time) + seconds(transfer_s);
     append(packet);
   }
-  if (ends_volume) finish();
+  if (ends_volume) flush();
 }
 
 void CardModel::append(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    if (!open_) {
+    if (!filling_) {
       ring_.emplace_back();
-      if (!spare_.empty()) {
-        ring_.back().bytes = std::move(spare_.back());
-        spare_.pop_back();
+      if (!free_.empty()) {
+        ring_.back().bytes = std::move(free_.back());
+        free_.pop_back();
         ring_.back().bytes.clear();
       }
-      open_ = true;
+      filling_ = true;
     }
-    std::vector<std::byte>& filling = ring_.back().bytes;
-    const std::size_t room = static_cast<std::size_t>(options_.buffer_bytes) - filling.size();
+    std::vector<std::byte>& buffer = ring_.back().bytes;
+    const std::size_t room = static_cast<std::size_t>(options_.buffer_bytes) - buffer.size();
     const auto part = bytes.first(std::min(room, bytes.size()));
-    filling.insert(filling.end(), part.begin(), part.end());
+    buffer.insert(buffer.end(), part.begin(), part.end());
     bytes = bytes.subspan(part.size());
-    if (part.size() == room) hand_over();
+    if (part.size() == room) complete_buffer();
   }
 }
 
-/// The buffer under way takes no more bytes.
-void CardModel::hand_over() {
-  open_ = false;
-  if (++unannounced_ == options_.buffers_per_interrupt) announce();
+void CardModel::complete_buffer() {
+  filling_ = false;
+  if (++pending_ == options_.buffers_per_interrupt) raise_interrupt();
 }
 
-void CardModel::announce() {
-  const hw::DeviceTime at = transferred_ + seconds(options_.interrupt_latency_s);
-  for (auto buffer = ring_.end() - unannounced_; buffer != ring_.end(); ++buffer) {
-    buffer->announced = at;
+void CardModel::raise_interrupt() {
+  const hw::DeviceTime at = transfer_end_ + seconds(options_.interrupt_latency_s);
+  for (auto buffer = ring_.end() - pending_; buffer != ring_.end(); ++buffer) {
+    buffer->interrupt = at;
   }
-  unannounced_ = 0;
+  pending_ = 0;
 }
 
-void CardModel::finish() {
-  if (open_) {
-    open_ = false;
-    ++unannounced_;
+void CardModel::flush() {
+  if (filling_) {
+    filling_ = false;
+    ++pending_;
   }
-  announce();
+  raise_interrupt();
 }
 
 std::optional<hw::DeviceTime> CardModel::next_interrupt() const {
-  return ring_.empty() ? std::nullopt : ring_.front().announced;
+  return ring_.empty() ? std::nullopt : ring_.front().interrupt;
 }
 
 bool CardModel::readable(hw::DeviceTime now) const {
@@ -104,7 +101,7 @@ std::size_t CardModel::read(std::span<std::byte> buffer, hw::DeviceTime now) {
     done += count;
     front.read += count;
     if (front.read < front.bytes.size()) break;
-    spare_.push_back(std::move(front.bytes));
+    free_.push_back(std::move(front.bytes));
     ring_.pop_front();
   }
   return done;

@@ -3,26 +3,28 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include "base/options.h"
+#include "hw/link/waiting.h"
 #include "hw/wire/packet.h"
+#include "sim/card/card_model.h"
+#include "sim/card/volume_feed.h"
 
 namespace wobblebench::sim {
 namespace {
 
-using std::chrono::duration;
-
 double milliseconds(hw::HostClock::duration time) {
-  return duration<double, std::milli>(time).count();
+  return std::chrono::duration<double, std::milli>(time).count();
 }
 
-/// Adds the wall time of making each volume to the figures.
-VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkFigures> figures) {
-  return [make = std::move(make), figures = std::move(figures)](std::uint32_t volume) {
+/// Adds the wall time of computing each volume to the statistics.
+VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics> statistics) {
+  return [make = std::move(make), statistics = std::move(statistics)](std::uint32_t volume) {
     const auto start = hw::HostClock::now();
     VolumeSamples samples = make(volume);
-    figures->volume_ms += milliseconds(hw::HostClock::now() - start);
+    statistics->volume_ms += milliseconds(hw::HostClock::now() - start);
     return samples;
   };
 }
@@ -37,24 +39,66 @@ StickSource stick_source(ProbeSimulator simulator) {
           }};
 }
 
-SimLink::SimLink(StickSource source,
-                 const SimLinkOptions& options,
-                 std::shared_ptr<SimLinkFigures> figures,
-                 const hw::HostTimeSource* time)
+class SimLink::Impl {
+ public:
+  Impl(StickSource source,
+       const SimLinkOptions& options,
+       std::shared_ptr<SimLinkStatistics> statistics,
+       const hw::HostTimeSource* time);
+
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline);
+  hw::LinkCapabilities capabilities() const;
+  const std::string& loss() const { return loss_; }
+  hw::Waiting& waiting() { return waiting_; }
+
+ private:
+  hw::HostTime now() const { return time_ ? time_->now() : hw::HostClock::now(); }
+  hw::ReadResult read_card(std::span<std::byte> buffer, hw::HostTime deadline);
+  hw::DeviceTime device_now() const;
+  void send_until(hw::DeviceTime time);
+  bool begin_volume();
+  void delay_probe(hw::DeviceTime begin, hw::HostTime ready);
+  void send_stick();
+  void end_volume(std::uint32_t volume);
+  hw::DeviceTime stick_end() const;
+  hw::HostTime next_event() const;
+
+  const StickSource source_;
+  const SimLinkOptions options_;
+  const std::shared_ptr<SimLinkStatistics> statistics_;
+  const hw::HostTimeSource* const time_;
+  hw::Waiting waiting_;
+  CardModel card_;
+  std::string loss_;
+  std::uint64_t sequence_ = 0;         ///< of the stick that is sent next
+  bool inside_volume_ = false;         ///< volume_ is filled and its configuration was sent
+  bool over_ = false;                  ///< all volumes were sent
+  VolumeSamples volume_;               ///< the volume under way
+  hw::Stick stick_;                    ///< the stick sent last
+  std::vector<std::byte> bytes_;       ///< one packet
+  std::optional<hw::HostTime> epoch_;  ///< host time of device time 0; set by the first read
+  const hw::DeviceDuration stick_period_;
+  VolumeFeed feed_;  ///< last: its thread wakes waiting_
+};
+
+SimLink::Impl::Impl(StickSource source,
+                    const SimLinkOptions& options,
+                    std::shared_ptr<SimLinkStatistics> statistics,
+                    const hw::HostTimeSource* time)
     : source_(std::move(source)),
       options_(options),
-      figures_(figures ? std::move(figures) : std::make_shared<SimLinkFigures>()),
+      statistics_(statistics ? std::move(statistics) : std::make_shared<SimLinkStatistics>()),
       time_(time),
       card_(options.card),
-      feed_(timed(source_.volume, figures_),
+      stick_period_(std::llround(source_.plan.stick_period_s() * 1e9)),
+      feed_(timed(source_.volume, statistics_),
             static_cast<std::uint32_t>(source_.plan.acquisition().volumes),
             options.volumes_ahead,
-            [this] { waiting_.wake(); }),
-      stick_period_(std::llround(source_.plan.stick_period_s() * 1e9)) {
+            [this] { waiting_.wake(); }) {
   check_options(options_);
 }
 
-hw::LinkCapabilities SimLink::capabilities() const {
+hw::LinkCapabilities SimLink::Impl::capabilities() const {
   return {.origin = hw::StreamOrigin::simulated,
           .copy_in = true,
           .waits_for_reader = options_.pace == hw::Pace::asap,
@@ -63,8 +107,8 @@ hw::LinkCapabilities SimLink::capabilities() const {
           .buffers_per_interrupt = options_.card.buffers_per_interrupt};
 }
 
-hw::ReadResult SimLink::read(std::span<std::byte> buffer, hw::HostTime deadline) {
-  if (const auto ended = waiting_.interrupted()) return {0, *ended};
+hw::ReadResult SimLink::Impl::read(std::span<std::byte> buffer, hw::HostTime deadline) {
+  if (const auto ended = waiting_.ended()) return {0, *ended};
   try {
     return read_card(buffer, deadline);
   } catch (const std::exception& error) {
@@ -73,57 +117,57 @@ hw::ReadResult SimLink::read(std::span<std::byte> buffer, hw::HostTime deadline)
   }
 }
 
-hw::ReadResult SimLink::read_card(std::span<std::byte> buffer, hw::HostTime deadline) {
+hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTime deadline) {
   if (!epoch_) epoch_ = now();
   for (;;) {
     const std::uint64_t wakes = waiting_.wakes();
     send_until(device_now());
-    figures_->packets_dropped = card_.packets_dropped();
+    statistics_->packets_dropped = card_.packets_dropped();
     if (const std::size_t bytes = card_.read(buffer, device_now()); bytes > 0) {
       return {bytes, hw::ReadStatus::ok};
     }
     if (over_ && !card_.next_interrupt()) return {0, hw::ReadStatus::end_of_stream};
     if (deadline <= now()) return {0, hw::ReadStatus::timeout};
     waiting_.sleep_until(std::min(deadline, next_event()), wakes);
-    if (const auto ended = waiting_.interrupted()) return {0, *ended};
+    if (const auto ended = waiting_.ended()) return {0, *ended};
   }
 }
 
-/// asap: all that is announced may be read at once.
-hw::DeviceTime SimLink::device_now() const {
+/// asap: every interrupt lies in the past.
+hw::DeviceTime SimLink::Impl::device_now() const {
   if (options_.pace == hw::Pace::asap) return hw::DeviceTime::max();
   return hw::DeviceTime(now() - *epoch_);
 }
 
-/// When something can happen that a read waits for; a volume that becomes ready wakes it besides.
-hw::HostTime SimLink::next_event() const {
+/// Time of the next interrupt or end of a stick. A volume that becomes ready ends a sleep earlier.
+hw::HostTime SimLink::Impl::next_event() const {
   if (options_.pace == hw::Pace::asap) return hw::HostTime::max();
   hw::DeviceTime event = hw::DeviceTime::max();
   if (const auto interrupt = card_.next_interrupt()) event = *interrupt;
-  if (!over_ && inside_volume_) event = std::min(event, next_complete());
+  if (!over_ && inside_volume_) event = std::min(event, stick_end());
   if (event == hw::DeviceTime::max()) return hw::HostTime::max();
   return *epoch_ + event.time_since_epoch();
 }
 
-/// Sends packets that are complete at `time`; asap, until there is something to read.
-void SimLink::send_until(hw::DeviceTime time) {
+/// Sends the sticks that are complete at `time`; asap: until there are bytes to read.
+void SimLink::Impl::send_until(hw::DeviceTime time) {
   const bool asap = options_.pace == hw::Pace::asap;
   while (!over_) {
     if (asap && card_.next_interrupt()) return;
-    if (!inside_volume_ && !next_volume()) return;
-    if (next_complete() > time) return;
-    send_packet();
+    if (!inside_volume_ && !begin_volume()) return;
+    if (stick_end() > time) return;
+    send_stick();
   }
 }
 
-/// Begins the next volume if its samples are ready.
-bool SimLink::next_volume() {
+/// Sends the configuration of the next volume; false: its samples are not ready.
+bool SimLink::Impl::begin_volume() {
   if (!feed_.ready()) return false;
   const hw::AcquisitionPlan& plan = source_.plan;
   const hw::DeviceTime begin = plan.stick_time(sequence_);
-  auto made = feed_.take();
-  volume_ = std::move(made.samples);
-  hold_up(begin, made.at);
+  auto next = feed_.take();
+  volume_ = std::move(next.samples);
+  delay_probe(begin, next.ready_at);
   bytes_.clear();
   hw::encode(hw::ConfigurationPacket{.sequence = sequence_,
                                      .volume = plan.index(sequence_).volume,
@@ -132,51 +176,84 @@ bool SimLink::next_volume() {
                                      .probe = plan.probe(),
                                      .acquisition = plan.acquisition()},
              bytes_);
-  card_.put(bytes_, begin, false);
+  card_.push(bytes_, begin, false);
   inside_volume_ = true;
   return true;
 }
 
-/// A probe whose samples come late waits for them; the first volume is not late, it is the start.
-void SimLink::hold_up(hw::DeviceTime begin, hw::HostTime ready) {
+/// Moves the epoch so that a volume does not begin before its samples are ready. The first volume
+/// is never late: it is the start.
+void SimLink::Impl::delay_probe(hw::DeviceTime begin, hw::HostTime ready) {
   const hw::HostTime due = *epoch_ + begin.time_since_epoch();
   if (time_ != nullptr || ready <= due) return;
   *epoch_ += ready - due;
-  if (sequence_ > 0) figures_->late_ms += milliseconds(ready - due);
+  if (sequence_ > 0) statistics_->late_ms += milliseconds(ready - due);
 }
 
-hw::DeviceTime SimLink::next_complete() const {
+hw::DeviceTime SimLink::Impl::stick_end() const {
   return source_.plan.stick_time(sequence_) + stick_period_;
 }
 
-void SimLink::send_packet() {
+void SimLink::Impl::send_stick() {
   const hw::AcquisitionPlan& plan = source_.plan;
   const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
   const auto per_volume = static_cast<std::uint64_t>(plan.sticks_per_volume());
-  const std::uint64_t place = sequence_ % per_volume;
-  const auto mine = std::span(volume_).subspan(place * samples, samples);
+  const std::uint64_t in_volume = sequence_ % per_volume;
+  const auto stick_samples = std::span(volume_).subspan(in_volume * samples, samples);
   stick_.sequence = sequence_;
   stick_.index = plan.index(sequence_);
   stick_.time = plan.stick_time(sequence_);
   stick_.motor_angle_rad = plan.motor_angle_rad(stick_.index);
   stick_.sweep_direction = plan.sweep_direction(stick_.index.volume);
   stick_.scale = source_.scale;
-  stick_.samples.assign(mine.begin(), mine.end());
+  stick_.samples.assign(stick_samples.begin(), stick_samples.end());
   bytes_.clear();
   hw::encode(stick_, bytes_);
-  card_.put(bytes_, next_complete(), false);
+  card_.push(bytes_, stick_end(), false);
   ++sequence_;
-  ++figures_->sticks_emitted;
-  if (place + 1 == per_volume) end_volume(stick_.index.volume);
+  ++statistics_->sticks_emitted;
+  if (in_volume + 1 == per_volume) end_volume(stick_.index.volume);
 }
 
-void SimLink::end_volume(std::uint32_t volume) {
+void SimLink::Impl::end_volume(std::uint32_t volume) {
   const hw::DeviceTime end = source_.plan.volume_end_time(volume);
   bytes_.clear();
   hw::encode(hw::VolumeEndPacket{.sequence = sequence_, .volume = volume, .time = end}, bytes_);
-  card_.put(bytes_, end, true);
+  card_.push(bytes_, end, true);
   inside_volume_ = false;
   over_ = volume + 1 == static_cast<std::uint32_t>(source_.plan.acquisition().volumes);
+}
+
+SimLink::SimLink(StickSource source,
+                 const SimLinkOptions& options,
+                 std::shared_ptr<SimLinkStatistics> statistics,
+                 const hw::HostTimeSource* time)
+    : impl_(std::make_unique<Impl>(std::move(source), options, std::move(statistics), time)) {}
+
+SimLink::~SimLink() = default;
+
+hw::ReadResult SimLink::read(std::span<std::byte> buffer, hw::HostTime deadline) {
+  return impl_->read(buffer, deadline);
+}
+
+void SimLink::cancel() {
+  impl_->waiting().cancel();
+}
+
+void SimLink::resume() {
+  impl_->waiting().resume();
+}
+
+void SimLink::close() {
+  impl_->waiting().close();
+}
+
+hw::LinkCapabilities SimLink::capabilities() const {
+  return impl_->capabilities();
+}
+
+std::string SimLink::loss() const {
+  return impl_->loss().empty() ? Link::loss() : impl_->loss();
 }
 
 }  // namespace wobblebench::sim

@@ -4,53 +4,50 @@
 
 namespace wobblebench::sim {
 
-VolumeFeed::VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> changed)
+VolumeFeed::VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> notify)
     : make_(std::move(make)),
       volumes_(volumes),
       ahead_(static_cast<std::size_t>(ahead)),
-      changed_(std::move(changed)) {
-  if (ahead_ > 0) thread_ = std::thread([this] { make_ahead(); });
+      notify_(std::move(notify)) {
+  if (ahead_ > 0) thread_ = std::jthread([this] { fill_queue(); });
 }
 
 VolumeFeed::~VolumeFeed() {
-  {
-    std::lock_guard lock(mutex_);
-    over_ = true;
-    moved_.notify_all();
-  }
-  if (thread_.joinable()) thread_.join();
+  std::lock_guard lock(mutex_);
+  stopping_ = true;
+  changed_.notify_all();
 }
 
 bool VolumeFeed::ready() const {
   if (ahead_ == 0) return true;
   std::lock_guard lock(mutex_);
-  return !made_.empty() || failure_ != nullptr;
+  return !queue_.empty() || failure_ != nullptr;
 }
 
-MadeVolume VolumeFeed::take() {
+TimedVolume VolumeFeed::take() {
   if (ahead_ == 0) return make();
   std::unique_lock lock(mutex_);
-  moved_.wait(lock, [this] { return !made_.empty() || failure_ != nullptr; });
-  if (made_.empty()) std::rethrow_exception(failure_);
-  MadeVolume volume = std::move(made_.front());
-  made_.pop_front();
-  moved_.notify_all();
+  changed_.wait(lock, [this] { return !queue_.empty() || failure_ != nullptr; });
+  if (queue_.empty()) std::rethrow_exception(failure_);
+  TimedVolume volume = std::move(queue_.front());
+  queue_.pop_front();
+  changed_.notify_all();
   return volume;
 }
 
-MadeVolume VolumeFeed::make() {
+TimedVolume VolumeFeed::make() {
   VolumeSamples samples = make_(next_++);
   return {std::move(samples), hw::HostClock::now()};
 }
 
-void VolumeFeed::make_ahead() {
+void VolumeFeed::fill_queue() {
   while (next_ < volumes_) {
     {
       std::unique_lock lock(mutex_);
-      moved_.wait(lock, [this] { return over_ || made_.size() < ahead_; });
-      if (over_) return;
+      changed_.wait(lock, [this] { return stopping_ || queue_.size() < ahead_; });
+      if (stopping_) return;
     }
-    MadeVolume volume;
+    TimedVolume volume;
     std::exception_ptr failure;
     try {
       volume = make();
@@ -60,10 +57,10 @@ void VolumeFeed::make_ahead() {
     {
       std::lock_guard lock(mutex_);
       failure_ = failure;
-      if (!failure) made_.push_back(std::move(volume));
-      moved_.notify_all();
+      if (!failure) queue_.push_back(std::move(volume));
+      changed_.notify_all();
     }
-    changed_();
+    notify_();
     if (failure) return;
   }
 }

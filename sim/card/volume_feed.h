@@ -1,4 +1,4 @@
-// Volumes of samples, made ahead of whoever sends them.
+// A bounded queue of simulated volumes, filled by a thread of its own.
 #pragma once
 
 #include <condition_variable>
@@ -14,45 +14,44 @@
 
 namespace wobblebench::sim {
 
-struct MadeVolume {
+struct TimedVolume {
   VolumeSamples samples;
-  hw::HostTime at;  ///< when it was ready
+  hw::HostTime ready_at;
 };
 
-/// Makes volumes 0, 1, … on a thread of its own, so that whoever waits for one can be interrupted
-/// while a volume, which may take seconds, is made. take() and ready() are for one thread, wake()
-/// for any.
+/// Computes volumes 0, 1, … on a thread, so that a caller that waits for one can be interrupted
+/// during the computation, which may take seconds. One thread calls take() and ready().
 class VolumeFeed {
  public:
   using Make = std::function<VolumeSamples(std::uint32_t)>;
 
-  /// `ahead` volumes wait at most; 0: no thread, take() makes the volume itself. `changed` is
-  /// called on the feed's thread when a volume became ready.
-  VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> changed);
+  /// `ahead`: capacity of the queue; 0: no thread, take() computes the volume itself. `notify` is
+  /// called on the thread when a volume is ready.
+  VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> notify);
   ~VolumeFeed();
   VolumeFeed(const VolumeFeed&) = delete;
   VolumeFeed& operator=(const VolumeFeed&) = delete;
 
-  /// take() would not wait.
+  /// Whether take() returns without waiting for the thread.
   bool ready() const;
-  /// The next volume, waiting for it. Throws what making it threw.
-  MadeVolume take();
+  /// The next volume, waiting for it. Throws what its computation threw.
+  TimedVolume take();
 
  private:
-  MadeVolume make();
-  void make_ahead();
+  TimedVolume make();
+  void fill_queue();
 
   const Make make_;
   const std::uint32_t volumes_;
   const std::size_t ahead_;
-  const std::function<void()> changed_;
-  std::uint32_t next_ = 0;  ///< of the volume that is made next
+  const std::function<void()> notify_;
+  std::uint32_t next_ = 0;  ///< number of the volume that is computed next
   mutable std::mutex mutex_;
-  std::condition_variable moved_;
-  std::deque<MadeVolume> made_;
+  std::condition_variable changed_;
+  std::deque<TimedVolume> queue_;
   std::exception_ptr failure_;
-  bool over_ = false;
-  std::thread thread_;
+  bool stopping_ = false;
+  std::jthread thread_;  ///< last: joined before what it uses is destroyed
 };
 
 }  // namespace wobblebench::sim

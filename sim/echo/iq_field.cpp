@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<float>;
 
-// Widest kernels worth their cost; wider ones occur only within a few millimetres of the face.
+// Limits of the cost; wider kernels occur only within a few millimetres of the face.
 constexpr int kMaxHalfLines = 8;
 constexpr int kMaxHalfFrames = 32;
 
@@ -26,7 +26,7 @@ WOBBLEBENCH_SIMD void fill_noise(float* parts, int count, std::uint64_t key) {
   }
 }
 
-/// target[i] += weight * source[i], over real and imaginary parts alike.
+/// target[i] += weight * source[i], for real and imaginary parts alike.
 WOBBLEBENCH_SIMD void add_scaled(float* target, const float* source, int count, float weight) {
   for (int i = 0; i < count; ++i) target[i] += weight * source[i];
 }
@@ -47,7 +47,8 @@ float* parts_of(Complex* values) {
   return reinterpret_cast<float*>(values);
 }
 
-/// Kernels across sticks, one at each range, stored tap by tap so that loops run along the stick.
+/// Symmetric kernels across sticks, one for each range, stored tap by tap so that loops run along
+/// the stick.
 class RangeKernels {
  public:
   /// `sigma_in_steps(i)`: width of the kernel at range sample i.
@@ -58,7 +59,7 @@ class RangeKernels {
       kernels.push_back(unit_power_gaussian(sigma_in_steps(i), max_half));
       half_ = std::max(half_, static_cast<int>(kernels.back().size()) / 2);
     }
-    // Kernels reach farthest near the face, where sticks are dense.
+    // Kernels are widest near the face, where sticks are dense.
     ends_.assign(static_cast<std::size_t>(half_) + 1, 0);
     taps_.assign((static_cast<std::size_t>(half_) + 1) * static_cast<std::size_t>(samples), 0.0f);
     for (int i = 0; i < samples; ++i) {
@@ -72,7 +73,7 @@ class RangeKernels {
   }
 
   int half() const { return half_; }
-  /// Of the taps that do not vanish.
+  /// End of the samples at which the tap is not 0.
   int end(int tap) const { return ends_[static_cast<std::size_t>(tap)]; }
   const float* tap(int tap) const { return taps_.data() + at(tap); }
   int samples() const { return samples_; }
@@ -86,8 +87,8 @@ class RangeKernels {
   std::vector<float> taps_;  ///< [tap][sample]
 };
 
-/// Filters `count` sticks, `stride` complex values apart. Taps beyond the ends are left out and the
-/// rest scaled up, so that the edges of the field keep their power.
+/// Filters across `count` sticks, `stride` complex values apart. At the edges the taps outside the
+/// field are dropped and the others scaled up, so that the power is the same there.
 void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
   if (kernels.half() == 0) return;
   const auto samples = static_cast<std::size_t>(kernels.samples());
@@ -129,6 +130,11 @@ int iq_oversampling(const hw::AcquisitionPlan& plan) {
   return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
 }
 
+double iq_bytes(const hw::AcquisitionPlan& plan) {
+  return 1.0 * sizeof(Complex) * plan.sticks_per_volume() * plan.acquisition().samples_per_stick *
+         iq_oversampling(plan);
+}
+
 IqField make_iq_field(const hw::AcquisitionPlan& plan) {
   const auto& acquisition = plan.acquisition();
   IqField field;
@@ -145,7 +151,7 @@ IqField make_iq_field(const hw::AcquisitionPlan& plan) {
 void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigma_samples) {
   const auto taps = unit_power_gaussian(pulse_sigma_samples, kMaxHalfPulse);
   const int half = static_cast<int>(taps.size()) / 2, count = static_cast<int>(stick.size());
-  // The noise goes on beyond both ends of the stick, so that they are filtered as the rest is.
+  // Noise extends beyond both ends of the stick, so that the filter has no edges.
   std::vector<Complex> noise(stick.size() + taps.size() - 1);
   fill_noise(parts_of(noise.data()), static_cast<int>(noise.size()), key);
   std::fill(stick.begin(), stick.end(), Complex(0));
@@ -213,10 +219,10 @@ void add_reflector(std::span<Complex> stick,
       2 * range_m * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s;
   const double phase = -2 * kPi * (cycles - std::floor(cycles));
   const std::complex<double> echo = std::polar(amplitude, phase);
-  const int reach = static_cast<int>(std::ceil(4 * sigma_m / spacing_m));
+  const int half_width = static_cast<int>(std::ceil(4 * sigma_m / spacing_m));
   const int middle = static_cast<int>(range_m / spacing_m);
-  const int last = std::min(static_cast<int>(stick.size()) - 1, middle + reach);
-  for (int i = std::max(0, middle - reach); i <= last; ++i) {
+  const int last = std::min(static_cast<int>(stick.size()) - 1, middle + half_width);
+  for (int i = std::max(0, middle - half_width); i <= last; ++i) {
     const double offset = ((i + 0.5) * spacing_m - range_m) / sigma_m;
     stick[static_cast<std::size_t>(i)] += Complex(echo * std::exp(-0.5 * offset * offset));
   }

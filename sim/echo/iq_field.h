@@ -1,6 +1,6 @@
-// Complex baseband (IQ) echoes on the polar grid: even speckle with the probe's resolution, and the
-// pulse of a single reflector. IQ, not RF: sub-sample delay is a phase, and the rate follows the
-// bandwidth.
+// Complex baseband (IQ) echoes on the polar grid: homogeneous speckle with the probe's resolution,
+// and the pulse of a single reflector. IQ rather than RF: a delay below one sample is a phase, and
+// the sampling rate follows the bandwidth, not the centre frequency.
 #pragma once
 
 #include <complex>
@@ -12,7 +12,7 @@
 
 namespace wobblebench::sim {
 
-/// frames x lines x samples, sample fastest. A sample's middle lies at (i + 1/2) * spacing_m.
+/// frames x lines x samples, sample fastest. Sample i lies at range (i + 1/2) * spacing_m.
 struct IqField {
   int frames = 0;
   int lines = 0;
@@ -26,6 +26,12 @@ struct IqField {
   std::span<const std::complex<float>> stick(int frame, int line) const {
     return {values.data() + at(frame, line), static_cast<std::size_t>(samples)};
   }
+  std::span<std::complex<float>> stick(const hw::StickIndex& index) {
+    return stick(static_cast<int>(index.frame), static_cast<int>(index.line));
+  }
+  std::span<const std::complex<float>> stick(const hw::StickIndex& index) const {
+    return stick(static_cast<int>(index.frame), static_cast<int>(index.line));
+  }
 
  private:
   std::size_t at(int frame, int line) const {
@@ -33,28 +39,33 @@ struct IqField {
   }
 };
 
-/// Longest half of a pulse, in IQ samples; reached only by scans finer than a micrometre a sample.
+/// Largest half length of a pulse, in IQ samples; reached only by scans finer than 1 um a sample.
 inline constexpr int kMaxHalfPulse = 1024;
 
-/// IQ samples for each output sample, so that the two-sided band of the pulse fits the rate.
+/// IQ samples for each output sample: enough for the two-sided bandwidth of the pulse.
 int iq_oversampling(const hw::AcquisitionPlan& plan);
 
+/// Memory of an IqField.
+double iq_bytes(const hw::AcquisitionPlan& plan);
+
+/// All samples 0.
 IqField make_iq_field(const hw::AcquisitionPlan& plan);
 
-/// White circular noise of unit power, filtered by the pulse to unit power again.
+/// Circular complex white noise, filtered by the pulse, of unit mean power.
 void fill_speckle(std::span<std::complex<float>> stick,
                   std::uint64_t key,
                   double pulse_sigma_samples);
 
-/// Filters each range across the lines of a frame, then across frames, by the beam's width there,
-/// keeping the power.
+/// Filters each range by the beam's width there, across the lines of each frame or across frames.
+/// Keeps the mean power.
 void filter_across_lines(IqField& field, const hw::AcquisitionPlan& plan, int threads);
 void filter_across_frames(IqField& field, const hw::AcquisitionPlan& plan, int threads);
 
-/// Speckle of unit power on the whole grid, filtered in all three directions.
+/// Speckle of unit mean power on the whole grid, filtered in all three directions.
 IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads);
 
-/// Adds the echo of a single reflector: a pulse of peak `amplitude` at a range, with its phase.
+/// Adds the echo of one reflector: a Gaussian pulse of peak `amplitude` at a range, with the phase
+/// of its two-way path.
 void add_reflector(std::span<std::complex<float>> stick,
                    double spacing_m,
                    double range_m,

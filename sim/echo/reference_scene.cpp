@@ -7,21 +7,21 @@
 
 #include "base/parallel.h"
 #include "sim/beam/element_sum.h"
-#include "sim/echo/stick_echoes.h"
+#include "sim/echo/stick_propagation.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
 constexpr double kAxisStep_m = 1e-3;
-/// What a term costs: one source, one frequency; measured on one core of 2 GHz.
+/// Time of one term (one source, one frequency), measured on one core of 2 GHz.
 constexpr double kTerm_s = 1.5e-9;
-constexpr double kFrequencies = 50;  // about as many as a scatterer's echo needs
-constexpr double kLongest_s = 1800;  // of one core
-constexpr int kSampledSticks = 16;
-constexpr double kSamplesBeyond = 8;  // whose pulses are still heard in the last one
+constexpr double kFrequencies = 50;  ///< approximate number for the echo of one scatterer
+constexpr double kLongest_s = 1800;  ///< on one core
+constexpr int kSampledSticks = 16;   ///< of a volume, for the estimate of its cost
+constexpr double kPulseSamples = 8;  ///< by which a pulse extends beyond its scatterer's sample
 
-ScattererSettings reference_model() {
+ScattererSettings reference_settings() {
   return {BeamShape::side_lobes, false};
 }
 
@@ -30,15 +30,15 @@ double theta_of(const hw::AcquisitionPlan& plan, const hw::Ray& ray) {
   return plan.geometry().to_polar(ray.at(plan.acquisition().depth_m)).theta_rad;
 }
 
-/// Value of a curve at samples (i + 1/2) * spacing.
+/// Linear interpolation of a curve sampled at ranges (i + 1/2) * spacing_m.
 double at_range(std::span<const float> curve, double spacing_m, double range_m) {
-  const double place =
+  const double position =
       std::clamp(range_m / spacing_m - 0.5, 0.0, static_cast<double>(curve.size()) - 1);
-  const auto before = static_cast<std::size_t>(place);
+  const auto before = static_cast<std::size_t>(position);
   const std::size_t behind = std::min(before + 1, curve.size() - 1);
-  const double share = place - static_cast<double>(before);
-  return (1 - share) * static_cast<double>(curve[before]) +
-         share * static_cast<double>(curve[behind]);
+  const double fraction = position - static_cast<double>(before);
+  return (1 - fraction) * static_cast<double>(curve[before]) +
+         fraction * static_cast<double>(curve[behind]);
 }
 
 std::string minutes(double seconds) {
@@ -50,11 +50,11 @@ std::string minutes(double seconds) {
 
 }  // namespace
 
-ReferenceScene::ReferenceScene(const ScannedTissue& subject,
+ReferenceScene::ReferenceScene(const ScannedTissue& tissue,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options)
     : plan_(plan),
-      field_(subject, plan, options, reference_model()),
+      scatterers_(tissue, plan, options, reference_settings()),
       axis_step_m_(std::max(kAxisStep_m, plan.acquisition().depth_m / 1000)) {
   check_cost();
   const int count = static_cast<int>(std::ceil(plan.acquisition().depth_m / axis_step_m_)) + 1;
@@ -75,8 +75,8 @@ void ReferenceScene::check_cost() const {
   for (int i = 0; i < sampled; ++i) {
     const hw::StickIndex index =
         plan_.index(static_cast<std::uint64_t>((i + 0.5) * sticks / sampled));
-    const TimedRay line = sightline(plan_, index);
-    for (const PointEcho& point : field_.near(line, plan_.acquisition().depth_m)) {
+    const TimedRay line = stick_ray(plan_, index);
+    for (const PointEcho& point : scatterers_.near(line, plan_.acquisition().depth_m)) {
       scatterers += static_cast<double>(sticks) / sampled;
       const double range_m = glm::distance(point.position_m, line.ray.origin);
       terms += static_cast<double>(sticks) / sampled * kFrequencies *
@@ -94,38 +94,39 @@ void ReferenceScene::check_cost() const {
 }
 
 double ReferenceScene::on_axis(double range_m) const {
-  const double place =
+  const double position =
       std::clamp(range_m / axis_step_m_ - 0.5, 0.0, static_cast<double>(on_axis_.size()) - 1);
-  const auto before = static_cast<std::size_t>(place);
+  const auto before = static_cast<std::size_t>(position);
   const std::size_t behind = std::min(before + 1, on_axis_.size() - 1);
   return on_axis_[before] +
-         (place - static_cast<double>(before)) * (on_axis_[behind] - on_axis_[before]);
+         (position - static_cast<double>(before)) * (on_axis_[behind] - on_axis_[before]);
 }
 
-void ReferenceScene::add_echoes(const StickPath& way, std::span<std::complex<float>> iq) const {
-  if (way.remaining.empty()) return;
-  const double delay_m = way.delay_m.empty() ? 0 : static_cast<double>(way.delay_m.back());
-  const double to_m = (static_cast<double>(way.remaining.size()) + kSamplesBeyond) * way.spacing_m;
-  add_points(way, field_.near(way.line, to_m - delay_m), iq);
+void ReferenceScene::add_echoes(const StickPath& path, std::span<std::complex<float>> iq) const {
+  if (path.left.empty()) return;
+  const double delay_m = path.delay_m.empty() ? 0 : static_cast<double>(path.delay_m.back());
+  const double to_m = (static_cast<double>(path.left.size()) + kPulseSamples) * path.spacing_m;
+  add_points(path, scatterers_.near(path.line, to_m - delay_m), iq);
 }
 
-void ReferenceScene::add_points(const StickPath& way,
+void ReferenceScene::add_points(const StickPath& path,
                                 std::span<const PointEcho> points,
                                 std::span<std::complex<float>> iq) const {
-  const ElementSum sum(plan_, theta_of(plan_, way.line.ray));
-  const AcrossStick across = across_stick(way.line.ray);
-  std::vector<std::complex<double>> heard(iq.size());
+  const ElementSum sum(plan_, theta_of(plan_, path.line.ray));
+  const AcrossStick across = across_stick(path.line.ray);
+  std::vector<std::complex<double>> echoes(iq.size());
   for (const PointEcho& point : points) {
-    const glm::dvec3 from_face = point.position_m - way.line.ray.origin;
-    const glm::dvec3 at(glm::dot(from_face, way.line.ray.direction),
-                        glm::dot(from_face, across.lateral),
-                        glm::dot(from_face, across.elevation));
-    const double delay_m = way.delay_m.empty() ? 0 : at_range(way.delay_m, way.spacing_m, at.x);
-    const double left = at_range(way.remaining, way.spacing_m, at.x + delay_m);
-    const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(at.x);
-    sum.add({at, amplitude}, delay_m, way.spacing_m, heard);
+    const glm::dvec3 from_face = point.position_m - path.line.ray.origin;
+    const glm::dvec3 position_m(glm::dot(from_face, path.line.ray.direction),
+                                glm::dot(from_face, across.lateral),
+                                glm::dot(from_face, across.elevation));
+    const double delay_m =
+        path.delay_m.empty() ? 0 : at_range(path.delay_m, path.spacing_m, position_m.x);
+    const double left = at_range(path.left, path.spacing_m, position_m.x + delay_m);
+    const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(position_m.x);
+    sum.add({position_m, amplitude}, delay_m, path.spacing_m, echoes);
   }
-  for (std::size_t i = 0; i < iq.size(); ++i) iq[i] += std::complex<float>(heard[i]);
+  for (std::size_t i = 0; i < iq.size(); ++i) iq[i] += std::complex<float>(echoes[i]);
 }
 
 }  // namespace wobblebench::sim

@@ -1,5 +1,5 @@
-// The rung `reference`: the tissue's scatterers, each summed over the elements of the probe. The
-// yardstick of the other rungs, for small scenes.
+// Echoes of the tissue's scatterers by summation over the elements of the probe: the reference of
+// the other rungs, for small scenes.
 #pragma once
 
 #include <complex>
@@ -16,17 +16,17 @@ namespace wobblebench::sim {
 /// Const functions may be called from several threads.
 class ReferenceScene {
  public:
-  /// Throws InvalidOption "fidelity = reference: ..." before any echo is made if all sticks of
-  /// a volume would take too long.
-  ReferenceScene(const ScannedTissue& subject,
+  /// Throws InvalidOption "fidelity = reference: ..." if computing a volume would take more than
+  /// half an hour of one core.
+  ReferenceScene(const ScannedTissue& tissue,
                  const hw::AcquisitionPlan& plan,
                  const SimulationOptions& options);
 
-  /// Adds the echoes of the scatterers that the rung `scatterers` would use with side lobes, each
-  /// with the amplitude that it has there: a lone scatterer on the axis echoes as strongly in both.
-  void add_echoes(const StickPath& way, std::span<std::complex<float>> iq) const;
-  /// The same for given scatterers in place of the tissue's.
-  void add_points(const StickPath& way,
+  /// Adds the echoes of the scatterers that the rung `scatterers` uses with side lobes, with the
+  /// same amplitudes: the echo of one scatterer on the axis is equally strong in both.
+  void add_echoes(const StickPath& path, std::span<std::complex<float>> iq) const;
+  /// The same for given scatterers instead of the tissue's.
+  void add_points(const StickPath& path,
                   std::span<const PointEcho> points,
                   std::span<std::complex<float>> iq) const;
 
@@ -35,9 +35,10 @@ class ReferenceScene {
   double on_axis(double range_m) const;
 
   hw::AcquisitionPlan plan_;
-  ScattererField field_;
+  ScattererField scatterers_;
   double axis_step_m_;
-  std::vector<double> on_axis_;  ///< echo of a scatterer on the axis, in the middle of the sector
+  /// Echo of a scatterer on the axis of the middle stick, at ranges (i + 1/2) * axis_step_m_.
+  std::vector<double> on_axis_;
 };
 
 }  // namespace wobblebench::sim

@@ -10,16 +10,16 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kCentimetre = 1e-2;
-/// What lies this far below the noise, or below the display, is left out.
-constexpr double kBelowSight_db = 20;
+/// Echoes so far below the noise or the dynamic range are invisible.
+constexpr double kInvisible_db = 20;
 
-/// dB lost there and back over a centimetre of range.
+/// Two-way loss for a centimetre of range.
 double two_way_db_per_cm(double alpha_db_per_cm_mhz, double frequency_mhz) {
   return 2 * alpha_db_per_cm_mhz * frequency_mhz;
 }
 
-/// Amplitudes each of which is the one before times `factor`, in eight runs side by side.
-WOBBLEBENCH_SIMD void decay(double amplitude, double factor, int count, float* __restrict left) {
+/// Geometric series amplitude * factor^i, eight values at a time.
+WOBBLEBENCH_SIMD void decay(double amplitude, double factor, int count, float* __restrict values) {
   constexpr int kLanes = 8;
   double lanes[kLanes], power = 1;
   for (double& lane : lanes) {
@@ -29,11 +29,11 @@ WOBBLEBENCH_SIMD void decay(double amplitude, double factor, int count, float* _
   int first = 0;
   for (; first + kLanes <= count; first += kLanes) {
     for (int i = 0; i < kLanes; ++i) {
-      left[first + i] = static_cast<float>(lanes[i]);
+      values[first + i] = static_cast<float>(lanes[i]);
       lanes[i] *= power;
     }
   }
-  for (int i = 0; first + i < count; ++i) left[first + i] = static_cast<float>(lanes[i]);
+  for (int i = 0; first + i < count; ++i) values[first + i] = static_cast<float>(lanes[i]);
 }
 
 }  // namespace
@@ -81,11 +81,12 @@ double time_gain(const hw::AcquisitionPlan& plan,
   return amplitude_of_db(db_per_cm * range_m / kCentimetre);
 }
 
-double lost_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
-  if (options.noise_db > kSilent_db) return amplitude_of_db(options.noise_db - kBelowSight_db);
+double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
+  if (options.noise_db > kZeroAmplitude_db)
+    return amplitude_of_db(options.noise_db - kInvisible_db);
   if (options.output == hw::SampleScale::linear_envelope) return 0;
-  const double darkest_db = options.full_scale_db - options.dynamic_range_db - kBelowSight_db;
-  return amplitude_of_db(darkest_db) / time_gain(plan, options, plan.acquisition().depth_m);
+  const double invisible_db = options.full_scale_db - options.dynamic_range_db - kInvisible_db;
+  return amplitude_of_db(invisible_db) / time_gain(plan, options, plan.acquisition().depth_m);
 }
 
 StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
@@ -97,7 +98,7 @@ StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
       options_(options),
       spacing_m_(spacing_m),
       samples_(samples),
-      lost_(lost_amplitude(plan, options)) {
+      visible_(visible_amplitude(plan, options)) {
   const double frequency_mhz = plan.probe().center_frequency_hz / kMegahertz;
   for (const auto& material : materials) {
     Medium medium;
@@ -107,13 +108,13 @@ StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
     const double alpha = options.attenuation ? material.attenuation_db_per_cm_mhz : 0;
     medium.nepers_per_m = two_way_db_per_cm(alpha, frequency_mhz) / kCentimetre /
                           medium.speed_ratio * std::log(10.0) / 20;
-    medium.left_a_sample = std::exp(-medium.nepers_per_m * spacing_m);
+    medium.factor_per_sample = std::exp(-medium.nepers_per_m * spacing_m);
     media_.push_back(medium);
   }
 }
 
 void StickLosses::compute(const StickTrack& track) {
-  left_.clear();
+  remaining_.clear();
   delay_m_.clear();
   at_interface_.assign(track.interfaces.size(), 0);
   apparent_from_m_.clear();
@@ -127,14 +128,14 @@ void StickLosses::compute(const StickTrack& track) {
     }
     const Medium& here = medium(stretch.material);
     const double end_m = apparent_m + (stretch.to_m - stretch.from_m) * here.speed_ratio;
-    // The rim of the last stretch belongs to it, whatever rounding says.
+    // The last stretch includes the last sample in spite of rounding.
     const bool is_last = s + 1 == track.stretches.size();
     const int end = is_last && here.speed_ratio == 1 ? samples_ : samples_before(end_m);
-    fade(here, level, apparent_m, end);
+    append_decay(here, level, apparent_m, end);
     if (options_.tissue_sound_speed) append_delays(stretch, apparent_m);
     level *= std::exp(-here.nepers_per_m * (end_m - apparent_m));
     apparent_m = end_m;
-    if (level <= lost_ || static_cast<int>(left_.size()) < end) return;
+    if (level <= visible_ || static_cast<int>(remaining_.size()) < end) return;
   }
 }
 
@@ -146,28 +147,29 @@ double StickLosses::transmission(const Interface& crossed) const {
 }
 
 int StickLosses::samples_before(double range_m) const {
-  const double place = range_m / spacing_m_ - 0.5;
-  const int whole = static_cast<int>(place);
-  return std::clamp(whole < place ? whole + 1 : whole, 0, samples_);
+  const double position = range_m / spacing_m_ - 0.5;
+  const int whole = static_cast<int>(position);
+  return std::clamp(whole < position ? whole + 1 : whole, 0, samples_);
 }
 
-void StickLosses::fade(const Medium& medium, double level, double from_m, int end) {
-  const int first = static_cast<int>(left_.size());
+void StickLosses::append_decay(const Medium& medium, double level, double from_m, int end) {
+  const int first = static_cast<int>(remaining_.size());
   if (end <= first) return;
-  left_.resize(static_cast<std::size_t>(end));
+  remaining_.resize(static_cast<std::size_t>(end));
   const double to_first_m = (first + 0.5) * spacing_m_ - from_m;
   decay(level * std::exp(-medium.nepers_per_m * to_first_m),
-        medium.left_a_sample,
+        medium.factor_per_sample,
         end - first,
-        left_.data() + first);
-  const auto is_heard = [this](float left) { return static_cast<double>(left) > lost_; };
-  if (is_heard(left_.back())) return;
-  left_.erase(std::partition_point(left_.begin() + first, left_.end(), is_heard), left_.end());
+        remaining_.data() + first);
+  const auto is_visible = [this](float a) { return static_cast<double>(a) > visible_; };
+  if (is_visible(remaining_.back())) return;
+  remaining_.erase(std::partition_point(remaining_.begin() + first, remaining_.end(), is_visible),
+                   remaining_.end());
 }
 
 void StickLosses::append_delays(const Stretch& stretch, double from_m) {
   const double ratio = medium(stretch.material).speed_ratio;
-  for (std::size_t i = delay_m_.size(); i < left_.size(); ++i) {
+  for (std::size_t i = delay_m_.size(); i < remaining_.size(); ++i) {
     const double here_m = (static_cast<double>(i) + 0.5) * spacing_m_;
     const double true_m = stretch.from_m + (here_m - from_m) / ratio;
     delay_m_.push_back(static_cast<float>(here_m - true_m));

@@ -1,4 +1,4 @@
-// What a stick loses on its way, what interfaces send back, and what time gain restores.
+// Two-way losses along a stick, reflection at interfaces, and time-gain compensation (TGC).
 #pragma once
 
 #include <cmath>
@@ -22,13 +22,13 @@ double reflection(const phantoms::Material& before,
                   const phantoms::Material& behind,
                   double cos_incidence);
 
-/// Share of an interface's echo that is diffuse, 0 to 1.
+/// Diffuse fraction of an interface's echo, 0 to 1.
 double roughness(const phantoms::Material& before, const phantoms::Material& behind);
 
-/// Echo of an interface as amplitude against a perfect mirror, before losses on the way. The two
-/// parts of |R|: by roughness a diffuse part that falls as the cosine of incidence and arrives as
-/// speckle (its mean), and the rest in a narrow Gaussian lobe about the normal, which arrives as
-/// one pulse.
+/// Amplitude of an interface's echo relative to a perfect mirror, without losses on the way. |R| is
+/// divided by roughness: the diffuse part is proportional to the cosine of incidence and becomes
+/// speckle (this is its mean); the specular part has a narrow Gaussian lobe about the normal and
+/// becomes one pulse.
 double diffuse_echo(const phantoms::Material& before,
                     const phantoms::Material& behind,
                     double cos_incidence);
@@ -37,52 +37,53 @@ double specular_echo(const phantoms::Material& before,
                      double cos_incidence,
                      const SimulationOptions& options);
 
-/// Time gain at a range, as an amplitude factor.
+/// TGC at a range, as an amplitude factor.
 double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m);
 
-/// Amplitude at the face below which nothing shows, however strong its reflector: 20 dB under the
-/// noise, or under the bottom of the dynamic range. 0: everything shows.
-double lost_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
+/// Amplitude at the face below which an echo is invisible: 20 dB below the noise, or without noise
+/// below the dynamic range. 0: every echo is visible.
+double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
 
-/// What is left on the way, and where the scanner believes to be. Samples lie at the apparent
-/// ranges (i + 1/2) * spacing_m.
+/// The amplitude that remains along a stick, and the apparent ranges: those that the scanner
+/// computes from the time of flight with its one sound speed. Samples lie at the apparent ranges
+/// (i + 1/2) * spacing_m. Holds the working memory of one thread.
 class StickLosses {
  public:
+  /// `materials` must outlive it.
   StickLosses(const hw::AcquisitionPlan& plan,
               const SimulationOptions& options,
               const std::vector<phantoms::Material>& materials,
               double spacing_m,
               int samples);
 
-  /// For one stick; reuses what the last one needed.
+  /// Reuses the memory of the stick before.
   void compute(const StickTrack& track);
 
-  /// Two-way amplitude left at each sample: attenuation 2 alpha f d, and 1 - R^2 for each interface
-  /// crossed there and back. Ends where everything is lost.
-  const std::vector<float>& left() const { return left_; }
-  /// Two-way amplitude that arrives at each interface of the track; 0 where everything was lost.
+  /// Two-way amplitude that remains at each sample: attenuation 2 alpha f d, and 1 - R^2 for each
+  /// interface crossed there and back. Ends where an echo is invisible.
+  const std::vector<float>& remaining() const { return remaining_; }
+  /// Two-way amplitude that remains at each interface of the track; 0 beyond the last sample.
   const std::vector<double>& at_interface() const { return at_interface_; }
-  /// Apparent less true range at each of left()'s samples; empty where sound has one speed.
+  /// Apparent minus true range at each sample of remaining(); empty where sound has one speed.
   const std::vector<float>& delay_m() const { return delay_m_; }
-  /// Apparent range of a true one.
+  /// Apparent range of a true range.
   double apparent_m(const StickTrack& track, double true_m) const;
-  /// Samples of a stick that lie before an apparent range.
+  /// Number of samples that lie before an apparent range.
   int samples_before(double range_m) const;
 
  private:
-  /// What a material does to sound on its way.
   struct Medium {
-    double speed_ratio = 1;    ///< assumed speed over its own
-    double nepers_per_m = 0;   ///< of apparent range, there and back
-    double left_a_sample = 1;  ///< of the amplitude
+    double speed_ratio = 1;        ///< assumed speed over the material's
+    double nepers_per_m = 0;       ///< two-way attenuation per apparent range
+    double factor_per_sample = 1;  ///< of the amplitude
   };
 
   const Medium& medium(phantoms::MaterialIndex material) const {
     return media_.at(static_cast<std::size_t>(material));
   }
   double transmission(const Interface& crossed) const;
-  /// Appends the samples of a stretch up to sample `end`, and ends them where all is lost.
-  void fade(const Medium& medium, double level, double from_m, int end);
+  /// Appends samples up to `end`, or to the first invisible one. `level`: amplitude at `from_m`.
+  void append_decay(const Medium& medium, double level, double from_m, int end);
   void append_delays(const Stretch& stretch, double from_m);
 
   const std::vector<phantoms::Material>* materials_;
@@ -90,8 +91,8 @@ class StickLosses {
   std::vector<Medium> media_;  ///< of each material
   double spacing_m_;
   int samples_;
-  double lost_;
-  std::vector<float> left_;
+  double visible_;
+  std::vector<float> remaining_;
   std::vector<double> at_interface_;
   std::vector<float> delay_m_;
   std::vector<double> apparent_from_m_;  ///< of each stretch

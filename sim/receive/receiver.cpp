@@ -11,12 +11,12 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// Output samples that are looked at together for silence.
+/// Output samples that are skipped together where there is neither echo nor visible noise.
 constexpr int kBlock = 64;
-/// Keeps the logarithm's argument a normal number; 380 dB below full scale.
-constexpr float kDarkest = 1e-19f;
+/// Smallest argument of the logarithm, 380 dB below full scale: a normal number.
+constexpr float kSmallestAmplitude = 1e-19f;
 
-/// |iq + noise| of `count` IQ samples, the first of them sample `first` of its stick.
+/// |iq + noise| of `count` IQ samples, from sample `first` of the stick on.
 WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
                                      int first,
                                      int count,
@@ -46,7 +46,7 @@ WOBBLEBENCH_SIMD void average(const float* __restrict envelope,
                               std::ptrdiff_t count,
                               std::ptrdiff_t each,
                               float* __restrict samples) {
-  if (each == 2) {  // of the usual probes; a loop that becomes wide
+  if (each == 2) {  // the usual oversampling; this loop is vectorised
     for (std::ptrdiff_t k = 0; k < count; ++k) {
       samples[k] = 0.5f * (envelope[2 * k] + envelope[2 * k + 1]);
     }
@@ -59,25 +59,30 @@ WOBBLEBENCH_SIMD void average(const float* __restrict envelope,
   }
 }
 
-/// Without the low-pass, the middle IQ sample stands for the output sample.
+/// Decimation without low-pass: the middle one of `each` IQ samples.
 void take_middle(const float* envelope, std::ptrdiff_t count, std::ptrdiff_t each, float* samples) {
   for (std::ptrdiff_t k = 0; k < count; ++k) samples[k] = envelope[k * each + each / 2];
 }
 
-WOBBLEBENCH_SIMD void amplify(const float* __restrict gain, int count, float* __restrict samples) {
+WOBBLEBENCH_SIMD void apply_gain(const float* __restrict gain,
+                                 int count,
+                                 float* __restrict samples) {
   for (int k = 0; k < count; ++k) samples[k] *= gain[k];
 }
 
+/// `per_octave`: change of the sample value for each doubling of the amplitude.
 WOBBLEBENCH_SIMD void compress(int count, float per_octave, float* samples) {
   for (int k = 0; k < count; ++k) {
     const float amplitude = samples[k];
-    const float level = 1.0f + per_octave * fast_log2(amplitude < kDarkest ? kDarkest : amplitude);
-    const float floored = level < 0.0f ? 0.0f : level;
-    samples[k] = floored > 1.0f ? 1.0f : floored;
+    const float value =
+        1.0f +
+        per_octave * fast_log2(amplitude < kSmallestAmplitude ? kSmallestAmplitude : amplitude);
+    const float positive = value < 0.0f ? 0.0f : value;
+    samples[k] = positive > 1.0f ? 1.0f : positive;
   }
 }
 
-/// dB of a doubled amplitude.
+/// A factor of 2 in amplitude.
 const double kOctave_db = 20 * std::log10(2.0);
 
 }  // namespace
@@ -93,8 +98,9 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
                    int oversampling)
     : options_(options),
       oversampling_(oversampling),
-      noise_(options.noise_db > kSilent_db ? static_cast<float>(amplitude_of_db(options.noise_db))
-                                           : 0.0f) {
+      noise_(options.noise_db > kZeroAmplitude_db
+                 ? static_cast<float>(amplitude_of_db(options.noise_db))
+                 : 0.0f) {
   const int samples = plan.acquisition().samples_per_stick;
   const double full_scale = amplitude_of_db(options.full_scale_db);
   for (int k = 0; k < samples; ++k) {
@@ -118,11 +124,11 @@ void Receiver::detect(std::span<const std::complex<float>> iq,
   for (int first = 0; first < count; first += kBlock) {
     const int block = std::min(kBlock, count - first);
     const auto from = iq.begin() + static_cast<std::ptrdiff_t>(first) * oversampling_;
-    const bool silent = first + block <= first_noisy_ &&
-                        std::all_of(from,
-                                    from + static_cast<std::ptrdiff_t>(block) * oversampling_,
-                                    [](auto z) { return z == std::complex<float>(0); });
-    if (silent) {
+    const bool skip = first + block <= first_noisy_ &&
+                      std::all_of(from,
+                                  from + static_cast<std::ptrdiff_t>(block) * oversampling_,
+                                  [](auto z) { return z == std::complex<float>(0); });
+    if (skip) {
       std::fill_n(samples.begin() + first, block, 0.0f);
     } else {
       detect_block(iq.data(), noise_key, first, block, samples.data() + first);
@@ -141,7 +147,7 @@ void Receiver::detect_block(
     clean_envelope(parts, iq_count, envelope_.data());
   }
   (options_.low_pass ? average : take_middle)(envelope_.data(), count, each, samples);
-  amplify(gain_.data() + first, count, samples);
+  apply_gain(gain_.data() + first, count, samples);
   if (options_.output == hw::SampleScale::linear_envelope) return;
   compress(count, static_cast<float>(kOctave_db / options_.dynamic_range_db), samples);
 }

@@ -1,4 +1,5 @@
-// The receive chain: noise, envelope, low-pass, decimation, time gain, log compression.
+// The receive chain: electronic noise, envelope detection, low-pass, decimation, time-gain
+// compensation (TGC), log compression.
 #pragma once
 
 #include <complex>
@@ -11,17 +12,18 @@
 
 namespace wobblebench::sim {
 
-/// [0, 1] over the dynamic range below full scale; amplitudes are against a perfect mirror.
+/// Log compression of an amplitude (1: a perfect mirror) to [0, 1]: the dynamic range below full
+/// scale. 0 for NaN.
 float log_compressed(double amplitude, const SimulationOptions& options);
 
-/// Detects sticks of IQ echoes. Not for several threads at once: it keeps its working memory.
+/// Detects sticks of IQ echoes. Holds the working memory of one thread.
 class Receiver {
  public:
   /// `oversampling`: IQ samples for each output sample.
   Receiver(const hw::AcquisitionPlan& plan, const SimulationOptions& options, int oversampling);
 
-  /// One stick: `iq` holds `oversampling` values for each of `samples`. `noise_key` makes this
-  /// stick's noise its own.
+  /// One stick: `iq` holds `oversampling` values for each of `samples`. Noise is a function of
+  /// `noise_key` (sim/math/random.h) and the IQ sample.
   void detect(std::span<const std::complex<float>> iq,
               std::uint64_t noise_key,
               std::span<float> samples);
@@ -33,8 +35,8 @@ class Receiver {
   SimulationOptions options_;
   int oversampling_;
   float noise_;              ///< RMS amplitude
-  std::vector<float> gain_;  ///< of each output sample, over full scale
-  int first_noisy_ = 0;      ///< before this output sample no noise can show
+  std::vector<float> gain_;  ///< TGC of each output sample, over full scale
+  int first_noisy_ = 0;      ///< before this output sample noise stays below the dynamic range
   std::vector<float> envelope_;
 };
 

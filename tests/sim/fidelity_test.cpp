@@ -12,29 +12,29 @@ const hw::AcquisitionPlan& plan() {
   return default_plan;
 }
 
-std::string why_left_out(const Fidelity& fidelity, const std::string& effect) {
+std::string reason_left_out(const Fidelity& fidelity, const std::string& effect) {
   for (const Effect& candidate : fidelity.effects) {
     if (candidate.name == effect) return candidate.left_out;
   }
   return "no such effect";
 }
 
-TEST(Fidelity, StillScenesNeedTheFieldAlone) {
+TEST(Fidelity, ScenesAtRestTakeTheField) {
   const auto chosen = choose_fidelity({}, plan(), false);
   EXPECT_EQ(chosen.rung, Rung::field);
   EXPECT_FALSE(chosen.reason.empty());
-  EXPECT_EQ(why_left_out(chosen, "speckle"), "");
-  EXPECT_EQ(why_left_out(chosen, "side_lobes"), "the rung field leaves it out");
+  EXPECT_EQ(reason_left_out(chosen, "speckle"), "");
+  EXPECT_EQ(reason_left_out(chosen, "side_lobes"), "the rung field leaves it out");
 }
 
-TEST(Fidelity, MotionAsksForScatterers) {
+TEST(Fidelity, MotionTakesScatterers) {
   EXPECT_EQ(choose_fidelity({}, plan(), true).rung, Rung::scatterers);
   SimulationOptions options;
   options.speckle = false;
   EXPECT_EQ(choose_fidelity(options, plan(), true).rung, Rung::field);
 }
 
-TEST(Fidelity, SideLobesAskForScatterers) {
+TEST(Fidelity, SideLobesTakeScatterers) {
   SimulationOptions options;
   options.side_lobes = true;
   EXPECT_EQ(choose_fidelity(options, plan(), false).rung, Rung::scatterers);
@@ -42,29 +42,29 @@ TEST(Fidelity, SideLobesAskForScatterers) {
   EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
-TEST(Fidelity, GeometryIsEnoughWhereNothingElseIsAsked) {
+TEST(Fidelity, GeometryIsTakenIfAllOtherEffectsAreOff) {
   SimulationOptions options;
   options.speckle = options.attenuation = options.transmission_loss = false;
   options.interface_echo = false;
   EXPECT_EQ(choose_fidelity(options, plan(), false).rung, Rung::field) << "there is noise";
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   EXPECT_EQ(choose_fidelity(options, plan(), false).rung, Rung::geometry);
   options.fidelity = Rung::geometry;
   options.tissue_sound_speed = true;
   EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
-TEST(Fidelity, NoiseThatNeverShowsIsLeftOutAndSaysSo) {
+TEST(Fidelity, NoiseBelowTheDynamicRangeIsReportedAsLeftOut) {
   SimulationOptions options;
-  EXPECT_EQ(why_left_out(choose_fidelity(options, plan(), false), "noise"), "");
+  EXPECT_EQ(reason_left_out(choose_fidelity(options, plan(), false), "noise"), "");
   options.noise_db = -150;
-  EXPECT_EQ(why_left_out(choose_fidelity(options, plan(), false), "noise"),
+  EXPECT_EQ(reason_left_out(choose_fidelity(options, plan(), false), "noise"),
             "below the display at every depth");
   options.output = hw::SampleScale::linear_envelope;
-  EXPECT_EQ(why_left_out(choose_fidelity(options, plan(), false), "noise"), "");
+  EXPECT_EQ(reason_left_out(choose_fidelity(options, plan(), false), "noise"), "");
 }
 
-TEST(Fidelity, WhatIsAskedForByNameIsTaken) {
+TEST(Fidelity, ANamedRungIsTaken) {
   SimulationOptions options;
   for (Rung rung : {Rung::geometry, Rung::field, Rung::scatterers, Rung::reference}) {
     options.fidelity = rung;

@@ -5,7 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "sim/echo/stick_echoes.h"
+#include "sim/echo/field_model.h"
+#include "sim/echo/scatterers_model.h"
 #include "sim/probe_simulator.h"
 #include "sim/receive/receiver.h"
 #include "sim/scatterers/scatterer_field.h"
@@ -29,9 +30,8 @@ void timed(double& sum_ms, const Body& body) {
 }
 
 sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
-  return {std::make_shared<const sim::TissueMap>(scene.subject.phantom,
-                                                 sim::StickEchoes::reach_m(scene.plan, rung),
-                                                 scene.options.threads),
+  return {std::make_shared<const sim::TissueMap>(
+              scene.subject.phantom, sim::echo_model_type(rung).reach_m(scene.plan), scene.options.threads),
           scene.subject.phantom.materials(),
           scene.subject.placement,
           slow_path()};
@@ -43,7 +43,7 @@ StageTimes geometry_stages(const TradeScene& scene) {
   sim::StickTrack track;
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto line =
-        sim::sightline(scene.plan, scene.plan.index(static_cast<std::uint64_t>(place)));
+        sim::stick_ray(scene.plan, scene.plan.index(static_cast<std::uint64_t>(place)));
     timed(follow_ms, [&] {
       sim::follow(subject, line, scene.plan.acquisition().depth_m, track, sim::Surfaces::crossed);
     });
@@ -60,26 +60,52 @@ StageTimes geometry_stages(const TradeScene& scene) {
           0};
 }
 
-/// So that no tissue is visited for the first time (sim/scatterers/tissue_blocks.h) under the
-/// clock.
-void visit_once(const TradeScene& scene,
-                const sim::ScannedTissue& subject,
-                const sim::StickEchoes& source,
-                const sim::ScattererField& scatterers) {
-  auto worker = source.make_worker();
-  std::vector<std::complex<float>> iq(static_cast<std::size_t>(source.samples()));
+std::unique_ptr<const sim::IqModel> make_model(const TradeScene& scene,
+                                               const sim::ScannedTissue& subject,
+                                               const sim::SimulationOptions& options) {
+  if (options.fidelity == sim::Rung::scatterers) {
+    return std::make_unique<sim::ScatterersModel>(subject, scene.plan, options);
+  }
+  return std::make_unique<sim::FieldModel>(subject, scene.plan, options);
+}
+
+/// The stages of a model, and their memory.
+struct Worker {
+  double spacing_m;
+  int samples;
+  sim::Surfaces surfaces;
+  sim::StickTrack track;
+  sim::StickLosses losses;
+  sim::MeanPower power;
+  std::vector<float> mean_power;
+
+  Worker(const TradeScene& scene,
+         const sim::ScannedTissue& subject,
+         const sim::SimulationOptions& options)
+      : spacing_m(scene.plan.sample_spacing_m() / sim::iq_oversampling(scene.plan)),
+        samples(scene.plan.acquisition().samples_per_stick * sim::iq_oversampling(scene.plan)),
+        surfaces(options.fidelity == sim::Rung::field ? sim::Surfaces::nearby
+                                                      : sim::Surfaces::crossed),
+        losses(scene.plan, options, subject.materials, spacing_m, samples),
+        power(scene.plan, options, subject.materials, spacing_m, samples, subject.map->reach_m()),
+        mean_power(static_cast<std::size_t>(samples)) {}
+};
+
+/// Fills the caches of the tissue (sim/scatterers/tissue_blocks.h), so that this is not timed.
+void warm_up(const TradeScene& scene,
+             const sim::ScannedTissue& subject,
+             const sim::IqMaker& make,
+             const sim::ScattererField& scatterers,
+             Worker& worker) {
+  std::vector<std::complex<float>> iq(static_cast<std::size_t>(worker.samples));
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
-    const auto line = sim::sightline(scene.plan, index);
-    sim::follow(subject,
-                line,
-                scene.plan.acquisition().depth_m,
-                worker.track,
-                sim::StickEchoes::surfaces(sim::Rung::scatterers));
+    const auto line = sim::stick_ray(scene.plan, index);
+    sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
     worker.losses.compute(worker.track);
-    scatterers.add_echoes({line, source.spacing_m(), worker.losses.left(), worker.losses.delay_m()},
-                          iq);
-    source.make(index, worker, iq);
+    scatterers.add_echoes(
+        {line, worker.spacing_m, worker.losses.remaining(), worker.losses.delay_m()}, iq);
+    make(index);
   }
 }
 
@@ -99,40 +125,37 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
   const auto subject = subject_of(scene, rung);
   StageTimes result;
   result.rung = rung;
-  std::unique_ptr<sim::StickEchoes> source;
-  timed(result.once_ms,
-        [&] { source = std::make_unique<sim::StickEchoes>(subject, scene.plan, options, rung); });
+  std::unique_ptr<const sim::IqModel> model;
+  timed(result.once_ms, [&] { model = make_model(scene, subject, options); });
   std::optional<sim::ScattererField> scatterers;
   if (rung == sim::Rung::scatterers) scatterers.emplace(subject, scene.plan, options);
 
-  auto worker = source->make_worker(), whole = source->make_worker();
+  Worker worker(scene, subject, options);
+  const sim::IqMaker make = model->iq_maker();
   sim::Receiver receiver(scene.plan, options, sim::iq_oversampling(scene.plan));
-  std::vector<std::complex<float>> iq(static_cast<std::size_t>(source->samples())), spare = iq;
+  std::vector<std::complex<float>> spare(static_cast<std::size_t>(worker.samples));
+  std::span<const std::complex<float>> iq;
   std::vector<float> samples(static_cast<std::size_t>(scene.plan.acquisition().samples_per_stick));
-  if (scatterers) visit_once(scene, subject, *source, *scatterers);
+  if (scatterers) warm_up(scene, subject, make, *scatterers, worker);
   double follow_ms = 0, losses_ms = 0, tissue_ms = 0, all_ms = 0, receive_ms = 0;
   for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
     const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
-    const auto line = sim::sightline(scene.plan, index);
+    const auto line = sim::stick_ray(scene.plan, index);
     timed(follow_ms, [&] {
-      sim::follow(subject,
-                  line,
-                  scene.plan.acquisition().depth_m,
-                  worker.track,
-                  sim::StickEchoes::surfaces(rung));
+      sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
     });
     timed(losses_ms, [&] { worker.losses.compute(worker.track); });
     timed(tissue_ms, [&] {
       if (scatterers) {
         scatterers->add_echoes(
-            {line, source->spacing_m(), worker.losses.left(), worker.losses.delay_m()},
+            {line, worker.spacing_m, worker.losses.remaining(), worker.losses.delay_m()},
             spare,
             &result.scatterers);
       } else {
         worker.power.compute(worker.track, worker.losses, worker.mean_power);
       }
     });
-    timed(all_ms, [&] { source->make(index, whole, iq); });
+    timed(all_ms, [&] { iq = make(index); });
     timed(receive_ms, [&] { receiver.detect(iq, static_cast<std::uint64_t>(place), samples); });
   }
   const double rest_ms = std::max(0.0, all_ms - follow_ms - losses_ms - tissue_ms);

@@ -20,8 +20,8 @@ struct StageTimes {
   double total_ms() const;
 };
 
-/// Calls the stages that the simulator itself calls (sim/echo/stick_echoes.h), one by one, with a
-/// clock between them; what it does besides is the rest.
+/// Calls the stages that the simulator itself calls (sim/echo/stick_propagation.h,
+/// sim/echo/iq_model.h), one by one, with a clock between them; what it does besides is the rest.
 StageTimes measure_stages(const TradeScene& scene, sim::Rung rung);
 
 }  // namespace wobblebench::bench

@@ -11,7 +11,7 @@ using hw::DeviceDuration;
 using hw::DeviceTime;
 using Bytes = std::vector<std::byte>;
 
-constexpr DeviceTime kLate = DeviceTime::max();
+constexpr DeviceTime kEnd = DeviceTime::max();
 
 DeviceTime at_us(std::int64_t us) {
   return DeviceTime(std::chrono::microseconds(us));
@@ -29,25 +29,25 @@ Bytes read_all(CardModel& card, DeviceTime now) {
   return bytes;
 }
 
-TEST(CardModel, BytesComeWholeAndInOrder) {
+TEST(CardModel, BytesArriveCompleteAndInOrder) {
   CardModel card({.buffer_bytes = 100, .buffers = 64});
   Bytes sent;
   for (int i = 0; i < 20; ++i) {
     const Bytes next = packet(64 + 8 * static_cast<std::size_t>(i), i);
     sent.insert(sent.end(), next.begin(), next.end());
-    card.put(next, at_us(i), i == 19);
+    card.push(next, at_us(i), i == 19);
   }
-  EXPECT_EQ(read_all(card, kLate), sent);
+  EXPECT_EQ(read_all(card, kEnd), sent);
   EXPECT_EQ(card.packets_dropped(), 0U);
 }
 
-TEST(CardModel, NothingIsReadBeforeItsInterrupt) {
+TEST(CardModel, NoByteIsReadableBeforeItsInterrupt) {
   CardModel card({.buffer_bytes = 1000,
                   .buffers = 16,
                   .buffers_per_interrupt = 4,
                   .payload_rate_mb_s = 1,
                   .interrupt_latency_s = 50e-6});
-  for (int i = 0; i < 4; ++i) card.put(packet(1000, i), at_us(10000 * i), false);
+  for (int i = 0; i < 4; ++i) card.push(packet(1000, i), at_us(10000 * i), false);
   // The fourth buffer is full 1 ms (1000 bytes at 1 MB/s) after its packet; then 50 us.
   ASSERT_TRUE(card.next_interrupt());
   EXPECT_EQ(*card.next_interrupt(), at_us(30000 + 1000 + 50));
@@ -56,49 +56,49 @@ TEST(CardModel, NothingIsReadBeforeItsInterrupt) {
   EXPECT_EQ(card.read(buffer, at_us(31050)), 4000U);
 }
 
-TEST(CardModel, AVolumesEndHandsOverWhatIsThere) {
+TEST(CardModel, TheEndOfAVolumeFlushes) {
   CardModel card({.buffer_bytes = 1000, .buffers = 16, .buffers_per_interrupt = 8});
-  card.put(packet(64, 1), at_us(5), false);
+  card.push(packet(64, 1), at_us(5), false);
   EXPECT_FALSE(card.next_interrupt());
-  card.put(packet(64, 2), at_us(6), true);
+  card.push(packet(64, 2), at_us(6), true);
   ASSERT_TRUE(card.next_interrupt());
-  EXPECT_EQ(read_all(card, kLate).size(), 128U);
+  EXPECT_EQ(read_all(card, kEnd).size(), 128U);
 }
 
-TEST(CardModel, TheLinkCarriesNoMoreThanItsRate) {
+TEST(CardModel, TheTransferRateIsLimited) {
   CardModel card({.buffer_bytes = 500, .buffers = 1000, .payload_rate_mb_s = 2});
   // 100 packets at once: 50 kB at 2 MB/s take 25 ms.
-  for (int i = 0; i < 100; ++i) card.put(packet(500, i), at_us(0), false);
+  for (int i = 0; i < 100; ++i) card.push(packet(500, i), at_us(0), false);
   EXPECT_EQ(read_all(card, at_us(24999)).size(), 99U * 500);
   EXPECT_EQ(read_all(card, at_us(25000)).size(), 500U);
 }
 
-TEST(CardModel, WhatFindsNoRoomIsDroppedWholeUntilTheProgramReads) {
+TEST(CardModel, AFullRingDropsWholePacketsUntilTheHostReads) {
   CardModel card({.buffer_bytes = 100, .buffers = 10});
-  for (int i = 0; i < 20; ++i) card.put(packet(100, i), at_us(i), false);
+  for (int i = 0; i < 20; ++i) card.push(packet(100, i), at_us(i), false);
   EXPECT_EQ(card.packets_dropped(), 10U);
-  const Bytes first = read_all(card, kLate);
+  const Bytes first = read_all(card, kEnd);
   ASSERT_EQ(first.size(), 1000U);
   for (std::size_t i = 0; i < 1000; ++i) EXPECT_EQ(first[i], std::byte(i / 100));
-  card.put(packet(100, 77), at_us(30), false);
-  EXPECT_EQ(read_all(card, kLate), packet(100, 77));
+  card.push(packet(100, 77), at_us(30), false);
+  EXPECT_EQ(read_all(card, kEnd), packet(100, 77));
   EXPECT_EQ(card.packets_dropped(), 10U);
 }
 
 TEST(CardModel, APartlyReadBufferIsNotFree) {
   CardModel card({.buffer_bytes = 100, .buffers = 2});
-  card.put(packet(100, 1), at_us(0), false);
-  card.put(packet(100, 2), at_us(1), false);
+  card.push(packet(100, 1), at_us(0), false);
+  card.push(packet(100, 2), at_us(1), false);
   Bytes buffer(99);
-  EXPECT_EQ(card.read(buffer, kLate), 99U);
-  card.put(packet(100, 3), at_us(2), false);
+  EXPECT_EQ(card.read(buffer, kEnd), 99U);
+  card.push(packet(100, 3), at_us(2), false);
   EXPECT_EQ(card.packets_dropped(), 1U);
-  EXPECT_EQ(card.read(std::span(buffer).first(1), kLate), 1U);
-  card.put(packet(100, 4), at_us(3), false);
+  EXPECT_EQ(card.read(std::span(buffer).first(1), kEnd), 1U);
+  card.push(packet(100, 4), at_us(3), false);
   EXPECT_EQ(card.packets_dropped(), 1U);
 }
 
-TEST(CardModel, RefusesRingsThatNeverInterrupt) {
+TEST(CardModel, RefusesRingsWithoutInterrupts) {
   EXPECT_THROW(CardModel({.buffers = 4, .buffers_per_interrupt = 5}), InvalidOption);
   EXPECT_THROW(CardModel({.buffer_bytes = 8}), InvalidOption);
   EXPECT_NO_THROW(CardModel(CardOptions{}));

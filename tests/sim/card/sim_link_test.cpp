@@ -1,4 +1,4 @@
-// The simulator's bytes: what arrives is what the plan says, and the same for a seed on any run.
+// The bytes of the simulated board: sticks as planned, the same for a seed on any run.
 #include "sim/card/sim_link.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(SimLink, BytesDoNotDependOnThreadsOrRuns) {
   }
 }
 
-TEST(SimLink, AnotherSeedIsAnotherSpeckle) {
+TEST(SimLink, SpeckleDependsOnTheSeed) {
   SimulationOptions a, b;
   b.seed = a.seed + 1;
   EXPECT_NE(all_bytes(small_plan(), a), all_bytes(small_plan(), b));
@@ -80,24 +80,24 @@ TEST(SimLink, EveryStickCarriesItsOwnTimeAndAngle) {
   EXPECT_EQ(decoder.damage().bytes_skipped, 0u);
 }
 
-TEST(SimLink, AStillPhantomKeepsItsSpeckleAndChangesItsNoise) {
+TEST(SimLink, VolumesAtRestShareSpeckleButNotNoise) {
   const auto plan = small_plan(2);
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimulationOptions options;
-  options.noise_db = kSilent_db;
-  const auto subject = phantoms::still_at(phantom, phantom.suggested_position_m());
-  const ProbeSimulator silent(subject, plan, options);
-  EXPECT_EQ(silent.volume(0), silent.volume(1));
+  options.noise_db = kZeroAmplitude_db;
+  const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
+  const ProbeSimulator noiseless(phantom, placement, plan, options);
+  EXPECT_EQ(noiseless.volume(0), noiseless.volume(1));
   options.noise_db = -60;
-  const ProbeSimulator noisy(subject, plan, options);
+  const ProbeSimulator noisy(phantom, placement, plan, options);
   EXPECT_NE(noisy.volume(0), noisy.volume(1));
 }
 
-TEST(SimLink, ArrivesWholeThroughTheBoard) {
+TEST(SimLink, ArrivesCompleteThroughTheBoard) {
   const auto plan = small_plan(3);
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   const ProbeSimulator simulator(
-      phantoms::still_at(phantom, phantom.suggested_position_m()), plan, {});
+      phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, {});
   hw::Board board(std::make_unique<SimLink>(stick_source(simulator)), {.ring_slots = 8});
   board.start();
   hw::VolumeAssembly assembly(board);
@@ -120,8 +120,8 @@ TEST(SimLink, ArrivesWholeThroughTheBoard) {
 
 TEST(SimLink, CancelAndCloseEndReading) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
-  SimLink link(stick_source(
-      {phantoms::still_at(phantom, phantom.suggested_position_m()), small_plan(), {}}));
+  SimLink link(
+      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, small_plan(), {}}));
   std::vector<std::byte> buffer(64);
   link.cancel();
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::cancelled);
@@ -131,17 +131,17 @@ TEST(SimLink, CancelAndCloseEndReading) {
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::lost);
 }
 
-/// Host time as a test sets it.
-class SetTime : public hw::HostTimeSource {
+/// Host time that a test sets.
+class ManualTime : public hw::HostTimeSource {
  public:
   hw::HostTime now() const override { return now_; }
-  void pass(hw::HostClock::duration duration) { now_ += duration; }
+  void advance(hw::HostClock::duration duration) { now_ += duration; }
 
  private:
   hw::HostTime now_{};
 };
 
-/// Sticks that cost nothing.
+/// Sticks of zeros, without simulation.
 StickSource blank_sticks(const hw::AcquisitionPlan& plan) {
   return {plan, hw::SampleScale::log_compressed, [plan](std::uint32_t) {
             return VolumeSamples(static_cast<std::size_t>(plan.sticks_per_volume()) *
@@ -149,9 +149,9 @@ StickSource blank_sticks(const hw::AcquisitionPlan& plan) {
           }};
 }
 
-TEST(SimLink, RealtimeGivesAStickWhenItsEchoHasCome) {
+TEST(SimLink, RealtimeSendsAStickAfterItsPeriod) {
   const auto plan = small_plan();
-  SetTime time;
+  ManualTime time;
   SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = 0};
   options.card.buffer_bytes = 64;  // an interrupt for every few bytes
   options.card.buffers = 1 << 16;
@@ -163,50 +163,50 @@ TEST(SimLink, RealtimeGivesAStickWhenItsEchoHasCome) {
     const auto result = link.read(buffer, hw::HostTime::min());
     decoder.feed(std::span(buffer).first(result.bytes));
     while (const auto packet = decoder.next()) sticks += packet->index() == 1;
-    // After t, as many sticks as have taken their period, but for one whose end waits in a buffer
-    // for the next, and one on its way.
+    // All sticks whose period is over, except one whose end lies in a buffer that is not full, and
+    // one in transfer.
     const double elapsed_s = std::chrono::duration<double>(time.now().time_since_epoch()).count();
     const auto due = static_cast<std::uint64_t>(elapsed_s / plan.stick_period_s());
     EXPECT_LE(sticks, due);
     EXPECT_GE(sticks + 2, std::min<std::uint64_t>(due, 16 * 9));
-    time.pass(std::chrono::microseconds(100));
+    time.advance(std::chrono::microseconds(100));
   }
   EXPECT_EQ(sticks, 16u * 9);
 }
 
-TEST(SimLink, RealtimeOverrunsWhenNobodyReadsAndSaysSo) {
+TEST(SimLink, RealtimeCountsPacketsDroppedWhenTheHostDoesNotRead) {
   const auto plan = small_plan(4);
-  SetTime time;
-  const auto figures = std::make_shared<SimLinkFigures>();
+  ManualTime time;
+  const auto statistics = std::make_shared<SimLinkStatistics>();
   SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = 0};
   options.card.buffers = 4;
-  hw::Board board(std::make_unique<SimLink>(blank_sticks(plan), options, figures, &time),
+  hw::Board board(std::make_unique<SimLink>(blank_sticks(plan), options, statistics, &time),
                   {.reader = hw::ReaderMode::stepped});
   board.start();
   board.step();
-  time.pass(std::chrono::seconds(1));
+  time.advance(std::chrono::seconds(1));
   while (board.step()) {
   }
-  EXPECT_GT(figures->packets_dropped, 500u) << "4 x 8 KiB of 4 x 144 sticks of 576 bytes";
-  EXPECT_EQ(figures->sticks_emitted, 4u * 16 * 9);
+  EXPECT_GT(statistics->packets_dropped, 500u) << "4 x 8 KiB of 4 x 144 sticks of 576 bytes";
+  EXPECT_EQ(statistics->sticks_emitted, 4u * 16 * 9);
   EXPECT_TRUE(board.account().balanced());
   EXPECT_LE(board.account().emitted, 4u * 16 * 9);
   EXPECT_LT(board.account().delivered, 60u);
   EXPECT_GT(board.account().delivered, 40u);
 }
 
-TEST(SimLink, TheFirstReadStartsTheProbe) {
+TEST(SimLink, TheFirstReadStartsTheAcquisition) {
   const auto plan = small_plan();
-  SetTime time;
-  time.pass(std::chrono::hours(1));
+  ManualTime time;
+  time.advance(std::chrono::hours(1));
   SimLink link(blank_sticks(plan), {.pace = hw::Pace::realtime, .volumes_ahead = 0}, {}, &time);
   std::vector<std::byte> buffer(64);
   EXPECT_EQ(link.read(buffer, hw::HostTime::min()).status, hw::ReadStatus::timeout);
-  time.pass(std::chrono::seconds(1));
+  time.advance(std::chrono::seconds(1));
   EXPECT_EQ(link.read(buffer, hw::HostTime::min()).status, hw::ReadStatus::ok);
 }
 
-TEST(SimLink, ACancelDoesNotWaitForAVolumeThatIsBeingMade) {
+TEST(SimLink, CancelDoesNotWaitForAComputation) {
   const auto plan = small_plan();
   StickSource slow = blank_sticks(plan);
   slow.volume = [make = slow.volume](std::uint32_t volume) {
@@ -227,7 +227,7 @@ TEST(SimLink, ACancelDoesNotWaitForAVolumeThatIsBeingMade) {
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
 }
 
-TEST(SimLink, ASimulationThatFailsIsALossWithItsReason) {
+TEST(SimLink, AFailedSimulationIsALossWithItsReason) {
   StickSource failing = blank_sticks(small_plan());
   failing.volume = [](std::uint32_t) -> VolumeSamples { throw std::runtime_error("no tissue"); };
   for (const int ahead : {0, 1}) {
@@ -238,7 +238,7 @@ TEST(SimLink, ASimulationThatFailsIsALossWithItsReason) {
   }
 }
 
-TEST(SimLink, AVolumesEndIsWhenItsLastStickIsCompleteAlsoBeforeAFlyBack) {
+TEST(SimLink, AVolumeEndsWithItsLastStickBeforeTheFlyBack) {
   const auto plan = small_plan(2, hw::MotorMode::fly_back);
   SimLink link(blank_sticks(plan));
   hw::Decoder decoder;

@@ -1,4 +1,4 @@
-// The element sum against closed forms, and the rung `scatterers` against the element sum.
+// The element sum compared with closed forms, and the rung `scatterers` compared with it.
 #include "sim/echo/reference_scene.h"
 
 #include <gtest/gtest.h>
@@ -8,14 +8,14 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
-#include "sim/echo/stick_echoes.h"
+#include "sim/echo/stick_propagation.h"
 
 namespace wobblebench::sim {
 namespace {
 
 using Stick = std::vector<std::complex<float>>;
 
-/// Three sticks close together, the middle one straight ahead.
+/// Three sticks close together, the middle one along the axis of the probe.
 hw::AcquisitionPlan plan_of(int samples = 512) {
   hw::AcquisitionOptions acquisition;
   acquisition.samples_per_stick = samples;
@@ -25,8 +25,8 @@ hw::AcquisitionPlan plan_of(int samples = 512) {
   return {{}, acquisition};
 }
 
-/// A ball of tissue on the axis.
-ScannedTissue ball(const hw::AcquisitionPlan& plan, double radius_m, double range_m) {
+/// A sphere of tissue on the axis.
+ScannedTissue sphere(const hw::AcquisitionPlan& plan, double radius_m, double range_m) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = radius_m});
   return {std::make_shared<const TissueMap>(phantom, 1e-3, 0),
           phantom.materials(),
@@ -40,16 +40,16 @@ SimulationOptions by_elements() {
   return options;
 }
 
-/// IQ samples of one scatterer of amplitude 1, off the axis of the stick straight ahead.
+/// IQ samples of one scatterer of amplitude 1, off the axis of the middle stick.
 Stick echo_of(const hw::AcquisitionPlan& plan,
               double range_m,
               double lateral_m,
               double elevation_m) {
-  static const ScannedTissue tissue = ball(plan_of(), 1e-3, 75e-3);
+  static const ScannedTissue tissue = sphere(plan_of(), 1e-3, 75e-3);
   const auto field = make_iq_field(plan);
   Stick iq(static_cast<std::size_t>(field.samples));
   const std::vector<float> left(iq.size(), 1.0f);
-  const TimedRay line = sightline(plan, {0, 0, 1});
+  const TimedRay line = stick_ray(plan, {0, 0, 1});
   const AcrossStick across = across_stick(line.ray);
   const PointEcho point{
       line.ray.at(range_m) + lateral_m * across.lateral + elevation_m * across.elevation, 1};
@@ -64,7 +64,7 @@ double peak_of(const Stick& iq) {
   return static_cast<double>(peak);
 }
 
-/// Twice the offset at which a falling response has come to one half.
+/// Twice the offset at which a falling response is one half of its value at 0.
 double full_width(const std::function<double(double)>& response, double most) {
   const double half = response(0) / 2;
   double low = 0, high = most;
@@ -75,17 +75,17 @@ double full_width(const std::function<double(double)>& response, double most) {
   return low + high;
 }
 
-TEST(Reference, OnTheAxisAnEchoIsItsAmplitude) {
+TEST(Reference, OnTheAxisThePeakIsTheAmplitude) {
   const auto plan = plan_of(4096);
   for (double range_m : {40e-3, 75e-3, 120e-3}) {
     EXPECT_NEAR(peak_of(echo_of(plan, range_m, 0, 0)), 1, 0.015) << range_m;
   }
 }
 
-TEST(Reference, InTheFocusAnEchoHasThePhaseOfItsWay) {
+TEST(Reference, InTheFocusThePhaseIsThatOfTheRange) {
   const auto plan = plan_of(2048);
   const double spacing_m = make_iq_field(plan).spacing_m;
-  // A place in the middle of a sample.
+  // The range of a sample.
   const auto sample = static_cast<std::size_t>(75e-3 / spacing_m);
   const double exact_m = (static_cast<double>(sample) + 0.5) * spacing_m;
   const double cycles = 2 * exact_m * plan.probe().center_frequency_hz / 1540;
@@ -111,10 +111,10 @@ TEST(Reference, WidthsAtTheFociFollowTheFormulas) {
   EXPECT_NEAR(axial / axial_fwhm_m(plan), 1, 0.05);
 }
 
-/// Envelopes of three sticks through a small ball of tissue, by either rung.
+/// Envelopes of three sticks through a small sphere of tissue, by either rung.
 std::vector<double> envelopes(double range_m, Rung rung, bool side_lobes) {
   const auto plan = plan_of();
-  const ScannedTissue subject = ball(plan, 2e-3, range_m);
+  const ScannedTissue tissue = sphere(plan, 2e-3, range_m);
   SimulationOptions options;
   options.fidelity = rung;
   options.side_lobes = side_lobes;
@@ -122,12 +122,12 @@ std::vector<double> envelopes(double range_m, Rung rung, bool side_lobes) {
   const std::vector<float> left(static_cast<std::size_t>(grid.samples), 1.0f);
   std::vector<double> result;
   for (std::uint32_t line = 0; line < 3; ++line) {
-    const StickPath way{sightline(plan, {0, 0, line}), grid.spacing_m, left, {}};
+    const StickPath path{stick_ray(plan, {0, 0, line}), grid.spacing_m, left, {}};
     Stick iq(left.size());
     if (rung == Rung::reference) {
-      ReferenceScene(subject, plan, options).add_echoes(way, iq);
+      ReferenceScene(tissue, plan, options).add_echoes(path, iq);
     } else {
-      ScattererField(subject, plan, options).add_echoes(way, iq);
+      ScattererField(tissue, plan, options).add_echoes(path, iq);
     }
     const int first = static_cast<int>((range_m - 4e-3) / grid.spacing_m);
     const int last = static_cast<int>((range_m + 4e-3) / grid.spacing_m);
@@ -153,7 +153,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return ab / std::sqrt(aa * bb);
 }
 
-TEST(Reference, ScatterersAgreeWithIt) {
+TEST(Reference, AgreesWithTheRungScatterers) {
   const auto agreement = [](double range_m, bool side_lobes) {
     return correlation(envelopes(range_m, Rung::scatterers, side_lobes),
                        envelopes(range_m, Rung::reference, side_lobes));
@@ -161,18 +161,18 @@ TEST(Reference, ScatterersAgreeWithIt) {
   EXPECT_GE(agreement(75e-3, false), 0.98);
   EXPECT_GE(agreement(75e-3, true), 0.98);
   EXPECT_GE(agreement(100e-3, false), 0.98);
-  // Before both foci wave fronts bend more than the beam's table follows.
+  // Before both foci wave fronts are more curved than the beam table represents.
   EXPECT_GE(agreement(50e-3, false), 0.95);
 }
 
-TEST(Reference, RefusesWhatWouldTakeForEver) {
+TEST(Reference, RefusesScenesThatTakeTooLong) {
   const hw::AcquisitionPlan whole({}, {});
   const auto block = phantoms::make_phantom({.name = "speckle_block"});
-  const ScannedTissue subject{std::make_shared<const TissueMap>(block, 1e-3, 0),
-                              block.materials(),
-                              {glm::dmat3(1.0), block.suggested_position_m()},
-                              {}};
-  EXPECT_THROW(ReferenceScene(subject, whole, by_elements()), InvalidOption);
+  const ScannedTissue tissue{std::make_shared<const TissueMap>(block, 1e-3, 0),
+                             block.materials(),
+                             {glm::dmat3(1.0), block.suggested_position_m()},
+                             {}};
+  EXPECT_THROW(ReferenceScene(tissue, whole, by_elements()), InvalidOption);
 }
 
 }  // namespace

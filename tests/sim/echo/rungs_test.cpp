@@ -1,4 +1,4 @@
-// What each rung shows of a sphere, against closed forms.
+// Scans of a sphere by each rung, compared with closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,12 +24,12 @@ struct Scan {
   }
 };
 
-/// The same body with smooth interfaces and silent tissue: its echo is specular alone.
-phantoms::Phantom mirror_like(const phantoms::Phantom& phantom) {
+/// The same phantom with smooth interfaces and no backscatter: its echo is only specular.
+phantoms::Phantom specular_only(const phantoms::Phantom& phantom) {
   auto materials = phantom.materials();
   for (auto& material : materials) {
     material.roughness = 0;
-    material.backscatter_db = kSilent_db;
+    material.backscatter_db = kZeroAmplitude_db;
   }
   // Shares the grids with `owner`, which it keeps alive.
   const auto owner = std::make_shared<const phantoms::Phantom>(phantom);
@@ -42,16 +42,16 @@ phantoms::Phantom mirror_like(const phantoms::Phantom& phantom) {
           {owner, &owner->grids()}};
 }
 
-/// A sphere of 20 mm with its front 50 mm below the face, seen by an odd number of sticks and
-/// frames, so that the middle one goes through its centre.
+/// A sphere of 20 mm radius, 50 mm below the face. The numbers of sticks and frames are odd, so
+/// that the middle stick passes through its centre.
 Scan scan_sphere(const SimulationOptions& options, bool smooth = false) {
   hw::AcquisitionOptions acquisition;
   acquisition.sticks_per_frame = 33;
   acquisition.frames_per_volume = 17;
   const hw::AcquisitionPlan plan({}, acquisition);
   auto phantom = phantoms::make_phantom({.name = "sphere"});
-  if (smooth) phantom = mirror_like(phantom);
-  const ProbeSimulator simulator(phantoms::still_at(phantom, {0, 0, 0.11}), plan, options);
+  if (smooth) phantom = specular_only(phantom);
+  const ProbeSimulator simulator(phantom, {glm::dmat3(1.0), {0, 0, 0.11}}, plan, options);
   return {plan, simulator.volume(0), simulator.effects()};
 }
 
@@ -75,11 +75,11 @@ TEST(Rungs, GeometryIsAStepAtTheSurface) {
   }
 }
 
-TEST(Rungs, FieldEchoesTheSurfaceAtItsReflection) {
+TEST(Rungs, FieldHasTheSpecularEchoOfTheSurface) {
   SimulationOptions options;
   options.speckle = false;
   options.low_pass = false;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.output = hw::SampleScale::linear_envelope;
   options.full_scale_db = 0;
   const Scan scan = scan_sphere(options, true);
@@ -97,7 +97,7 @@ TEST(Rungs, FieldEchoesTheSurfaceAtItsReflection) {
   EXPECT_NEAR(peak / expected, 1, 0.01);
 }
 
-TEST(Rungs, OnlyWhatIsAskedForRuns) {
+TEST(Rungs, OnlyEffectsThatAreSwitchedOnRun) {
   SimulationOptions options;
   options.fidelity = Rung::geometry;
   const auto geometry = scan_sphere(options).effects;
@@ -109,11 +109,11 @@ TEST(Rungs, OnlyWhatIsAskedForRuns) {
   EXPECT_EQ(std::count(field.begin(), field.end(), "interface_echo"), 1);
 }
 
-TEST(Rungs, ShadowLiesBehindWhatReflects) {
+TEST(Rungs, ReflectionIsLostBehindTheSurface) {
   SimulationOptions options;
   options.speckle = false;
   options.interface_echo = false;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.attenuation = false;
   options.tgc_db_per_cm_mhz = 0;
   options.output = hw::SampleScale::linear_envelope;

@@ -1,4 +1,5 @@
-// Fully developed speckle: published statistics of its envelope (docs/references.md [7]).
+// Fully developed speckle compared with published statistics of its envelope (docs/references.md
+// [7]).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,7 @@ namespace {
 SimulationOptions linear() {
   SimulationOptions options;
   options.output = hw::SampleScale::linear_envelope;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.low_pass = false;
   return options;
 }
@@ -62,7 +63,7 @@ TEST(Speckle, EnvelopeMeanOverSigmaIsRayleigh) {
   EXPECT_NEAR(speckle_snr(samples, plan.acquisition().samples_per_stick), kRayleighSnr, 0.03);
 }
 
-TEST(Speckle, LowPassRaisesItAsItsCorrelationPredicts) {
+TEST(Speckle, LowPassRaisesMeanOverSigmaAsPredicted) {
   const hw::AcquisitionPlan plan({}, {});
   ASSERT_EQ(iq_oversampling(plan), 2);
   auto options = linear();
@@ -133,7 +134,7 @@ TEST(Speckle, DenseLinesCorrelateByTheBeamWidth) {
   }
 }
 
-TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
+TEST(Speckle, FiltersAcrossTheGridKeepThePower) {
   const hw::AcquisitionPlan plan({}, {});
   IqField field = make_iq_field(plan);
   for (int i = 0; i < field.frames * field.lines; ++i) {
@@ -147,7 +148,7 @@ TEST(Speckle, FiltersAcrossTheGridKeepItsPower) {
   EXPECT_NEAR(power / static_cast<double>(field.values.size()), 1, 0.02);
 }
 
-TEST(Speckle, ReflectorIsAPulseOfItsAmplitudeAndWidth) {
+TEST(Speckle, AReflectorIsAPulseOfItsAmplitude) {
   hw::AcquisitionOptions acquisition;
   acquisition.samples_per_stick = 4096;
   const hw::AcquisitionPlan plan({}, acquisition);

@@ -23,10 +23,10 @@ double db(double amplitude) {
   return 20 * std::log10(amplitude);
 }
 
-/// Nothing is so faint that it ends the stick.
-SimulationOptions endless() {
+/// No echo is so weak that it is left out.
+SimulationOptions no_threshold() {
   SimulationOptions options;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.output = hw::SampleScale::linear_envelope;
   return options;
 }
@@ -59,7 +59,7 @@ TEST(Losses, ReflectionOfKnownPairs) {
   EXPECT_NEAR(reflection(material("muscle"), material("muscle"), 0.3), 0, 1e-15);
 }
 
-TEST(Losses, ReflectionFollowsTheAngle) {
+TEST(Losses, ReflectionDependsOnTheAngle) {
   // Water to bone, 20 degrees, by hand: sin t = 2500 / 1480 sin 20, cos t = 0.816222.
   const double expected = (4.5 * std::cos(20 * kDegree) - 1.48 * 0.816222) /
                           (4.5 * std::cos(20 * kDegree) + 1.48 * 0.816222);
@@ -85,44 +85,44 @@ TEST(Losses, EnergyIsReciprocalAtAnyAngle) {
 }
 
 TEST(Losses, AttenuationIsTwiceAlphaTimesFrequency) {
-  const auto losses = losses_of(one_material(), {material("soft_tissue")}, endless());
-  const auto& left = losses.left();
-  ASSERT_EQ(left.size(), static_cast<std::size_t>(kCount));
+  const auto losses = losses_of(one_material(), {material("soft_tissue")}, no_threshold());
+  const auto& remaining = losses.remaining();
+  ASSERT_EQ(remaining.size(), static_cast<std::size_t>(kCount));
   // 0.5 dB/cm/MHz, 3.5 MHz, both ways: 3.5 dB a centimetre, 100 samples.
-  for (std::size_t i = 0; i + 100 < left.size(); i += 37) {
-    EXPECT_NEAR(db(static_cast<double>(left[i] / left[i + 100])), 3.5, 1e-3);
+  for (std::size_t i = 0; i + 100 < remaining.size(); i += 37) {
+    EXPECT_NEAR(db(static_cast<double>(remaining[i] / remaining[i + 100])), 3.5, 1e-3);
   }
-  EXPECT_NEAR(db(static_cast<double>(left[0])), -3.5 * 0.5 * kSpacing_m / 1e-2, 1e-6);
+  EXPECT_NEAR(db(static_cast<double>(remaining[0])), -3.5 * 0.5 * kSpacing_m / 1e-2, 1e-6);
 }
 
-TEST(Losses, InterfaceTakesWhatItReflectsBothWays) {
+TEST(Losses, InterfaceReflectionIsLostBothWays) {
   const std::vector<Material> materials = {material("water"), material("fetal_skull")};
-  auto options = endless();
+  auto options = no_threshold();
   options.attenuation = false;
   const auto losses = losses_of(two_materials(400 * kSpacing_m), materials, options);
   const double r = (4.5 - 1.48) / (4.5 + 1.48);
-  EXPECT_EQ(losses.left()[399], 1.0f);
-  EXPECT_NEAR(losses.left()[400], 1 - r * r, 1e-6);
-  EXPECT_EQ(losses.left()[999], losses.left()[400]);
+  EXPECT_EQ(losses.remaining()[399], 1.0f);
+  EXPECT_NEAR(losses.remaining()[400], 1 - r * r, 1e-6);
+  EXPECT_EQ(losses.remaining()[999], losses.remaining()[400]);
   EXPECT_EQ(losses.at_interface()[0], 1);
   options.transmission_loss = false;
-  EXPECT_EQ(losses_of(two_materials(400 * kSpacing_m), materials, options).left()[999], 1.0f);
+  EXPECT_EQ(losses_of(two_materials(400 * kSpacing_m), materials, options).remaining()[999], 1.0f);
 }
 
-TEST(Losses, StickEndsWhereNothingCanShow) {
+TEST(Losses, EndsWhereEchoesAreInvisible) {
   const std::vector<Material> materials = {material("water"), material("fetal_skull")};
   SimulationOptions options;
   const auto losses = losses_of(two_materials(10e-3), materials, options);
-  ASSERT_LT(losses.left().size(), static_cast<std::size_t>(kCount));
-  EXPECT_NEAR(db(static_cast<double>(losses.left().back())), options.noise_db - 20, 0.5);
+  ASSERT_LT(losses.remaining().size(), static_cast<std::size_t>(kCount));
+  EXPECT_NEAR(db(static_cast<double>(losses.remaining().back())), options.noise_db - 20, 0.5);
   // Beyond the critical angle nothing enters.
   const auto grazing = losses_of(two_materials(10e-3, 0.1), materials, options);
-  EXPECT_EQ(grazing.left().size(), 100u);
+  EXPECT_EQ(grazing.remaining().size(), 100u);
 }
 
-TEST(Losses, SoundSpeedShiftsWhatLiesBehind) {
+TEST(Losses, SoundSpeedShiftsApparentRanges) {
   const std::vector<Material> materials = {material("fat"), material("muscle")};
-  auto options = endless();
+  auto options = no_threshold();
   options.tissue_sound_speed = true;
   const auto track = two_materials(40e-3);
   const auto losses = losses_of(track, materials, options);
@@ -137,7 +137,7 @@ TEST(Losses, SoundSpeedShiftsWhatLiesBehind) {
   }
 }
 
-TEST(Losses, SpecularLobeHasItsWidthAndRoughnessItsFloor) {
+TEST(Losses, SpecularLobeHasItsWidthAndDiffuseEchoFollowsTheCosine) {
   Material before = material("amniotic_fluid"), behind = material("fetal_skin");
   before.roughness = behind.roughness = 0;
   SimulationOptions options;
@@ -155,12 +155,12 @@ TEST(Losses, SpecularLobeHasItsWidthAndRoughnessItsFloor) {
   EXPECT_EQ(specular(0), 0);
 }
 
-TEST(Losses, TimeGainUndoesItsNominalTissue) {
-  auto options = endless();
+TEST(Losses, TimeGainCompensatesItsNominalTissue) {
+  auto options = no_threshold();
   options.tgc_db_per_cm_mhz = material("soft_tissue").attenuation_db_per_cm_mhz;
   const auto losses = losses_of(one_material(), {material("soft_tissue")}, options);
   for (int i = 0; i < kCount; i += 111) {
-    const double gained = static_cast<double>(losses.left()[static_cast<std::size_t>(i)]) *
+    const double gained = static_cast<double>(losses.remaining()[static_cast<std::size_t>(i)]) *
                           time_gain(plan(), options, (i + 0.5) * kSpacing_m);
     EXPECT_NEAR(db(gained), 0, 1e-3);
   }

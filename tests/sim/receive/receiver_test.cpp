@@ -29,9 +29,9 @@ std::vector<float> detected(const std::vector<Complex>& iq,
   return result;
 }
 
-SimulationOptions quiet_linear() {
+SimulationOptions noiseless_linear() {
   SimulationOptions options;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.tgc_db_per_cm_mhz = 0;
   options.output = hw::SampleScale::linear_envelope;
   options.full_scale_db = 0;
@@ -51,15 +51,15 @@ TEST(Receive, LogCompressionMapsTheDynamicRangeToUnity) {
 }
 
 TEST(Receive, EnvelopeIgnoresPhase) {
-  const auto samples = detected({{3, 4}, {-5, 0}, {0, 5}, {4, -3}}, 2, quiet_linear());
+  const auto samples = detected({{3, 4}, {-5, 0}, {0, 5}, {4, -3}}, 2, noiseless_linear());
   EXPECT_FLOAT_EQ(samples[0], 5);
   EXPECT_FLOAT_EQ(samples[1], 5);
 }
 
-TEST(Receive, LowPassAveragesAndItsAbsencePicks) {
+TEST(Receive, LowPassAveragesAndItsAbsenceDecimates) {
   const std::vector<Complex> two_each = {{1, 0}, {3, 0}, {0, 2}, {0, 6}};
   const std::vector<Complex> three_each = {{1, 0}, {2, 0}, {6, 0}, {0, 2}, {0, 1}, {0, 6}};
-  auto options = quiet_linear();
+  auto options = noiseless_linear();
   EXPECT_EQ(detected(two_each, 2, options), (std::vector<float>{2, 4}));
   EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{3, 3}));
   options.low_pass = false;
@@ -67,9 +67,9 @@ TEST(Receive, LowPassAveragesAndItsAbsencePicks) {
   EXPECT_EQ(detected(three_each, 2, options), (std::vector<float>{2, 1}));
 }
 
-TEST(Receive, LogOutputIsThatOfTheFormula) {
+TEST(Receive, LogOutputFollowsTheFormula) {
   SimulationOptions options;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   std::vector<Complex> iq;
   for (int i = 0; i < 2000; ++i)
     iq.emplace_back(std::pow(10.0f, -0.0025f * static_cast<float>(i)), 0.0f);
@@ -82,19 +82,19 @@ TEST(Receive, LogOutputIsThatOfTheFormula) {
   }
 }
 
-TEST(Receive, NoiseHasItsLevelAndIsItsSticksOwn) {
-  auto options = quiet_linear();
+TEST(Receive, NoiseHasItsLevelAndDependsOnItsKey) {
+  auto options = noiseless_linear();
   options.noise_db = -40;
-  const std::vector<Complex> silence(8192);
-  const auto a = detected(silence, 4096, options, 1), b = detected(silence, 4096, options, 2);
+  const std::vector<Complex> no_echo(8192);
+  const auto a = detected(no_echo, 4096, options, 1), b = detected(no_echo, 4096, options, 2);
   EXPECT_NE(a, b);
   double mean = 0;
   for (float value : a) mean += static_cast<double>(value) / 4096;
   EXPECT_NEAR(mean, 0.01 * std::sqrt(kPi) / 2, 2e-4) << "Rayleigh mean of RMS 0.01";
 }
 
-TEST(Receive, SkippingSilenceChangesNothing) {
-  // Noise that time gain lifts into sight half way down; one echo in the silent part.
+TEST(Receive, SkippedBlocksAreThoseWithoutEchoAndNoise) {
+  // TGC makes the noise visible from about half the depth on; one echo lies before.
   SimulationOptions options;
   std::vector<Complex> iq(1024);
   iq[100] = {1e-3f, 0};
@@ -102,16 +102,16 @@ TEST(Receive, SkippingSilenceChangesNothing) {
   const auto plan = plan_of(512);
   int shown = 0;
   for (int k = 0; k < 512; ++k) {
-    const bool silent = samples[static_cast<std::size_t>(k)] == 0.0f;
-    shown += silent ? 0 : 1;
-    // The noise's RMS, gained, against the darkest that shows.
+    const bool zero = samples[static_cast<std::size_t>(k)] == 0.0f;
+    shown += zero ? 0 : 1;
+    // RMS of the noise after TGC, relative to the bottom of the dynamic range.
     const double noise_db =
         options.noise_db + 20 * std::log10(time_gain(plan, options, plan.sample_range_m(k)));
     const double floor_db = options.full_scale_db - options.dynamic_range_db;
     if (k != 50 && noise_db < floor_db - 14) {
-      EXPECT_TRUE(silent) << k;
+      EXPECT_TRUE(zero) << k;
     } else if (noise_db > floor_db + 13) {
-      EXPECT_FALSE(silent) << k;
+      EXPECT_FALSE(zero) << k;
     }
   }
   EXPECT_GT(samples[50], 0);

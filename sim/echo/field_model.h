@@ -1,0 +1,31 @@
+// The rung `field`: homogeneous speckle, scaled by the mean echo power of the tissue.
+#pragma once
+
+#include "sim/echo/iq_field.h"
+#include "sim/echo/iq_model.h"
+#include "sim/echo/stick_propagation.h"
+#include "sim/tissue/mean_power.h"
+
+namespace wobblebench::sim {
+
+/// Speckle is fixed to the sticks, so it does not move with the tissue.
+class FieldModel final : public IqModel {
+ public:
+  static const EchoModelType kType;
+
+  FieldModel(const ScannedTissue& tissue,
+             const hw::AcquisitionPlan& plan,
+             const SimulationOptions& options);
+
+  const EchoModelType& type() const override { return kType; }
+  IqMaker iq_maker() const override;
+
+ private:
+  ScannedTissue tissue_;
+  StickPropagation propagation_;  ///< copied into each IQ maker, as the next
+  MeanPower mean_power_;
+  bool has_speckle_;
+  IqField speckle_;  ///< of unit power; empty without speckle
+};
+
+}  // namespace wobblebench::sim

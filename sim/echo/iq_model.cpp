@@ -1,0 +1,68 @@
+#include "sim/echo/iq_model.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "sim/echo/iq_field.h"
+#include "sim/math/random.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// The noiseless echoes of one volume, used for every volume.
+class ReusedEchoes final : public IqModel {
+ public:
+  ReusedEchoes(const IqModel& source,
+               const hw::AcquisitionPlan& plan,
+               const SimulationOptions& options)
+      : IqModel(plan, options), type_(source.type()), echoes_(make_iq_field(plan)) {
+    parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
+      const IqMaker make = source.iq_maker();
+      for (int i = first; i < last; ++i) {
+        const auto index = plan.index(static_cast<std::uint64_t>(i));
+        const auto iq = make(index);
+        std::copy(iq.begin(), iq.end(), echoes_.stick(index).begin());
+      }
+    });
+  }
+
+  const EchoModelType& type() const override { return type_; }
+  IqMaker iq_maker() const override {
+    return [this](const hw::StickIndex& index) { return echoes_.stick(index); };
+  }
+
+ private:
+  const EchoModelType& type_;
+  IqField echoes_;
+};
+
+}  // namespace
+
+IqModel::IqModel(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
+    : plan_(plan), seed_(options.seed), receiver_(plan, options, iq_oversampling(plan)) {}
+
+StickMaker IqModel::stick_maker() const {
+  const auto sticks = static_cast<std::uint64_t>(plan_.sticks_per_volume());
+  return [this, sticks, make = iq_maker(), receiver = receiver_](std::uint64_t sequence,
+                                                                 std::span<float> samples) mutable {
+    const auto noise_key =
+        random_key(seed_, RandomStream::noise, sequence / sticks, sequence % sticks);
+    receiver.detect(make(plan_.index(sequence)), noise_key, samples);
+  };
+}
+
+EchoMemory iq_memory(const hw::AcquisitionPlan& plan, bool tissue_moves, double model_bytes) {
+  if (!volumes_repeat(plan, tissue_moves)) return {model_bytes, model_bytes};
+  return {model_bytes + iq_bytes(plan), iq_bytes(plan)};
+}
+
+std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> model,
+                                              const ScannedTissue& tissue,
+                                              const hw::AcquisitionPlan& plan,
+                                              const SimulationOptions& options) {
+  if (!volumes_repeat(plan, !tissue.motion.still())) return model;
+  return std::make_unique<ReusedEchoes>(*model, plan, options);
+}
+
+}  // namespace wobblebench::sim

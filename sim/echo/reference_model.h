@@ -1,0 +1,28 @@
+// The rung `reference`: the scatterers of the tissue, each summed over the elements of the probe.
+#pragma once
+
+#include "sim/echo/iq_model.h"
+#include "sim/echo/reference_scene.h"
+#include "sim/echo/stick_propagation.h"
+
+namespace wobblebench::sim {
+
+/// For small scenes: the constructor throws InvalidOption for larger ones.
+class ReferenceModel final : public IqModel {
+ public:
+  static const EchoModelType kType;
+
+  ReferenceModel(const ScannedTissue& tissue,
+                 const hw::AcquisitionPlan& plan,
+                 const SimulationOptions& options);
+
+  const EchoModelType& type() const override { return kType; }
+  IqMaker iq_maker() const override;
+
+ private:
+  ScannedTissue tissue_;
+  StickPropagation propagation_;  ///< copied into each IQ maker
+  ReferenceScene scene_;
+};
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,51 @@
+#include "sim/echo/scatterers_model.h"
+
+#include <algorithm>
+
+#include "sim/echo/field_model.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+using Complex = std::complex<float>;
+
+constexpr std::string_view kEffects[] = {"scatterers_in_tissue", "side_lobes"};
+
+}  // namespace
+
+constinit const EchoModelType ScatterersModel::kType = {
+    .name = "scatterers",
+    .lower = &FieldModel::kType,
+    .added_effects = kEffects,
+    .reach_m = &ScatterersModel::reach_m,
+    .memory = [](const hw::AcquisitionPlan& plan,
+                 const SimulationOptions&,
+                 bool tissue_moves) { return iq_memory(plan, tissue_moves, 0); },
+    .make = &make_iq_model<ScatterersModel>};
+
+double ScatterersModel::reach_m(const hw::AcquisitionPlan&) {
+  return 2e-3;
+}
+
+ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
+                                 const hw::AcquisitionPlan& plan,
+                                 const SimulationOptions& options)
+    : IqModel(plan, options),
+      tissue_(tissue),
+      propagation_(tissue_, plan, options, Surfaces::crossed),
+      scatterers_(tissue_, plan, options) {}
+
+IqMaker ScatterersModel::iq_maker() const {
+  const auto samples = static_cast<std::size_t>(propagation_.samples());
+  return [this, propagation = propagation_, iq = std::vector<Complex>(samples)](
+             const hw::StickIndex& index) mutable {
+    propagation.follow(index);
+    std::fill(iq.begin(), iq.end(), Complex(0));
+    scatterers_.add_echoes(propagation.path(), iq);
+    propagation.add_specular_echoes(iq);
+    return std::span<const Complex>(iq);
+  };
+}
+
+}  // namespace wobblebench::sim

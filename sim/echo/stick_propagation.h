@@ -1,0 +1,54 @@
+// Propagation of sound along one stick: the tissue on its way, its losses, and the specular echoes
+// of the interfaces that it crosses.
+#pragma once
+
+#include <complex>
+#include <span>
+
+#include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
+#include "sim/receive/losses.h"
+#include "sim/scatterers/scatterer_field.h"
+#include "sim/tissue/stick_track.h"
+
+namespace wobblebench::sim {
+
+/// Ray and time of a stick.
+TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index);
+
+/// What the models of IQ echoes have in common, with the working memory of one thread.
+class StickPropagation {
+ public:
+  /// `tissue` must outlive it. `surfaces`: those that the track has to hold.
+  StickPropagation(const ScannedTissue& tissue,
+                   const hw::AcquisitionPlan& plan,
+                   const SimulationOptions& options,
+                   Surfaces surfaces);
+
+  /// Computes track and losses of a stick. Reuses the memory of the stick before.
+  void follow(const hw::StickIndex& index);
+
+  const StickTrack& track() const { return track_; }
+  const StickLosses& losses() const { return losses_; }
+  StickPath path() const { return {line_, spacing_m_, losses_.remaining(), losses_.delay_m()}; }
+  /// Adds a pulse for each interface that the stick crosses, if the options ask for them.
+  void add_specular_echoes(std::span<std::complex<float>> iq) const;
+
+  int samples() const { return samples_; }  ///< of a stick, at the IQ rate
+  double spacing_m() const { return spacing_m_; }
+
+ private:
+  const ScannedTissue* tissue_;
+  hw::AcquisitionPlan plan_;
+  SimulationOptions options_;
+  Surfaces surfaces_;
+  int samples_;
+  double spacing_m_;
+  double visible_;  ///< amplitude below which an echo is left out
+  double depth_m_;  ///< true range that the last sample can come from
+  TimedRay line_;
+  StickTrack track_;
+  StickLosses losses_;
+};
+
+}  // namespace wobblebench::sim
