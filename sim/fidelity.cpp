@@ -26,7 +26,8 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options, bool 
 /// Even the largest noise, after time gain, lies below the dynamic range.
 bool noise_is_invisible(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   if (options.output == hw::SampleScale::linear_envelope) return false;
-  const double largest = amplitude_of_db(options.noise_db) * static_cast<double>(kMostNormal) *
+  const double largest = amplitude_of_db(options.noise_db) *
+                         static_cast<double>(kMaxComplexNormal) *
                          time_gain(plan, options, plan.acquisition().depth_m);
   return largest < amplitude_of_db(options.full_scale_db - options.dynamic_range_db);
 }

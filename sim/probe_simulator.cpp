@@ -23,21 +23,20 @@ struct ProbeSimulator::Impl {
   double once_ms = 0;
 };
 
-ProbeSimulator::ProbeSimulator(const phantoms::Phantom& phantom,
-                               const phantoms::Placement& placement,
+ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const hw::AcquisitionPlan& plan,
-                               const SimulationOptions& options,
-                               const phantoms::Motion& motion) {
+                               const SimulationOptions& options) {
   check_options(options);
   auto impl = std::make_shared<Impl>(
-      Impl{plan, options, choose_fidelity(options, plan, !motion.still()), nullptr});
+      Impl{plan, options, choose_fidelity(options, plan, !subject.motion.still()), nullptr});
   const Rung rung = impl->fidelity.rung;
   const auto begin = hw::HostClock::now();
   const double reach_m = echo_model_type(rung).reach_m(plan);
-  const ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, reach_m, options.threads),
-                             phantom.materials(),
-                             placement,
-                             motion};
+  const ScannedTissue tissue{
+      std::make_shared<const TissueMap>(subject.phantom, reach_m, options.threads),
+      subject.phantom.materials(),
+      subject.placement,
+      subject.motion};
   impl->map_ms = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
   impl->model = make_echo_model(rung, tissue, plan, options);

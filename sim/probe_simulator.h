@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "phantoms/motion.h"
-#include "phantoms/phantom.h"
+#include "phantoms/placed_phantom.h"
 #include "sim/fidelity.h"
 #include "sim/options.h"
 
@@ -24,20 +23,18 @@ using VolumeSamples = std::vector<float>;
 /// @code
 /// #include <iostream>
 /// const auto phantom = phantoms::make_phantom({.name = "sphere"});
-/// const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
+/// const auto placed = phantoms::still_at(phantom, phantom.suggested_position_m());
 /// const hw::AcquisitionPlan plan({}, {.sticks_per_frame = 32, .frames_per_volume = 16});
-/// const sim::ProbeSimulator simulator(phantom, placement, plan, {.noise_db = -80});
+/// const sim::ProbeSimulator simulator(placed, plan, {.noise_db = -80});
 /// const sim::VolumeSamples samples = simulator.volume(0);
 /// std::cout << samples.size() << " samples\n";  // 16 frames of 32 sticks of 512 samples
 /// @endcode
 class ProbeSimulator {
  public:
   /// Throws InvalidOption.
-  ProbeSimulator(const phantoms::Phantom& phantom,
-                 const phantoms::Placement& placement,
+  ProbeSimulator(const phantoms::PlacedPhantom& subject,
                  const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options,
-                 const phantoms::Motion& motion = {});
+                 const SimulationOptions& options);
 
   VolumeSamples volume(std::uint32_t index) const;
 

@@ -29,7 +29,7 @@ bool is_simulated(const BoardArguments& board) {
 
 std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
                                           const MakeSticks& make_sticks,
-                                          std::shared_ptr<sim::SimLinkFigures> figures) {
+                                          std::shared_ptr<sim::SimLinkStatistics> figures) {
   if (!is_simulated(board)) return open_outside_link(board);
   return of_board(board.text, [&] {
     auto link = std::make_unique<sim::SimLink>(

@@ -22,6 +22,6 @@ using MakeSticks = std::function<sim::StickSource()>;
 /// Opens the link, with its faults around it. Throws UserError for what cannot be opened.
 std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
                                           const MakeSticks& make_sticks,
-                                          std::shared_ptr<sim::SimLinkFigures> figures = {});
+                                          std::shared_ptr<sim::SimLinkStatistics> figures = {});
 
 }  // namespace wobblebench::bench

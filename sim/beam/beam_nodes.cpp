@@ -168,7 +168,7 @@ void BeamNodes::look_up(const StickTrack& track) {
 }
 
 void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
-  const auto& remaining = losses.left();
+  const auto& remaining = losses.remaining();
   const int end = static_cast<int>(remaining.size());
   for (const Front& front : fronts_) {
     const TrackNode& node = track.nodes[front.node];

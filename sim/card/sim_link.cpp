@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "hw/link/waiting.h"
+#include "hw/link/interruptible_wait.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
 #include "sim/card/volume_feed.h"
@@ -49,7 +49,7 @@ class SimLink::Impl {
   hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline);
   hw::LinkCapabilities capabilities() const;
   const std::string& loss() const { return loss_; }
-  hw::Waiting& waiting() { return waiting_; }
+  hw::InterruptibleWait& waiting() { return waiting_; }
 
  private:
   hw::HostTime now() const { return time_ ? time_->now() : hw::HostClock::now(); }
@@ -67,7 +67,7 @@ class SimLink::Impl {
   const SimLinkOptions options_;
   const std::shared_ptr<SimLinkStatistics> statistics_;
   const hw::HostTimeSource* const time_;
-  hw::Waiting waiting_;
+  hw::InterruptibleWait waiting_;
   CardModel card_;
   std::string loss_;
   std::uint64_t sequence_ = 0;         ///< of the stick that is sent next
@@ -108,7 +108,7 @@ hw::LinkCapabilities SimLink::Impl::capabilities() const {
 }
 
 hw::ReadResult SimLink::Impl::read(std::span<std::byte> buffer, hw::HostTime deadline) {
-  if (const auto ended = waiting_.ended()) return {0, *ended};
+  if (const auto ended = waiting_.interrupted()) return {0, *ended};
   try {
     return read_card(buffer, deadline);
   } catch (const std::exception& error) {
@@ -129,7 +129,7 @@ hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTim
     if (over_ && !card_.next_interrupt()) return {0, hw::ReadStatus::end_of_stream};
     if (deadline <= now()) return {0, hw::ReadStatus::timeout};
     waiting_.sleep_until(std::min(deadline, next_event()), wakes);
-    if (const auto ended = waiting_.ended()) return {0, *ended};
+    if (const auto ended = waiting_.interrupted()) return {0, *ended};
   }
 }
 

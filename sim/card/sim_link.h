@@ -55,8 +55,8 @@ struct SimLinkStatistics {
 /// @code
 /// #include "hw/board/board.h"
 /// const auto phantom = phantoms::make_phantom({.name = "sphere"});
-/// const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
-/// const sim::ProbeSimulator simulator(phantom, placement, hw::AcquisitionPlan({}, {}), {});
+/// const auto placed = phantoms::still_at(phantom, phantom.suggested_position_m());
+/// const sim::ProbeSimulator simulator(placed, hw::AcquisitionPlan({}, {}), {});
 /// hw::Board board(std::make_unique<sim::SimLink>(
 ///     sim::stick_source(simulator), sim::SimLinkOptions{.pace = hw::Pace::realtime}));
 /// board.start();

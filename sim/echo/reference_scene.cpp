@@ -103,9 +103,9 @@ double ReferenceScene::on_axis(double range_m) const {
 }
 
 void ReferenceScene::add_echoes(const StickPath& path, std::span<std::complex<float>> iq) const {
-  if (path.left.empty()) return;
+  if (path.remaining.empty()) return;
   const double delay_m = path.delay_m.empty() ? 0 : static_cast<double>(path.delay_m.back());
-  const double to_m = (static_cast<double>(path.left.size()) + kPulseSamples) * path.spacing_m;
+  const double to_m = (static_cast<double>(path.remaining.size()) + kPulseSamples) * path.spacing_m;
   add_points(path, scatterers_.near(path.line, to_m - delay_m), iq);
 }
 
@@ -122,7 +122,7 @@ void ReferenceScene::add_points(const StickPath& path,
                                 glm::dot(from_face, across.elevation));
     const double delay_m =
         path.delay_m.empty() ? 0 : at_range(path.delay_m, path.spacing_m, position_m.x);
-    const double left = at_range(path.left, path.spacing_m, position_m.x + delay_m);
+    const double left = at_range(path.remaining, path.spacing_m, position_m.x + delay_m);
     const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(position_m.x);
     sum.add({position_m, amplitude}, delay_m, path.spacing_m, echoes);
   }

@@ -95,7 +95,7 @@ MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
     : spacing_m_(spacing_m), nodes_(plan, options, materials, spacing_m, samples, reach_m) {
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
-    const bool echoes = material.backscatter_db > kSilent_db;
+    const bool echoes = material.backscatter_db > kZeroAmplitude_db;
     material_power_.push_back(echoes ? static_cast<float>(mean_power_gain(options) * mean * mean)
                                      : 0.0f);
   }
@@ -113,7 +113,7 @@ bool MeanPower::Section::clear() const {
 bool MeanPower::compute(const StickTrack& track,
                         const StickLosses& losses,
                         std::span<float> power) {
-  const std::size_t end = losses.left().size();
+  const std::size_t end = losses.remaining().size();
   find_sections(track, losses);
   const bool anechoic = std::ranges::all_of(sections_, [this](const Section& section) {
     return section.piece->layers == 0 && base_power(section) == 0;
@@ -129,14 +129,15 @@ bool MeanPower::compute(const StickTrack& track,
   for (const Section& section : sections_) {
     for (int layer = 1; layer < section.piece->layers; ++layer) blend_layer(track, section, layer);
   }
-  sum_and_attenuate(tissue_.data(), interface_.data(), losses.left().data(), end, power.data());
+  sum_and_attenuate(
+      tissue_.data(), interface_.data(), losses.remaining().data(), end, power.data());
   std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
   return true;
 }
 
 void MeanPower::find_sections(const StickTrack& track, const StickLosses& losses) {
   sections_.clear();
-  const auto end = static_cast<int>(losses.left().size());
+  const auto end = static_cast<int>(losses.remaining().size());
   const float* delay_m = losses.delay_m().empty() ? nullptr : losses.delay_m().data();
   int first = 0;
   for (const TrackPiece& piece : track.pieces) {

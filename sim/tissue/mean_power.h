@@ -23,8 +23,8 @@ class MeanPower {
             int samples,
             double reach_m);
 
-  /// Computes the mean power at each sample of `losses.left()`, 0 beyond. With speckle it is that
-  /// of a Rayleigh envelope whose mean is the material's backscatter; without, the backscatter
+  /// Computes the mean power at each sample of `losses.remaining()`, 0 beyond. With speckle it is
+  /// that of a Rayleigh envelope whose mean is the material's backscatter; without, the backscatter
   /// squared. Returns false if there are no echoes, and `power` is all 0.
   bool compute(const StickTrack& track, const StickLosses& losses, std::span<float> power);
 

@@ -128,7 +128,7 @@ class Play {
   VirtualTime time_;
   Oracle oracle_;
   Draws draws_;
-  std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
+  std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
   hw::FaultLink* link_;  ///< the board's
   hw::Board board_;
   hw::VolumeAssembly assembly_;

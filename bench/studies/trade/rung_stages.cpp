@@ -30,8 +30,9 @@ void timed(double& sum_ms, const Body& body) {
 }
 
 sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
-  return {std::make_shared<const sim::TissueMap>(
-              scene.subject.phantom, sim::echo_model_type(rung).reach_m(scene.plan), scene.options.threads),
+  return {std::make_shared<const sim::TissueMap>(scene.subject.phantom,
+                                                 sim::echo_model_type(rung).reach_m(scene.plan),
+                                                 scene.options.threads),
           scene.subject.phantom.materials(),
           scene.subject.placement,
           slow_path()};

@@ -29,7 +29,7 @@ phantoms::Phantom bare_plane(double tilt_x_rad,
   const phantoms::Material of = phantoms::material(stuff);
   return with_materials(plane, [&](phantoms::Material& material) {
     if (material.name == "soft_tissue") material = of;
-    material.backscatter_db = sim::kSilent_db;
+    material.backscatter_db = sim::kZeroAmplitude_db;
     material.roughness = roughness;
   });
 }

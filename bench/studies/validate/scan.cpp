@@ -23,7 +23,7 @@ sim::SimulationOptions bare_envelope(sim::Rung rung, std::uint64_t seed) {
   options.fidelity = rung;
   options.seed = seed;
   options.tgc_db_per_cm_mhz = 0;
-  options.noise_db = sim::kSilent_db;
+  options.noise_db = sim::kZeroAmplitude_db;
   options.full_scale_db = 0;
   options.low_pass = false;
   options.output = hw::SampleScale::linear_envelope;

@@ -27,7 +27,7 @@ std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan,
                                  const SimulationOptions& options) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimLink link(
-      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options}));
+      stick_source({phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options}));
   std::vector<std::byte> bytes, chunk(777);
   for (;;) {
     const auto result = link.read(chunk, hw::HostTime::max());
@@ -85,11 +85,11 @@ TEST(SimLink, VolumesAtRestShareSpeckleButNotNoise) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimulationOptions options;
   options.noise_db = kZeroAmplitude_db;
-  const phantoms::Placement placement{glm::dmat3(1.0), phantom.suggested_position_m()};
-  const ProbeSimulator noiseless(phantom, placement, plan, options);
+  const auto subject = phantoms::still_at(phantom, phantom.suggested_position_m());
+  const ProbeSimulator noiseless(subject, plan, options);
   EXPECT_EQ(noiseless.volume(0), noiseless.volume(1));
   options.noise_db = -60;
-  const ProbeSimulator noisy(phantom, placement, plan, options);
+  const ProbeSimulator noisy(subject, plan, options);
   EXPECT_NE(noisy.volume(0), noisy.volume(1));
 }
 
@@ -97,7 +97,7 @@ TEST(SimLink, ArrivesCompleteThroughTheBoard) {
   const auto plan = small_plan(3);
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   const ProbeSimulator simulator(
-      phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, {});
+      phantoms::still_at(phantom, phantom.suggested_position_m()), plan, {});
   hw::Board board(std::make_unique<SimLink>(stick_source(simulator)), {.ring_slots = 8});
   board.start();
   hw::VolumeAssembly assembly(board);
@@ -120,8 +120,8 @@ TEST(SimLink, ArrivesCompleteThroughTheBoard) {
 
 TEST(SimLink, CancelAndCloseEndReading) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
-  SimLink link(
-      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, small_plan(), {}}));
+  SimLink link(stick_source(
+      {phantoms::still_at(phantom, phantom.suggested_position_m()), small_plan(), {}}));
   std::vector<std::byte> buffer(64);
   link.cancel();
   EXPECT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::cancelled);

@@ -51,7 +51,7 @@ Scan scan_sphere(const SimulationOptions& options, bool smooth = false) {
   const hw::AcquisitionPlan plan({}, acquisition);
   auto phantom = phantoms::make_phantom({.name = "sphere"});
   if (smooth) phantom = specular_only(phantom);
-  const ProbeSimulator simulator(phantom, {glm::dmat3(1.0), {0, 0, 0.11}}, plan, options);
+  const ProbeSimulator simulator(phantoms::still_at(phantom, {0, 0, 0.11}), plan, options);
   return {plan, simulator.volume(0), simulator.effects()};
 }
 

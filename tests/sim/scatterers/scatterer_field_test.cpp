@@ -10,7 +10,7 @@
 #include <string>
 
 #include "sim/echo/iq_field.h"
-#include "sim/echo/stick_echoes.h"
+#include "sim/echo/stick_propagation.h"
 #include "sim/receive/losses.h"
 #include "sim/scatterers/scatterer_cells.h"
 #include "sim/scatterers/scatterer_settings.h"
@@ -70,7 +70,7 @@ const Grid& grid() {
 }
 
 StickPath path_of(const hw::StickIndex& index) {
-  return {sightline(plan(), index), grid().spacing_m, grid().remaining, {}};
+  return {stick_ray(plan(), index), grid().spacing_m, grid().remaining, {}};
 }
 
 Stick echoes(const ScattererField& field, const hw::StickIndex& index) {
@@ -147,7 +147,7 @@ TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
     const ScattererField field(tissue, plan(), options_of());
     for (const hw::StickIndex& index : {hw::StickIndex{0, 8, 8}, hw::StickIndex{0, 7, 6}}) {
       Stick point_echoes(grid().remaining.size());
-      const auto near = field.near(sightline(plan(), index), plan().acquisition().depth_m + 5e-3);
+      const auto near = field.near(stick_ray(plan(), index), plan().acquisition().depth_m + 5e-3);
       ASSERT_GT(near.size(), 500u) << name;
       field.add_points(path_of(index), near, point_echoes);
       // Cells use the row of the beam's table at their centre, points that at their own position.
@@ -167,7 +167,7 @@ TEST(Scatterers, FluidHasNone) {
   Stick iq(grid().remaining.size());
   field.add_echoes(path_of({0, 0, 0}), iq, &contributed);
   EXPECT_EQ(contributed, 0u);
-  EXPECT_TRUE(field.near(sightline(plan(), {0, 0, 0}), 0.15).empty());
+  EXPECT_TRUE(field.near(stick_ray(plan(), {0, 0, 0}), 0.15).empty());
 }
 
 /// Mean intensity over all sticks of a few seeds about some ranges, over the material's.
@@ -222,7 +222,7 @@ TEST(Scatterers, GoWhereTheTissueGoes) {
   const auto still = tissue_of("speckle_block");
   const auto moved = tissue_of("speckle_block", {moving, {}});
   const ScattererField here(still, plan(), options_of()), there(moved, plan(), options_of());
-  TimedRay line = sightline(plan(), {0, 8, 8});
+  TimedRay line = stick_ray(plan(), {0, 8, 8});
   line.time_s = 0.1;
   // The same ray relative to the moved tissue.
   const glm::dvec3 shift_m(0.001, -0.002, 0.003);

@@ -33,7 +33,7 @@ SimulationOptions tissue_alone() {
   options.attenuation = false;
   options.transmission_loss = false;
   options.interface_echo = false;
-  options.noise_db = kSilent_db;
+  options.noise_db = kZeroAmplitude_db;
   options.output = hw::SampleScale::linear_envelope;
   return options;
 }
@@ -212,7 +212,7 @@ StickTrack patchwork(std::mt19937& generator) {
 
 double power_of(phantoms::MaterialIndex material) {
   const double db = phantoms::material_table()[static_cast<std::size_t>(material)].backscatter_db;
-  return db > kSilent_db ? std::pow(10, db / 10) : 0;
+  return db > kZeroAmplitude_db ? std::pow(10, db / 10) : 0;
 }
 
 /// Power by blending layer over layer, each by the share of the beam inside it.
