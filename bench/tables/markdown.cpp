@@ -123,13 +123,11 @@ std::string growth_of(const MeasuredTable& table) {
 
 std::string arrival_of(const TableResults& results) {
   std::string text =
-      "\n### What arrives\n\nAt the reference settings. One frame: pass 1 for "
-      "what it settles, from its arrival until GL is done, over all frames of the volume; a frame "
-      "is "
-      "acquired in " +
+      "\n### What arrives\n\nAt the reference settings. One frame: pass 1 for what it settles, "
+      "from its arrival until GL is done, over all frames of the volume; a frame is acquired in " +
       ms_text(results.frame_acquisition_ms) +
-      " ms. New volume: upload and four passes. New view: passes 2 to 4 of the "
-      "same volume from 10 degrees aside.\n\n" +
+      " ms. New volume: upload and four passes. New view: passes 2 to 4 of the same volume from 10 "
+      "degrees aside.\n\n" +
       head({"pipeline",
             "one frame ms",
             "min – max",
@@ -154,12 +152,9 @@ std::string arrival_of(const TableResults& results) {
 std::string floor_of(const TableResults& results) {
   std::string text =
       "\n### Where the time goes\n\nAt the reference settings. Fetches: counted by the shaders of "
-      "one "
-      "whole frame. Floor: as long as these fetches take in loops that do nothing else, at the "
-      "rates "
-      "below (millions a second; the fastest of 7 draws). A pass's time holds what is no fetch, "
-      "too: "
-      "arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
+      "one whole frame. Floor: as long as these fetches take in loops that do nothing else, at the "
+      "rates below (millions a second; the fastest of 7 draws). A pass's time holds what is no "
+      "fetch, too: arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
       head({"pipeline", "pass", "fetches, millions", "floor ms", "measured ms", "of the floor"});
   for (const auto& [variant, passes] : results.floors.passes) {
     for (const PassFloor& floor : passes) {
@@ -208,14 +203,13 @@ std::string describe_run(const TableRun& run) {
          << "^3); frames, sticks, samples and kernels are the paper's. --full runs the paper's "
             "sizes.";
   }
-  text
-      << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: the "
-         "default, taps in the slices. Each setting: median of "
-      << run.plain_repeats << " (plain) and " << run.repeats
-      << " (fast) after one uncounted, all settings in turn in each repeat; a setting that several "
-         "tables share is measured once. Time: four passes, all frames, upload included, the "
-         "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same repeat: "
-         "median and, where there are several, quartiles.";
+  text << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: "
+          "the default, taps in the slices. Each setting: median of "
+       << run.plain_repeats << " (plain) and " << run.repeats
+       << " (fast) after one uncounted, all settings in turn in each repeat; a setting that "
+          "several tables share is measured once. Time: four passes, all frames, upload included, "
+          "the picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same "
+          "repeat: median and, where there are several, quartiles.";
   return text.str();
 }
 

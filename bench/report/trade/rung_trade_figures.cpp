@@ -54,11 +54,10 @@ Figure draw_trade(const RungTradeResults& results) {
           {time.first_ms.median / results.sound_ms, highest, sim::to_string(time.rung)});
     }
   }
-  return {
-      "rungs",
-      "Each rung's time for a volume of a new seed, as a share of the sound's, against how far its "
-      "mean image lies from that of the rung above.",
-      draw(chart, {700, 420})};
+  return {"rungs",
+          "Each rung's time for a volume of a new seed, as a share of the sound's, against how far "
+          "its mean image lies from that of the rung above.",
+          draw(chart, {700, 420})};
 }
 
 Figure draw_stages(const RungTradeResults& results) {

@@ -213,15 +213,12 @@ StudyReport point_target_report(const PointInputs& inputs) {
        draw_widths(variants)});
   report.text =
       "One scatterer in the open, on the axis of the probe, seen by sticks that turn past it: in "
-      "the "
-      "image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
+      "the image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
       "(`sim::ScattererField`, `sim::ReferenceScene`), with nothing else around. The formulas are "
       "those of `sim/beam/point_spread.h`. First both foci are put at the scatterer's depth, where "
-      "the "
-      "formulas are closed forms of diffraction, with the directivity of elements on a curved face "
-      "in the lateral one. Then the foci stay at 75 mm, and `scatterers` is held against "
-      "`reference`; "
-      "the formulas, which `field` uses, are an approximation there.";
+      "the formulas are closed forms of diffraction, with the directivity of elements on a curved "
+      "face in the lateral one. Then the foci stay at 75 mm, and `scatterers` is held against "
+      "`reference`; the formulas, which `field` uses, are an approximation there.";
   return report;
 }
 

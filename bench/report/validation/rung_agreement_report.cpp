@@ -27,10 +27,8 @@ std::string text_of(const AgreementInputs& inputs) {
        << 2e3 * inputs.half_width_m << " mm wide in fluid, across the axis, seen by "
        << inputs.sticks << " sticks over " << inputs.sector_rad / kDegree
        << " degrees. Both rungs hear the same scatterers. `scatterers` looks up the beam in a "
-          "table, "
-          "its main lobe alone or with side lobes; `reference` sums over the elements, there and "
-          "back, "
-          "at each frequency of the band.";
+          "table, its main lobe alone or with side lobes; `reference` sums over the elements, "
+          "there and back, at each frequency of the band.";
   return text.str();
 }
 
