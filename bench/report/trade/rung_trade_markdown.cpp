@@ -57,10 +57,10 @@ void write_trade(const RungTradeResults& results, std::ostream& markdown) {
              << (timed ? fixed(time->first_ms.median, 0) : "") << " | "
              << (timed ? times_real_time(time->first_ms.median, results.sound_ms) : "") << " | "
              << fixed(error.against_truth.median_mm, 2) << ", "
-             << fixed(error.against_truth.p95_size_mm, 2) << "; "
+             << fixed(error.against_truth.p95_abs_mm, 2) << "; "
              << fixed(error.against_truth.missed_percent, 1) << " % | "
-             << (error.against_above ? fixed(error.against_above->median_size_mm, 2) + ", " +
-                                           fixed(error.against_above->p95_size_mm, 2)
+             << (error.against_above ? fixed(error.against_above->median_abs_mm, 2) + ", " +
+                                           fixed(error.against_above->p95_abs_mm, 2)
                                      : "none above")
              << " | "
              << (error.image_rms_db

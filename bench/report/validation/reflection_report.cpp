@@ -16,7 +16,7 @@ double db(double amplitude) {
   return 20 * std::log10(amplitude);
 }
 
-/// The point that is farthest from the model.
+/// The point of the largest distance.
 template <class Distance>
 const AnglePoint& worst(const std::vector<AnglePoint>& points, const Distance& distance) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {

@@ -37,7 +37,7 @@ StudyReport repeatability_report(const RepeatabilityInputs& inputs) {
                              found.samples,
                              "samples in each of " + std::to_string(found.runs) + " runs",
                              {inputs.seed}});
-    // Half of them at least: fluid may be silent under any seed.
+    // At least half of them: fluid may be below the range of values with any seed.
     const bool random = rung != sim::Rung::geometry;
     report.checks.push_back(
         {name + ".other_seed",

@@ -13,8 +13,7 @@ constexpr double kSnrTolerance = 0.02;
 constexpr double kMeanTolerance = 0.02;
 constexpr int kMostRejected = 1;
 
-/// Share of envelopes in each bin over the bin's width; amplitudes over the root of the mean
-/// square.
+/// Probability density of the envelope over its RMS.
 Series histogram(const std::string& name, const SpeckleResult& result) {
   constexpr int kBins = 40;
   constexpr double kHighest = 3;

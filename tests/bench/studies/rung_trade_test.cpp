@@ -81,7 +81,7 @@ TEST(RungTrade, GeometryFindsTheSurfaceWhereItIs) {
   ASSERT_EQ(errors.size(), 2u);
   // The mean of three samples rises over as many: half a sample's doubt, and the slope of the
   // level.
-  EXPECT_LT(errors[0].against_truth.p95_size_mm, 0.5);
+  EXPECT_LT(errors[0].against_truth.p95_abs_mm, 0.5);
   EXPECT_EQ(errors[0].against_truth.missed_percent, 0);
   ASSERT_TRUE(errors[0].image_rms_db);
   EXPECT_GT(*errors[0].image_rms_db, 0);
@@ -110,7 +110,7 @@ TEST(RungTrade, FrontHoldsWhatNothingBeats) {
     RungError error;
     error.body = "ball";
     error.rung = rung;
-    error.against_truth.p95_size_mm = error_mm;
+    error.against_truth.p95_abs_mm = error_mm;
     results.errors.push_back(error);
   };
   add(Rung::geometry, 10, 3);
