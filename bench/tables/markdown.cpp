@@ -7,7 +7,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Three digits or so: times here lie between a hundredth of a millisecond and half a minute.
+/// About three significant digits, for times between 0.01 ms and half a minute.
 std::string ms_text(double ms) {
   return fixed(ms, ms >= 100 ? 0 : ms >= 10 ? 1 : ms >= 1 ? 2 : 3);
 }
@@ -27,14 +27,14 @@ std::string times_text(double times) {
   return fixed(times, times >= 100 ? 0 : times >= 10 ? 1 : 2) + "×";
 }
 
-/// A line of a table out of its cells.
+/// A line of a Markdown table.
 std::string line(const std::vector<std::string>& cells) {
   std::string text = "|";
   for (const auto& cell : cells) text += " " + cell + " |";
   return text + "\n";
 }
 
-/// The first column to the left, figures to the right.
+/// The first column left-aligned, the others right-aligned.
 std::string head(const std::vector<std::string>& cells) {
   std::vector<std::string> rule(cells.size(), "---:");
   rule.front() = "---";
@@ -69,7 +69,7 @@ std::string times_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Columns: the passes of the fast variant. A pass of plain alone shows in the frame's time.
+/// Columns: the passes of the fast variant. A pass that only plain has is in the frame's time.
 std::string passes_of(const MeasuredTable& table) {
   std::vector<std::string> names = {"plain / fast, ms"};
   for (const auto& pass : table.rows.front().timings.at(PipelineVariant::fast).passes) {
@@ -92,8 +92,8 @@ std::string passes_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Every variant with its spread, where there are more than two.
-std::string ways_in_full(const MeasuredTable& table) {
+/// All variants with their spread, where there are more than two.
+std::string all_variants_of(const MeasuredTable& table) {
   const auto variants = variants_of(table.table);
   if (variants.size() < 3) return "";
   std::vector<std::string> names = {"taps of the kernel in the slices, or along the ray"};
@@ -221,7 +221,7 @@ std::string to_markdown(const TableResults& results,
   if (!note.empty()) text += "\n" + note + "\n";
   for (const MeasuredTable& table : results.tables) {
     text += "\n### Table " + table.table.id + ": " + table.table.title + "\n\n" + times_of(table) +
-            "\n" + passes_of(table) + ways_in_full(table) + growth_of(table);
+            "\n" + passes_of(table) + all_variants_of(table) + growth_of(table);
   }
   return text + arrival_of(results) + floor_of(results);
 }

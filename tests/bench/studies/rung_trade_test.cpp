@@ -1,4 +1,4 @@
-// What the trade of the rungs is made of. No time is asserted.
+// Measurements and documents of the comparison of rungs. No time is asserted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST(RungTrade, TrueRangesMeetTheSphere) {
   const auto scene = sphere_scene();
   const auto ranges = true_ranges(scene);
   ASSERT_EQ(ranges.size(), 45u);
-  // The middle stick looks at the ball's front, 50 mm from the face; the outermost ones pass it by.
+  // The middle stick meets the sphere's front 50 mm from the face; the outermost ones miss it.
   EXPECT_NEAR(ranges[2 * 9 + 4], 50e-3, 1e-5);
   EXPECT_TRUE(std::isnan(ranges[0]));
 }
