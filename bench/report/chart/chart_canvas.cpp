@@ -169,7 +169,7 @@ void Canvas::mark(Point2 position, Mark mark, Colour colour, double size) {
 }
 
 void Canvas::text(Point2 position, const std::string& text, const TextStyle& style) {
-  // Capitals alone count for the height, so that words with and without g stand on one line.
+  // The height is that of capitals, so that words with and without descenders have one baseline.
   const cv::Size extent = text_extent(text, style.size);
   const int capital = text_extent("H", style.size).height, margin = capital;
   cv::Mat letters(capital + 2 * margin, extent.width + 2 * margin, CV_8U, cv::Scalar(0));
@@ -191,10 +191,11 @@ void Canvas::text(Point2 position, const std::string& text, const TextStyle& sty
   }
   const cv::Point at(static_cast<int>(std::lround(corner.x)),
                      static_cast<int>(std::lround(corner.y)));
-  const cv::Rect seen = cv::Rect(at, letters.size()) & cv::Rect({0, 0}, sheet_->part.size());
-  if (seen.empty()) return;
-  cv::Mat target = sheet_->part(seen);
-  cv::Mat mask = letters(seen - at), inked(seen.size(), CV_8UC3, to_scalar(style.colour)), weight;
+  const cv::Rect visible = cv::Rect(at, letters.size()) & cv::Rect({0, 0}, sheet_->part.size());
+  if (visible.empty()) return;
+  cv::Mat target = sheet_->part(visible);
+  cv::Mat mask = letters(visible - at), inked(visible.size(), CV_8UC3, to_scalar(style.colour)),
+          weight;
   cv::cvtColor(mask, weight, cv::COLOR_GRAY2RGB);
   cv::Mat ink, paper;
   cv::multiply(inked, weight, ink, 1 / 255.0);

@@ -72,11 +72,11 @@ Figure draw_stages(const RungTradeResults& results) {
   for (const std::string& name : names) {
     BarPart part{name, {}};
     for (const StageTimes& stages : results.stages) {
-      double share = 0;
+      double percent = 0;
       for (const auto& [stage, ms] : stages.stages) {
-        if (stage == name) share = 100 * ms / stages.total_ms();
+        if (stage == name) percent = 100 * ms / stages.total_ms();
       }
-      part.values.push_back(share);
+      part.values.push_back(percent);
     }
     chart.parts.push_back(part);
   }

@@ -62,7 +62,7 @@ void PrintTo(const Expected& e, std::ostream* out) {
 class Calibration : public testing::TestWithParam<Expected> {};
 
 // Bounds are the figures of docs/results/calibration.md and a fifth more: what changes them on
-// purpose changes that page too.
+// purpose changes that document too.
 TEST_P(Calibration, DepthErrorStaysWithinBounds) {
   const Expected& expected = GetParam();
   const ChainResult chain = run_chain({"phantom.name=" + expected.phantom,

@@ -101,7 +101,7 @@ TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
 TEST(Truth, SurfacesOutsideTheFieldAreSeparate) {
   const Stage s = stage({"phantom.name=plane", "acquisition.sector_deg=20"});
   const Truth truth = truth_of(s);
-  int outside = 0, seen = 0;
+  int outside = 0, visible = 0;
   const render::Camera camera = render::make_camera(s.scene.render);
   const auto geometry = s.scene.plan().geometry();
   for (int row = 0; row < 64; ++row) {
@@ -109,14 +109,14 @@ TEST(Truth, SurfacesOutsideTheFieldAreSeparate) {
       const TruthKind kind = truth.kind.at(column, row);
       outside += kind == TruthKind::outside_field;
       if (kind != TruthKind::surface) continue;
-      ++seen;
+      ++visible;
       const auto p = geometry.to_polar(
           camera.ray(column, row).at(static_cast<double>(truth.depth_m.at(column, row))));
       EXPECT_LE(std::abs(p.theta_rad), 10 * kDegree + 1e-6);
     }
   }
   EXPECT_GT(outside, 500);
-  EXPECT_GT(seen, 200);
+  EXPECT_GT(visible, 200);
 }
 
 /// Time of the stick that images a position: stepped motor, 64 lines over 77 deg, 37 frames over
