@@ -27,7 +27,7 @@ std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan,
                                  const SimulationOptions& options) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimLink link(
-      stick_source({phantom, {glm::dmat3(1.0), phantom.suggested_position_m()}, plan, options}));
+      stick_source({phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options}));
   std::vector<std::byte> bytes, chunk(777);
   for (;;) {
     const auto result = link.read(chunk, hw::HostTime::max());
