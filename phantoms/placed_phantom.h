@@ -12,13 +12,13 @@ namespace wobblebench::phantoms {
 /// motion the phantom's origin is that of the probe frame, and nothing moves.
 ///
 /// @code
-/// #include "phantoms/placed_phantom.h"
+/// #include <cstdio>
+///
 /// const phantoms::Phantom ball = phantoms::make_phantom({.name = "sphere"});
 /// phantoms::PlacedPhantom scanned = phantoms::still_at(ball, {0, 0, 0.11});
 /// scanned.motion = phantoms::Motion({.velocity_m_s = {5e-3, 0, 0}}, ball.joint());
 /// const glm::dvec3 centre_m = scanned.from_rest({0, 0, 0}, 0.2);  // probe frame, after 0.2 s
-/// const glm::dvec3 origin_m = scanned.to_rest(centre_m, 0.2);     // (0, 0, 0) again
-/// static_cast<void>(origin_m);
+/// std::printf("centre at x = %g m\n", centre_m.x);  // 0.001
 /// @endcode
 struct PlacedPhantom {
   Phantom phantom;

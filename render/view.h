@@ -9,14 +9,14 @@ namespace wobblebench::render {
 /// The part of RenderOptions that decides which surface point a pixel shows.
 ///
 /// @code
-/// #include "render/view.h"
+/// #include <cstdio>
+///
 /// render::RenderOptions options;
 /// options.view.yaw_rad = 30 * kDegree;
 /// const render::View view = render::make_view(options);
 /// const hw::Ray ray = view.camera.ray(0, 0);  // of the upper left pixel's centre
 /// const render::Span span = render::clip_to_box(ray, view.box);
-/// const glm::dvec3 entry_m = ray.at(span.from_m);  // probe frame
-/// static_cast<void>(entry_m);
+/// std::printf("in the box from %g to %g m\n", span.from_m, span.to_m);
 /// @endcode
 struct View {
   Camera camera;

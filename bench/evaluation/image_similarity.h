@@ -1,4 +1,4 @@
-// How alike two pictures are, by OpenCV.
+// Similarity of two pictures: SSIM and PSNR, by OpenCV.
 #pragma once
 
 #include <glm/vec3.hpp>

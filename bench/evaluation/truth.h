@@ -20,13 +20,12 @@ enum class TruthKind : std::uint8_t {
 /// One value per pixel, in the picture's geometry.
 ///
 /// @code
-/// #include "bench/evaluation/truth.h"
-/// #include "phantoms/placed_phantom.h"
+/// #include <cstdio>
+///
 /// const auto ball = phantoms::still_at(phantoms::make_phantom({.name = "sphere"}), {0, 0, 0.11});
 /// const hw::AcquisitionPlan plan({}, {});
 /// const bench::Truth truth = bench::trace_truth(ball, plan, render::make_view({}));
-/// const float depth_m = truth.depth_m.at(256, 256);  // along the ray of that pixel
-/// static_cast<void>(depth_m);
+/// std::printf("surface %g m from the view plane\n", double{truth.depth_m.at(256, 256)});
 /// @endcode
 struct Truth {
   Image<float> depth_m;     ///< kNoSurface where kind is not `surface`

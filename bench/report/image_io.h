@@ -1,4 +1,4 @@
-// Pictures and maps on disk, by OpenImageIO.
+// Writing of pictures (PNG) and maps (EXR), by OpenImageIO.
 #pragma once
 
 #include <filesystem>

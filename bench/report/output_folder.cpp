@@ -20,10 +20,11 @@ namespace wobblebench::bench {
 
 namespace {
 
-// What a signal handler may touch: plain memory and unlink(2). Paths are published last, by count.
+// State of the signal handler, which has no other way to get it: it may only read plain memory and
+// call unlink(2). The paths belong to the OutputFolder; staged_count publishes them.
 constexpr std::size_t kMaxStaged = 64;
 constexpr std::size_t kMaxPath = 4096;
-std::array<char[kMaxPath], kMaxStaged> staged_paths;
+std::array<const char*, kMaxStaged> staged_paths;
 std::atomic<std::size_t> staged_count = 0;
 pthread_t writing_thread;
 
@@ -31,8 +32,8 @@ void remove_staged() {
   for (std::size_t i = 0; i < staged_count.load(); ++i) ::unlink(staged_paths[i]);
 }
 
-/// Any thread may be given the signal. Handled on the one that writes, it cannot meet a file that
-/// is just being made, nor one that is being renamed while that thread holds signals off.
+/// A signal may be delivered to any thread. It is handled on the writing thread, so that no file is
+/// just being made, nor renamed (that thread blocks signals meanwhile).
 void on_signal(int signal) {
   if (!::pthread_equal(::pthread_self(), writing_thread)) {
     ::pthread_kill(writing_thread, signal);
@@ -42,29 +43,31 @@ void on_signal(int signal) {
   ::_exit(128 + signal);
 }
 
-void remember(const std::filesystem::path& path) {
-  const std::size_t slot = staged_count.load();
-  if (slot >= kMaxStaged || path.native().size() >= kMaxPath) {
-    throw std::runtime_error(path.string() + ": too many files or too long a name");
-  }
-  path.native().copy(staged_paths[slot], kMaxPath - 1);
-  staged_paths[slot][path.native().size()] = '\0';
-  staged_count.store(slot + 1);
+void check_room(const std::filesystem::path& path) {
+  if (staged_count.load() < kMaxStaged && path.native().size() < kMaxPath) return;
+  throw std::runtime_error(path.string() + ": too many files or too long a name");
 }
 
-/// Holds SIGINT and SIGTERM off this thread while it lives.
-class SignalsHeld {
+/// `path` must outlive its publication.
+void publish(const std::filesystem::path& path) {
+  const std::size_t index = staged_count.load();
+  staged_paths[index] = path.c_str();
+  staged_count.store(index + 1);
+}
+
+/// Blocks SIGINT and SIGTERM on this thread while it lives.
+class BlockedSignals {
  public:
-  SignalsHeld() {
+  BlockedSignals() {
     sigset_t signals;
     ::sigemptyset(&signals);
     ::sigaddset(&signals, SIGINT);
     ::sigaddset(&signals, SIGTERM);
     ::pthread_sigmask(SIG_BLOCK, &signals, &before_);
   }
-  ~SignalsHeld() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsHeld(const SignalsHeld&) = delete;
-  SignalsHeld& operator=(const SignalsHeld&) = delete;
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
 
  private:
   sigset_t before_;
@@ -99,8 +102,9 @@ OutputFolder::~OutputFolder() {
 std::filesystem::path OutputFolder::stage(const std::string& name) {
   // The process number keeps two runs into one folder apart.
   auto partial = directory_ / (".partial-" + std::to_string(::getpid()) + "-" + name);
-  remember(partial);
+  check_room(partial);
   files_.push_back({partial, directory_ / name});
+  publish(files_.back().partial);
   return partial;
 }
 
@@ -116,14 +120,14 @@ void OutputFolder::commit() {
       throw std::runtime_error(file.final.string() + ": is a folder; cannot be replaced by a file");
     }
   }
-  const SignalsHeld held;
+  const BlockedSignals blocked;
   for (const File& file : files_) {
     std::error_code error;
     std::filesystem::rename(file.partial, file.final, error);
     if (error) throw std::runtime_error(file.final.string() + ": " + error.message());
   }
-  files_.clear();
   staged_count.store(0);
+  files_.clear();
 }
 
 }  // namespace wobblebench::bench

@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include <array>
+#include <climits>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -22,8 +22,9 @@ std::string cpu_model() {
 }
 
 std::string host_name() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+  std::string name(HOST_NAME_MAX + 1, '\0');
+  if (::gethostname(name.data(), name.size()) != 0) return "unknown";
+  return name.substr(0, name.find('\0'));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// Where a figure comes from: the head of every report.
+// Origin of a report's numbers: build, machine, OpenGL, board and seed.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -17,7 +18,7 @@ struct Provenance {
   std::uint64_t seed = 0;
 };
 
-/// Fills in what the machine and the build know.
+/// Commit, host, CPU and threads; the caller fills in the rest.
 Provenance provenance_of_this_machine();
 
 nlohmann::ordered_json to_json(const Provenance& provenance);

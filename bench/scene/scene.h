@@ -46,7 +46,7 @@ struct Scene {
   bool moves() const;
   /// The phantom at the scene's placement, with the scene's motion. Throws UserError where this
   /// phantom cannot move so.
-  phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
+  [[nodiscard]] phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
 };
 
 /// Calls body(name, options) for each section of a scene.

@@ -1,4 +1,4 @@
-// Mode fast's picture against mode plain's.
+// Agreement of the depth pictures of modes fast and plain.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace wobblebench::bench {
 
 /// How two depth pictures of one volume differ; lengths in steps of the ray.
 ///
-/// A pixel has changed where only one picture found a surface, or each found another one: where
-/// Difference meets the threshold within rounding, it may fire here and wait for the next edge
-/// there, which no arithmetic of finite precision avoids.
+/// A pixel has changed where only one picture has a surface, or where the two surfaces are more
+/// than kSameSurfaceSteps apart. Where Difference equals the threshold within rounding, one mode
+/// may detect that edge and the other the next one; finite precision cannot avoid it.
 struct DepthAgreement {
   std::int64_t pixels = 0;
   std::int64_t both_hit = 0;
@@ -45,10 +45,10 @@ struct Direction {
   double yaw_rad = 0, pitch_rad = 0;
 };
 
-/// From the front, from both sides, from above, along the faces.
+/// Front, both sides, above, and along the front face.
 const std::vector<Direction>& five_directions();
 
-/// One phantom seen from one direction.
+/// One phantom from one direction.
 struct ModeAgreement {
   std::string phantom;
   Direction direction;

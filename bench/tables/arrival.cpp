@@ -8,7 +8,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Wall time of taking in each frame in turn, milliseconds. update() waits until GL is done.
+/// Wall time of adding each frame in turn, milliseconds. update() waits until GL is done.
 std::vector<double> add_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {
   using Clock = std::chrono::steady_clock;
   std::vector<double> each_ms;
@@ -21,7 +21,7 @@ std::vector<double> add_frames(render::Renderer& renderer, const hw::PolarVolume
   return each_ms;
 }
 
-/// All passes that ran; without reading the picture back.
+/// Sum over all passes; without reading the picture back.
 double picture_ms(render::Renderer& renderer) {
   const auto passes = renderer.render().passes;
   return std::accumulate(passes.begin(), passes.end(), 0.0, [](double sum, const auto& pass) {

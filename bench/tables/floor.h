@@ -1,4 +1,4 @@
-// The floor under each pass: its fetches, at the rate at which this machine can make them.
+// Lower bound of the time of each pass: its texture fetches at the rate that this machine reaches.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace wobblebench::bench {
 struct PassFloor {
   std::string pass;
   render::FetchCounts fetches;  ///< of one whole frame, upload included
-  double floor_ms = 0;          ///< that long would they take in a loop that does nothing else
+  double floor_ms = 0;          ///< time of these fetches alone
 
   std::int64_t total() const;
 };
@@ -29,7 +29,7 @@ struct Floors {
 /// "sampler2DArray rg16 linear".
 std::string to_string(const render::TextureFetch& kind);
 
-/// Counts what one frame of each variant fetches, and measures the rates of what was fetched.
+/// Counts the fetches of one frame of each variant, and measures the rate of each kind.
 /// Throws as render::Renderer does.
 Floors measure_floors(const hw::PolarVolume& volume,
                       const std::map<PipelineVariant, render::RenderOptions>& variants,

@@ -7,7 +7,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Three digits or so: times here lie between a hundredth of a millisecond and half a minute.
+/// About three significant digits, for times between 0.01 ms and half a minute.
 std::string ms_text(double ms) {
   return fixed(ms, ms >= 100 ? 0 : ms >= 10 ? 1 : ms >= 1 ? 2 : 3);
 }
@@ -27,14 +27,14 @@ std::string times_text(double times) {
   return fixed(times, times >= 100 ? 0 : times >= 10 ? 1 : 2) + "×";
 }
 
-/// A line of a table out of its cells.
+/// A line of a Markdown table.
 std::string line(const std::vector<std::string>& cells) {
   std::string text = "|";
   for (const auto& cell : cells) text += " " + cell + " |";
   return text + "\n";
 }
 
-/// The first column to the left, figures to the right.
+/// The first column left-aligned, the others right-aligned.
 std::string head(const std::vector<std::string>& cells) {
   std::vector<std::string> rule(cells.size(), "---:");
   rule.front() = "---";
@@ -69,7 +69,7 @@ std::string times_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Columns: the passes of the fast variant. A pass of plain alone shows in the frame's time.
+/// Columns: the passes of the fast variant. A pass that only plain has is in the frame's time.
 std::string passes_of(const MeasuredTable& table) {
   std::vector<std::string> names = {"plain / fast, ms"};
   for (const auto& pass : table.rows.front().timings.at(PipelineVariant::fast).passes) {
@@ -92,8 +92,8 @@ std::string passes_of(const MeasuredTable& table) {
   return text;
 }
 
-/// Every variant with its spread, where there are more than two.
-std::string ways_in_full(const MeasuredTable& table) {
+/// All variants with their spread, where there are more than two.
+std::string all_variants_of(const MeasuredTable& table) {
   const auto variants = variants_of(table.table);
   if (variants.size() < 3) return "";
   std::vector<std::string> names = {"taps of the kernel in the slices, or along the ray"};
@@ -123,13 +123,11 @@ std::string growth_of(const MeasuredTable& table) {
 
 std::string arrival_of(const TableResults& results) {
   std::string text =
-      "\n### What arrives\n\nAt the reference settings. One frame: pass 1 for "
-      "what it settles, from its arrival until GL is done, over all frames of the volume; a frame "
-      "is "
-      "acquired in " +
+      "\n### What arrives\n\nAt the reference settings. One frame: pass 1 for what it settles, "
+      "from its arrival until GL is done, over all frames of the volume; a frame is acquired in " +
       ms_text(results.frame_acquisition_ms) +
-      " ms. New volume: upload and four passes. New view: passes 2 to 4 of the "
-      "same volume from 10 degrees aside.\n\n" +
+      " ms. New volume: upload and four passes. New view: passes 2 to 4 of the same volume from 10 "
+      "degrees aside.\n\n" +
       head({"pipeline",
             "one frame ms",
             "min – max",
@@ -154,12 +152,9 @@ std::string arrival_of(const TableResults& results) {
 std::string floor_of(const TableResults& results) {
   std::string text =
       "\n### Where the time goes\n\nAt the reference settings. Fetches: counted by the shaders of "
-      "one "
-      "whole frame. Floor: as long as these fetches take in loops that do nothing else, at the "
-      "rates "
-      "below (millions a second; the fastest of 7 draws). A pass's time holds what is no fetch, "
-      "too: "
-      "arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
+      "one whole frame. Floor: as long as these fetches take in loops that do nothing else, at the "
+      "rates below (millions a second; the fastest of 7 draws). A pass's time holds what is no "
+      "fetch, too: arithmetic, pixels that wait for their neighbours, the CPU's part.\n\n" +
       head({"pipeline", "pass", "fetches, millions", "floor ms", "measured ms", "of the floor"});
   for (const auto& [variant, passes] : results.floors.passes) {
     for (const PassFloor& floor : passes) {
@@ -208,14 +203,13 @@ std::string describe_run(const TableRun& run) {
          << "^3); frames, sticks, samples and kernels are the paper's. --full runs the paper's "
             "sizes.";
   }
-  text
-      << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: the "
-         "default, taps in the slices. Each setting: median of "
-      << run.plain_repeats << " (plain) and " << run.repeats
-      << " (fast) after one uncounted, all settings in turn in each repeat; a setting that several "
-         "tables share is measured once. Time: four passes, all frames, upload included, the "
-         "picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same repeat: "
-         "median and, where there are several, quartiles.";
+  text << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: "
+          "the default, taps in the slices. Each setting: median of "
+       << run.plain_repeats << " (plain) and " << run.repeats
+       << " (fast) after one uncounted, all settings in turn in each repeat; a setting that "
+          "several tables share is measured once. Time: four passes, all frames, upload included, "
+          "the picture not read back. Ratios are to 37 frames, 512^3, 3x3x3, 9x9, in the same "
+          "repeat: median and, where there are several, quartiles.";
   return text.str();
 }
 
@@ -227,7 +221,7 @@ std::string to_markdown(const TableResults& results,
   if (!note.empty()) text += "\n" + note + "\n";
   for (const MeasuredTable& table : results.tables) {
     text += "\n### Table " + table.table.id + ": " + table.table.title + "\n\n" + times_of(table) +
-            "\n" + passes_of(table) + ways_in_full(table) + growth_of(table);
+            "\n" + passes_of(table) + all_variants_of(table) + growth_of(table);
   }
   return text + arrival_of(results) + floor_of(results);
 }

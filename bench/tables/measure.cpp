@@ -12,13 +12,13 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// What tells two measurements apart; equal ones are made once.
+/// Identity of a measurement: settings that several tables share are measured once.
 auto key_of(const TableRow& row, PipelineVariant variant) {
   return std::tuple(row.frames, row.side, row.kernel_3d, row.kernel_2d, variant);
 }
 using Key = decltype(key_of(TableRow{}, PipelineVariant::plain));
 
-/// One setting under measurement: its renderer lives through all repeats.
+/// One setting under measurement; its renderer is kept for all repeats.
 struct TimedSetting {
   const hw::PolarVolume* volume = nullptr;
   std::unique_ptr<render::Renderer> renderer;

@@ -33,12 +33,12 @@ struct MeasuredRow {
   std::map<PipelineVariant, Timing> timings;  ///< in variants_of() the table
 
   double ms(PipelineVariant variant) const { return timings.at(variant).frame_ms.median; }
-  /// How many times faster than plain, by medians: the frame, and a pass (none: only one has it).
+  /// Plain over fast, by medians: of the frame, and of a pass (none where only one has it).
   double speed_up() const { return ms(PipelineVariant::plain) / ms(PipelineVariant::fast); }
   std::optional<double> pass_speed_up(const std::string& pass) const;
 };
 
-/// Time grows as the side to this power: least squares of its logarithm on the side's.
+/// Exponents of time over the side: least squares of their logarithms.
 struct Exponents {
   double paper = 0;
   double plain = 0;
@@ -51,11 +51,11 @@ struct MeasuredTable {
   std::optional<Exponents> exponents;  ///< where the side varies (Table II)
 };
 
-/// What an arriving frame and a new picture cost at the reference settings.
+/// Times of an arriving frame and of a new picture at the reference settings.
 struct Arrival {
   Spread add_frame_ms;   ///< Renderer::add_frame and update, until GL is done
   Spread new_volume_ms;  ///< upload and four passes of all frames
-  Spread new_view_ms;    ///< passes 2 to 4 of a volume that is there already
+  Spread new_view_ms;    ///< passes 2 to 4 of the same volume
 };
 
 struct TableResults {
@@ -73,8 +73,8 @@ struct TableResults {
 };
 
 /// Renders every row in turn, all rows and variants in each repeat, so that a drift of the
-/// machine's speed touches all alike. `base`: what the rows leave open. Throws as render::Renderer
-/// does.
+/// machine's speed affects all equally. `base`: settings that the rows do not set. Throws as
+/// render::Renderer does.
 TableResults measure_tables(const TableVolumes& volumes,
                             const render::RenderOptions& base,
                             render::GlContext& context,
@@ -89,7 +89,7 @@ Arrival measure_arrival(const hw::PolarVolume& volume,
 /// Median of the pass; 0 where this variant has none of that name.
 double pass_ms(const Timing& timing, const std::string& pass);
 
-/// Of least squares of log y on log x; at least two different x, all positive.
+/// Exponent by least squares of log y on log x; at least two different x, all positive.
 double power_of(const std::vector<double>& x, const std::vector<double>& y);
 
 }  // namespace wobblebench::bench

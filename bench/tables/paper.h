@@ -27,9 +27,9 @@ struct Table {
 
 /// The paper's rows. Its Table IV varies the kernel around 9 x 9, which it does not list.
 const std::vector<Table>& paper_tables();
-/// The row that every other is held against: 37 frames, 512^3, 3^3, 9 x 9.
+/// The row that all ratios refer to: 37 frames, 512^3, 3^3, 9 x 9.
 const TableRow& reference_row();
-/// Frames per volume of all rows, each number once, rising.
+/// The different numbers of frames per volume of all rows, rising.
 std::vector<int> frame_counts();
 
 /// `base` with the row's settings; sides are the paper's over `divisor`.

@@ -12,7 +12,7 @@
 namespace wobblebench::bench {
 
 /// Puts the reference settings into the scene. Throws UserError where the scene gives a setting
-/// that the tables vary or hold themselves.
+/// that the tables set.
 void take_reference_settings(Scene& scene, const TableRun& run);
 
 /// Scans the phantom once for each number of frames, all over the scene's fan. Throws UserError.

@@ -26,7 +26,7 @@ Varied varied_in(const Table& table) {
   return {"2D filter (pixels)", &TableRow::kernel_2d, Scale::linear};
 }
 
-/// Points by rising value: the paper lists sizes falling.
+/// Rows by rising value.
 std::vector<MeasuredRow> in_order(const MeasuredTable& table, int TableRow::*value) {
   auto rows = table.rows;
   std::sort(rows.begin(), rows.end(), [&](const MeasuredRow& a, const MeasuredRow& b) {
@@ -35,8 +35,8 @@ std::vector<MeasuredRow> in_order(const MeasuredTable& table, int TableRow::*val
   return rows;
 }
 
-/// The same range wherever nothing changes much, so that a per cent does not look like a cliff.
-void leave_room(Axis& axis, const std::vector<Series>& series) {
+/// At least 0.5 to 1.5, so that small changes look small.
+void widen(Axis& axis, const std::vector<Series>& series) {
   double low = 1, high = 1;
   for (const Series& s : series) {
     low = std::min(low, *std::min_element(s.y.begin(), s.y.end()));
@@ -50,7 +50,7 @@ void leave_room(Axis& axis, const std::vector<Series>& series) {
   }
 }
 
-/// Of the reference row in the legend: what 1 stands for.
+/// Legend with the time of the reference row.
 std::string reference_text(const std::string& name, double ms) {
   return name + ", 1 = " + fixed(ms, ms < 1 ? 2 : ms < 100 ? 1 : 0) + " ms";
 }
@@ -74,19 +74,19 @@ std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& ref
   return {paper, plain, fast};
 }
 
-/// Panels to the left have no legend, those to the right are wider by it: plots of one size.
+/// With the legend to its right the panel is wider: all plots have one size.
 Picture3 draw_panel(const MeasuredTable& table, const MeasuredRow& reference, bool legend) {
   const Varied varied = varied_in(table.table);
   Chart chart{"Table " + table.table.id + ": " + table.table.title,
               {varied.label, varied.scale},
               {"time / reference", varied.scale}};
   for (const MeasuredRow& row : table.rows) {
-    // The sheet's letters have no superscript: 512 instead of 512^3.
+    // The chart's font has no superscript: 512 instead of 512^3.
     const std::string& setting = row.row.setting;
     chart.x.ticks.push_back({double(row.row.*varied.value), setting.substr(0, setting.find('^'))});
   }
   chart.series = series_of(table, reference);
-  leave_room(chart.y, chart.series);
+  widen(chart.y, chart.series);
   PictureSize size = kPanel;
   double widest = 0;
   for (Series& series : chart.series) {

@@ -1,4 +1,4 @@
-// What the tables found, as tables.md, tables.csv and report.json say it.
+// The measured tables as tables.md, tables.csv and report.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,10 +9,10 @@
 
 namespace wobblebench::bench {
 
-/// Says in a few sentences how the run differs from the paper's, and what was counted.
+/// A few sentences: how the run differs from the paper's, and what was measured.
 std::string describe_run(const TableRun& run);
 
-/// tables.md. `note`: what is special about the volumes; may be empty.
+/// tables.md. `note`: a sentence about the volumes; may be empty.
 std::string to_markdown(const TableResults& results,
                         const TableRun& run,
                         const std::string& note,

@@ -1,4 +1,4 @@
-// The variants in which the bench of record renders a row of the paper's tables.
+// The pipeline variants in which a row of the paper's tables is rendered.
 #pragma once
 
 #include <string>
@@ -28,7 +28,7 @@ render::RenderOptions rendered(PipelineVariant variant, render::RenderOptions op
 /// How a run of the tables differs from the paper's, and how often each setting is measured.
 struct TableRun {
   int divisor = 1;        ///< sides are the paper's over this
-  int repeats = 3;        ///< of the fast variants; counted, after one that is not
+  int repeats = 3;        ///< of the fast variants, after one warm-up
   int plain_repeats = 3;  ///< of the plain variants, likewise
 
   int repeats_of(PipelineVariant variant) const {

@@ -13,8 +13,8 @@ namespace wobblebench::bench {
 
 struct TableVolumes {
   std::map<int, hw::PolarVolume> by_frames;
-  std::string board;                 ///< provenance of the sticks
-  std::vector<std::string> effects;  ///< that made them, where a simulator did
+  std::string board;                 ///< origin of the sticks
+  std::vector<std::string> effects;  ///< of the simulator that made them
   std::string note;                  ///< how they differ from what the rows ask for; a sentence
 };
 
@@ -24,7 +24,8 @@ struct TableVolumes {
 hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count);
 
 /// From the first whole volume of the link. `board`: what the user wrote, for messages. Throws
-/// UserError where the volume has fewer frames than the tables need, is cut short, or none comes.
+/// UserError where the volume has fewer frames than the tables need or is incomplete at the end of
+/// the stream, or there is none.
 TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string& board);
 
 }  // namespace wobblebench::bench

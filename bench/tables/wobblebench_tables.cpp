@@ -76,12 +76,12 @@ int measure_recording(const Arguments& arguments) {
       progress.step("tables", [&] { return measure_tables(volumes, {}, *context, run); });
   const Provenance provenance = provenance_of(*context, volumes);
   const auto report = report_of(provenance, volumes, results, run);
-  const std::string page = to_markdown(results, run, volumes.note, provenance);
-  out.write_text("tables.md", page);
+  const std::string markdown = to_markdown(results, run, volumes.note, provenance);
+  out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));
   out.write_text("report.json", report.dump(2) + "\n");
   out.commit();
-  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  std::cout << (arguments.json ? report.dump(2) + "\n" : markdown);
   return 0;
 }
 

@@ -57,19 +57,20 @@ std::vector<LegendEntry> legend_of(const Chart& chart) {
   return legend;
 }
 
-/// Between values and pixels.
+/// The mapping of values to pixels.
 struct Window {
   Box2 plot;
   Ruler x;
   Ruler y;
 
-  Place at(double vx, double vy) const {
-    return {plot.low.x + x.share(vx) * plot.width(), plot.high.y - y.share(vy) * plot.height()};
+  Point2 at(double vx, double vy) const {
+    return {plot.low.x + x.fraction(vx) * plot.width(),
+            plot.high.y - y.fraction(vy) * plot.height()};
   }
 };
 
 void draw_band(Canvas& canvas, const Window& window, const Band& band) {
-  std::vector<Place> outline;
+  std::vector<Point2> outline;
   for (std::size_t i = 0; i < band.x.size(); ++i)
     outline.push_back(window.at(band.x[i], band.high[i]));
   for (std::size_t i = band.x.size(); i-- > 0;)
@@ -78,11 +79,11 @@ void draw_band(Canvas& canvas, const Window& window, const Band& band) {
 }
 
 void draw_lines(Canvas& canvas, const Window& window, const Series& series, Colour colour) {
-  std::vector<Place> run;
+  std::vector<Point2> run;
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    const Place place = window.at(series.x[i], series.y[i]);
-    if (std::isfinite(place.x) && std::isfinite(place.y)) {
-      run.push_back(place);
+    const Point2 point = window.at(series.x[i], series.y[i]);
+    if (std::isfinite(point.x) && std::isfinite(point.y)) {
+      run.push_back(point);
     } else {
       canvas.line(run, colour, 1.8, series.stroke);
       run.clear();
@@ -90,9 +91,9 @@ void draw_lines(Canvas& canvas, const Window& window, const Series& series, Colo
   }
   canvas.line(run, colour, 1.8, series.stroke);
   for (std::size_t i = 0; i < series.error.size(); ++i) {
-    const Place low = window.at(series.x[i], series.y[i] - series.error[i]);
-    const Place high = window.at(series.x[i], series.y[i] + series.error[i]);
-    const Place serif(3.5, 0);
+    const Point2 low = window.at(series.x[i], series.y[i] - series.error[i]);
+    const Point2 high = window.at(series.x[i], series.y[i] + series.error[i]);
+    const Point2 serif(3.5, 0);
     canvas.line({low, high}, colour, 1.3, Stroke::solid);
     canvas.line({low - serif, low + serif}, colour, 1.3, Stroke::solid);
     canvas.line({high - serif, high + serif}, colour, 1.3, Stroke::solid);
@@ -101,17 +102,17 @@ void draw_lines(Canvas& canvas, const Window& window, const Series& series, Colo
 
 void draw_marks(Canvas& canvas, const Window& window, const Series& series, Colour colour) {
   for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (!window.x.shows(series.x[i]) || !window.y.shows(series.y[i])) continue;
+    if (!window.x.contains(series.x[i]) || !window.y.contains(series.y[i])) continue;
     canvas.mark(window.at(series.x[i], series.y[i]), series.mark, colour, kMarkSize);
   }
 }
 
 /// To the right of its point, or to the left where the plot ends.
 void draw_label(Canvas& canvas, const Window& window, const PointLabel& label) {
-  const Place at = window.at(label.x, label.y);
+  const Point2 at = window.at(label.x, label.y);
   const bool left = at.x + 9 + Canvas::text_width(label.text, kTickText) > window.plot.high.x;
   canvas.text(
-      at + Place(left ? -9 : 9, -9), label.text, {.size = kTickText, .across = left ? 1.0 : 0});
+      at + Point2(left ? -9 : 9, -9), label.text, {.size = kTickText, .across = left ? 1.0 : 0});
 }
 
 double widest(const std::vector<Tick>& ticks) {
@@ -170,9 +171,9 @@ Picture3 draw(const BarChart& chart, PictureSize size) {
     const double half = std::min(0.32 * pitch, 18.0);
     double sum = 0;
     for (std::size_t p = 0; p < chart.parts.size(); ++p) {
-      const double from = plot.low.x + x.share(sum) * plot.width();
+      const double from = plot.low.x + x.fraction(sum) * plot.width();
       sum += chart.parts[p].values[r];
-      const double to = plot.low.x + x.share(sum) * plot.width();
+      const double to = plot.low.x + x.fraction(sum) * plot.width();
       canvas.fill(Box2{{from, middle - half}, {to, middle + half}},
                   series_colour(static_cast<int>(p)));
     }
@@ -191,9 +192,9 @@ Picture3 draw(const std::vector<GreyPanel>& panels, const std::string& note, int
   Canvas canvas(kGap + count * (panel_width + kGap), kTop + height + kBottom);
   for (int i = 0; i < count; ++i) {
     const GreyPanel& panel = panels[static_cast<std::size_t>(i)];
-    const Place corner(kGap + i * (panel_width + kGap), kTop);
-    canvas.picture({corner, corner + Place(panel_width, height)}, panel.values);
-    canvas.text(corner + Place(0.5 * panel_width, -9),
+    const Point2 corner(kGap + i * (panel_width + kGap), kTop);
+    canvas.picture({corner, corner + Point2(panel_width, height)}, panel.values);
+    canvas.text(corner + Point2(0.5 * panel_width, -9),
                 panel.title,
                 {.size = kLabelText, .across = 0.5, .down = 1});
   }

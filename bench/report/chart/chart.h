@@ -1,5 +1,4 @@
-// Charts for the pages that commands write: lines and markers, stacked bars, grey pictures. Texts
-// are ASCII.
+// Charts of reports: lines and markers, stacked bars, grey pictures. Texts are ASCII.
 #pragma once
 
 #include <string>
@@ -23,7 +22,7 @@ struct Series {
   std::vector<double> error;  ///< half length of the bar at each point; empty: none
 };
 
-/// A tinted stretch between two lines: what a tolerance allows.
+/// A tinted area between two lines, as of a tolerance.
 struct Band {
   std::string name;
   std::vector<double> x;
@@ -59,7 +58,7 @@ struct BarChart {
   std::vector<BarPart> parts;
 };
 
-/// Grey pictures beside each other, all of one size.
+/// Grey pictures side by side, all of one size.
 struct GreyPanel {
   std::string title;
   Image<float> values;  ///< in [0, 1]
@@ -73,7 +72,7 @@ struct PictureSize {
 /// Throws std::invalid_argument where there is nothing to show.
 Picture3 draw(const Chart& chart, PictureSize size = {});
 Picture3 draw(const BarChart& chart, PictureSize size = {});
-/// `note`: below the pictures; what they show and how large it is.
+/// `note`: text below the pictures.
 Picture3 draw(const std::vector<GreyPanel>& panels, const std::string& note, int panel_width);
 /// From left to right, all of one height.
 Picture3 side_by_side(const std::vector<Picture3>& pictures);

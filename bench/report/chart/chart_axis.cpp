@@ -11,10 +11,10 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Room beyond the data at each end, of the axis.
-constexpr double kRoom = 0.04;
+/// Margin beyond the data at each end, as a fraction of the axis.
+constexpr double kMargin = 0.04;
 
-/// Decimal digits that tell multiples of a step apart.
+/// Digits after the decimal point that distinguish multiples of a step.
 int digits_of(double step) {
   return std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
 }
@@ -44,18 +44,18 @@ Ruler::Ruler(const Axis& axis, const std::vector<double>& values)
     throw std::invalid_argument("axis " + axis.label + ": no values to show");
   }
   if (log) {
-    const double room = low_ == high_ ? 2 : std::pow(high_ / low_, kRoom);
-    if (!axis.low) low_ /= room;
-    if (!axis.high) high_ *= room;
+    const double margin = low_ == high_ ? 2 : std::pow(high_ / low_, kMargin);
+    if (!axis.low) low_ /= margin;
+    if (!axis.high) high_ *= margin;
     return;
   }
-  double room = kRoom * (high_ - low_);
-  if (room == 0) room = high_ == 0 ? 1 : 0.1 * std::abs(high_);
-  if (!axis.low) low_ -= room;
-  if (!axis.high) high_ += room;
+  double margin = kMargin * (high_ - low_);
+  if (margin == 0) margin = high_ == 0 ? 1 : 0.1 * std::abs(high_);
+  if (!axis.low) low_ -= margin;
+  if (!axis.high) high_ += margin;
 }
 
-double Ruler::share(double value) const {
+double Ruler::fraction(double value) const {
   if (scale_ == Scale::linear) return (value - low_) / (high_ - low_);
   return std::log(value / low_) / std::log(high_ / low_);
 }
@@ -86,7 +86,7 @@ std::vector<Tick> Ruler::logarithmic_ticks(int most) const {
     for (const double factor : {1.0, 2.0, 5.0}) {
       if (factor > 1 && !between) break;
       const double value = factor * std::pow(10.0, p);
-      if (shows(value * (1 + 1e-9)) || shows(value * (1 - 1e-9))) {
+      if (contains(value * (1 + 1e-9)) || contains(value * (1 - 1e-9))) {
         ticks.push_back({value, fixed(value, std::max(0, -p))});
       }
     }

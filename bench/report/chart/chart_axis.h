@@ -1,4 +1,4 @@
-// An axis of a chart: its range, where its ticks lie and how they read.
+// An axis of a chart: its range, its ticks and their labels.
 #pragma once
 
 #include <optional>
@@ -17,25 +17,25 @@ struct Tick {
 struct Axis {
   std::string label;  ///< with its unit: "range (mm)"
   Scale scale = Scale::linear;
-  /// Ends; found from the data unless given.
+  /// Ends; from the data unless given.
   std::optional<double> low;
   std::optional<double> high;
-  std::vector<Tick> ticks;  ///< where they are not round numbers; found unless given
+  std::vector<Tick> ticks;  ///< round numbers unless given
 };
 
-/// An axis whose ends are known.
+/// An axis with known ends.
 class Ruler {
  public:
   /// Ends that the axis leaves open follow from `values` (those that are finite and, on a
-  /// logarithmic axis, positive), with a little room beyond them. Throws std::invalid_argument
+  /// logarithmic axis, positive), with a small margin beyond them. Throws std::invalid_argument
   /// where nothing can be shown.
   Ruler(const Axis& axis, const std::vector<double>& values);
 
   double low() const { return low_; }
   double high() const { return high_; }
-  bool shows(double value) const { return value >= low_ && value <= high_; }
-  /// 0 at the low end, 1 at the high one.
-  double share(double value) const;
+  bool contains(double value) const { return value >= low_ && value <= high_; }
+  /// Position along the axis: 0 at the low end, 1 at the high one.
+  double fraction(double value) const;
   /// The axis's own, or else at 1, 2 or 5 times a power of ten, at most about `most` of them.
   std::vector<Tick> ticks(int most) const;
 

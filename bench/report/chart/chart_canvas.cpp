@@ -1,5 +1,4 @@
 #include "bench/report/chart/chart_canvas.h"
-#include "base/units.h"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +7,13 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "base/units.h"
+
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kFiner = 3;  // sheet pixels for a pixel of the picture
+constexpr int kSupersampling = 3;  // sheet pixels for a pixel of the picture
 constexpr int kShift = 4;  // binary digits of a sheet pixel that OpenCV's lines are placed to
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontHeight =
@@ -25,11 +26,11 @@ cv::Scalar to_scalar(Colour c) {
 }
 
 double font_scale(double size) {
-  return size * kFiner / kFontHeight;
+  return size * kSupersampling / kFontHeight;
 }
 
 int text_thickness(double size) {
-  return std::max(1, static_cast<int>(std::lround(size * kFiner / 14)));
+  return std::max(1, static_cast<int>(std::lround(size * kSupersampling / 14)));
 }
 
 cv::Size text_extent(const std::string& text, double size) {
@@ -37,35 +38,35 @@ cv::Size text_extent(const std::string& text, double size) {
   return cv::getTextSize(text, kFont, font_scale(size), text_thickness(size), &baseline);
 }
 
-/// The parts of a line that a pen draws which is lifted off in turn.
-std::vector<std::vector<Place>> dashes(const std::vector<Place>& places, double on, double off) {
-  std::vector<std::vector<Place>> parts;
-  double walked = 0;  // within a dash and the gap behind it
-  for (std::size_t i = 1; i < places.size(); ++i) {
-    const Place step = places[i] - places[i - 1];
+/// The dashes of a polyline.
+std::vector<std::vector<Point2>> dashes(const std::vector<Point2>& points, double on, double off) {
+  std::vector<std::vector<Point2>> parts;
+  double phase = 0;  // within a dash and its gap
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Point2 step = points[i] - points[i - 1];
     const double length = std::hypot(step.x, step.y);
     double here = 0;
     while (here < length) {
-      const bool drawing = walked < on;
-      const double left = std::min((drawing ? on : on + off) - walked, length - here);
-      const Place from = places[i - 1] + step * (here / length);
+      const bool drawing = phase < on;
+      const double left = std::min((drawing ? on : on + off) - phase, length - here);
+      const Point2 from = points[i - 1] + step * (here / length);
       if (drawing) {
-        if (walked == 0 || parts.empty()) parts.push_back({from});
-        parts.back().push_back(places[i - 1] + step * ((here + left) / length));
+        if (phase == 0 || parts.empty()) parts.push_back({from});
+        parts.back().push_back(points[i - 1] + step * ((here + left) / length));
       }
       here += left;
-      walked += left;
-      if (walked >= on + off - 1e-9) walked = 0;
+      phase += left;
+      if (phase >= on + off - 1e-9) phase = 0;
     }
   }
   return parts;
 }
 
-std::vector<Place> ring_of(Place center, double radius, int corners, double turn) {
-  std::vector<Place> ring;
+std::vector<Point2> ring_of(Point2 center, double radius, int corners, double turn) {
+  std::vector<Point2> ring;
   for (int i = 0; i < corners; ++i) {
     const double angle = turn + 2 * kPi * i / corners;
-    ring.push_back(center + radius * Place(std::sin(angle), -std::cos(angle)));
+    ring.push_back(center + radius * Point2(std::sin(angle), -std::cos(angle)));
   }
   return ring;
 }
@@ -85,26 +86,27 @@ Colour series_colour(int index) {
 
 struct Canvas::Sheet {
   cv::Mat whole;
-  cv::Mat part;     ///< what is drawn on: a window of `whole`
-  Place origin{0};  ///< of the window, picture pixels
+  cv::Mat part;      ///< what is drawn on: a window of `whole`
+  Point2 origin{0};  ///< of the window, picture pixels
 
-  std::vector<cv::Point> points(const std::vector<Place>& places) const {
+  std::vector<cv::Point> points(const std::vector<Point2>& points) const {
     std::vector<cv::Point> result;
-    for (const Place& place : places) {
-      const Place at = (place - origin) * static_cast<double>(kFiner << kShift);
+    for (const Point2& point : points) {
+      const Point2 at = (point - origin) * static_cast<double>(kSupersampling << kShift);
       result.emplace_back(static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)));
     }
     return result;
   }
   cv::Rect rect(const Box2& box) const {
-    const auto at = [](double v) { return static_cast<int>(std::lround(v * kFiner)); };
+    const auto at = [](double v) { return static_cast<int>(std::lround(v * kSupersampling)); };
     return cv::Rect(cv::Point(at(box.low.x), at(box.low.y)),
                     cv::Point(at(box.high.x), at(box.high.y)));
   }
 };
 
 Canvas::Canvas(int width, int height) : sheet_(std::make_unique<Sheet>()) {
-  sheet_->whole = cv::Mat(height * kFiner, width * kFiner, CV_8UC3, cv::Scalar::all(255));
+  sheet_->whole =
+      cv::Mat(height * kSupersampling, width * kSupersampling, CV_8UC3, cv::Scalar::all(255));
   clip_nothing();
 }
 
@@ -114,20 +116,20 @@ void Canvas::clip(const Box2& box) {
   const cv::Rect all({0, 0}, sheet_->whole.size());
   const cv::Rect window = sheet_->rect(box) & all;
   sheet_->part = sheet_->whole(window);
-  sheet_->origin = Place(window.x, window.y) / static_cast<double>(kFiner);
+  sheet_->origin = Point2(window.x, window.y) / static_cast<double>(kSupersampling);
 }
 
 void Canvas::clip_nothing() {
   sheet_->part = sheet_->whole;
-  sheet_->origin = Place(0);
+  sheet_->origin = Point2(0);
 }
 
-void Canvas::line(const std::vector<Place>& places, Colour colour, double width, Stroke stroke) {
-  if (stroke == Stroke::none || places.size() < 2) return;
-  const auto parts = stroke == Stroke::solid    ? std::vector<std::vector<Place>>{places}
-                     : stroke == Stroke::dashed ? dashes(places, 7, 4)
-                                                : dashes(places, 1.6, 3);
-  const int thickness = std::max(1, static_cast<int>(std::lround(width * kFiner)));
+void Canvas::line(const std::vector<Point2>& points, Colour colour, double width, Stroke stroke) {
+  if (stroke == Stroke::none || points.size() < 2) return;
+  const auto parts = stroke == Stroke::solid    ? std::vector<std::vector<Point2>>{points}
+                     : stroke == Stroke::dashed ? dashes(points, 7, 4)
+                                                : dashes(points, 1.6, 3);
+  const int thickness = std::max(1, static_cast<int>(std::lround(width * kSupersampling)));
   for (const auto& part : parts) {
     cv::polylines(sheet_->part,
                   sheet_->points(part),
@@ -139,7 +141,7 @@ void Canvas::line(const std::vector<Place>& places, Colour colour, double width,
   }
 }
 
-void Canvas::fill(const std::vector<Place>& corners, Colour colour) {
+void Canvas::fill(const std::vector<Point2>& corners, Colour colour) {
   const std::vector<std::vector<cv::Point>> outlines = {sheet_->points(corners)};
   cv::fillPoly(sheet_->part, outlines, to_scalar(colour), cv::LINE_AA, kShift);
 }
@@ -148,26 +150,26 @@ void Canvas::fill(const Box2& box, Colour colour) {
   fill({box.low, {box.high.x, box.low.y}, box.high, {box.low.x, box.high.y}}, colour);
 }
 
-void Canvas::mark(Place place, Mark mark, Colour colour, double size) {
+void Canvas::mark(Point2 position, Mark mark, Colour colour, double size) {
   switch (mark) {
     case Mark::none:
       return;
     case Mark::disc:
-      return fill(ring_of(place, 0.5 * size, 32, 0), colour);
+      return fill(ring_of(position, 0.5 * size, 32, 0), colour);
     case Mark::ring:
-      fill(ring_of(place, 0.55 * size, 32, 0), colour);
-      return fill(ring_of(place, 0.3 * size, 32, 0), Colour(1));
+      fill(ring_of(position, 0.55 * size, 32, 0), colour);
+      return fill(ring_of(position, 0.3 * size, 32, 0), Colour(1));
     case Mark::square:
-      return fill(ring_of(place, 0.64 * size, 4, 0.7853981634), colour);
+      return fill(ring_of(position, 0.64 * size, 4, 0.7853981634), colour);
     case Mark::triangle:
-      return fill(ring_of(place, 0.66 * size, 3, 0), colour);
+      return fill(ring_of(position, 0.66 * size, 3, 0), colour);
     case Mark::diamond:
-      return fill(ring_of(place, 0.68 * size, 4, 0), colour);
+      return fill(ring_of(position, 0.68 * size, 4, 0), colour);
   }
 }
 
-void Canvas::text(Place place, const std::string& text, const TextStyle& style) {
-  // Capitals alone count for the height, so that words with and without g stand on one line.
+void Canvas::text(Point2 position, const std::string& text, const TextStyle& style) {
+  // The height is that of capitals, so that words with and without descenders have one baseline.
   const cv::Size extent = text_extent(text, style.size);
   const int capital = text_extent("H", style.size).height, margin = capital;
   cv::Mat letters(capital + 2 * margin, extent.width + 2 * margin, CV_8U, cv::Scalar(0));
@@ -180,19 +182,20 @@ void Canvas::text(Place place, const std::string& text, const TextStyle& style) 
               text_thickness(style.size),
               cv::LINE_AA);
   const double along = style.across * extent.width, down = style.down * capital;
-  Place corner = (place - sheet_->origin) * static_cast<double>(kFiner);
+  Point2 corner = (position - sheet_->origin) * static_cast<double>(kSupersampling);
   if (style.upwards) {
     cv::rotate(letters, letters, cv::ROTATE_90_COUNTERCLOCKWISE);
-    corner += Place(-down - margin, along - extent.width - margin);
+    corner += Point2(-down - margin, along - extent.width - margin);
   } else {
-    corner += Place(-along - margin, -down - margin);
+    corner += Point2(-along - margin, -down - margin);
   }
   const cv::Point at(static_cast<int>(std::lround(corner.x)),
                      static_cast<int>(std::lround(corner.y)));
-  const cv::Rect seen = cv::Rect(at, letters.size()) & cv::Rect({0, 0}, sheet_->part.size());
-  if (seen.empty()) return;
-  cv::Mat target = sheet_->part(seen);
-  cv::Mat mask = letters(seen - at), inked(seen.size(), CV_8UC3, to_scalar(style.colour)), weight;
+  const cv::Rect visible = cv::Rect(at, letters.size()) & cv::Rect({0, 0}, sheet_->part.size());
+  if (visible.empty()) return;
+  cv::Mat target = sheet_->part(visible);
+  cv::Mat mask = letters(visible - at), inked(visible.size(), CV_8UC3, to_scalar(style.colour)),
+          weight;
   cv::cvtColor(mask, weight, cv::COLOR_GRAY2RGB);
   cv::Mat ink, paper;
   cv::multiply(inked, weight, ink, 1 / 255.0);
@@ -212,12 +215,12 @@ void Canvas::picture(const Box2& box, const Image<float>& values) {
 }
 
 double Canvas::text_width(const std::string& text, double size) {
-  return text_extent(text, size).width / static_cast<double>(kFiner);
+  return text_extent(text, size).width / static_cast<double>(kSupersampling);
 }
 
 Image<glm::vec3> Canvas::finish() const {
   cv::Mat small;
-  cv::resize(sheet_->whole, small, sheet_->whole.size() / kFiner, 0, 0, cv::INTER_AREA);
+  cv::resize(sheet_->whole, small, sheet_->whole.size() / kSupersampling, 0, 0, cv::INTER_AREA);
   Image<glm::vec3> image(small.cols, small.rows);
   for (int row = 0; row < small.rows; ++row) {
     for (int column = 0; column < small.cols; ++column) {

@@ -39,11 +39,11 @@ ChartFrame::ChartFrame(Canvas& canvas,
   draw_legend(legend, {plot_.high.x + 14, plot_.low.y + 10});
 }
 
-void ChartFrame::draw_legend(const std::vector<LegendEntry>& legend, Place at) {
+void ChartFrame::draw_legend(const std::vector<LegendEntry>& legend, Point2 at) {
   for (const LegendEntry& entry : legend) {
-    const Place end = at + Place(kLegendSample - 6, 0);
+    const Point2 end = at + Point2(kLegendSample - 6, 0);
     if (entry.filled) {
-      canvas_.fill(Box2{at - Place(0, 6), end + Place(0, 6)}, entry.colour);
+      canvas_.fill(Box2{at - Point2(0, 6), end + Point2(0, 6)}, entry.colour);
     } else {
       canvas_.line({at, end}, entry.colour, 1.8, entry.stroke);
       canvas_.mark(0.5 * (at + end), entry.mark, entry.colour, 8);
@@ -55,7 +55,7 @@ void ChartFrame::draw_legend(const std::vector<LegendEntry>& legend, Place at) {
 
 void ChartFrame::draw_x_axis(const Ruler& ruler, const std::string& label) {
   for (const Tick& tick : ruler.ticks(kMostTicks)) {
-    const double x = plot_.low.x + ruler.share(tick.value) * plot_.width();
+    const double x = plot_.low.x + ruler.fraction(tick.value) * plot_.width();
     canvas_.line({{x, plot_.low.y}, {x, plot_.high.y}}, kGridInk, 1, Stroke::solid);
     canvas_.line({{x, plot_.high.y}, {x, plot_.high.y + kTickLength}}, kInk, 1, Stroke::solid);
     canvas_.text({x, plot_.high.y + kTickLength + 5},
@@ -69,7 +69,7 @@ void ChartFrame::draw_x_axis(const Ruler& ruler, const std::string& label) {
 
 void ChartFrame::draw_y_axis(const Ruler& ruler, const std::string& label) {
   for (const Tick& tick : ruler.ticks(kMostTicks)) {
-    const double y = plot_.high.y - ruler.share(tick.value) * plot_.height();
+    const double y = plot_.high.y - ruler.fraction(tick.value) * plot_.height();
     canvas_.line({{plot_.low.x, y}, {plot_.high.x, y}}, kGridInk, 1, Stroke::solid);
     canvas_.line({{plot_.low.x - kTickLength, y}, {plot_.low.x, y}}, kInk, 1, Stroke::solid);
     canvas_.text({plot_.low.x - kTickLength - 4, y}, tick.text, {.size = kTickText, .across = 1});

@@ -1,4 +1,4 @@
-// What charts have in common: title, axes with ticks, legend.
+// Title, axes with ticks, and legend of a chart.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ struct LegendEntry {
   bool filled = false;  ///< a tinted box instead
 };
 
-/// Where things go on the sheet; all in pixels.
+/// The layout of a chart, in pixels.
 class ChartFrame {
  public:
-  /// `row_texts`: what stands before the rows of a bar chart; empty: y has ticks.
+  /// `left_margin`: width of the texts beside the plot. `y_label`: whether y has a label.
   ChartFrame(Canvas& canvas,
              PictureSize size,
              const std::string& title,
@@ -35,7 +35,7 @@ class ChartFrame {
   void draw_border();
 
  private:
-  void draw_legend(const std::vector<LegendEntry>& legend, Place at);
+  void draw_legend(const std::vector<LegendEntry>& legend, Point2 at);
 
   Canvas& canvas_;
   Box2 plot_;

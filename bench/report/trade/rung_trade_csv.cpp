@@ -65,12 +65,12 @@ void add_times(const RungTradeResults& results, Rows& rows) {
 
 void add_depth(const RungError& error,
                const std::string& against,
-               const DepthSpread& spread,
+               const RangeError& spread,
                Rows& rows) {
   const std::string rung = sim::to_string(error.rung);
   rows.add("error", error.body, rung, against + " median", spread.median_mm, "mm");
-  rows.add("error", error.body, rung, against + " median size", spread.median_size_mm, "mm");
-  rows.add("error", error.body, rung, against + " p95 size", spread.p95_size_mm, "mm");
+  rows.add("error", error.body, rung, against + " median size", spread.median_abs_mm, "mm");
+  rows.add("error", error.body, rung, against + " p95 size", spread.p95_abs_mm, "mm");
   rows.add("error", error.body, rung, against + " missed", spread.missed_percent, "%");
   rows.add("error", error.body, rung, against + " sticks", static_cast<double>(spread.n), "1");
 }

@@ -54,11 +54,10 @@ Figure draw_trade(const RungTradeResults& results) {
           {time.first_ms.median / results.sound_ms, highest, sim::to_string(time.rung)});
     }
   }
-  return {
-      "rungs",
-      "Each rung's time for a volume of a new seed, as a share of the sound's, against how far its "
-      "mean image lies from that of the rung above.",
-      draw(chart, {700, 420})};
+  return {"rungs",
+          "Each rung's time for a volume of a new seed, as a share of the sound's, against how far "
+          "its mean image lies from that of the rung above.",
+          draw(chart, {700, 420})};
 }
 
 Figure draw_stages(const RungTradeResults& results) {
@@ -73,11 +72,11 @@ Figure draw_stages(const RungTradeResults& results) {
   for (const std::string& name : names) {
     BarPart part{name, {}};
     for (const StageTimes& stages : results.stages) {
-      double share = 0;
+      double percent = 0;
       for (const auto& [stage, ms] : stages.stages) {
-        if (stage == name) share = 100 * ms / stages.total_ms();
+        if (stage == name) percent = 100 * ms / stages.total_ms();
       }
-      part.values.push_back(share);
+      part.values.push_back(percent);
     }
     chart.parts.push_back(part);
   }

@@ -32,7 +32,7 @@ Json trade_json(const RungTradeResults& results) {
     if (error == nullptr) continue;
     all.push_back({sim::to_string(time.rung),
                    time.first_ms.median / results.sound_ms,
-                   error->against_truth.p95_size_mm});
+                   error->against_truth.p95_abs_mm});
   }
   for (const Point& point : all) {
     points.push_back({{"settings", {{"simulation.fidelity", point.rung}}},

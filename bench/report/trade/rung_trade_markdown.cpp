@@ -44,14 +44,12 @@ void write_trade(const RungTradeResults& results, std::ostream& markdown) {
   markdown
       << "\n## Time and error\n\n"
          "Error against the truth: where a stick first shows tissue (mean of three samples above "
-         "0.3 "
-         "of the display) less where it meets the surface. Error against the rung above: the same "
-         "between the two, and the difference of what is displayed, averaged over the seeds, where "
-         "either shows anything.\n\n"
+         "0.3 of the display) less where it meets the surface. Error against the rung above: the "
+         "same between the two, and the difference of what is displayed, averaged over the seeds, "
+         "where either shows anything.\n\n"
          "| body | rung | first volume, ms | times real time | surface against truth: median, P95, "
-         "mm; "
-         "missed | surface against the rung above: median, P95, mm | image against the rung above: "
-         "RMS, dB; correlation |\n| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
+         "mm; missed | surface against the rung above: median, P95, mm | image against the rung "
+         "above: RMS, dB; correlation |\n| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
   for (const RungError& error : results.errors) {
     const RungTime* time = time_of(results, error.rung);
     const bool timed = time != nullptr && error.body == results.phantom;
@@ -59,10 +57,10 @@ void write_trade(const RungTradeResults& results, std::ostream& markdown) {
              << (timed ? fixed(time->first_ms.median, 0) : "") << " | "
              << (timed ? times_real_time(time->first_ms.median, results.sound_ms) : "") << " | "
              << fixed(error.against_truth.median_mm, 2) << ", "
-             << fixed(error.against_truth.p95_size_mm, 2) << "; "
+             << fixed(error.against_truth.p95_abs_mm, 2) << "; "
              << fixed(error.against_truth.missed_percent, 1) << " % | "
-             << (error.against_above ? fixed(error.against_above->median_size_mm, 2) + ", " +
-                                           fixed(error.against_above->p95_size_mm, 2)
+             << (error.against_above ? fixed(error.against_above->median_abs_mm, 2) + ", " +
+                                           fixed(error.against_above->p95_abs_mm, 2)
                                      : "none above")
              << " | "
              << (error.image_rms_db
@@ -73,8 +71,7 @@ void write_trade(const RungTradeResults& results, std::ostream& markdown) {
   const Spread& reference = results.small_reference.first_ms;
   const Spread& scatterers = results.small_scatterers.first_ms;
   markdown << "\n`reference` sums over the probe's elements and is for small scenes: on the sheet "
-              "above (4 "
-              "sticks) a volume takes "
+              "above (4 sticks) a volume takes "
            << spread_text(reference) << " ms, against " << spread_text(scatterers, 1)
            << " ms by `scatterers`, " << fixed(reference.median / scatterers.median, 0)
            << " times as long (" << kSmallRepeats << " repeats).\n";
@@ -84,17 +81,13 @@ void write_times(const RungTradeResults& results, std::ostream& markdown) {
   markdown
       << "\n## Time of a volume\n\n"
          "Map: the phantom's surfaces brought onto one lattice, once for a phantom. Once for a "
-         "seed: "
-         "tables, even speckle and, as nothing moves, all echoes. Still: a further volume, its "
-         "noise "
-         "and receive chain. Moving: of "
+         "seed: tables, even speckle and, as nothing moves, all echoes. Still: a further volume, "
+         "its noise and receive chain. Moving: of "
       << kVolumesInARow
-      << " volumes in a row of the phantom on a path, each; bending: and its head "
-         "turning. "
-         "Behind a slash: times real time.\n\n"
+      << " volumes in a row of the phantom on a path, each; bending: and its head turning. Behind "
+         "a slash: times real time.\n\n"
          "| rung | map, ms | once for a seed, ms | first volume, ms | further still volume, ms | "
-         "moving, "
-         "ms | bending, ms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
+         "moving, ms | bending, ms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
   for (const RungTime& time : results.times) {
     const auto cell = [&](const Spread& ms) {
       return spread_text(ms) + " / " + times_real_time(ms.median, results.sound_ms);
@@ -104,14 +97,11 @@ void write_times(const RungTradeResults& results, std::ostream& markdown) {
              << cell(time.still_ms) << " | " << cell(time.moving_ms) << " | "
              << cell(time.bending_ms) << " |\n";
   }
-  markdown
-      << "\nThe floor is the design's estimate for two AVX2 cores: 10 ms for the 1.21 million "
-         "samples of "
-         "a volume of `field` (50 multiplications and additions a sample, look-ups, hashes), 0.2 "
-         "s for "
-         "47 million scatterers' echoes.\n\n"
-         "| rung | floor, ms | moving volume over floor | first volume over floor |\n"
-         "| --- | ---: | ---: | ---: |\n";
+  markdown << "\nThe floor is the design's estimate for two AVX2 cores: 10 ms for the 1.21 million "
+              "samples of a volume of `field` (50 multiplications and additions a sample, "
+              "look-ups, hashes), 0.2 s for 47 million scatterers' echoes.\n\n"
+              "| rung | floor, ms | moving volume over floor | first volume over floor |\n"
+              "| --- | ---: | ---: | ---: |\n";
   for (const RungTime& time : results.times) {
     const double floor = floor_ms(time.rung, results);
     if (floor == 0) continue;
@@ -122,11 +112,10 @@ void write_times(const RungTradeResults& results, std::ostream& markdown) {
 }
 
 void write_stages(const RungTradeResults& results, std::ostream& markdown) {
-  markdown
-      << "\n## Where the time goes\n\n"
-         "CPU time of a moving volume on one thread; the simulator's own stages, called one by "
-         "one.\n\n"
-         "| rung | stage | CPU, ms | share |\n| --- | --- | ---: | ---: |\n";
+  markdown << "\n## Where the time goes\n\n"
+              "CPU time of a moving volume on one thread; the simulator's own stages, called one "
+              "by one.\n\n"
+              "| rung | stage | CPU, ms | share |\n| --- | --- | ---: | ---: |\n";
   for (const StageTimes& stages : results.stages) {
     for (const auto& [name, ms] : stages.stages) {
       markdown << "| " << sim::to_string(stages.rung) << " | " << name << " | " << fixed(ms, 1)

@@ -111,17 +111,15 @@ StudyReport attenuation_report(const AttenuationInputs& inputs) {
                             draw(slope, {700, 360})});
   report.figures.push_back(
       {"attenuation_shadow",
-       "Left: behind the phantom bone_plate. Right: behind the phantom cyst. "
-       "Both against the same tissue without it.",
+       "Left: behind the phantom bone_plate. Right: behind the phantom cyst. Both against the same "
+       "tissue without it.",
        side_by_side({draw(shadow, {560, 360}), draw(enhancement, {560, 360})})});
   report.text =
       "Linear envelope, no time gain, no noise, no interface echoes. Slope: even soft tissue, the "
       "mean intensity over all sticks at each range, a line through its logarithm from 20 to 120 "
-      "mm. "
-      "Bone and cyst: sticks within 3 degrees of the axis, mean intensity from 2 to 30 mm behind "
-      "the "
-      "body over that of the same tissue without it; the closed form takes each stick's own way "
-      "through the body, and reflection at normal incidence.";
+      "mm. Bone and cyst: sticks within 3 degrees of the axis, mean intensity from 2 to 30 mm "
+      "behind the body over that of the same tissue without it; the closed form takes each stick's "
+      "own way through the body, and reflection at normal incidence.";
   return report;
 }
 

@@ -26,7 +26,7 @@ const Direction kDirections[] = {{"axial", &PointResult::axial, axial_m},
                                  {"lateral", &PointResult::lateral, sim::lateral_fwhm_m},
                                  {"elevation", &PointResult::elevation, sim::elevation_fwhm_m}};
 
-/// One rung as it was asked for, and what it found in focus and by the default probe.
+/// A rung with its results, in focus and with the foci of the default probe.
 struct Variant {
   std::string name;
   sim::Rung rung;
@@ -57,7 +57,7 @@ Check width_check(const std::string& name,
           tolerance * expected_m * 1e3,
           "mm",
           source,
-          static_cast<long>(profile.place_m.size()),
+          static_cast<long>(profile.offset_m.size()),
           "places",
           {}};
 }
@@ -101,11 +101,11 @@ void add_points(const Variant& variant, StudyReport& report) {
     for (const Direction& direction : kDirections) {
       const Profile& profile = result.*direction.profile;
       const double sigma = sim::sigma_of_fwhm(profile.formula_m);
-      for (std::size_t i = 0; i < profile.place_m.size(); ++i) {
-        const double u = profile.place_m[i] / sigma;
+      for (std::size_t i = 0; i < profile.offset_m.size(); ++i) {
+        const double u = profile.offset_m[i] / sigma;
         report.points.push_back({variant.name + " " + direction.name + " " + in_mm(result.range_m),
                                  "offset_mm",
-                                 profile.place_m[i] * 1e3,
+                                 profile.offset_m[i] * 1e3,
                                  "amplitude",
                                  profile.amplitude[i],
                                  std::exp(-0.5 * u * u)});
@@ -125,9 +125,9 @@ Picture3 draw_profiles(const Direction& direction, const std::vector<Variant>& v
     Series formula{in_mm(first[depth].range_m) + ", formula"};
     formula.colour = colour;
     const double sigma = sim::sigma_of_fwhm(profile.formula_m);
-    for (const double place : profile.place_m) {
-      formula.x.push_back(place * 1e3);
-      formula.y.push_back(std::exp(-0.5 * place * place / sigma / sigma));
+    for (const double offset_m : profile.offset_m) {
+      formula.x.push_back(offset_m * 1e3);
+      formula.y.push_back(std::exp(-0.5 * offset_m * offset_m / sigma / sigma));
     }
     chart.series.push_back(formula);
     for (const Variant& variant : variants) {
@@ -139,8 +139,8 @@ Picture3 draw_profiles(const Direction& direction, const std::vector<Variant>& v
                     Stroke::none,
                     variant.mark,
                     colour};
-      for (std::size_t i = 0; i < found.place_m.size(); i += 2) {
-        series.x.push_back(found.place_m[i] * 1e3);
+      for (std::size_t i = 0; i < found.offset_m.size(); i += 2) {
+        series.x.push_back(found.offset_m[i] * 1e3);
         series.y.push_back(found.amplitude[i]);
       }
       chart.series.push_back(series);
@@ -213,15 +213,12 @@ StudyReport point_target_report(const PointInputs& inputs) {
        draw_widths(variants)});
   report.text =
       "One scatterer in the open, on the axis of the probe, seen by sticks that turn past it: in "
-      "the "
-      "image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
+      "the image plane, and about the motor's axis. It is heard by the rungs' own sums of echoes "
       "(`sim::ScattererField`, `sim::ReferenceScene`), with nothing else around. The formulas are "
       "those of `sim/beam/point_spread.h`. First both foci are put at the scatterer's depth, where "
-      "the "
-      "formulas are closed forms of diffraction, with the directivity of elements on a curved face "
-      "in the lateral one. Then the foci stay at 75 mm, and `scatterers` is held against "
-      "`reference`; "
-      "the formulas, which `field` uses, are an approximation there.";
+      "the formulas are closed forms of diffraction, with the directivity of elements on a curved "
+      "face in the lateral one. Then the foci stay at 75 mm, and `scatterers` is held against "
+      "`reference`; the formulas, which `field` uses, are an approximation there.";
   return report;
 }
 

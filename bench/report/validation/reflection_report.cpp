@@ -16,7 +16,7 @@ double db(double amplitude) {
   return 20 * std::log10(amplitude);
 }
 
-/// The point that is farthest from the model.
+/// The point of the largest distance.
 template <class Distance>
 const AnglePoint& worst(const std::vector<AnglePoint>& points, const Distance& distance) {
   return *std::max_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
@@ -162,21 +162,15 @@ StudyReport reflection_report(const ReflectionInputs& inputs) {
   report.figures.push_back(
       {"reflection",
        "Left: fluid to smooth soft tissue, a lobe of 3 degrees. Right: fluid to smooth bone with "
-       "the "
-       "lobe divided out, and fluid to rough soft tissue, the mean of its diffuse echo.",
+       "the lobe divided out, and fluid to rough soft tissue, the mean of its diffuse echo.",
        side_by_side({draw_lobe(lobe_points), draw_wide(bone, diffuse[0], diffuse[1])})});
   report.text =
       "The phantom plane with nothing inside, no losses on the way. Specular: its face is smooth, "
-      "it is "
-      "tilted about x and y in turn, and the stick on the axis looks at it; the largest echo is "
-      "that of "
-      "one pulse. With bone the lobe is made as wide as options allow and divided out, which "
-      "leaves "
-      "Fresnel's |R| up to total reflection. Diffuse: the face is rough, all sticks of a volume "
-      "look at "
-      "it, each at its own angle; the energy of their echoes, over the length of a pulse, is the "
-      "mean "
-      "power of the sheet, however the beam's width spreads it in range.";
+      "it is tilted about x and y in turn, and the stick on the axis looks at it; the largest echo "
+      "is that of one pulse. With bone the lobe is made as wide as options allow and divided out, "
+      "which leaves Fresnel's |R| up to total reflection. Diffuse: the face is rough, all sticks "
+      "of a volume look at it, each at its own angle; the energy of their echoes, over the length "
+      "of a pulse, is the mean power of the sheet, however the beam's width spreads it in range.";
   return report;
 }
 

@@ -9,10 +9,10 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kLeast = 0.98;
-/// With the main lobe alone: what leaving out the side lobes costs in tissue wider than the beam.
+/// Main lobe alone: lower, as the side lobes are missing in tissue wider than the beam.
 constexpr double kLeastMainLobe = 0.96;
-/// Away from both foci pulses from the apertures' edges come apart from those from their middle,
-/// which a table of one delay and one slope over frequency does not follow.
+/// Away from the foci pulses from the edges of the apertures arrive later than those from their
+/// middle, which a table of one delay and one frequency slope does not reproduce.
 constexpr double kLeastUnfocused = 0.95;
 
 double least(bool side_lobes, double range_m) {
@@ -27,10 +27,8 @@ std::string text_of(const AgreementInputs& inputs) {
        << 2e3 * inputs.half_width_m << " mm wide in fluid, across the axis, seen by "
        << inputs.sticks << " sticks over " << inputs.sector_rad / kDegree
        << " degrees. Both rungs hear the same scatterers. `scatterers` looks up the beam in a "
-          "table, "
-          "its main lobe alone or with side lobes; `reference` sums over the elements, there and "
-          "back, "
-          "at each frequency of the band.";
+          "table, its main lobe alone or with side lobes; `reference` sums over the elements, "
+          "there and back, at each frequency of the band.";
   return text.str();
 }
 

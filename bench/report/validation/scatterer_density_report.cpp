@@ -70,8 +70,7 @@ StudyReport scatterer_density_report(const DensityInputs& inputs) {
        intensity_snr(worst->effective),
        kTolerance,
        "1",
-       "1 / sqrt(1 + 1/N), N scatterers at Poisson's random, at the density that "
-       "fits worst",
+       "1 / sqrt(1 + 1/N), N scatterers at Poisson's random, at the density that fits worst",
        worst->n,
        "independent samples",
        inputs.speckle.seeds});

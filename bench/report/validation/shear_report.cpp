@@ -65,14 +65,10 @@ StudyReport shear_report(const ShearInputs& inputs) {
   }
   report.text =
       "A sphere of 20 mm on a straight path at 14 mm/s, seen by a motor that steps, and by one "
-      "that "
-      "sweeps back; and one that breathes while the motor turns. Stick number n looks at n times 2 "
-      "d / "
-      "c. Its front is where the first sample shows tissue; the closed form is a line through a "
-      "ball "
-      "whose centre the motion's formula gives at that time. A still sphere would be wrong by up "
-      "to the "
-      "shear in the CSV file.";
+      "that sweeps back; and one that breathes while the motor turns. Stick number n looks at n "
+      "times 2 d / c. Its front is where the first sample shows tissue; the closed form is a line "
+      "through a ball whose centre the motion's formula gives at that time. A still sphere would "
+      "be wrong by up to the shear in the CSV file.";
   return report;
 }
 

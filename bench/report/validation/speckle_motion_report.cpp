@@ -18,8 +18,7 @@ StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs) {
   report.title = "Speckle moves with the tissue";
   std::ostringstream table;
   table << "| rung | motion | shift at 75 mm | correlation at the place it moved to | at the place "
-           "it "
-           "was |\n| --- | --- | ---: | ---: | ---: |\n";
+           "it was |\n| --- | --- | ---: | ---: | ---: |\n";
   for (const sim::Rung rung : {sim::Rung::scatterers, sim::Rung::field}) {
     for (const MotionResult& found : measure_speckle_motion(rung, inputs)) {
       const std::string series = sim::to_string(rung) + ", " + found.motion;
@@ -46,11 +45,10 @@ StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs) {
   }
   report.text =
       "Tissue moves so that in the second volume each stick sees exactly what it, or its "
-      "neighbour, "
-      "saw in the first: along the axis by whole samples; in the image plane by one stick; across "
-      "image planes by one frame. The time from one look to the other is that of the sticks "
-      "themselves. `field`'s speckle belongs to the probe's grid and stays where it is: it is here "
-      "for contrast, and is why `auto` takes `scatterers` for a phantom that moves.\n\n" +
+      "neighbour, saw in the first: along the axis by whole samples; in the image plane by one "
+      "stick; across image planes by one frame. The time from one look to the other is that of the "
+      "sticks themselves. `field`'s speckle belongs to the probe's grid and stays where it is: it "
+      "is here for contrast, and is why `auto` takes `scatterers` for a phantom that moves.\n\n" +
       table.str();
   return report;
 }

@@ -129,17 +129,12 @@ StudyReport speckle_size_report(const SpeckleSizeInputs& inputs) {
   report.text =
       "Even tissue, scanned densely in one direction and sparsely in the others. The normalised "
       "autocovariance of the intensity of circular Gaussian speckle is the squared magnitude of "
-      "the "
-      "point spread's autocorrelation. For the Gaussian point spread of `field` it is as wide, at "
-      "half maximum, as the point spread's amplitude. The beam of `scatterers` comes from "
-      "rectangular "
-      "apertures: its expected width is that of the autocorrelation of the apertures' two-way "
-      "response "
-      "(sim/beam/beam_pattern.h) over the pulse's band. With side lobes it has that width; its "
-      "main "
-      "lobe "
-      "alone, the default, makes speckle up to a tenth smaller, which is what leaving them out "
-      "costs.";
+      "the point spread's autocorrelation. For the Gaussian point spread of `field` it is as wide, "
+      "at half maximum, as the point spread's amplitude. The beam of `scatterers` comes from "
+      "rectangular apertures: its expected width is that of the autocorrelation of the apertures' "
+      "two-way response (sim/beam/beam_pattern.h) over the pulse's band. With side lobes it has "
+      "that width; its main lobe alone, the default, makes speckle up to a tenth smaller, which is "
+      "what leaving them out costs.";
   return report;
 }
 

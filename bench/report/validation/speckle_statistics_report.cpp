@@ -13,8 +13,7 @@ constexpr double kSnrTolerance = 0.02;
 constexpr double kMeanTolerance = 0.02;
 constexpr int kMostRejected = 1;
 
-/// Share of envelopes in each bin over the bin's width; amplitudes over the root of the mean
-/// square.
+/// Probability density of the envelope over its RMS.
 Series histogram(const std::string& name, const SpeckleResult& result) {
   constexpr int kBins = 40;
   constexpr double kHighest = 3;
@@ -133,20 +132,19 @@ StudyReport speckle_statistics_report(const SpeckleInputs& inputs) {
   report.figures.push_back(
       {"speckle", "Histogram of the envelope, all seeds, on Rayleigh's density.", draw(chart)});
   std::ostringstream text;
-  text
-      << "Tissue without losses, seen by " << inputs.acquisition.sticks_per_frame << " x "
-      << inputs.acquisition.frames_per_volume << " sticks, " << 1e3 * inputs.from_m << " to "
-      << 1e3 * inputs.to_m << " mm from the face, one sample in every " << 1e3 * inputs.step_m
-      << " mm: sticks and samples are farther apart than the point spread is wide, so that samples "
-         "are independent. Linear envelope without low-pass and noise; "
-      << inputs.scatterers_per_cell
-      << " scatterers in the smallest resolution cell. The scale of Rayleigh's distribution is "
-         "taken from the same samples, for which Kolmogorov's own table would be too lenient: "
-         "critical distances are those of an exponential of unknown mean (the envelope's square), "
-         "Stephens, J. Am. Stat. Assoc. 69, 730 (1974).\n\n"
-         "A finite number of scatterers is not quite Rayleigh: with N in the beam's effective "
-         "volume the distribution departs by 0.115/N (the first term of its Laguerre series), so "
-         "that any density is told from Rayleigh by enough samples.";
+  text << "Tissue without losses, seen by " << inputs.acquisition.sticks_per_frame << " x "
+       << inputs.acquisition.frames_per_volume << " sticks, " << 1e3 * inputs.from_m << " to "
+       << 1e3 * inputs.to_m << " mm from the face, one sample in every " << 1e3 * inputs.step_m
+       << " mm: sticks and samples are farther apart than the point spread is wide, so that "
+          "samples are independent. Linear envelope without low-pass and noise; "
+       << inputs.scatterers_per_cell
+       << " scatterers in the smallest resolution cell. The scale of Rayleigh's distribution is "
+          "taken from the same samples, for which Kolmogorov's own table would be too lenient: "
+          "critical distances are those of an exponential of unknown mean (the envelope's square), "
+          "Stephens, J. Am. Stat. Assoc. 69, 730 (1974).\n\n"
+          "A finite number of scatterers is not quite Rayleigh: with N in the beam's effective "
+          "volume the distribution departs by 0.115/N (the first term of its Laguerre series), so "
+          "that any density is told from Rayleigh by enough samples.";
   report.text = text.str();
   return report;
 }

@@ -51,15 +51,14 @@ void write_summary(const std::vector<StudyReport>& reports,
   std::size_t count = 0;
   for (const auto& report : reports) count += report.checks.size();
   const int failed = failed_checks(reports);
-  markdown
-      << "# Validation of the simulated probe\n\n"
-      << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
-      << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
-      << " threads. Every point is in `validation.csv`, every check in `report.json`. Expected "
-         "values are closed forms or published ones; the studies hold no model of their own. "
-         "Numbers in brackets are those of `docs/references.md`.\n\n"
-      << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
-      << " failed.\n";
+  markdown << "# Validation of the simulated probe\n\n"
+           << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+           << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+           << " threads. Every point is in `validation.csv`, every check in `report.json`. "
+              "Expected values are closed forms or published ones; the studies hold no model of "
+              "their own. Numbers in brackets are those of `docs/references.md`.\n\n"
+           << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, "
+           << failed << " failed.\n";
   if (failed > 0) markdown << "\nFailed:\n\n";
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {

@@ -22,7 +22,7 @@ const std::vector<NamedStudy>& validation_studies();
 /// Runs one. An exception becomes a failed check.
 StudyReport run_study(const NamedStudy& study);
 
-int failed_checks(const std::vector<StudyReport>& reports);
+[[nodiscard]] int failed_checks(const std::vector<StudyReport>& reports);
 
 /// "1.869; 1.913 +- 0.02 expected (…); n = …; seeds …"
 std::string describe(const Check& check);

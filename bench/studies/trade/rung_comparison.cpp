@@ -10,7 +10,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// The design's estimates.
+/// Estimates of docs/architecture.md.
 constexpr double kFieldFloor_ms = 10, kFieldSamples = 1.21e6;
 constexpr double kScattererFloor_ms = 200, kScatterers = 47e6;
 

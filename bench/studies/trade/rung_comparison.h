@@ -14,10 +14,10 @@
 
 namespace wobblebench::bench {
 
-/// The rungs that scan whole volumes, from the lowest.
+/// The rungs that scan whole volumes, in rising order.
 const std::vector<sim::Rung>& volume_rungs();
 
-/// Largest resident size of a process that builds the phantom, and then scans it.
+/// Peak resident size of a process that builds the phantom and then scans it.
 struct MemoryPeak {
   std::string what;
   double bytes = 0;
@@ -31,8 +31,8 @@ struct RungFrame {
 
 struct RungTradeResults {
   std::string phantom;
-  double sound_ms = 0;  ///< that a volume's sound takes
-  double samples = 0;   ///< of a volume
+  double sound_ms = 0;  ///< acquisition time of a volume
+  double samples = 0;   ///< per volume
   int repeats = 0;
   std::vector<std::uint64_t> seeds;
   std::vector<MemoryPeak> memory;
@@ -40,22 +40,21 @@ struct RungTradeResults {
   std::vector<StageTimes> stages;
   std::vector<GrowthPoint> growth;
   std::vector<RungError> errors;
-  VolumeTime small_scatterers;  ///< of the small scene that `reference` can sum
+  VolumeTime small_scatterers;  ///< of small_sheet()
   VolumeTime small_reference;
   std::vector<RungFrame> frames;  ///< the middle one of the phantom
 };
 
-/// A sheet of tissue across the axis under a few sticks: what `reference` sums in seconds.
+/// A sheet of tissue across the axis under a few sticks: small enough for `reference`.
 TradeScene small_sheet(const sim::SimulationOptions& options);
-/// A volume of it takes `reference` two seconds, so it is timed this often, after one uncounted.
+/// Repeats after one warm-up; `reference` takes two seconds for a volume.
 inline constexpr int kSmallRepeats = 3;
 
-/// Least time that the design allows for (docs/architecture.md names the estimates): two AVX2
-/// cores, 10 ms for the 1.21 million samples of a volume of `field`, 0.2 s for 47 million
-/// scatterers.
+/// Estimated lower bound of the time of a volume on two AVX2 cores (docs/architecture.md): 10 ms
+/// for the 1.21 million samples of `field`, 0.2 s for 47 million scatterers. 0: no estimate.
 double floor_ms(sim::Rung rung, const RungTradeResults& results);
 
-/// One frame as a picture: the sector in its plane, grey as displayed.
+/// One frame, scan-converted in its plane: grey values as displayed, white outside the sector.
 Image<float> frame_picture(const hw::AcquisitionPlan& plan,
                            const std::vector<float>& volume,
                            int frame,

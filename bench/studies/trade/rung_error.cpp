@@ -14,18 +14,18 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Of the mean of three samples, as displayed.
+/// Displayed value of the mean of three samples from which on it is a surface.
 constexpr double kSurfaceLevel = 0.3;
 const double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A stick in the phantom's frame, and where its search for a surface begins.
+/// A stick in the phantom frame, and the range where the search for a surface begins.
 struct Search {
   hw::Ray ray;
   double from_m;
 };
 
-Search search(const TradeScene& scene, int place) {
-  const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
+Search search_along(const TradeScene& scene, int stick) {
+  const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
   const auto ray = scene.plan.geometry().stick(scene.plan.theta_rad(static_cast<int>(index.line)),
                                                scene.plan.motor_angle_rad(index));
   const hw::Ray here{scene.subject.placement.to_phantom(ray.origin),
@@ -34,14 +34,14 @@ Search search(const TradeScene& scene, int place) {
   return {here, std::max(0.0, (front_z - here.origin.z) / here.direction.z)};
 }
 
-/// What one rung shows of a scene.
-struct Shown {
+/// The displayed volume of a scene on one rung.
+struct RungImage {
   sim::Rung rung;
-  std::vector<double> surface_m;  ///< of each stick
-  std::vector<double> mean;       ///< of each sample
+  std::vector<double> surface_m;  ///< range on each stick; NaN: none
+  std::vector<double> mean;       ///< of each sample, over the seeds
 };
 
-double found_m(const hw::AcquisitionPlan& plan, const float* stick, double from_m) {
+double detected_range_m(const hw::AcquisitionPlan& plan, const float* stick, double from_m) {
   const int samples = plan.acquisition().samples_per_stick;
   const auto mean = [&](int k) {
     return (static_cast<double>(stick[k - 1]) + static_cast<double>(stick[k]) +
@@ -51,16 +51,18 @@ double found_m(const hw::AcquisitionPlan& plan, const float* stick, double from_
   const int first = std::max(1, static_cast<int>(from_m / plan.sample_spacing_m()) + 1);
   for (int k = first + 1; k + 1 < samples; ++k) {
     const double before = mean(k - 1), here = mean(k);
-    if (before >= kSurfaceLevel) return kNone;  // it began in tissue
+    if (before >= kSurfaceLevel) return kNone;  // starts in tissue
     if (here < kSurfaceLevel) continue;
-    const double share = (kSurfaceLevel - before) / (here - before);
-    return plan.sample_range_m(k - 1) + share * plan.sample_spacing_m();
+    const double fraction = (kSurfaceLevel - before) / (here - before);
+    return plan.sample_range_m(k - 1) + fraction * plan.sample_spacing_m();
   }
   return kNone;
 }
 
-Shown show(const TradeScene& scene, sim::Rung rung, const std::vector<std::uint64_t>& seeds) {
-  Shown shown{rung, {}, {}};
+RungImage scan_rung(const TradeScene& scene,
+                    sim::Rung rung,
+                    const std::vector<std::uint64_t>& seeds) {
+  RungImage image{rung, {}, {}};
   // Nothing in geometry is random.
   const std::size_t count = rung == sim::Rung::geometry ? 1 : seeds.size();
   for (std::size_t s = 0; s < count; ++s) {
@@ -68,49 +70,50 @@ Shown show(const TradeScene& scene, sim::Rung rung, const std::vector<std::uint6
     options.fidelity = rung;
     options.seed = seeds[s];
     const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
-    shown.mean.resize(volume.size(), 0.0);
+    image.mean.resize(volume.size(), 0.0);
     for (std::size_t i = 0; i < volume.size(); ++i) {
-      shown.mean[i] += static_cast<double>(volume[i]) / static_cast<double>(count);
+      image.mean[i] += static_cast<double>(volume[i]) / static_cast<double>(count);
     }
     if (s > 0) continue;
     const auto samples = static_cast<std::size_t>(scene.plan.acquisition().samples_per_stick);
-    for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
-      shown.surface_m.push_back(found_m(scene.plan,
-                                        volume.data() + static_cast<std::size_t>(place) * samples,
-                                        search(scene, place).from_m));
+    for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
+      image.surface_m.push_back(
+          detected_range_m(scene.plan,
+                           volume.data() + static_cast<std::size_t>(stick) * samples,
+                           search_along(scene, stick).from_m));
     }
   }
-  return shown;
+  return image;
 }
 
-DepthSpread spread(const std::vector<double>& found, const std::vector<double>& wanted) {
-  std::vector<double> signed_mm, size_mm;
+RangeError range_error(const std::vector<double>& detected, const std::vector<double>& expected) {
+  std::vector<double> signed_mm, abs_mm;
   long missed = 0;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (std::isnan(wanted[i])) continue;
-    if (std::isnan(found[i])) {
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (std::isnan(expected[i])) continue;
+    if (std::isnan(detected[i])) {
       ++missed;
       continue;
     }
-    signed_mm.push_back((found[i] - wanted[i]) / kMillimetre);
-    size_mm.push_back(std::abs(signed_mm.back()));
+    signed_mm.push_back((detected[i] - expected[i]) / kMillimetre);
+    abs_mm.push_back(std::abs(signed_mm.back()));
   }
-  DepthSpread result;
-  result.n = static_cast<long>(size_mm.size());
-  if (size_mm.empty()) return result;
+  RangeError result;
+  result.n = static_cast<long>(abs_mm.size());
+  if (abs_mm.empty()) return result;
   result.median_mm = spread_of(signed_mm).median;
-  result.median_size_mm = spread_of(size_mm).median;
-  result.p95_size_mm = quantile_lower(size_mm, 0.95);
+  result.median_abs_mm = spread_of(abs_mm).median;
+  result.p95_abs_mm = quantile_lower(abs_mm, 0.95);
   result.missed_percent =
       100.0 * static_cast<double>(missed) / static_cast<double>(missed + result.n);
   return result;
 }
 
-/// Samples that one of the two images shows.
-struct BothImages {
+/// The samples that are above zero in one of two images.
+struct ImagePair {
   std::vector<double> a, b;
 
-  BothImages(const Shown& one, const Shown& other) {
+  ImagePair(const RungImage& one, const RungImage& other) {
     for (std::size_t i = 0; i < one.mean.size(); ++i) {
       if (one.mean[i] <= 0 && other.mean[i] <= 0) continue;
       a.push_back(one.mean[i]);
@@ -129,8 +132,8 @@ struct BothImages {
 std::vector<double> true_ranges(const TradeScene& scene) {
   const phantoms::SurfaceFinder finder(scene.subject.phantom);
   std::vector<double> ranges;
-  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
-    const Search at = search(scene, place);
+  for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
+    const Search at = search_along(scene, stick);
     const auto hit = finder.first_hit(
         at.ray.origin, at.ray.direction, at.from_m, scene.plan.acquisition().depth_m);
     ranges.push_back(hit ? hit->distance_m : kNone);
@@ -143,16 +146,16 @@ std::vector<RungError> measure_rung_errors(const std::string& body,
                                            const std::vector<sim::Rung>& rungs,
                                            const std::vector<std::uint64_t>& seeds) {
   const auto truth = true_ranges(scene);
-  std::vector<Shown> shown;
-  for (const sim::Rung rung : rungs) shown.push_back(show(scene, rung, seeds));
+  std::vector<RungImage> images;
+  for (const sim::Rung rung : rungs) images.push_back(scan_rung(scene, rung, seeds));
   std::vector<RungError> errors;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    RungError error{body, shown[i].rung, spread(shown[i].surface_m, truth), {}, {}, {}};
-    if (i + 1 < shown.size()) {
-      const BothImages images(shown[i], shown[i + 1]);
-      error.against_above = spread(shown[i].surface_m, shown[i + 1].surface_m);
-      error.image_rms_db = images.rms() * scene.options.dynamic_range_db;
-      error.image_correlation = correlation(images.a, images.b);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    RungError error{body, images[i].rung, range_error(images[i].surface_m, truth), {}, {}, {}};
+    if (i + 1 < images.size()) {
+      const ImagePair pair(images[i], images[i + 1]);
+      error.against_above = range_error(images[i].surface_m, images[i + 1].surface_m);
+      error.image_rms_db = pair.rms() * scene.options.dynamic_range_db;
+      error.image_correlation = correlation(pair.a, pair.b);
     }
     errors.push_back(std::move(error));
   }

@@ -1,4 +1,4 @@
-// What a rung leaves out, as errors against the truth and against the rung above.
+// Errors of a rung against the truth and against the next higher rung.
 #pragma once
 
 #include <optional>
@@ -9,21 +9,21 @@
 
 namespace wobblebench::bench {
 
-/// Ranges of surfaces along sticks against others.
-struct DepthSpread {
-  double median_mm = 0;       ///< signed
-  double median_size_mm = 0;  ///< of the absolute differences
-  double p95_size_mm = 0;
+/// Detected ranges of a surface along sticks less the expected ones.
+struct RangeError {
+  double median_mm = 0;      ///< signed
+  double median_abs_mm = 0;  ///< of the absolute differences
+  double p95_abs_mm = 0;
   long n = 0;
-  double missed_percent = 0;  ///< of the sticks that have one to find
+  double missed_percent = 0;  ///< of the sticks that meet the surface
 };
 
 struct RungError {
   std::string body;
   sim::Rung rung = sim::Rung::field;
-  DepthSpread against_truth;
-  /// Against the rung above; none for the highest.
-  std::optional<DepthSpread> against_above;
+  RangeError against_truth;
+  /// Against the next higher rung; none for the highest.
+  std::optional<RangeError> against_above;
   std::optional<double> image_rms_db;
   std::optional<double> image_correlation;
 };
@@ -31,9 +31,9 @@ struct RungError {
 /// The phantom's first target surface along each stick, from the front of its box of interest.
 std::vector<double> true_ranges(const TradeScene& scene);
 
-/// `rungs` from the lowest. A surface is found where the mean of three samples first exceeds 0.3
-/// of the display, in the volume of the first seed. Images are the mean
-/// of what is displayed, over the seeds; they are compared where either shows anything.
+/// `rungs` in rising order. A surface is detected where the mean of three samples first exceeds 0.3
+/// of full scale, in the volume of the first seed. Images are means of the displayed values over
+/// the seeds, compared where either is above zero.
 std::vector<RungError> measure_rung_errors(const std::string& body,
                                            const TradeScene& scene,
                                            const std::vector<sim::Rung>& rungs,

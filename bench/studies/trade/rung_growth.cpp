@@ -14,7 +14,7 @@ namespace {
 
 /// A block wider and deeper than the field.
 const glm::dvec3 kHalf_m{0.14, 0.13, 0.11};
-constexpr double kVoxel_m = 4e-3;  // flat faces lose nothing by it
+constexpr double kVoxel_m = 4e-3;  // flat faces are exact at any voxel size
 
 TradeScene scene_with(const phantoms::Phantom& body,
                       double front_mm,
@@ -25,8 +25,8 @@ TradeScene scene_with(const phantoms::Phantom& body,
   return {phantoms::still_at(body, {0, 0, middle_m}), plan, options};
 }
 
-/// Of the samples of a volume, by the rung that shows tissue and nothing else.
-double tissue_share(const TradeScene& scene) {
+/// Fraction of the samples of a volume that are tissue, by rung `geometry`.
+double tissue_fraction(const TradeScene& scene) {
   auto options = scene.options;
   options.fidelity = sim::Rung::geometry;
   const auto samples = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
@@ -47,21 +47,21 @@ class Growth {
     for (const int size : sizes) {
       auto acquisition = inputs_.acquisition;
       acquisition.*field = size;
-      add(what, size, scene_with(body_, inputs_.usual_front_mm, acquisition, options_));
+      add(what, size, scene_with(body_, inputs_.base_front_mm, acquisition, options_));
     }
   }
   void vary_scatterers() {
     for (const double number : inputs_.scatterers) {
       auto options = options_;
       options.scatterers_per_cell = number;
-      const auto scene = scene_with(body_, inputs_.usual_front_mm, inputs_.acquisition, options);
+      const auto scene = scene_with(body_, inputs_.base_front_mm, inputs_.acquisition, options);
       measure("scatterers", number, scene, sim::Rung::scatterers);
     }
   }
   void vary_tissue() {
     for (const double front : inputs_.front_mm) {
       const auto scene = scene_with(body_, front, inputs_.acquisition, options_);
-      add("tissue", tissue_share(scene), scene);
+      add("tissue", tissue_fraction(scene), scene);
     }
   }
   std::vector<GrowthPoint> take() { return std::move(points_); }

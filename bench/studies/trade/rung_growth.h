@@ -1,4 +1,4 @@
-// How the time of a volume grows with what is asked of it.
+// Growth of the simulation time of a volume with its sizes.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace wobblebench::bench {
 
-/// Sizes are varied one at a time; the others stay at the scan that all share.
+/// Sizes are varied one at a time from one base scan.
 struct GrowthInputs {
   hw::AcquisitionOptions acquisition = {.sticks_per_frame = 32, .frames_per_volume = 12};
   std::vector<int> sticks = {16, 32, 64, 128};
@@ -17,13 +17,13 @@ struct GrowthInputs {
   std::vector<double> scatterers = {5, 10, 20, 40};
   /// Range of the tissue's front, mm; beyond the depth: fluid alone.
   std::vector<double> front_mm = {400, 130, 100, 70, 35, -50};
-  double usual_front_mm = 70;
-  int repeats = 9;  ///< of each point, after one that is not counted
+  double base_front_mm = 70;
+  int repeats = 9;  ///< of each point, after one warm-up
 };
 
 struct GrowthPoint {
   std::string what;  ///< "sticks", "frames", "samples", "scatterers", "tissue"
-  double size = 0;   ///< their number; of tissue: its share of the field's samples
+  double size = 0;   ///< their number; of tissue: its fraction of the samples
   sim::Rung rung = sim::Rung::field;
   VolumeTime time;
 };
@@ -32,8 +32,8 @@ std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
                                         const sim::SimulationOptions& options,
                                         const GrowthInputs& inputs);
 
-/// Exponent of median time over size among the points of one kind and rung: the slope of a line
-/// through their logarithms.
+/// Exponent of median time over size among the points of one kind and rung: least squares of their
+/// logarithms.
 double growth_exponent(const std::vector<GrowthPoint>& points,
                        const std::string& what,
                        sim::Rung rung,

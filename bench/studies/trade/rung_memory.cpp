@@ -15,8 +15,8 @@ namespace wobblebench::bench {
 
 namespace {
 
-[[noreturn]] void run_and_leave(const std::function<void()>& body) {
-  // Signals end a copy; cleaning up is the original's.
+[[noreturn]] void run_and_exit(const std::function<void()>& body) {
+  // A signal ends the fork without clean-up, which is the parent's task.
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   int code = 0;
@@ -32,12 +32,12 @@ namespace {
 }  // namespace
 
 double peak_memory_bytes(const std::function<void()>& body) {
-  const pid_t copy = ::fork();
-  if (copy < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
-  if (copy == 0) run_and_leave(body);
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
+  if (child == 0) run_and_exit(body);
   int status = 0;
   rusage usage{};
-  while (::wait4(copy, &status, 0, &usage) < 0) {
+  while (::wait4(child, &status, 0, &usage) < 0) {
     if (errno != EINTR) throw std::runtime_error(std::string("wait4: ") + std::strerror(errno));
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {

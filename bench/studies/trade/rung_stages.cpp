@@ -21,7 +21,7 @@ double cpu_ms() {
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-/// Adds the time that a call takes to `sum_ms`.
+/// Adds the CPU time of a call to `sum_ms`.
 template <class Body>
 void timed(double& sum_ms, const Body& body) {
   const double begin = cpu_ms();
@@ -42,9 +42,9 @@ StageTimes geometry_stages(const TradeScene& scene) {
   const auto subject = subject_of(scene, sim::Rung::geometry);
   double follow_ms = 0, all_ms = 0;
   sim::StickTrack track;
-  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
+  for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
     const auto line =
-        sim::stick_ray(scene.plan, scene.plan.index(static_cast<std::uint64_t>(place)));
+        sim::stick_ray(scene.plan, scene.plan.index(static_cast<std::uint64_t>(stick)));
     timed(follow_ms, [&] {
       sim::follow(subject, line, scene.plan.acquisition().depth_m, track, sim::Surfaces::crossed);
     });
@@ -99,8 +99,8 @@ void warm_up(const TradeScene& scene,
              const sim::ScattererField& scatterers,
              Worker& worker) {
   std::vector<std::complex<float>> iq(static_cast<std::size_t>(worker.samples));
-  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
-    const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
+  for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
+    const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
     const auto line = sim::stick_ray(scene.plan, index);
     sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
     worker.losses.compute(worker.track);
@@ -139,8 +139,8 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
   std::vector<float> samples(static_cast<std::size_t>(scene.plan.acquisition().samples_per_stick));
   if (scatterers) warm_up(scene, subject, make, *scatterers, worker);
   double follow_ms = 0, losses_ms = 0, tissue_ms = 0, all_ms = 0, receive_ms = 0;
-  for (int place = 0; place < scene.plan.sticks_per_volume(); ++place) {
-    const auto index = scene.plan.index(static_cast<std::uint64_t>(place));
+  for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
+    const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
     const auto line = sim::stick_ray(scene.plan, index);
     timed(follow_ms, [&] {
       sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
@@ -157,7 +157,7 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
       }
     });
     timed(all_ms, [&] { iq = make(index); });
-    timed(receive_ms, [&] { receiver.detect(iq, static_cast<std::uint64_t>(place), samples); });
+    timed(receive_ms, [&] { receiver.detect(iq, static_cast<std::uint64_t>(stick), samples); });
   }
   const double rest_ms = std::max(0.0, all_ms - follow_ms - losses_ms - tissue_ms);
   result.stages = {{"follow", follow_ms},

@@ -1,4 +1,4 @@
-// Where a rung's time goes, stage by stage along a stick's way.
+// CPU time of each stage of a rung.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,18 @@
 
 namespace wobblebench::bench {
 
-/// CPU milliseconds of one volume of a phantom on a path, on one thread.
+/// CPU time of one volume of a moving phantom on one thread.
 struct StageTimes {
   sim::Rung rung = sim::Rung::field;
-  std::vector<std::pair<std::string, double>> stages;  ///< in the order of the signal's way
-  double once_ms = 0;            ///< even speckle, or the beam's table: once for a probe and seed
-  std::uint64_t scatterers = 0;  ///< that contributed to a stick, over all sticks
+  std::vector<std::pair<std::string, double>> stages;  ///< in the order of the signal path
+  double once_ms = 0;  ///< homogeneous speckle or the beam's table: once per probe and seed
+  std::uint64_t scatterers = 0;  ///< echoes of single scatterers, over all sticks
 
   double total_ms() const;
 };
 
-/// Calls the stages that the simulator itself calls (sim/echo/stick_propagation.h,
-/// sim/echo/iq_model.h), one by one, with a clock between them; what it does besides is the rest.
+/// Times the stages that the simulator calls (sim/echo/stick_propagation.h, sim/echo/iq_model.h)
+/// one by one; "rest" is what remains of its total time.
 StageTimes measure_stages(const TradeScene& scene, sim::Rung rung);
 
 }  // namespace wobblebench::bench

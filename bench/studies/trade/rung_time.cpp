@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A millimetre from volume to volume, so that all of a study's see the same of the phantom.
+/// About a millimetre per volume: all volumes of a study show the same part of the phantom.
 phantoms::MotionOptions slow() {
   phantoms::MotionOptions options;
   options.velocity_m_s = {1e-3, -0.7e-3, 1.6e-3};
@@ -29,7 +29,7 @@ double volume_ms(const sim::ProbeSimulator& simulator, std::uint32_t index) {
   return milliseconds_since(begin);
 }
 
-/// Each of some volumes in a row, as a scan that goes on asks for them.
+/// Mean over kVolumesInARow consecutive volumes.
 double moving_volume_ms(const sim::ProbeSimulator& simulator, int repeat) {
   double sum_ms = 0;
   for (int i = 0; i < kVolumesInARow; ++i) {
@@ -46,7 +46,7 @@ sim::ProbeSimulator simulator(const TradeScene& scene,
   return {{scene.subject.phantom, scene.subject.placement, motion}, scene.plan, options};
 }
 
-/// One rung under measurement; what moves lives through all repeats.
+/// One rung under measurement; the simulators of moving phantoms are kept for all repeats.
 struct TimedRung {
   sim::Rung rung;
   std::unique_ptr<sim::ProbeSimulator> moving;

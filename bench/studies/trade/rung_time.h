@@ -1,4 +1,4 @@
-// What a volume costs on each rung of the simulator. Timings are measured, never asserted.
+// Simulation time of a volume on each rung. Measured, never asserted.
 #pragma once
 
 #include <cstdint>
@@ -12,39 +12,39 @@
 
 namespace wobblebench::bench {
 
-/// What is scanned in a trade, and how.
+/// A scan that all rungs are compared on.
 struct TradeScene {
   phantoms::PlacedPhantom subject;  ///< still
   hw::AcquisitionPlan plan;
-  sim::SimulationOptions options;  ///< but for the rung
+  sim::SimulationOptions options;  ///< the rung is overridden
 };
 
-/// A slow path, so that nothing of a volume is known from the one before.
+/// A slow translation, so that no echoes can be reused in the next volume.
 phantoms::Motion slow_path();
-/// The same with a turning joint, where the phantom has one: tissue that bends.
+/// The same with a turning joint, where the phantom has one: its tissue deforms.
 phantoms::Motion bending(const phantoms::Phantom& phantom);
 
-/// Moving volumes are timed this many in a row, and averaged: a scan goes on.
+/// Moving volumes are timed in series of this many and averaged, as in a continuous scan.
 inline constexpr int kVolumesInARow = 3;
 
-/// Wall times, all threads that the options allow.
+/// Wall times with all threads that the options allow.
 struct RungTime {
   sim::Rung rung = sim::Rung::field;
-  Spread map_ms;      ///< once for a phantom
-  Spread once_ms;     ///< once for a probe and seed, the phantom still: tables, speckle, all echoes
+  Spread map_ms;      ///< once per phantom
+  Spread once_ms;     ///< once per probe and seed, still phantom: tables, speckle, all echoes
   Spread still_ms;    ///< each further volume of a still phantom: its noise and receive chain
   Spread first_ms;    ///< once_ms and one volume: a still volume of a new seed
-  Spread moving_ms;   ///< a volume of a phantom on a path
-  Spread bending_ms;  ///< a volume of a phantom that bends
+  Spread moving_ms;   ///< a volume with slow_path()
+  Spread bending_ms;  ///< a volume with bending()
 };
 
-/// All rungs in turn in each repeat, after one that is not counted, so that a drift of the
-/// machine's speed touches all alike.
+/// All rungs in turn in each repeat, after one warm-up repeat, so that a drift of the machine's
+/// speed affects all equally.
 std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats);
 
-/// A still volume of a new seed, and one of a phantom on a path; as above, for one rung alone.
+/// A still volume of a new seed and one with slow_path(), on one rung.
 struct VolumeTime {
   Spread first_ms;
   Spread moving_ms;

@@ -14,39 +14,39 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kCentimetre = 1e-2;
-/// Sticks that look at the plate and the cyst: all of them nearly along the axis.
+/// Sector and fan of the scans of plate and cyst: sticks nearly parallel to the axis.
 constexpr double kNarrow_rad = 6 * kDegree;
 constexpr double kBin_m = 1e-3;
-/// Behind a body, before its echo and the pulse are over.
+/// Range behind a body that its own echo covers.
 constexpr double kSkip_m = 2e-3;
 
 double db(double power) {
   return 10 * std::log10(power);
 }
 
-/// There and back over a centimetre of a material.
+/// Two-way attenuation of a centimetre of a material.
 double loss_db_per_cm(const phantoms::Material& material, const hw::AcquisitionPlan& plan) {
   return 2 * material.attenuation_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz;
 }
 
-/// Two-way level behind an interface at normal incidence: there (1 + R), and back (1 - R).
-double passed_db(const phantoms::Material& a, const phantoms::Material& b) {
+/// Two-way transmission of an interface at normal incidence: (1 + R) there, (1 - R) back.
+double transmission_db(const phantoms::Material& a, const phantoms::Material& b) {
   const double r = (b.impedance_rayl - a.impedance_rayl) / (b.impedance_rayl + a.impedance_rayl);
   return 20 * std::log10(1 - r * r);
 }
 
-/// A way through a body: where it is entered and left.
-struct Passage {
+/// The chord of a ray through a body, as ranges.
+struct Chord {
   double from_m = 0;
   double to_m = 0;
 };
 
 struct Body {
   phantoms::PlacedPhantom subject;
-  std::function<Passage(const hw::Ray&)> passage;
-  double per_cm_db = 0;  ///< what a centimetre of the body changes
-  double faces_db = 0;   ///< what its two faces change
-  double from_m = 0;     ///< nearest and farthest place behind it that is looked at
+  std::function<Chord(const hw::Ray&)> chord;
+  double per_cm_db = 0;  ///< change of level per centimetre of the body
+  double faces_db = 0;   ///< change of level by its two faces
+  double from_m = 0;     ///< first and last range behind it that are evaluated
   double to_m = 0;
 };
 
@@ -56,15 +56,15 @@ Body bone_plate(const hw::AcquisitionPlan& plan) {
   const auto& tissue = phantoms::material("soft_tissue");
   const auto& bone = phantoms::material("cortical_bone");
   const double front_z = phantom.suggested_position_m().z, back_z = front_z + options.thickness_m;
-  const auto passage = [=](const hw::Ray& ray) {
-    return Passage{(front_z - ray.origin.z) / ray.direction.z,
-                   (back_z - ray.origin.z) / ray.direction.z};
+  const auto chord = [=](const hw::Ray& ray) {
+    return Chord{(front_z - ray.origin.z) / ray.direction.z,
+                 (back_z - ray.origin.z) / ray.direction.z};
   };
   const double back_m = back_z - plan.probe().radius_m;
   return {phantoms::still_at(phantom, phantom.suggested_position_m()),
-          passage,
+          chord,
           loss_db_per_cm(tissue, plan) - loss_db_per_cm(bone, plan),
-          2 * passed_db(tissue, bone),
+          2 * transmission_db(tissue, bone),
           back_m + kSkip_m,
           back_m + 30e-3};
 }
@@ -76,17 +76,17 @@ Body cyst(const hw::AcquisitionPlan& plan) {
   const auto& fluid = phantoms::material("amniotic_fluid");
   const glm::dvec3 center = phantom.suggested_position_m();
   const double radius = options.radius_m;
-  const auto passage = [=](const hw::Ray& ray) {
+  const auto chord = [=](const hw::Ray& ray) {
     const double middle = glm::dot(center - ray.origin, ray.direction);
     const double aside = glm::length(center - ray.at(middle));
     const double half = std::sqrt(radius * radius - aside * aside);
-    return Passage{middle - half, middle + half};
+    return Chord{middle - half, middle + half};
   };
   const double back_m = center.z + radius - plan.probe().radius_m;
   return {phantoms::still_at(phantom, center),
-          passage,
+          chord,
           loss_db_per_cm(tissue, plan) - loss_db_per_cm(fluid, plan),
-          2 * passed_db(tissue, fluid),
+          2 * transmission_db(tissue, fluid),
           back_m + kSkip_m,
           back_m + 30e-3};
 }
@@ -101,9 +101,9 @@ hw::AcquisitionPlan narrow_plan(const AttenuationInputs& inputs) {
            .frames_per_volume = inputs.frames}};
 }
 
-double expected_db(const Body& body, const Passage& passage, double range_m) {
-  if (range_m < passage.from_m) return 0;
-  return body.faces_db + body.per_cm_db * (passage.to_m - passage.from_m) / kCentimetre;
+double expected_db(const Body& body, const Chord& chord, double range_m) {
+  if (range_m < chord.from_m) return 0;
+  return body.faces_db + body.per_cm_db * (chord.to_m - chord.from_m) / kCentimetre;
 }
 
 ShadowResult measure_body(sim::Rung rung,
@@ -112,7 +112,7 @@ ShadowResult measure_body(sim::Rung rung,
   const hw::AcquisitionPlan plan = narrow_plan(inputs);
   const Body body = make(plan);
   const auto bins = static_cast<std::size_t>(plan.acquisition().depth_m / kBin_m);
-  // Mean intensities: found with the body, found without it, and without it times the closed form.
+  // Intensities: with the body, without it, and without it times the closed form.
   std::vector<Moments> with(bins), without(bins), predicted(bins);
   Moments behind, behind_without, behind_predicted;
   for (const std::uint64_t seed : inputs.seeds) {
@@ -123,14 +123,14 @@ ShadowResult measure_body(sim::Rung rung,
     for (int f = 0; f < inputs.frames; ++f) {
       for (int l = 0; l < inputs.sticks; ++l) {
         const auto ray = plan.geometry().stick(plan.theta_rad(l), plan.frame_phi_rad(f));
-        const Passage passage = body.passage(ray);
+        const Chord chord = body.chord(ray);
         for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
           const double r = plan.sample_range_m(k);
           const auto bin = static_cast<std::size_t>(r / kBin_m);
           const double here = one.at(f, l, k), there = other.at(f, l, k);
-          const bool inside = r > passage.from_m - kBin_m && r < passage.to_m + kBin_m;
+          const bool inside = r > chord.from_m - kBin_m && r < chord.to_m + kBin_m;
           const double factor = inside ? std::numeric_limits<double>::quiet_NaN()
-                                       : std::pow(10.0, expected_db(body, passage, r) / 10);
+                                       : std::pow(10.0, expected_db(body, chord, r) / 10);
           with[bin].add(here * here);
           without[bin].add(there * there);
           predicted[bin].add(there * there * factor);

@@ -1,5 +1,5 @@
-// What is lost on the way: the slope of attenuation, the shadow behind bone, the enhancement behind
-// a cyst.
+// Attenuation: its slope in homogeneous tissue, the shadow behind bone, the enhancement behind a
+// cyst.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@ struct AttenuationInputs {
   std::vector<std::uint64_t> seeds = seeds_from(1, 2);
   int sticks = 24;
   int frames = 16;
-  double sector_rad = 77 * kDegree;  ///< of the even tissue
+  double sector_rad = 77 * kDegree;  ///< of the homogeneous tissue
   double fan_rad = 61 * kDegree;
 };
 
-/// Mean echo of even tissue against depth.
+/// Mean echo of homogeneous tissue over depth.
 struct SlopeResult {
   std::vector<double> range_m;
-  std::vector<double> level_db;   ///< of the mean intensity, against a perfect mirror
+  std::vector<double> level_db;   ///< mean intensity, 0 dB: a perfect mirror
   double slope_db_per_cm = 0;     ///< of a line through them
   double expected_db_per_cm = 0;  ///< -2 alpha f
   long n = 0;
 };
 SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs);
 
-/// A phantom in tissue against the same tissue without it: mean echo of sticks near the axis.
+/// Mean echo of sticks near the axis with a body in tissue, over that without it.
 struct ShadowResult {
   std::vector<double> range_m;
   std::vector<double> change_db;    ///< of the mean intensity, in bins of range
@@ -39,9 +39,10 @@ struct ShadowResult {
   double expected_behind_db = 0;
   long n = 0;
 };
-/// Twice through the plate: its two faces' (1 - R^2) each, and its attenuation less the tissue's.
+/// Closed form: two-way transmission (1 - R^2) of both faces, and the plate's attenuation less the
+/// tissue's.
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
-/// The same of a ball of fluid, with each stick's own chord through it.
+/// The same for a sphere of fluid, with each stick's chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-// Phantoms that only studies need: simpler than those that scenes may name.
+// Phantoms of the studies, which scenes cannot name.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace wobblebench::bench {
 
-/// Nothing but one material, wherever one looks.
+/// One material everywhere.
 phantoms::Phantom open_tissue(const std::string& material = "soft_tissue");
 
-/// A flat block of tissue in fluid: `half_m` to each side of the phantom's origin.
+/// A block of tissue in fluid; `half_m`: half its size, about the phantom's origin.
 phantoms::Phantom block(const glm::dvec3& half_m, double voxel_m);
 
-/// The same body, of other stuff: `change` is applied to each material of its table.
+/// The same body with other materials: `change` is applied to each of its table.
 template <class Change>
 phantoms::Phantom with_materials(const phantoms::Phantom& phantom, const Change& change) {
   auto materials = phantom.materials();

@@ -17,13 +17,13 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Half the width of a profile, in full widths at half maximum.
+/// Half length of a profile, in full widths at half maximum.
 constexpr double kReachFwhm = 1.7;
 
-/// One scatterer in the open, and a rung that hears it.
-class LonePoint {
+/// A single scatterer, and a rung that computes its echo.
+class PointTarget {
  public:
-  LonePoint(sim::Rung rung, const hw::AcquisitionPlan& plan, double range_m, bool side_lobes)
+  PointTarget(sim::Rung rung, const hw::AcquisitionPlan& plan, double range_m, bool side_lobes)
       : plan_(plan), point_{{0, 0, plan.probe().radius_m + range_m}, 1} {
     auto options = lossless_envelope(rung, 1);
     options.side_lobes = side_lobes;
@@ -35,10 +35,10 @@ class LonePoint {
         {}};
     if (rung == sim::Rung::reference) {
       const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
-      add_ = [=](const auto& way, auto points, auto iq) { scene->add_points(way, points, iq); };
+      add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
     } else {
       const auto field = std::make_shared<const sim::ScattererField>(subject, plan, options);
-      add_ = [=](const auto& way, auto points, auto iq) { field->add_points(way, points, iq); };
+      add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };
     }
   }
 
@@ -62,13 +62,15 @@ class LonePoint {
       add_;
 };
 
-Profile finished(std::vector<double> places, std::vector<double> amplitudes, double formula_m) {
+Profile make_profile(std::vector<double> offsets_m,
+                     std::vector<double> amplitudes,
+                     double formula_m) {
   const Peak peak = gaussian_peak(amplitudes);
-  const double middle = places.front() + peak.place * (places[1] - places[0]);
-  for (double& place : places) place -= middle;
+  const double middle_m = offsets_m.front() + peak.position * (offsets_m[1] - offsets_m[0]);
+  for (double& offset_m : offsets_m) offset_m -= middle_m;
   for (double& amplitude : amplitudes) amplitude /= peak.value;
-  Profile profile{std::move(places), std::move(amplitudes), 0, formula_m};
-  profile.fwhm_m = full_width_at_half(profile.place_m, profile.amplitude);
+  Profile profile{std::move(offsets_m), std::move(amplitudes), 0, formula_m};
+  profile.fwhm_m = full_width_at_half(profile.offset_m, profile.amplitude);
   return profile;
 }
 
@@ -76,12 +78,12 @@ Profile along(const hw::AcquisitionPlan& plan, const std::vector<double>& stick)
   const double formula_m = sim::axial_fwhm_m(plan);
   const auto top = std::max_element(stick.begin(), stick.end()) - stick.begin();
   const auto reach = static_cast<std::ptrdiff_t>(kReachFwhm * formula_m / plan.sample_spacing_m());
-  std::vector<double> places, amplitudes;
+  std::vector<double> offsets_m, amplitudes;
   for (auto k = top - reach; k <= top + reach; ++k) {
-    places.push_back(plan.sample_range_m(static_cast<int>(k)));
+    offsets_m.push_back(plan.sample_range_m(static_cast<int>(k)));
     amplitudes.push_back(stick.at(static_cast<std::size_t>(k)));
   }
-  return finished(std::move(places), std::move(amplitudes), formula_m);
+  return make_profile(std::move(offsets_m), std::move(amplitudes), formula_m);
 }
 
 }  // namespace
@@ -92,19 +94,19 @@ PointResult measure_point(sim::Rung rung,
                           const PointInputs& inputs) {
   hw::ProbeOptions probe;
   if (inputs.in_focus) probe.transmit_focus_m = probe.elevation_focus_m = range_m;
-  // So fine that IQ samples are the plan's own.
+  // Samples so fine that IQ samples need no oversampling.
   const hw::AcquisitionPlan plan(probe, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
-  const LonePoint point(rung, plan, range_m, side_lobes);
+  const PointTarget point(rung, plan, range_m, side_lobes);
   const auto across = [&](bool in_plane, double radius_m, double formula_m) {
-    std::vector<double> places, amplitudes;
+    std::vector<double> offsets_m, amplitudes;
     for (int i = 0; i < inputs.across; ++i) {
-      const double place = kReachFwhm * formula_m * (2.0 * i / (inputs.across - 1) - 1);
-      const double angle = place / radius_m;
-      places.push_back(place);
+      const double offset_m = kReachFwhm * formula_m * (2.0 * i / (inputs.across - 1) - 1);
+      const double angle = offset_m / radius_m;
+      offsets_m.push_back(offset_m);
       amplitudes.push_back(
           gaussian_peak(in_plane ? point.stick(angle, 0) : point.stick(0, angle)).value);
     }
-    return finished(std::move(places), std::move(amplitudes), formula_m);
+    return make_profile(std::move(offsets_m), std::move(amplitudes), formula_m);
   };
   const auto middle = point.stick(0, 0);
   const double to_center_m = plan.probe().radius_m + range_m;

@@ -12,23 +12,23 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kCoarseVoxel_m = 2e-3;  // planes lose nothing by it
+constexpr double kCoarseVoxel_m = 2e-3;  // planes are exact at any voxel size
 constexpr double kSpacing_m = 0.1e-3;
 constexpr double kMargin_m = 5e-3;  // of the echo of a tilted plane, in range
 constexpr double kWidestLobe_rad = 90 * kDegree;
 
-/// The plane phantom whose inside has nothing to show but its face.
+/// The phantom plane of a material without backscatter: only its face echoes.
 phantoms::Phantom bare_plane(double tilt_x_rad,
                              double tilt_y_rad,
                              double roughness,
-                             const std::string& stuff) {
+                             const std::string& material_name) {
   const auto plane = phantoms::make_phantom({.name = "plane",
                                              .voxel_m = kCoarseVoxel_m,
                                              .tilt_x_rad = tilt_x_rad,
                                              .tilt_y_rad = tilt_y_rad});
-  const phantoms::Material of = phantoms::material(stuff);
+  const phantoms::Material replacement = phantoms::material(material_name);
   return with_materials(plane, [&](phantoms::Material& material) {
-    if (material.name == "soft_tissue") material = of;
+    if (material.name == "soft_tissue") material = replacement;
     material.backscatter_db = sim::kZeroAmplitude_db;
     material.roughness = roughness;
   });
@@ -59,10 +59,10 @@ double largest_echo(const phantoms::Phantom& plane, double lobe_width_rad) {
   return gaussian_peak(volume.stick(0, 0)).value;
 }
 
-/// Tilts about x and y in turn.
-phantoms::Phantom tilted(double angle_rad, int turn, const std::string& stuff) {
-  const bool about_x = turn % 2 == 0;
-  return bare_plane(about_x ? angle_rad : 0, about_x ? 0 : -angle_rad, 0, stuff);
+/// Tilted about x for even `index`, about y for odd.
+phantoms::Phantom tilted(double angle_rad, int index, const std::string& material_name) {
+  const bool about_x = index % 2 == 0;
+  return bare_plane(about_x ? angle_rad : 0, about_x ? 0 : -angle_rad, 0, material_name);
 }
 
 }  // namespace
@@ -120,7 +120,7 @@ std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& 
   const auto plane = bare_plane(0, 0, 1, "soft_tissue");
   const double bin_rad = inputs.diffuse_bin_deg * kDegree;
   std::vector<Moments> energy, expected, angles;
-  // Of the pulse's power: what a sheet of its peak's power holds.
+  // Equivalent length of the pulse: its energy over its peak power.
   const double length_m = std::sqrt(kPi) * sim::sigma_of_fwhm(sim::axial_fwhm_m(plan));
   for (const std::uint64_t seed : inputs.seeds) {
     const Scan volume = scan(
@@ -152,7 +152,7 @@ std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& 
   std::vector<AnglePoint> points;
   for (std::size_t bin = 0; bin < energy.size(); ++bin) {
     if (energy[bin].count < 100) continue;
-    // Back from the mean intensity of a Rayleigh envelope to its mean.
+    // The mean of a Rayleigh envelope from its mean intensity.
     points.push_back({angles[bin].mean(),
                       std::sqrt(kPi / 4 * energy[bin].mean()),
                       std::sqrt(kPi / 4 * expected[bin].mean()),

@@ -1,4 +1,4 @@
-// Echoes of an interface against the angle of incidence.
+// Echo of an interface over the angle of incidence.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct ReflectionInputs {
   std::vector<double> fresnel_deg = {0, 4, 8, 12, 16, 20, 23, 25, 26, 28, 32, 36, 40};
   double diffuse_bin_deg = 4;
   std::vector<std::uint64_t> seeds = seeds_from(1, 3);
-  int sticks = 48;  ///< of the volume that the diffuse part is measured in
+  int sticks = 48;  ///< of the volume for the diffuse part
   int frames = 32;
 };
 
@@ -34,13 +34,14 @@ struct AnglePoint {
   long n = 0;
 };
 
-/// A smooth plane of soft tissue, tilted: largest echo of the stick on the axis, against |R| times
+/// A smooth, tilted plane of soft tissue: largest echo of the stick on the axis, against |R| times
 /// the Gaussian lobe of the default width.
 std::vector<AnglePoint> measure_lobe(const ReflectionInputs& inputs);
-/// A smooth plane of bone: the same with the widest lobe that there is, divided by that lobe: |R|.
+/// A smooth plane of bone: the same with the widest lobe allowed, divided by that lobe, against
+/// |R|.
 std::vector<AnglePoint> measure_fresnel(const ReflectionInputs& inputs);
-/// A rough plane at rest, seen by a whole volume: energy of the echo of sticks by their angle, as
-/// the mean amplitude that a sheet as long as the pulse would have; against |R| cos i.
+/// A rough plane scanned by a whole volume: echo energy per stick, in bins of the angle, as the
+/// mean amplitude of an echo as long as the pulse; against |R| cos i.
 std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& inputs);
 
 }  // namespace wobblebench::bench

@@ -18,7 +18,7 @@ struct ScanSetup {
   hw::AcquisitionOptions acquisition;
 };
 
-/// So few sticks and scatterers that a sum over elements is a matter of seconds.
+/// So few sticks and scatterers that the sum over elements takes seconds.
 ScanSetup small_scene() {
   hw::AcquisitionOptions acquisition{.depth_m = 0.08,
                                      .sector_rad = 4 * kDegree,
@@ -48,7 +48,7 @@ sim::VolumeSamples run(
   options.fidelity = rung;
   options.seed = seed;
   options.threads = threads;
-  options.output = hw::SampleScale::linear_envelope;  // hides nothing below the display
+  options.output = hw::SampleScale::linear_envelope;  // nothing is clipped
   auto subject = setup.subject;
   subject.motion = motion_of(subject.phantom, moving);
   return sim::ProbeSimulator(subject, {{}, setup.acquisition}, options).volume(0);

@@ -1,4 +1,4 @@
-// Whether a seed means one set of bytes.
+// Repeatability: equal seeds give equal bytes, whatever the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,17 @@ struct RepeatabilityInputs {
 struct RepeatabilityResult {
   sim::Rung rung = sim::Rung::field;
   bool moving = false;
-  long differing = 0;  ///< samples that are not the same in all runs, of all runs after the first
+  long differing = 0;  ///< samples that differ from those of the first run, over all further runs
   long samples = 0;    ///< of one run
   int runs = 0;
-  double other_seed = 0;     ///< share of samples that another seed changes
+  double other_seed = 0;     ///< fraction of the samples that another seed changes
   std::uint32_t crc32c = 0;  ///< of the samples
 };
 
 /// Every rung, still and moving, in this order.
 std::vector<RepeatabilityResult> measure_repeatability(const RepeatabilityInputs& inputs);
 
-/// `reference` is run on a few sticks of a small body, the others on the phantom.
+/// One rung. `reference` scans a small body with a few sticks, the others the phantom.
 RepeatabilityResult measure_repeatability(sim::Rung rung,
                                           bool moving,
                                           const RepeatabilityInputs& inputs);

@@ -10,7 +10,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Beyond the tile on both sides: where its pulses end.
+/// Margin in range on both sides of the tile, for the length of the pulse.
 constexpr double kMargin_m = 1e-3;
 
 Scan scan_tile(sim::Rung rung, double range_m, bool side_lobes, const AgreementInputs& inputs) {

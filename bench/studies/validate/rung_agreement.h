@@ -1,4 +1,5 @@
-// The rung `scatterers` against `reference`: the same scatterers, two ways to sum their echoes.
+// The rung `scatterers` against `reference`: the same scatterers, two methods of summing their
+// echoes.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-/// A tile of tissue on the axis, wider than the main lobe, looked at by a narrow sector.
+/// A tile of tissue on the axis, wider than the main lobe, scanned by a narrow sector.
 struct AgreementInputs {
   std::vector<double> ranges_m = {50e-3, 75e-3, 110e-3};  ///< of its middle, from the face
   double thickness_m = 2e-3;

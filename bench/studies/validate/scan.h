@@ -1,4 +1,4 @@
-// One volume through the simulated probe, as studies look at it.
+// One simulated volume with its plan.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace wobblebench::bench {
 
-/// Samples of one volume with the plan that says where they lie.
+/// The samples of one volume, and the plan that they were acquired with.
 struct Scan {
   hw::AcquisitionPlan plan;
   sim::VolumeSamples samples;
@@ -24,10 +24,11 @@ struct Scan {
   int sample_at(double range_m) const;
 };
 
-/// The envelope itself: linear, against a perfect mirror, without noise, time gain, or the
-/// receiver's low-pass.
+/// Linear envelope relative to a perfect mirror, without noise, time gain and the receiver's
+/// low-pass.
 sim::SimulationOptions bare_envelope(sim::Rung rung, std::uint64_t seed);
-/// The same of tissue that loses nothing on the way: echoes mean the same at every range.
+/// The same without attenuation, transmission loss and interface echoes: mean amplitudes do not
+/// depend on range.
 sim::SimulationOptions lossless_envelope(sim::Rung rung, std::uint64_t seed);
 
 Scan scan(const phantoms::PlacedPhantom& subject,

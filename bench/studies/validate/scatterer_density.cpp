@@ -14,7 +14,7 @@ double cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
          sim::elevation_fwhm_m(plan, range_m);
 }
 
-/// mean / sigma of groups of `values`, and the standard error of their mean.
+/// Mean of mean / sigma over groups of `values`, and its standard error.
 struct Grouped {
   double mean = 0;
   double error = 0;
@@ -56,7 +56,7 @@ double effective_scatterers(const DensityInputs& inputs, double per_cell) {
   const int count = 1 + static_cast<int>((inputs.speckle.to_m - inputs.speckle.from_m) / 1e-3);
   double sum = 0;
   for (int i = 0; i < count; ++i) {
-    // 1 / N is what statistics are linear in.
+    // Averages 1 / N, in which the statistics are linear.
     sum += smallest / cell_m3(plan, inputs.speckle.from_m + 1e-3 * i);
   }
   return per_cell * per_fwhm * count / sum;

@@ -1,4 +1,4 @@
-// Speckle against the number of scatterers in a resolution cell.
+// Speckle statistics over the number of scatterers in a resolution cell.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct DensityInputs {
 
 struct DensityPoint {
   double per_cell = 0;
-  double effective = 0;  ///< scatterers that a sample hears, N = density (int h^2)^2 / int h^4
+  double effective = 0;  ///< number per sample, N = density (int h^2)^2 / int h^4
   double envelope_snr = 0;
   double envelope_error = 0;  ///< standard error, from the seeds' and the ranges' spread
   double intensity_snr = 0;
@@ -24,14 +24,14 @@ struct DensityPoint {
 };
 std::vector<DensityPoint> measure_density(const DensityInputs& inputs);
 
-/// Effective number of scatterers for a density: in Gaussian beams and pulses each direction counts
-/// sqrt(2 pi) sigma = 1.064 FWHM. The mean over a stretch of ranges.
+/// Effective number of scatterers for a density: in Gaussian beams and pulses each direction
+/// contributes sqrt(2 pi) sigma = 1.064 FWHM. Mean over the range window.
 double effective_scatterers(const DensityInputs& inputs, double per_cell);
 
-/// mean / sigma of the intensity of N scatterers at Poisson's random: 1 / sqrt(1 + 1 / N).
+/// mean / sigma of the intensity of N randomly (Poisson) placed scatterers: 1 / sqrt(1 + 1 / N).
 double intensity_snr(double effective);
-/// The same of the envelope, whose intensity has that: K distribution of shape 2 N (Jakeman and
-/// Pusey 1976).
+/// The same for the envelope of that intensity: K distribution of shape 2 N (Jakeman and Pusey
+/// 1976).
 double envelope_snr(double effective);
 
 }  // namespace wobblebench::bench

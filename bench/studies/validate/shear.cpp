@@ -12,7 +12,7 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kLeastCosine = 0.5;
-/// Distances of a ball of 20 mm between voxels of 0.5 mm, at 60 degrees.
+/// Of the distance to a sphere of 20 mm on a grid of 0.5 mm, at 60 degrees.
 constexpr double kGridRounding_m = 5e-6;
 
 struct Case {
@@ -39,7 +39,7 @@ std::vector<Case> cases() {
           {"breath", hw::MotorMode::continuous, 0, breath, breathing}};
 }
 
-/// Distance along the ray to the ball's front, if it is met steeply enough.
+/// Distance along the ray to the front of a sphere; none where the incidence exceeds 60 degrees.
 std::optional<double> front_m(const hw::Ray& ray, const glm::dvec3& center, double radius_m) {
   const double middle = glm::dot(center - ray.origin, ray.direction);
   const double aside = glm::length(center - ray.at(middle));
@@ -47,7 +47,7 @@ std::optional<double> front_m(const hw::Ray& ray, const glm::dvec3& center, doub
   return middle - std::sqrt(radius_m * radius_m - aside * aside);
 }
 
-/// The border before the first sample that shows tissue.
+/// Lower bound of the first sample above zero.
 std::optional<double> found_m(const Scan& volume, int frame, int line) {
   for (int k = 0; k < volume.plan.acquisition().samples_per_stick; ++k) {
     if (volume.at(frame, line, k) > 0) return k * volume.plan.sample_spacing_m();
@@ -56,8 +56,8 @@ std::optional<double> found_m(const Scan& volume, int frame, int line) {
 }
 
 ShearResult measure(const Case& moving, const ShearInputs& inputs) {
-  const phantoms::PhantomOptions ball{.name = "sphere"};
-  const auto phantom = phantoms::make_phantom(ball);
+  const phantoms::PhantomOptions sphere{.name = "sphere"};
+  const auto phantom = phantoms::make_phantom(sphere);
   const glm::dvec3 center = phantom.suggested_position_m();
   hw::AcquisitionOptions acquisition{.sticks_per_frame = inputs.sticks,
                                      .samples_per_stick = inputs.samples,
@@ -76,21 +76,21 @@ ShearResult measure(const Case& moving, const ShearInputs& inputs) {
   result.allowed_m = 0.5 * plan.sample_spacing_m() + kGridRounding_m;
   const double period_s = 2 * acquisition.depth_m / acquisition.sound_speed_m_s;
   const std::uint64_t first = plan.first_sequence(moving.volume);
-  for (int place = 0; place < plan.sticks_per_volume(); ++place) {
-    const std::uint64_t sequence = first + static_cast<std::uint64_t>(place);
+  for (int stick = 0; stick < plan.sticks_per_volume(); ++stick) {
+    const std::uint64_t sequence = first + static_cast<std::uint64_t>(stick);
     const auto index = plan.index(sequence);
     const int line = static_cast<int>(index.line);
     const double time_s = static_cast<double>(sequence) * period_s;
     const auto ray = plan.geometry().stick(plan.theta_rad(line), plan.motor_angle_rad(index));
-    const auto expected = front_m(ray, center + moving.displacement_m(time_s), ball.radius_m);
+    const auto expected = front_m(ray, center + moving.displacement_m(time_s), sphere.radius_m);
     if (!expected) continue;
     // Samples of a volume lie in the order of their sequence numbers.
-    const auto found = found_m(volume, place / inputs.sticks, place % inputs.sticks);
+    const auto found = found_m(volume, stick / inputs.sticks, stick % inputs.sticks);
     const double error = found ? std::abs(*found - *expected) : acquisition.depth_m;
     result.largest_error_m = std::max(result.largest_error_m, error);
     result.mean_error_m += error;
     ++result.n;
-    const auto still = front_m(ray, center, ball.radius_m);
+    const auto still = front_m(ray, center, sphere.radius_m);
     if (still) {
       result.largest_shear_m = std::max(result.largest_shear_m, std::abs(*still - *expected));
     }

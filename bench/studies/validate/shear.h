@@ -1,4 +1,4 @@
-// A volume takes time: what moves is seen by each stick where it is then.
+// Shear of moving tissue: each stick images it at the time of its firing.
 #pragma once
 
 #include <string>
@@ -15,14 +15,15 @@ struct ShearInputs {
   int samples = 4096;
 };
 
-/// A sphere's front as the rung `geometry` shows it, against where a line meets a ball whose centre
-/// is where the motion has it at the stick's time. Sticks that meet it at less than 60 degrees.
+/// Range of the front of a moving sphere on rung `geometry`, against the intersection of the stick
+/// with a sphere whose centre is displaced in closed form for the stick's time. Sticks with an
+/// angle of incidence below 60 degrees.
 struct ShearResult {
   std::string motion;
   double largest_error_m = 0;
   double mean_error_m = 0;
-  double largest_shear_m = 0;  ///< by how much a still sphere would be wrong
-  double allowed_m = 0;        ///< half a sample, and what the phantom's grid rounds
+  double largest_shear_m = 0;  ///< error of assuming a still sphere
+  double allowed_m = 0;        ///< half a sample, and the rounding of the phantom's grid
   long n = 0;                  ///< sticks
   struct Middle {
     double time_s, found_m, expected_m, still_m;

@@ -14,7 +14,7 @@ constexpr double kDepth_m = 0.09;
 constexpr double kFrom_m = 45e-3;
 constexpr double kTo_m = 85e-3;
 constexpr double kMiddle_m = 75e-3;
-/// Between sticks, so that motions stay within what a scene may ask for.
+/// Between sticks, so that the velocities stay within the limits of MotionOptions.
 constexpr double kDeadTime_s = 1e-3;
 
 double seconds(hw::DeviceDuration duration) {
@@ -32,8 +32,8 @@ hw::AcquisitionOptions common(const SpeckleMotionInputs& inputs) {
   return acquisition;
 }
 
-/// How a sample of the second volume finds what the first one saw there before it moved.
-struct Before {
+/// From a sample of the second volume back to the same tissue in the first, in indices.
+struct IndexShift {
   int frames = 0;
   int sticks = 0;
   int samples = 0;
@@ -45,11 +45,11 @@ struct Setup {
   hw::AcquisitionPlan plan;
   phantoms::Placement placement;
   phantoms::MotionOptions motion_options;
-  Before before;
+  IndexShift shift;
 };
 
-/// A few sticks so close to the axis that a motion along it is one along them: 2 degrees aside it
-/// moves tissue a thirtieth of its way across the stick.
+/// A few sticks within 2 degrees of the axis, so that motion along the axis is motion along them to
+/// within 1/30 of its length.
 Setup along_axis(const SpeckleMotionInputs& inputs) {
   auto acquisition = common(inputs);
   acquisition.sector_rad = acquisition.fan_rad = 4 * kDegree;
@@ -61,8 +61,8 @@ Setup along_axis(const SpeckleMotionInputs& inputs) {
   return setup;
 }
 
-/// Stick l + 1 looks one volume and one stick later than stick l; the tissue turns meanwhile by the
-/// angle between them, about the centre of curvature.
+/// Stick l + 1 of the next volume is fired one volume and one stick after stick l; the tissue
+/// rotates meanwhile by the angle between them, about the centre of curvature.
 Setup in_plane(const SpeckleMotionInputs& inputs) {
   auto acquisition = common(inputs);
   acquisition.sticks_per_frame = inputs.sticks;
@@ -78,7 +78,7 @@ Setup in_plane(const SpeckleMotionInputs& inputs) {
   return setup;
 }
 
-/// The same across frames, about the motor's axis.
+/// The same for frames, about the motor's axis.
 Setup across_planes(const SpeckleMotionInputs& inputs) {
   auto acquisition = common(inputs);
   acquisition.frames_per_volume = inputs.frames;
@@ -108,10 +108,10 @@ MotionResult measure(const Setup& setup, sim::Rung rung, std::uint64_t seed) {
       for (int k = first.sample_at(kFrom_m); k < first.sample_at(kTo_m); ++k) {
         here.push_back(second.at(f, l, k));
         stayed.push_back(first.at(f, l, k));
-        if (f < setup.before.frames || l < setup.before.sticks) continue;
+        if (f < setup.shift.frames || l < setup.shift.sticks) continue;
         now.push_back(second.at(f, l, k));
         followed.push_back(
-            first.at(f - setup.before.frames, l - setup.before.sticks, k - setup.before.samples));
+            first.at(f - setup.shift.frames, l - setup.shift.sticks, k - setup.shift.samples));
       }
     }
   }

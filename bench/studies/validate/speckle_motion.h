@@ -1,4 +1,4 @@
-// Whether speckle moves with the tissue.
+// Correlation of speckle before and after its tissue has moved.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct SpeckleMotionInputs {
 struct MotionResult {
   std::string motion;
   double shift_mm = 0;  ///< of tissue 75 mm from the face
-  double followed = 0;  ///< with the envelope before, at the place that the tissue came from
-  double stayed = 0;    ///< with the envelope before, at the same place
+  double followed = 0;  ///< with the previous envelope at the tissue's previous position
+  double stayed = 0;    ///< with the previous envelope at the same position
   long n = 0;           ///< samples
 };
 
-/// Tissue that moves along the axis by whole samples, turns in the image plane by one stick, or
-/// turns about the motor's axis by one frame, from one look of a stick to the next. All are exact:
-/// each stick sees what it, or its neighbour, saw one volume before.
+/// Tissue that moves along the axis by whole samples, rotates in the image plane by one stick, or
+/// rotates about the motor's axis by one frame between two volumes. All are exact: each stick scans
+/// the tissue that it, or its neighbour, scanned one volume before.
 std::vector<MotionResult> measure_speckle_motion(sim::Rung rung, const SpeckleMotionInputs& inputs);
 
 }  // namespace wobblebench::bench

@@ -18,9 +18,9 @@ namespace {
 constexpr double kDepth_m = 0.12;
 constexpr int kFineSamples = 4096;
 constexpr int kSamples = 480;
-/// Lags go as far as this many widths.
+/// Largest lag, in expected widths.
 constexpr double kLagFwhm = 1.5;
-/// Dense sectors and fans: steps of a third of the width or so, at the depths that are looked at.
+/// Dense sectors and fans: steps of about a third of the width at the evaluated ranges.
 constexpr double kDenseSector_rad = 32 * kDegree;
 constexpr double kDenseFan_rad = 61 * kDegree;
 constexpr double kSparseSector_rad = 30 * kDegree;
@@ -46,7 +46,7 @@ hw::AcquisitionOptions plan_for(BeamDirection direction, const SpeckleSizeInputs
   return acquisition;
 }
 
-/// Distance between neighbours of the dense direction; across frames the mean over the lines.
+/// Spacing in the dense direction; across frames the mean over the lines.
 double step_m(BeamDirection direction, const hw::AcquisitionPlan& plan, double range_m) {
   if (direction == BeamDirection::axial) return plan.sample_spacing_m();
   if (direction == BeamDirection::lateral) {
@@ -93,22 +93,22 @@ struct Pairs {
   }
 };
 
-/// Where the value falls to half; Gaussians between lags are followed exactly.
+/// Lag at which the value is one half, interpolated as a Gaussian between lags.
 double half_width(const std::vector<double>& lag_m, const std::vector<double>& value) {
   for (std::size_t i = 1; i < value.size(); ++i) {
     if (value[i] > 0.5) continue;
     const double before = -std::log(value[i - 1]);
     const double behind = -std::log(std::max(value[i], 1e-3));
-    const double share = (std::log(2.0) - before) / (behind - before);
+    const double fraction = (std::log(2.0) - before) / (behind - before);
     const double low2 = lag_m[i - 1] * lag_m[i - 1], high2 = lag_m[i] * lag_m[i];
-    return std::sqrt(low2 + share * (high2 - low2));
+    return std::sqrt(low2 + fraction * (high2 - low2));
   }
   throw std::runtime_error("speckle size: the autocorrelation does not fall to half");
 }
 
-/// The apertures' two-way response across the stick, every `grid_m`, at one frequency. Sticks turn
-/// about a centre: from one to the next a scatterer keeps its distance from there, not from the
-/// plane across the stick, from which sim/beam/beam_pattern.h counts the phase.
+/// Two-way response of the apertures across the stick, sampled every `grid_m`, at one frequency.
+/// Between sticks that rotate about a centre a scatterer keeps its distance from the centre, not
+/// from the plane across the stick to which sim/beam/beam_pattern.h refers the phase.
 std::vector<std::complex<double>> turning_response(BeamDirection direction,
                                                    const hw::AcquisitionPlan& plan,
                                                    double frequency_hz,
@@ -143,8 +143,8 @@ double expected_speckle_m(sim::Rung rung,
   std::vector<std::complex<double>> sums(kLags, 0.0);
   for (std::size_t lag = 0; lag < kLags; ++lag) lags.push_back(static_cast<double>(lag) * grid_m);
   // The pulse's power over frequency: a Gaussian pulse of sigma s in range has one of
-  // c / (4 pi s sqrt 2) in frequency. Low frequencies count for more: their beams are wider, also
-  // in the other direction.
+  // c / (4 pi s sqrt 2) in frequency. Low frequencies have a larger weight, as their beams are
+  // wider in the other direction too.
   const double sigma_hz = plan.acquisition().sound_speed_m_s /
                           (4 * kPi * std::sqrt(2.0) * sim::sigma_of_fwhm(sim::axial_fwhm_m(plan)));
   const BeamDirection other =
@@ -192,10 +192,11 @@ std::vector<Autocorrelation> measure_speckle_size(sim::Rung rung,
     const double mean = intensity.mean();
     Autocorrelation result;
     result.range_m = range_m;
-    // Near the foci the width bends within the window.
-    for (const double share : {-0.8, -0.4, 0.0, 0.4, 0.8}) {
+    // Mean over the window: near the foci the width varies within it.
+    for (const double fraction : {-0.8, -0.4, 0.0, 0.4, 0.8}) {
       result.expected_m +=
-          0.2 * expected_speckle_m(rung, direction, plan, range_m + share * inputs.half_window_m);
+          0.2 *
+          expected_speckle_m(rung, direction, plan, range_m + fraction * inputs.half_window_m);
     }
     const double step = step_m(direction, plan, range_m);
     for (int lag = 0; lag * step < kLagFwhm * result.expected_m || lag < 4; ++lag) {

@@ -1,4 +1,4 @@
-// How large speckles are: the autocorrelation of the intensity, along the stick and across it.
+// Size of speckle: the autocorrelation of the intensity along the stick and across it.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Autocorrelation {
   std::vector<double> value;
   double fwhm_m = 0;      ///< of a Gaussian through its first lags: the full width at half maximum
   double expected_m = 0;  ///< see expected_speckle_m()
-  long cells = 0;         ///< resolution cells that were averaged, about
+  long cells = 0;         ///< approximate number of resolution cells that were averaged
 };
 
 /// One for each range.

@@ -1,4 +1,4 @@
-// The envelope of fully developed speckle, against Rayleigh's distribution (references.md [7]).
+// Envelope of fully developed speckle against the Rayleigh distribution (references.md [7]).
 #pragma once
 
 #include <cstdint>
@@ -12,30 +12,30 @@
 
 namespace wobblebench::bench {
 
-/// Sticks, frames and samples lie so far apart that no two of them share a resolution cell.
+/// Sticks, frames and samples are so far apart that no two share a resolution cell.
 struct SpeckleInputs {
   std::vector<std::uint64_t> seeds = seeds_from(1, 10);
-  /// As many as the published curves end with. The default's ten are 2 % short of the limit, which
-  /// the study of densities shows.
+  /// As at the end of the published curves; with the simulator's default of 10 mean / sigma is 2 %
+  /// below its limit (scatterer_density.h).
   double scatterers_per_cell = 30;
   hw::AcquisitionOptions acquisition = {
       .depth_m = 0.12, .fan_rad = 100 * kDegree, .sticks_per_frame = 24, .frames_per_volume = 20};
-  double from_m = 60e-3;  ///< ranges that are looked at
+  double from_m = 60e-3;  ///< range window
   double to_m = 100e-3;
   double step_m = 1e-3;
 };
 
 struct SpeckleResult {
-  Moments envelope;   ///< over the mean that the material table says
+  Moments envelope;   ///< over the mean of the material table
   Moments intensity;  ///< its square
   struct Seed {
-    double distance = 0;  ///< of Kolmogorov and Smirnov, from Rayleigh
+    double distance = 0;  ///< Kolmogorov-Smirnov, from Rayleigh
     long n = 0;
   };
   std::vector<Seed> seeds;
   std::vector<double> values;  ///< envelopes of all seeds, as above
 
-  int rejected() const;  ///< seeds whose distance is beyond that of 1 %
+  int rejected() const;  ///< seeds whose distance exceeds the 1 % level
 };
 
 /// Tissue without losses.

@@ -1,4 +1,4 @@
-// What studies measure of numbers.
+// Moments, least squares, correlation, widths, and distance from the Rayleigh distribution.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace wobblebench::bench {
 
-/// Sums from which mean and variance follow; they may be added.
+/// Sums for mean and variance.
 struct Moments {
   double count = 0;
   double sum = 0;
@@ -35,7 +35,7 @@ struct Moments {
 double rayleigh_distance(std::vector<double> envelope);
 
 /// Distance that a true Rayleigh envelope of `n` independent samples exceeds in 1 % of all cases.
-/// The scale is estimated, so that Kolmogorov's own table would be too lenient. A Rayleigh
+/// The scale is estimated, so that Kolmogorov's table would be too lenient. A Rayleigh
 /// envelope's square is exponential, so this is the table for exponentials of unknown mean:
 /// Stephens, J. Am. Stat. Assoc. 69, 730 (1974), (D - 0.2/n)(sqrt n + 0.26 + 0.5/sqrt n) = 1.308.
 double rayleigh_critical_distance(double n);
@@ -50,14 +50,14 @@ Line fit_line(std::span<const double> x, std::span<const double> y);
 /// Pearson's.
 double correlation(std::span<const double> a, std::span<const double> b);
 
-/// Full width at half of the largest value, between straight lines through the samples. Throws
+/// Full width at half of the largest value, linear between samples. Throws
 /// std::runtime_error where the values do not fall below half on both sides.
 double full_width_at_half(std::span<const double> x, std::span<const double> y);
 
 /// Peak of a sampled Gaussian, by the parabola through the logarithms of the three highest
 /// neighbours.
 struct Peak {
-  double place = 0;  ///< in samples
+  double position = 0;  ///< in samples
   double value = 0;
 };
 Peak gaussian_peak(std::span<const double> y);

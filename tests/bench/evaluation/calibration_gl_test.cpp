@@ -17,7 +17,7 @@
 namespace wobblebench::bench {
 namespace {
 
-struct Chain {
+struct ChainResult {
   Scene scene;
   Acquisition acquisition;
   render::Picture picture;
@@ -30,7 +30,9 @@ render::GlContext& context() {
   return *shared;
 }
 
-Chain run_chain(std::vector<std::string> settings, int image_size = 128, int slice_size = 512) {
+ChainResult run_chain(std::vector<std::string> settings,
+                      int image_size = 128,
+                      int slice_size = 512) {
   settings.push_back("render.ray_casting.image_size=" + std::to_string(image_size));
   settings.push_back("render.scan_conversion.slice_size=" + std::to_string(slice_size));
   settings.emplace_back("render.ray_casting.mode=surface");
@@ -60,13 +62,13 @@ void PrintTo(const Expected& e, std::ostream* out) {
 class Calibration : public testing::TestWithParam<Expected> {};
 
 // Bounds are the figures of docs/results/calibration.md and a fifth more: what changes them on
-// purpose changes that page too.
+// purpose changes that document too.
 TEST_P(Calibration, DepthErrorStaysWithinBounds) {
   const Expected& expected = GetParam();
-  const Chain chain = run_chain({"phantom.name=" + expected.phantom,
-                                 "simulation.fidelity=" + expected.rung,
-                                 "phantom.tilt_x_deg=10",
-                                 "phantom.tilt_y_deg=-8"});
+  const ChainResult chain = run_chain({"phantom.name=" + expected.phantom,
+                                       "simulation.fidelity=" + expected.rung,
+                                       "phantom.tilt_x_deg=10",
+                                       "phantom.tilt_y_deg=-8"});
   const DepthStatistics& depth = chain.error.depth;
   std::printf(
       "%s %s: bias %.3f mm, median %.3f mm, RMS %.3f mm, P95 %.3f mm, missed %.2f %%, false %.2f "
@@ -96,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(Phantoms,
                            return test.param.phantom + "_" + test.param.rung;
                          });
 
-/// Share of pixels whose hit or miss differs, and RMS of the depth difference over the others.
+/// Percentage of pixels with a surface in one picture alone, and RMS depth difference of the
+/// others.
 struct Agreement {
   double changed_percent;
   double rms_m;
@@ -120,9 +123,8 @@ class GlAgainstReference : public testing::TestWithParam<std::string> {};
 
 TEST_P(GlAgainstReference, DepthAgreesToATenthOfAStep) {
   for (const std::string rung : {"geometry", "field"}) {
-    // The reference takes every sample afresh in double precision: a small picture is enough for
-    // it.
-    const Chain chain =
+    // A small picture: the reference computes every sample anew in double precision.
+    const ChainResult chain =
         run_chain({"phantom.name=" + GetParam(), "simulation.fidelity=" + rung}, 48, 128);
     const auto reference = render::render_reference(chain.acquisition.volume, chain.scene.render);
     const double step_m =
@@ -144,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(Phantoms,
                          [](const auto& test) { return test.param; });
 
 TEST(Smoothing, BoxFilterIsOpenCvs) {
-  Chain chain = run_chain(
+  ChainResult chain = run_chain(
       {"phantom.name=sphere", "simulation.fidelity=geometry", "render.smoothing.filter_size=1"});
   auto options = chain.scene.render;
   options.smoothing.filter_size = 7;
@@ -167,7 +169,7 @@ TEST(Smoothing, BoxFilterIsOpenCvs) {
   EXPECT_LT(largest, 1e-3);
 }
 
-TEST(Tables, RefuseWhatTheySetThemselves) {
+TEST(Tables, RefuseSettingsOfTheirOwn) {
   for (const char* setting : {"render.ray_casting.kernel_3d=5", "render.pipeline.mode=plain"}) {
     Scene scene = load_scene({}, {setting});
     EXPECT_THROW(take_reference_settings(scene, {}), UserError) << setting;

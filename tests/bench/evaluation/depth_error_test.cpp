@@ -1,4 +1,4 @@
-// Error measures on depth images whose error is known.
+// Error measures of depth images with known errors.
 #include "bench/evaluation/depth_error.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(DepthError, SignIsFoundMinusTrue) {
   EXPECT_NEAR(measure_depth_error(deeper, truth, small_camera()).depth.bias_m, 2e-3, 1e-8);
 }
 
-TEST(DepthError, MissedFalseAndUnseenAreCountedApart) {
+TEST(DepthError, MissedFalseAndOutsideTheFieldAreSeparate) {
   Truth truth = flat_truth();
   truth.kind.at(0, 0) = TruthKind::none;
   truth.kind.at(1, 0) = TruthKind::none;
@@ -88,10 +88,10 @@ TEST(DepthError, NormalErrorIsTheTilt) {
   EXPECT_NEAR(error.normal.mean_rad / kDegree, 10, 1e-3);
   EXPECT_NEAR(error.normal.p95_rad / kDegree, 10, 1e-2);
   EXPECT_EQ(error.normal.n, (kSize - 2) * (kSize - 2));
-  // Its normal leans towards the deeper side: the truth that leans the same way has no error.
+  // The normal of that tilt: no error.
   truth.normal = {kSize, kSize, glm::vec3(std::sin(10 * kDegree), 0, -std::cos(10 * kDegree))};
   EXPECT_NEAR(measure_depth_error(tilted, truth, camera).normal.mean_rad / kDegree, 0, 0.05)
-      << "beyond what single-precision depths make of a pixel's slope";
+      << "beyond the rounding of single-precision depths";
 }
 
 TEST(DepthError, OfNothingFoundIsUnset) {

@@ -1,4 +1,4 @@
-// Planted errors come back.
+// Recovery of known errors.
 #include "bench/evaluation/registration.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace wobblebench::bench {
 namespace {
 
-class PlantedError : public testing::Test {
+class KnownError : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     scene_ = new Scene(load_scene({}, {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"}));
@@ -45,10 +45,10 @@ class PlantedError : public testing::Test {
   static Scene* scene_;
   static phantoms::PlacedPhantom* subject_;
 };
-Scene* PlantedError::scene_ = nullptr;
-phantoms::PlacedPhantom* PlantedError::subject_ = nullptr;
+Scene* KnownError::scene_ = nullptr;
+phantoms::PlacedPhantom* KnownError::subject_ = nullptr;
 
-TEST_F(PlantedError, NoneLeavesEverythingNearZero) {
+TEST_F(KnownError, NoneLeavesEverythingNearZero) {
   const Registration fit = registered(subject_->placement);
   ASSERT_TRUE(fit.converged);
   EXPECT_GT(fit.points, 500);
@@ -58,7 +58,7 @@ TEST_F(PlantedError, NoneLeavesEverythingNearZero) {
   EXPECT_LT(std::abs(fit.value[6]), 2e-3);
 }
 
-TEST_F(PlantedError, ShiftAcrossTheViewComesBack) {
+TEST_F(KnownError, ShiftAcrossTheViewIsRecovered) {
   auto moved = subject_->placement;
   moved.position_m += glm::dvec3(1.0e-3, -0.7e-3, 0);
   const Registration fit = registered(moved);
@@ -69,7 +69,7 @@ TEST_F(PlantedError, ShiftAcrossTheViewComesBack) {
   EXPECT_NEAR(fit.value[4], 0.7e-3, 0.1e-3);
 }
 
-TEST_F(PlantedError, TurnComesBack) {
+TEST_F(KnownError, RotationIsRecovered) {
   auto turned = subject_->placement;
   turned.rotation = phantoms::rotation_xyz({0, 0, 1.5 * kDegree}) * turned.rotation;
   const Registration fit = registered(turned);
@@ -77,18 +77,18 @@ TEST_F(PlantedError, TurnComesBack) {
   EXPECT_NEAR(fit.value[2], -1.5 * kDegree, 0.1 * kDegree);
 }
 
-TEST_F(PlantedError, DepthErrorIsSharedByWhatCanExplainItAndTheCovarianceSaysSo) {
+TEST_F(KnownError, DepthErrorIsSharedByCorrelatedParameters) {
   const Registration fit = registered(subject_->placement, 1.0e-3);
   ASSERT_TRUE(fit.converged);
   EXPECT_LT(fit.rms_after_m, 0.05e-3);
-  // Bias and translation along the view are one thing to a picture taken along z; their sum is not.
+  // In a view along z bias and translation along z are equivalent; only their sum is observable.
   EXPECT_NEAR(fit.value[7] - fit.value[5], 1.0e-3, 0.3e-3);
   const double correlation = fit.covariance[7 * kRegistrationParameters + 5] /
                              (fit.standard_deviation(7) * fit.standard_deviation(5));
   EXPECT_GT(std::abs(correlation), 0.9);
 }
 
-TEST_F(PlantedError, LargeDepthErrorsAreNotLeftOut) {
+TEST_F(KnownError, LargeDepthErrorsAreNotLeftOut) {
   // Beyond the phantom's own narrow bands (4 voxels of 1 mm here).
   const Registration fit = registered(subject_->placement, 5.0e-3);
   EXPECT_GT(fit.points, fit.sampled * 9 / 10);
@@ -96,7 +96,7 @@ TEST_F(PlantedError, LargeDepthErrorsAreNotLeftOut) {
   EXPECT_NEAR(fit.value[7] - fit.value[5], 5.0e-3, 0.5e-3);
 }
 
-TEST_F(PlantedError, AKnownMotionIsNoError) {
+TEST_F(KnownError, AKnownMotionIsNoError) {
   for (const bool head_turns : {false, true}) {
     phantoms::MotionOptions options;
     if (head_turns) {
@@ -111,13 +111,13 @@ TEST_F(PlantedError, AKnownMotionIsNoError) {
     EXPECT_GT(known.points, 500);
     EXPECT_LT(known.rms_after_m, 0.05e-3);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_LT(std::abs(known.value[i]), 0.3e-3) << i;
-    const Registration taken_for_still = registered(placement, 0, motion);
-    EXPECT_GT(taken_for_still.rms_before_m, 0.5e-3);
-    EXPECT_GT(taken_for_still.rms_before_m, 10 * known.rms_before_m);
+    const Registration assumed_still = registered(placement, 0, motion);
+    EXPECT_GT(assumed_still.rms_before_m, 0.5e-3);
+    EXPECT_GT(assumed_still.rms_before_m, 10 * known.rms_before_m);
   }
 }
 
-TEST_F(PlantedError, AShiftComesBackFromAMovingPhantom) {
+TEST_F(KnownError, AShiftOfAMovingPhantomIsRecovered) {
   phantoms::MotionOptions options;
   options.velocity_m_s = {0, 0, 15e-3};
   const phantoms::Motion motion(options, subject_->phantom.joint());
@@ -129,7 +129,7 @@ TEST_F(PlantedError, AShiftComesBackFromAMovingPhantom) {
   EXPECT_NEAR(fit.value[4], 0.7e-3, 0.1e-3);
 }
 
-TEST_F(PlantedError, CovarianceIsSymmetricAndPositive) {
+TEST_F(KnownError, CovarianceIsSymmetricAndPositive) {
   const Registration fit = registered(subject_->placement);
   for (int i = 0; i < kRegistrationParameters; ++i) {
     EXPECT_GT(fit.standard_deviation(i), 0);

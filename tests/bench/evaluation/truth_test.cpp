@@ -1,4 +1,4 @@
-// What each pixel should show, against closed forms of sphere and plane.
+// True surface per pixel, against closed forms of sphere and plane.
 #include "bench/evaluation/truth.h"
 
 #include <gtest/gtest.h>
@@ -98,10 +98,10 @@ TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
   EXPECT_GT(compared, 2000);
 }
 
-TEST(Truth, WhatNoStickReachesIsSetApart) {
+TEST(Truth, SurfacesOutsideTheFieldAreSeparate) {
   const Stage s = stage({"phantom.name=plane", "acquisition.sector_deg=20"});
   const Truth truth = truth_of(s);
-  int outside = 0, seen = 0;
+  int outside = 0, visible = 0;
   const render::Camera camera = render::make_camera(s.scene.render);
   const auto geometry = s.scene.plan().geometry();
   for (int row = 0; row < 64; ++row) {
@@ -109,20 +109,20 @@ TEST(Truth, WhatNoStickReachesIsSetApart) {
       const TruthKind kind = truth.kind.at(column, row);
       outside += kind == TruthKind::outside_field;
       if (kind != TruthKind::surface) continue;
-      ++seen;
+      ++visible;
       const auto p = geometry.to_polar(
           camera.ray(column, row).at(static_cast<double>(truth.depth_m.at(column, row))));
       EXPECT_LE(std::abs(p.theta_rad), 10 * kDegree + 1e-6);
     }
   }
   EXPECT_GT(outside, 500);
-  EXPECT_GT(seen, 200);
+  EXPECT_GT(visible, 200);
 }
 
-/// When the stick that shows a place was fired: stepped motor, 64 lines over 77 deg, 37 frames over
+/// Time of the stick that images a position: stepped motor, 64 lines over 77 deg, 37 frames over
 /// 61 deg, 2 x 0.16 m / 1540 m/s each.
-double stick_time_s(const hw::ProbeGeometry& geometry, const glm::dvec3& place) {
-  const hw::PolarPoint p = geometry.to_polar(place);
+double stick_time_s(const hw::ProbeGeometry& geometry, const glm::dvec3& position) {
+  const hw::PolarPoint p = geometry.to_polar(position);
   const auto index = [](double angle_rad, double span_deg, int count) {
     const double at = (angle_rad / kDegree / span_deg + 0.5) * (count - 1);
     return std::clamp(std::round(at), 0.0, count - 1.0);
@@ -150,8 +150,8 @@ TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
   const auto& v = s.scene.motion.velocity_m_s;
   const glm::dvec3 velocity = placement.direction_to_probe({v[0], v[1], v[2]});
   const auto center_at = [&](double time_s) { return placement.position_m + time_s * velocity; };
-  const auto outside = [&](const glm::dvec3& place) {
-    return glm::distance(place, center_at(stick_time_s(geometry, place))) > 18e-3;
+  const auto outside = [&](const glm::dvec3& position) {
+    return glm::distance(position, center_at(stick_time_s(geometry, position))) > 18e-3;
   };
   const double frame_step_m = glm::length(velocity) * 64 * 2 * 0.16 / 1540;
   int compared = 0, at_a_step = 0, at_an_edge = 0;
@@ -162,28 +162,28 @@ TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
       double expected = span.from_m;
       while (expected < span.to_m && outside(ray.at(expected))) expected += 20e-6;
       if (expected >= span.to_m - 0.1e-3 || expected < span.from_m + 0.1e-3) continue;
-      const glm::dvec3 place = ray.at(expected);
-      const glm::dvec3 center = center_at(stick_time_s(geometry, place));
+      const glm::dvec3 position = ray.at(expected);
+      const glm::dvec3 center = center_at(stick_time_s(geometry, position));
       const double along = glm::dot(center - ray.origin, ray.direction);
       const double off = glm::distance(ray.at(along), center);
       if (off > 17e-3 || truth.kind.at(column, row) == TruthKind::outside_field) continue;
       ASSERT_EQ(truth.kind.at(column, row), TruthKind::surface) << column << " " << row;
       ++compared;
       const double off_m = std::abs(truth.depth_m.at(column, row) - expected);
-      // The grid's own error may decide whether a frame sees the surface at its very edge.
+      // At the edge of a frame the grid's rounding may decide whether the surface is in it.
       if (off_m > 0.05e-3 && off_m < 0.05e-3 + frame_step_m) {
         ++at_an_edge;
         continue;
       }
       ASSERT_LE(off_m, 0.05e-3) << column << " " << row;
-      // The sphere, shifted by its velocity times the time of the stick, but where the frame before
-      // did not see it yet and this one sees it beyond.
+      // The sphere, displaced by its velocity times the time of the stick, except at the step
+      // between a frame that misses it and the next one.
       const double shifted = along - std::sqrt(18e-3 * 18e-3 - off * off);
       if (std::abs(shifted - expected) > 0.05e-3) {
         ++at_a_step;
         continue;
       }
-      const glm::dvec3 normal = glm::normalize(place - center);
+      const glm::dvec3 normal = glm::normalize(position - center);
       ASSERT_GT(glm::dot(glm::dvec3(truth.normal.at(column, row)), normal), 0.998);
     }
   }
@@ -200,8 +200,8 @@ INSTANTIATE_TEST_SUITE_P(Velocities,
                                          MovingSphere{"[0,0,-10]", "render.view.pitch_deg=20"},
                                          MovingSphere{"[15,-20,25]", "render.view.yaw_deg=30"}));
 
-TEST(Truth, NothingThatRushesAcrossTheViewIsLeaptOver) {
-  // Seen across the sweep: a ray meets frame after frame, and in each the sphere is elsewhere.
+TEST(Truth, NoFastSphereIsSteppedOver) {
+  // Viewed across the sweep: a ray crosses frame after frame, with the sphere displaced in each.
   const Stage s = stage({"phantom.name=sphere",
                          "phantom.radius_mm=4",
                          "motion.velocity_mm_s=[0,0,120]",
@@ -212,9 +212,9 @@ TEST(Truth, NothingThatRushesAcrossTheViewIsLeaptOver) {
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
   const auto geometry = s.scene.plan().geometry();
-  const auto inside = [&](const glm::dvec3& place) {
-    const glm::dvec3 center(0, 0, 90e-3 + 120e-3 * stick_time_s(geometry, place));
-    return glm::distance(place, center) < 4e-3;
+  const auto inside = [&](const glm::dvec3& position) {
+    const glm::dvec3 center(0, 0, 90e-3 + 120e-3 * stick_time_s(geometry, position));
+    return glm::distance(position, center) < 4e-3;
   };
   int compared = 0, different = 0;
   for (int row = 0; row < 64; ++row) {
@@ -235,19 +235,19 @@ TEST(Truth, NothingThatRushesAcrossTheViewIsLeaptOver) {
   EXPECT_LE(different, compared / 20) << "at its rim the grid decides whether it is there";
 }
 
-/// The first place along a ray where a march in tiny steps gets into or out of tissue.
-std::optional<double> patiently(const hw::Ray& ray,
-                                const render::Span& span,
-                                const Stage& s,
-                                const phantoms::SurfaceFinder& finder,
-                                const phantoms::Motion& motion) {
+/// The first position along a ray where ray marching in tiny steps enters tissue.
+std::optional<double> march_finely(const hw::Ray& ray,
+                                   const render::Span& span,
+                                   const Stage& s,
+                                   const phantoms::SurfaceFinder& finder,
+                                   const phantoms::Motion& motion) {
   const auto geometry = s.scene.plan().geometry();
   const auto placement = s.subject.placement;
   std::vector<double> before;
   for (double at = span.from_m; at < span.to_m; at += 50e-6) {
-    const glm::dvec3 place = ray.at(at);
+    const glm::dvec3 position = ray.at(at);
     const glm::dvec3 rest =
-        motion.to_rest(placement.to_phantom(place), stick_time_s(geometry, place));
+        motion.to_rest(placement.to_phantom(position), stick_time_s(geometry, position));
     std::vector<double> now;
     for (int t = 0; t < finder.targets(); ++t) now.push_back(finder.distance_bound(t, rest));
     for (std::size_t t = 0; t < before.size(); ++t) {
@@ -263,7 +263,7 @@ std::optional<double> patiently(const hw::Ray& ray,
 
 class TruthOfMovingFace : public testing::TestWithParam<std::string> {};
 
-TEST_P(TruthOfMovingFace, IsWhatAPatientMarchFinds) {
+TEST_P(TruthOfMovingFace, IsThatOfAFineRayMarch) {
   const Stage s = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0", GetParam()});
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
@@ -274,7 +274,7 @@ TEST_P(TruthOfMovingFace, IsWhatAPatientMarchFinds) {
     for (int column = 1; column < 64; column += 3) {
       const hw::Ray ray = camera.ray(column, row);
       const auto span = render::clip_to_box(ray, s.scene.render.volume_of_interest);
-      const auto expected = patiently(ray, span, s, finder, motion);
+      const auto expected = march_finely(ray, span, s, finder, motion);
       if (truth.kind.at(column, row) == TruthKind::outside_field) continue;
       ++compared;
       const double depth = truth.depth_m.at(column, row);
@@ -284,7 +284,7 @@ TEST_P(TruthOfMovingFace, IsWhatAPatientMarchFinds) {
     }
   }
   EXPECT_GT(compared, 200);
-  // Grazing rays may see a ridge thinner than a step, or not.
+  // Grazing rays may miss a ridge thinner than a step.
   EXPECT_LE(different, compared / 100);
 }
 
@@ -297,7 +297,7 @@ INSTANTIATE_TEST_SUITE_P(Motions,
                                          "motion.velocity_mm_s=[0,-200,-60]",
                                          "motion.head_turn_deg=40"));
 
-TEST(Truth, TheMarchAgreesWithOpenVdbWhereNothingMovesToSpeakOf) {
+TEST(Truth, RayMarchingAgreesWithOpenVdbForNegligibleMotion) {
   const Stage still = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"});
   const Stage crawling = stage(
       {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0", "motion.velocity_mm_s=[0,0,1e-6]"});

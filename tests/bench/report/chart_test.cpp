@@ -1,4 +1,4 @@
-// Charts: where ticks, lines and bars lie, and that nothing runs off the sheet.
+// Charts: positions of ticks, lines and bars, and that nothing exceeds the picture.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,23 +33,23 @@ TEST(Ruler, LogarithmicTicksStandAtOneTwoFive) {
   EXPECT_EQ(texts(few.ticks(7)), (Words{"1", "2", "5", "10", "20"}));
   const Ruler many({"", Scale::logarithmic, 0.01, 1e4}, {});
   EXPECT_EQ(texts(many.ticks(7)), (Words{"0.01", "0.1", "1", "10", "100", "1000", "10000"}));
-  EXPECT_NEAR(few.share(std::sqrt(30.0)), 0.5, 1e-12);
+  EXPECT_NEAR(few.fraction(std::sqrt(30.0)), 0.5, 1e-12);
 }
 
-TEST(Ruler, TicksThatAreGivenStand) {
+TEST(Ruler, GivenTicksAreKept) {
   const Ruler given({.label = "", .ticks = {{1, "none"}, {5, "5x5"}}}, {1, 5});
   EXPECT_EQ(texts(given.ticks(7)), (Words{"none", "5x5"}));
 }
 
-TEST(Ruler, HoldsItsDataWithRoomBeyond) {
+TEST(Ruler, ContainsItsDataWithAMargin) {
   const Ruler ruler({}, {3, kGap, 5, 4});
   EXPECT_LT(ruler.low(), 3);
   EXPECT_GT(ruler.high(), 5);
-  EXPECT_NEAR(ruler.share(4), 0.5, 1e-12);
+  EXPECT_NEAR(ruler.fraction(4), 0.5, 1e-12);
   const Ruler one({}, {7});
   EXPECT_LT(one.low(), 7);
   EXPECT_GT(one.high(), 7);
-  // What a logarithm cannot show does not count.
+  // Values that a logarithmic axis cannot show are left out.
   EXPECT_GT(Ruler({"", Scale::logarithmic}, {-1, 0, 2, 4}).low(), 1);
 }
 
@@ -98,7 +98,7 @@ TEST(Chart, DrawsEverySeriesInItsColour) {
   EXPECT_EQ(count_of(picture, series_colour(2)), 0);
 }
 
-TEST(Chart, NothingTouchesTheEdgeOfTheSheet) {
+TEST(Chart, NothingTouchesTheEdgeOfThePicture) {
   Chart chart = two_lines();
   chart.series[0].name = "a rather long name for a series";
   chart.series[0].y = {-123456, 1, 2, 123456};

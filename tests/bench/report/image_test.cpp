@@ -71,7 +71,7 @@ TEST(ImageIo, WhatCannotBeWrittenIsNamed) {
   }
 }
 
-/// Writes with the disk full some bytes before the end, for every way in which buffers may fall.
+/// Writes with the disk full some bytes before the end, at several positions in the buffers.
 template <class Write>
 void expect_full_disk_is_said(const std::filesystem::path& path, const Write& write) {
   write(path);

@@ -1,4 +1,4 @@
-// Pages, files and the commands that write them.
+// The validation documents, and the commands validate and trade.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,13 +50,13 @@ StudyReport example() {
   return report;
 }
 
-TEST(Validation, PageNamesFailuresAndLinksFigures) {
-  const auto page = validation_markdown({example()}, {.commit = "abc"}, "figures/");
-  EXPECT_NE(page.find("2 checks, 1 passed, 1 failed"), std::string::npos) << page;
-  EXPECT_NE(page.find("](figures/validation_picture.png)"), std::string::npos);
-  EXPECT_NE(page.find("Commit abc"), std::string::npos);
-  EXPECT_NE(page.find("1.05 mm | 1 ± 0.1"), std::string::npos);
-  EXPECT_NE(page.find("**failed**"), std::string::npos);
+TEST(Validation, MarkdownNamesFailuresAndLinksFigures) {
+  const auto markdown = validation_markdown({example()}, {.commit = "abc"}, "figures/");
+  EXPECT_NE(markdown.find("2 checks, 1 passed, 1 failed"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("](figures/validation_picture.png)"), std::string::npos);
+  EXPECT_NE(markdown.find("Commit abc"), std::string::npos);
+  EXPECT_NE(markdown.find("1.05 mm | 1 ± 0.1"), std::string::npos);
+  EXPECT_NE(markdown.find("**failed**"), std::string::npos);
 }
 
 TEST(Validation, CsvHasEveryPoint) {
@@ -76,7 +76,7 @@ TEST(Validation, ReportHasNameOutcomeDetail) {
             "1.05 mm; expected 1 ± 0.1 mm (closed form); n = 5 places; seeds 1 to 2");
 }
 
-TEST(ValidateCommand, LeavesPagePointsFiguresAndReport) {
+TEST(ValidateCommand, WritesMarkdownPointsFiguresAndReport) {
   const ScratchFolder folder;
   const auto result =
       run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "shear", "--json"}, folder.path());
@@ -88,7 +88,7 @@ TEST(ValidateCommand, LeavesPagePointsFiguresAndReport) {
   EXPECT_EQ(report.at("checks").size(), 3u);
 }
 
-TEST(ValidateCommand, RefusesAStudyThatThereIsNot) {
+TEST(ValidateCommand, RefusesAnUnknownStudy) {
   const ScratchFolder folder;
   const auto result =
       run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "weather"}, folder.path());

@@ -17,7 +17,7 @@ Image<float> picture(const std::vector<float>& depths_m) {
   return image;
 }
 
-TEST(ModeAgreement, CountsWhatOnePictureAloneHas) {
+TEST(ModeAgreement, CountsSurfacesOfOnePictureAlone) {
   const auto found = compare_depths(
       picture({kNone, 0.1f, kNone, 0.1f}), picture({kNone, 0.1f, 0.1f, kNone}), kStep_m);
   EXPECT_EQ(found.pixels, 4);
@@ -28,7 +28,7 @@ TEST(ModeAgreement, CountsWhatOnePictureAloneHas) {
   EXPECT_FALSE(found.same());
 }
 
-TEST(ModeAgreement, SetsApartPixelsThatFoundAnotherSurface) {
+TEST(ModeAgreement, SeparatesPixelsOfDifferentSurfaces) {
   // 0.3 and 0.4 steps apart, and 100.
   const auto found =
       compare_depths(picture({0.1f, 0.1f, 0.1f}), picture({0.10003f, 0.09996f, 0.11f}), kStep_m);
@@ -50,7 +50,7 @@ TEST(ModeAgreement, RefusesPicturesOfTwoSizes) {
                std::invalid_argument);
 }
 
-TEST(ModeAgreement, LooksFromFiveDifferentDirections) {
+TEST(ModeAgreement, HasFiveDifferentDirections) {
   const auto& directions = five_directions();
   ASSERT_EQ(directions.size(), 5u);
   for (std::size_t i = 0; i < directions.size(); ++i) {

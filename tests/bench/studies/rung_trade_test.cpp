@@ -1,4 +1,4 @@
-// What the trade of the rungs is made of. No time is asserted.
+// Measurements and documents of the comparison of rungs. No time is asserted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST(RungTrade, TrueRangesMeetTheSphere) {
   const auto scene = sphere_scene();
   const auto ranges = true_ranges(scene);
   ASSERT_EQ(ranges.size(), 45u);
-  // The middle stick looks at the ball's front, 50 mm from the face; the outermost ones pass it by.
+  // The middle stick meets the sphere's front 50 mm from the face; the outermost ones miss it.
   EXPECT_NEAR(ranges[2 * 9 + 4], 50e-3, 1e-5);
   EXPECT_TRUE(std::isnan(ranges[0]));
 }
@@ -81,7 +81,7 @@ TEST(RungTrade, GeometryFindsTheSurfaceWhereItIs) {
   ASSERT_EQ(errors.size(), 2u);
   // The mean of three samples rises over as many: half a sample's doubt, and the slope of the
   // level.
-  EXPECT_LT(errors[0].against_truth.p95_size_mm, 0.5);
+  EXPECT_LT(errors[0].against_truth.p95_abs_mm, 0.5);
   EXPECT_EQ(errors[0].against_truth.missed_percent, 0);
   ASSERT_TRUE(errors[0].image_rms_db);
   EXPECT_GT(*errors[0].image_rms_db, 0);
@@ -110,7 +110,7 @@ TEST(RungTrade, FrontHoldsWhatNothingBeats) {
     RungError error;
     error.body = "ball";
     error.rung = rung;
-    error.against_truth.p95_size_mm = error_mm;
+    error.against_truth.p95_abs_mm = error_mm;
     results.errors.push_back(error);
   };
   add(Rung::geometry, 10, 3);

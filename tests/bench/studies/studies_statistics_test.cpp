@@ -1,4 +1,4 @@
-// The numbers that studies rest on, against closed forms.
+// Statistics of the studies against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,13 +36,13 @@ TEST(RayleighDistance, RejectsOneInAHundredOfTrueOnes) {
 }
 
 TEST(RayleighDistance, RejectsWhatIsNotRayleigh) {
-  std::vector<double> even;
-  for (int i = 0; i < 400; ++i) even.push_back((i + 0.5) / 400);
-  EXPECT_GT(rayleigh_distance(even), rayleigh_critical_distance(400));
-  // Its scale does not matter.
-  auto louder = even;
-  for (double& value : louder) value *= 1e3;
-  EXPECT_NEAR(rayleigh_distance(louder), rayleigh_distance(even), 1e-12);
+  std::vector<double> uniform;
+  for (int i = 0; i < 400; ++i) uniform.push_back((i + 0.5) / 400);
+  EXPECT_GT(rayleigh_distance(uniform), rayleigh_critical_distance(400));
+  // Independent of its scale.
+  auto scaled = uniform;
+  for (double& value : scaled) value *= 1e3;
+  EXPECT_NEAR(rayleigh_distance(scaled), rayleigh_distance(uniform), 1e-12);
 }
 
 TEST(Moments, OfAKnownList) {
@@ -83,7 +83,7 @@ TEST(Widths, OfAGaussian) {
 TEST(GaussianPeak, IsExactBetweenSamples) {
   std::vector<double> y;
   for (int i = 0; i < 20; ++i) y.push_back(2.5 * std::exp(-0.5 * std::pow((i - 9.3) / 1.7, 2)));
-  EXPECT_NEAR(gaussian_peak(y).place, 9.3, 1e-9);
+  EXPECT_NEAR(gaussian_peak(y).position, 9.3, 1e-9);
   EXPECT_NEAR(gaussian_peak(y).value, 2.5, 1e-9);
   EXPECT_EQ(gaussian_peak(std::vector<double>{0, 0, 1, 0}).value, 1);
 }

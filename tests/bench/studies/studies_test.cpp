@@ -30,7 +30,7 @@ TEST(SpeckleStudy, FieldIsRayleigh) {
   EXPECT_EQ(result.rejected(), 0);
 }
 
-TEST(SpeckleStudy, FewScatterersAreToldFromMany) {
+TEST(SpeckleStudy, FewScatterersDifferFromMany) {
   SpeckleInputs inputs;
   inputs.seeds = {1};
   inputs.scatterers_per_cell = 1;
@@ -95,7 +95,7 @@ TEST(AttenuationStudy, SlopeIsTwoAlphaF) {
   EXPECT_NEAR(measure_slope(Rung::field, true, inputs).slope_db_per_cm, -3.5, 0.07);
 }
 
-TEST(AttenuationStudy, BoneAndFluidChangeWhatLiesBehindThem) {
+TEST(AttenuationStudy, BoneAndFluidChangeTheLevelBehindThem) {
   AttenuationInputs inputs;
   inputs.seeds = {1};
   inputs.sticks = inputs.frames = 8;

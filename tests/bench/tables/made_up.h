@@ -1,4 +1,4 @@
-// Results that nobody measured, for tests of how results are written.
+// Made-up results, for tests of the writers.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace wobblebench::bench::testing {
 
-/// Time of a row: plain grows with the volume and the kernel's square, fast hardly.
+/// Time of a row: plain grows with the volume and the kernel's square, fast little.
 inline double made_up_ms(const TableRow& row, PipelineVariant variant) {
   const double side = row.side / 512.0, kernel = row.kernel_3d * row.kernel_3d;
   switch (variant) {

@@ -1,4 +1,4 @@
-// wobblebench-tables as a user meets it.
+// The program wobblebench-tables as a whole.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -23,7 +23,7 @@ long count(const Picture3& picture, Colour colour) {
 TEST(TablesFigure, ShowsPaperPlainAndFastInFourPanels) {
   const Picture3 picture = draw_tables(testing::made_up_results());
   EXPECT_GT(picture.width, picture.height);
-  // Named on the command line, for a person to look at.
+  // For inspection by eye.
   if (const char* path = std::getenv("WOBBLEBENCH_TABLES_PNG")) write_png(path, picture);
   for (const int series : {0, 2, 6}) EXPECT_GT(count(picture, series_colour(series)), 500);
   auto without = testing::made_up_results();

@@ -67,7 +67,7 @@ void expect_arrivals_that_add_up(const TableResults& results) {
 }
 
 // One test: each is a process of its own, and most of the time goes into compiling shaders.
-TEST(Tables, AreMeasuredInEveryWayTheyName) {
+TEST(Tables, AreMeasuredInEveryVariantTheyName) {
   const auto context = render::make_context();
   const TableResults results =
       measure_tables(noise(), {}, *context, {.divisor = 8, .repeats = 2, .plain_repeats = 1});

@@ -1,4 +1,4 @@
-// What the tables found, as it is written.
+// Tables as Markdown, CSV and JSON.
 #include "bench/tables/tables_report.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ const TableResults& results() {
   return made_up;
 }
 
-TEST(Tables, WaysAreTheirPipelinesAndKernelSpaces) {
+TEST(Tables, VariantsAreTheirPipelinesAndKernelSpaces) {
   using render::KernelSpace;
   using render::PipelineMode;
   const auto is = [](PipelineVariant variant, PipelineMode mode, KernelSpace space) {
@@ -71,10 +71,10 @@ TEST(Tables, TheReportHasTheNamesThatOthersRead) {
   EXPECT_EQ(report.at("run").at("note"), "a note");
 }
 
-TEST(Tables, ThePageSaysWhatWasRun) {
+TEST(Tables, TheMarkdownSaysWhatWasRun) {
   Provenance provenance;
   provenance.gl_backend = "egl";
-  const auto page = to_markdown(results(), kRun, "A note.", provenance);
+  const auto markdown = to_markdown(results(), kRun, "A note.", provenance);
   for (const char* text : {"REDUCED",
                            "median of 1 (plain) and 2 (fast)",
                            "### Table IV",
@@ -84,7 +84,7 @@ TEST(Tables, ThePageSaysWhatWasRun) {
                            "| sampler2DArray rg16 linear | 300 | 900.00 | 9.00 |",
                            "A note.",
                            "GL: egl"}) {
-    EXPECT_NE(page.find(text), std::string::npos) << text;
+    EXPECT_NE(markdown.find(text), std::string::npos) << text;
   }
   EXPECT_EQ(describe_run({.divisor = 1}).find("The paper's sizes."), 0u);
 }
