@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_descriptor.h"
 #include "base/options.h"
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"
@@ -17,25 +18,22 @@ namespace hw = wobblebench::hw;
 
 namespace {
 
-/// A file in memory, with a path. Written anew for each input: making and unmaking one takes longer
-/// than reading it.
+/// A file in memory, with a path. Rewritten for each input: to create and remove one takes longer
+/// than to read it, hence the static objects below.
 class MemoryFile {
  public:
   MemoryFile() : file_(::memfd_create("fuzz", 0)) {}
-  ~MemoryFile() { ::close(file_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
 
-  /// Its path, with these bytes in it alone.
+  /// Its path, holding these bytes.
   std::string holding(const void* data, std::size_t size) {
-    const bool written =
-        ::ftruncate(file_, 0) == 0 && ::pwrite(file_, data, size, 0) == static_cast<ssize_t>(size);
+    const bool written = ::ftruncate(file_.get(), 0) == 0 &&
+                         ::pwrite(file_.get(), data, size, 0) == static_cast<ssize_t>(size);
     if (!written) std::abort();
-    return "/proc/self/fd/" + std::to_string(file_);
+    return "/proc/self/fd/" + std::to_string(file_.get());
   }
 
  private:
-  int file_;
+  wobblebench::FileDescriptor file_;
 };
 
 void salvage(const std::string& path, const hw::RecordingContents& contents) {
@@ -58,8 +56,8 @@ void loop(const std::string& path) {
     hw::FileLink link(path, {.loop = true});
     std::vector<std::byte> buffer(4096);
     for (int i = 0; i < 20; ++i) link.read(buffer, hw::HostTime::min());
-  } catch (const InvalidOption&) {
-    // A loop that cannot go on.
+  } catch (const wobblebench::InvalidOption&) {
+    // A loop that cannot continue.
   } catch (const hw::UnsupportedWireVersion&) {
     // Later in the file.
   }

@@ -1,5 +1,4 @@
-// Any text as a scene file: read or refused in one line, and what was read resolves to what reads
-// the same again.
+// Any text as a scene file: read and resolved, or refused in one line.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -8,21 +7,22 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/file_descriptor.h"
 #include "bench/cli/user_error.h"
 #include "bench/scene/scene.h"
 
 namespace bench = wobblebench::bench;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const int file = ::memfd_create("scene", 0);
-  if (file < 0 || ::write(file, data, size) != static_cast<ssize_t>(size)) std::abort();
-  const std::string path = "/proc/self/fd/" + std::to_string(file);
+  const wobblebench::FileDescriptor file(::memfd_create("scene", 0));
+  if (!file.is_open() || ::write(file.get(), data, size) != static_cast<ssize_t>(size))
+    std::abort();
+  const std::string path = "/proc/self/fd/" + std::to_string(file.get());
   try {
     const bench::Scene scene = bench::load_scene(path, {});
     if (bench::resolved(scene).dump().empty()) std::abort();
   } catch (const bench::UserError& error) {
     if (std::string(error.what()).find('\n') != std::string::npos) std::abort();
   }
-  ::close(file);
   return 0;
 }
