@@ -19,12 +19,8 @@ RecordingSink::RecordingSink(const std::filesystem::path& path)
     return UserError(path_.string() + ": cannot be written: " + reason);
   };
   if (std::filesystem::is_directory(path_, ignored)) throw cannot("is a folder");
-  file_ = ::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-  if (file_ < 0) throw cannot(std::strerror(errno));
-}
-
-RecordingSink::~RecordingSink() {
-  if (file_ >= 0) ::close(file_);
+  file_ = FileDescriptor(::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file_.is_open()) throw cannot(std::strerror(errno));
 }
 
 void RecordingSink::refuse() const {
@@ -33,7 +29,7 @@ void RecordingSink::refuse() const {
 
 void RecordingSink::write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) refuse();
     bytes = bytes.subspan(static_cast<std::size_t>(count));
@@ -41,14 +37,12 @@ void RecordingSink::write(std::span<const std::byte> bytes) {
 }
 
 void RecordingSink::sync() {
-  if (::fdatasync(file_) != 0 && errno != EINVAL && errno != ENOTSUP) refuse();
+  if (::fdatasync(file_.get()) != 0 && errno != EINVAL && errno != ENOTSUP) refuse();
 }
 
 void RecordingSink::finish() {
   sync();
-  const int closing = ::close(file_);
-  file_ = -1;
-  if (closing != 0) refuse();
+  if (::close(file_.release()) != 0) refuse();
   std::error_code error;
   std::filesystem::rename(partial_, path_, error);
   if (error) {

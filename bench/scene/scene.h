@@ -18,7 +18,7 @@
 
 namespace wobblebench::bench {
 
-/// Where the phantom stands in the probe frame; the phantom's own suggestion unless given.
+/// Pose of the phantom in the probe frame; the phantom's own suggestion unless given.
 struct PlacementOptions {
   glm::dvec3 position_m{0, 0, 0.11};
   glm::dvec3 rotation_rad{0, 0, 0};  ///< about x, then y, then z
@@ -42,9 +42,9 @@ struct Scene {
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   phantoms::Placement phantom_placement() const;
-  /// Whether any motion is asked for.
+  /// Whether the options set any motion.
   bool moves() const;
-  /// Throws UserError where this phantom cannot move so.
+  /// Throws UserError for a motion that this phantom cannot make.
   phantoms::Motion phantom_motion(const phantoms::Phantom& phantom) const;
 };
 
@@ -70,7 +70,7 @@ void for_each_section(S& scene, const Body& body) {
 /// validates every option. Throws UserError.
 Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings);
 
-/// Takes what the scene left open (placement, volume of interest) from the phantom.
+/// Sets placement and volume of interest from the phantom, where they were not given.
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
 
 /// Every option with its value in the units of its key.

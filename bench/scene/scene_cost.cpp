@@ -23,9 +23,9 @@ double samples_per_volume(const hw::AcquisitionPlan& plan) {
   return 1.0 * plan.sticks_per_volume() * plan.acquisition().samples_per_stick;
 }
 
-/// sim::ProbeSimulator holds the echoes of all sticks where they are the same in each volume; while
-/// it makes them on the rung field, even speckle beside them. A volume on its way is held where it
-/// is made and where it is put together.
+/// sim::ProbeSimulator keeps the echoes of all sticks if they are the same in each volume; on the
+/// rung `field` it also holds homogeneous speckle while it computes them. A volume in transit is
+/// held twice, by the simulator and by the assembly.
 double acquisition_bytes(const Scene& scene, const hw::AcquisitionPlan& plan) {
   const double volume = kSampleBytes * samples_per_volume(plan);
   const sim::Rung rung = sim::choose_fidelity(scene.simulation, plan, scene.moves()).rung;
@@ -33,8 +33,8 @@ double acquisition_bytes(const Scene& scene, const hw::AcquisitionPlan& plan) {
   const double iq = kIqBytes * samples_per_volume(plan) * sim::iq_oversampling(plan);
   const bool kept = !scene.moves() && plan.acquisition().motor != hw::MotorMode::alternating;
   const double speckle = rung == sim::Rung::field && scene.simulation.speckle ? iq : 0;
-  const double made = kept ? iq : 0;
-  return std::max(speckle + made, (kept ? made : speckle) + 2 * volume);
+  const double echoes = kept ? iq : 0;
+  return std::max(speckle + echoes, (kept ? echoes : speckle) + 2 * volume);
 }
 
 double texel_bytes(render::TextureFormat format) {
@@ -56,10 +56,10 @@ std::string gigabytes(double bytes) {
   return text.str();
 }
 
-void refuse_beyond(double available,
-                   double need,
-                   const std::string& source,
-                   const std::string& keys) {
+void check_available(double available,
+                     double need,
+                     const std::string& source,
+                     const std::string& keys) {
   if (need <= available) return;
   throw UserError(source + ": " + keys + ": need about " + gigabytes(need) +
                   " of memory; this machine has " + gigabytes(available));
@@ -95,8 +95,9 @@ void check_memory(const Scene& scene, const std::string& source, double availabl
       "acquisition.samples_per_stick = " + std::to_string(acquisition.samples_per_stick);
   const std::string slices = "render.scan_conversion.slice_size = " +
                              std::to_string(scene.render.scan_conversion.slice_size);
-  refuse_beyond(available_bytes, need.acquisition, source, frames + ", " + sticks + ", " + samples);
-  refuse_beyond(available_bytes, need.slices, source, frames + ", " + slices);
+  check_available(
+      available_bytes, need.acquisition, source, frames + ", " + sticks + ", " + samples);
+  check_available(available_bytes, need.slices, source, frames + ", " + slices);
 }
 
 }  // namespace wobblebench::bench
