@@ -1,14 +1,14 @@
-// What the board costs: throughput from a file to the program, and how soon a cancelled waiter
-// wakes.
-#include <iomanip>
+// What the board costs: throughput from a file to the program, and the time from cancel() until the
+// waiting thread returns.
 #include <iostream>
-#include <sstream>
+#include <memory>
 #include <thread>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
+#include "bench/report/board_speed_report.h"
 #include "bench/report/output_folder.h"
-#include "bench/report/report.h"
 #include "bench/studies/board_speed.h"
 
 namespace wobblebench::bench {
@@ -17,84 +17,14 @@ namespace {
 
 constexpr int kVolumes = 40;
 constexpr int kCancels = 10000;
-/// Payload of one lane of PCIe 3.0 (reference 18).
-constexpr double kLane_mb_s = 900;
 
-std::string rounded(double value, int digits) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(digits) << value;
-  return text.str();
-}
+struct Arguments {
+  OutputArguments output;
+  int repeats = 3;
+};
 
-std::string board_page(const Throughput& throughput,
-                       const std::vector<CancelTimes>& cancels,
-                       const Provenance& provenance) {
-  std::ostringstream page;
-  page << "# What the board costs\n\nWritten by `wobblebench board`. CPU: " << provenance.cpu
-       << ", " << provenance.threads << " threads. Commit: " << provenance.commit
-       << ". Sticks of noise, seed 1; simulated, no card.\n\n## Throughput\n\nA recording of "
-       << throughput.sticks << " sticks of the paper ("
-       << rounded(double(throughput.bytes) / 1e6, 0)
-       << " MB, in the page cache), all threads on one core; median of " << throughput.repeats
-       << " runs, and range. The paper's stream is " << rounded(throughput.stream_mb_s, 1)
-       << " MB/s; one lane of PCIe 3.0 carries about " << rounded(kLane_mb_s, 0)
-       << " MB/s of payload.\n\n| stage | MB/s | range | ns a stick | times the paper's stream |\n"
-          "| --- | ---: | ---: | ---: | ---: |\n";
-  const double stick_bytes = double(throughput.bytes) / double(throughput.sticks);
-  for (const StageSpeed& stage : throughput.stages) {
-    page << "| " << stage.stage << " | " << rounded(stage.mb_s.median, 0) << " | "
-         << rounded(stage.mb_s.min, 0) << " to " << rounded(stage.mb_s.max, 0) << " | "
-         << rounded(stick_bytes / stage.mb_s.median * 1e3, 0) << " | "
-         << rounded(stage.mb_s.median / throughput.stream_mb_s, 0) << " |\n";
-  }
-  page << "\n## Cancelling\n\nFrom the call of `cancel()` until the thread that waits in `next()` "
-          "has "
-          "returned, while a card sends in real time; the load are threads that do nothing but "
-          "count.\n\n| cancels | load threads | P50 ms | P99 ms | P99.9 ms | max ms |\n"
-          "| ---: | ---: | ---: | ---: | ---: | ---: |\n";
-  for (const CancelTimes& times : cancels) {
-    page << "| " << times.cancels << " | " << times.load_threads << " | "
-         << rounded(times.p50_ms, 3) << " | " << rounded(times.p99_ms, 3) << " | "
-         << rounded(times.p999_ms, 3) << " | " << rounded(times.max_ms, 3) << " |\n";
-  }
-  return page.str();
-}
-
-Json to_report(const Throughput& throughput,
-               const std::vector<CancelTimes>& cancels,
-               Provenance provenance) {
-  provenance.board = "recording";
-  provenance.seed = 1;
-  Json stages = Json::array(), waits = Json::array();
-  for (const StageSpeed& stage : throughput.stages) {
-    stages.push_back({{"stage", stage.stage},
-                      {"median_mb_s", stage.mb_s.median},
-                      {"min_mb_s", stage.mb_s.min},
-                      {"max_mb_s", stage.mb_s.max}});
-  }
-  for (const CancelTimes& times : cancels) {
-    waits.push_back({{"cancels", times.cancels},
-                     {"load_threads", times.load_threads},
-                     {"p50_ms", times.p50_ms},
-                     {"p99_ms", times.p99_ms},
-                     {"p999_ms", times.p999_ms},
-                     {"max_ms", times.max_ms}});
-  }
-  return {{"schema", kReportSchema},
-          {"command", "board"},
-          {"provenance", to_json(provenance)},
-          {"throughput",
-           {{"bytes", throughput.bytes},
-            {"sticks", throughput.sticks},
-            {"repeats", throughput.repeats},
-            {"stages", stages}}},
-          {"cancel", waits}};
-}
-
-}  // namespace
-
-int board_command(const CommandArguments& arguments) {
-  OutputFolder out(arguments.out);
+int measure_board(const Arguments& arguments) {
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   const auto throughput =
       progress.step("throughput", [&] { return measure_throughput(kVolumes, arguments.repeats); });
@@ -103,13 +33,24 @@ int board_command(const CommandArguments& arguments) {
     return std::vector{measure_cancels(kCancels, 0), measure_cancels(kCancels, cores)};
   });
   const Provenance provenance = provenance_of_this_machine();
-  const std::string page = board_page(throughput, cancels, provenance);
-  const Json report = to_report(throughput, cancels, provenance);
-  out.write_text("board.md", page);
-  out.write_text("report.json", report.dump(2) + "\n");
+  const std::string markdown = board_speed_markdown(throughput, cancels, provenance);
+  const std::string report = board_speed_report(throughput, cancels, provenance);
+  out.write_text("board.md", markdown);
+  out.write_text("report.json", report);
   out.commit();
-  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  std::cout << (arguments.output.json ? report : markdown);
   return 0;
+}
+
+}  // namespace
+
+Command add_board_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command =
+      add_subcommand(app, "board", "What the board costs: throughput, and cancelling");
+  add_output_options(command, arguments->output);
+  add_repeats_option(command, arguments->repeats);
+  return {&command, [arguments] { return measure_board(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

@@ -1,14 +1,13 @@
-// What a recording holds, and what is wrong with it.
-#include <iomanip>
+// What a recording holds, and what is damaged in it.
+#include <filesystem>
 #include <iostream>
-#include <sstream>
+#include <memory>
 
 #include "bench/cli/commands.h"
-#include "bench/cli/progress.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/user_error.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/report/board_report.h"
-#include "bench/report/report.h"
+#include "bench/report/inspection_report.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 
@@ -16,133 +15,11 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kShownFaults = 10;
-
-Json check_json(const std::string& name, bool passed, const std::string& detail) {
-  return {{"name", name}, {"outcome", passed ? "passed" : "failed"}, {"detail", detail}};
-}
-
-std::string count(std::uint64_t number, const std::string& what) {
-  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
-}
-
-Json checks_json(const hw::RecordingContents& contents) {
-  return Json::array(
-      {check_json("recording.bytes",
-                  contents.damage.regions == 0,
-                  count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
-                      count(contents.damage.regions, "place")),
-       check_json("recording.configuration",
-                  contents.configuration.has_value(),
-                  count(contents.configurations, "configuration")),
-       check_json("recording.consistent",
-                  contents.contradictions == 0,
-                  count(contents.contradictions, "stick") + " contradict the configuration")});
-}
-
-Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
-  Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
-  for (const auto& place : contents.damaged_regions) {
-    places.push_back({{"offset", place.offset}, {"bytes", place.bytes}});
-  }
-  for (const auto& gap : contents.gaps) {
-    gaps.push_back({{"first_sequence", gap.first_sequence},
-                    {"count", gap.count},
-                    {"cause", hw::to_string(gap.cause)}});
-  }
-  for (const auto& volume : contents.volumes) {
-    volumes.push_back(
-        {{"index", volume.index}, {"sticks", volume.sticks}, {"closed", volume.closed}});
-  }
-  return {{"file", path.string()},
-          {"bytes", contents.bytes},
-          {"damaged", contents.damaged()},
-          {"complete", contents.complete()},
-          {"packets",
-           {{"configuration", contents.configurations},
-            {"stick", contents.sticks},
-            {"volume_end", contents.volume_ends},
-            {"unknown", contents.other_packets}}},
-          {"one_plan", contents.one_plan},
-          {"before_configuration", contents.unconfigured},
-          {"contradictions", contents.contradictions},
-          {"damage", places},
-          {"gaps", gaps},
-          {"volumes", volumes}};
-}
-
-Json to_report(const std::filesystem::path& path, const hw::RecordingContents& contents) {
-  Provenance provenance = provenance_of_this_machine();
-  provenance.board = "recording";
-  Json report = {{"schema", kReportSchema},
-                 {"command", "inspect"},
-                 {"provenance", to_json(provenance)},
-                 {"board", account_json(contents.account)},
-                 {"recording", recording_json(path, contents)},
-                 {"checks", checks_json(contents)}};
-  if (const auto& configuration = contents.configuration) {
-    report["acquisition"] = acquisition_json(configuration->plan);
-    report["board"]["samples_from"] = hw::to_string(configuration->source);
-  }
-  return report;
-}
-
-void print_plan(const hw::Configuration& configuration) {
-  const auto& plan = configuration.plan.acquisition();
-  std::cout << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
-            << " sticks of " << plan.samples_per_stick << " samples, depth "
-            << plan.depth_m / kMillimetre << " mm; samples " << hw::to_string(configuration.source)
-            << "\n";
-}
-
-void print_volumes(const hw::RecordingContents& contents) {
-  if (!contents.configuration) return;
-  const auto expected =
-      static_cast<std::uint64_t>(contents.configuration->plan.sticks_per_volume());
-  std::size_t shown = 0;
-  std::uint64_t whole = 0;
-  std::ostringstream partial;
-  for (const auto& volume : contents.volumes) {
-    if (volume.closed && volume.sticks == expected) {
-      ++whole;
-    } else if (shown++ < kShownFaults) {
-      partial << "            volume " << volume.index << ": " << volume.sticks << " of "
-              << expected << " sticks" << (volume.closed ? "" : ", not closed") << "\n";
-    }
-  }
-  std::cout << "volumes     " << contents.volumes.size() << ", of which " << whole << " whole\n"
-            << partial.str();
-}
-
-void print_faults(const hw::RecordingContents& contents) {
-  std::cout << "damage      " << count(contents.damage.regions, "place") << ", "
-            << count(contents.damage.bytes_skipped, "byte") << "\n";
-  for (std::size_t i = 0; i < std::min(kShownFaults, contents.damaged_regions.size()); ++i) {
-    std::cout << "            at byte " << contents.damaged_regions[i].offset << ": "
-              << count(contents.damaged_regions[i].bytes, "byte") << "\n";
-  }
-  std::cout << "missing     " << count(contents.account.lost.total(), "stick") << "\n";
-  for (std::size_t i = 0; i < std::min(kShownFaults, contents.gaps.size()); ++i) {
-    const hw::Gap& gap = contents.gaps[i];
-    std::cout << "            from stick " << gap.first_sequence << ": " << gap.count << " ("
-              << hw::to_string(gap.cause) << ")\n";
-  }
-}
-
-void print_contents(const std::filesystem::path& path, const hw::RecordingContents& contents) {
-  std::cout << "file        " << path.string() << ", " << std::setprecision(4)
-            << static_cast<double>(contents.bytes) / 1e6 << " MB\n";
-  if (contents.configuration) print_plan(*contents.configuration);
-  std::cout << "packets     " << contents.configurations << " configurations, " << contents.sticks
-            << " sticks, " << contents.volume_ends << " volume ends\n";
-  print_volumes(contents);
-  print_faults(contents);
-  std::cout << "verdict     "
-            << (contents.damaged()    ? "damaged"
-                : contents.complete() ? "undamaged and complete"
-                                      : "undamaged; sticks are missing that never came")
-            << "\n";
-}
+struct Arguments {
+  std::filesystem::path recording;
+  std::filesystem::path salvage;  ///< where to copy what is undamaged; empty: nowhere
+  bool json = false;
+};
 
 void salvage(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code ignored;
@@ -157,23 +34,30 @@ void salvage(const std::filesystem::path& from, const std::filesystem::path& to)
   std::cerr << "salvaged    " << contents.account.delivered << " sticks to " << to.string() << "\n";
 }
 
-}  // namespace
-
-int inspect_command(const CommandArguments& arguments) {
+int inspect(const Arguments& arguments) {
   try {
     const auto contents = hw::inspect_recording(arguments.recording);
     if (!arguments.salvage.empty()) salvage(arguments.recording, arguments.salvage);
-    if (arguments.json) {
-      std::cout << to_report(arguments.recording, contents).dump(2) << "\n";
-    } else {
-      print_contents(arguments.recording, contents);
-    }
+    std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
+                                 : inspection_summary(arguments.recording, contents));
     return contents.damaged() ? 1 : 0;
   } catch (const hw::LinkOpenError& error) {
     throw UserError(error.what());
   } catch (const hw::UnsupportedWireVersion& error) {
     throw UserError(arguments.recording.string() + ": " + error.what());
   }
+}
+
+}  // namespace
+
+Command add_inspect_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command =
+      add_subcommand(app, "inspect", "What a recording holds, and what is wrong with it");
+  add_required_path(command, "RECORDING", arguments->recording, "File that `record` wrote");
+  add_path(command, "--salvage", arguments->salvage, "Copy what is undamaged to this new file");
+  add_flag(command, "--json", arguments->json, "Print the report on stdout");
+  return {&command, [arguments] { return inspect(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

@@ -1,114 +1,50 @@
-// Build or import a phantom, say what it is, and write it for other OpenVDB tools.
-#include <cmath>
+// Builds or imports a phantom, prints its properties, and writes it for other OpenVDB tools.
 #include <iostream>
-#include <set>
+#include <memory>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
 #include "bench/report/output_folder.h"
-#include "bench/report/report.h"
-#include "phantoms/grids.h"
+#include "bench/report/phantom_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// To a nanometre: 0.16 m reads 160 mm.
-double in_mm(double metres) {
-  return std::round(metres * 1e9) / 1e6;
-}
+struct Arguments {
+  SceneArguments scene;
+  OutputArguments output;
+};
 
-Json in_mm(const glm::dvec3& place_m) {
-  return {in_mm(place_m.x), in_mm(place_m.y), in_mm(place_m.z)};
-}
-
-double in_mb(std::uint64_t bytes) {
-  return std::round(static_cast<double>(bytes) / 1e4) / 100;
-}
-
-Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
-  const auto& surface = phantom.surfaces()[index];
-  const auto facts = phantoms::grid_memory(phantom, index);
-  return {{"name", surface.name},
-          {"inside", phantom.materials().at(static_cast<std::size_t>(surface.inside)).name},
-          {"target", surface.is_target},
-          {"voxel_mm", in_mm(facts.voxel_m)},
-          {"voxels", facts.voxels},
-          {"memory_mb", in_mb(facts.bytes)}};
-}
-
-Json material_json(const phantoms::Material& material) {
-  return {{"name", material.name},
-          {"sound_speed_m_s", material.sound_speed_m_s},
-          {"impedance_mrayl", material.impedance_rayl / 1e6},
-          {"attenuation_db_per_cm_mhz", material.attenuation_db_per_cm_mhz},
-          {"backscatter_db", material.backscatter_db},
-          {"roughness", material.roughness},
-          {"source", material.source}};
-}
-
-/// The rows of the table that occur in it.
-Json materials_json(const phantoms::Phantom& phantom) {
-  std::set<phantoms::MaterialIndex> used = {phantom.background()};
-  for (const auto& surface : phantom.surfaces()) used.insert(surface.inside);
-  Json rows = Json::array();
-  for (const auto row : used) {
-    rows.push_back(material_json(phantom.materials().at(static_cast<std::size_t>(row))));
-  }
-  return rows;
-}
-
-Json joint_json(const std::optional<phantoms::Joint>& joint) {
-  if (!joint) return nullptr;
-  return {{"center_mm", in_mm(joint->center_m)},
-          {"inner_mm", in_mm(joint->inner_m)},
-          {"outer_mm", in_mm(joint->outer_m)}};
-}
-
-Json phantom_json(const phantoms::Phantom& phantom) {
-  Json surfaces = Json::array();
-  std::uint64_t voxels = 0, bytes = 0;
-  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
-    const auto facts = phantoms::grid_memory(phantom, i);
-    voxels += facts.voxels;
-    bytes += facts.bytes;
-    surfaces.push_back(surface_json(phantom, i));
-  }
-  const auto background = static_cast<std::size_t>(phantom.background());
-  return {{"name", phantom.name()},
-          {"background", phantom.materials().at(background).name},
-          {"surfaces", surfaces},
-          {"voxels", voxels},
-          {"memory_mb", in_mb(bytes)},
-          {"region_of_interest_mm",
-           {{"low", in_mm(phantom.region_of_interest().low)},
-            {"high", in_mm(phantom.region_of_interest().high)}}},
-          {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
-          {"joint", joint_json(phantom.joint())},
-          {"materials", materials_json(phantom)}};
-}
-
-}  // namespace
-
-int phantom_command(const CommandArguments& arguments) {
-  Scene scene = load_scene(arguments.scene, arguments.settings);
-  OutputFolder out(arguments.out);
+int write_phantom(const Arguments& arguments) {
+  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   const auto phantom =
       progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
   progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
-  Json report = report_head("phantom", provenance_of_this_machine(), scene);
-  report["phantom"] = phantom_json(phantom);
-  out.write_text("report.json", report.dump(2) + "\n");
+
+  const std::string report = phantom_report(phantom, scene);
+  out.write_text("report.json", report);
   out.commit();
-  if (arguments.json) {
-    std::cout << report.dump(2) << "\n";
+  if (arguments.output.json) {
+    std::cout << report;
   } else {
-    std::cout << report["phantom"].dump(2) << "\n"
-              << (out.directory() / "phantom.vdb").string() << "\n";
+    std::cout << phantom_summary(phantom) << (out.directory() / "phantom.vdb").string() << "\n";
   }
   return 0;
+}
+
+}  // namespace
+
+Command add_phantom_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(app, "phantom", "Build a phantom and write it as phantom.vdb");
+  add_scene_options(command, arguments->scene);
+  add_output_options(command, arguments->output);
+  return {&command, [arguments] { return write_phantom(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

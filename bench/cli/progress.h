@@ -1,5 +1,5 @@
-// Progress on stderr, one line for each finished step with its wall time; on a terminal the step
-// under way is shown too. The same times go into the report.
+// Progress on stderr: one line for each finished step with its wall time; on a terminal the current
+// step, too.
 #pragma once
 
 #include <unistd.h>
@@ -11,12 +11,14 @@
 #include <utility>
 #include <vector>
 
+#include "bench/report/report_parts.h"
+
 namespace wobblebench::bench {
 
 class Progress {
  public:
-  /// Runs one step, says how long it took, and returns what the step returns. A step that throws
-  /// leaves no line: the error's own line is all that is seen.
+  /// Runs one step, prints its wall time, and returns its result. A step that throws prints
+  /// nothing: the error message is the only line.
   template <class Step>
   auto step(const std::string& name, const Step& body) {
     if (on_terminal()) std::fprintf(stderr, "%s …\r", name.c_str());
@@ -24,9 +26,14 @@ class Progress {
     return body();
   }
 
-  /// Name and wall milliseconds of each step so far.
-  const std::vector<std::pair<std::string, double>>& steps() const { return steps_; }
-  double total_ms() const { return milliseconds_since(start_); }
+  /// Of the steps so far, in their order.
+  const StepTimes& steps() const { return steps_; }
+  /// Likewise, and "total": since this was made.
+  StepTimes times() const {
+    StepTimes times = steps_;
+    times.emplace_back("total", milliseconds_since(start_));
+    return times;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -48,7 +55,7 @@ class Progress {
   };
 
   Clock::time_point start_ = Clock::now();
-  std::vector<std::pair<std::string, double>> steps_;
+  StepTimes steps_;
 };
 
 }  // namespace wobblebench::bench

@@ -5,49 +5,41 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 #include "bench/cli/commands.h"
-#include "bench/cli/user_error.h"
+#include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
-#include "bench/report/board_report.h"
 #include "bench/report/output_folder.h"
-#include "bench/report/report.h"
-#include "bench/scene/adopt_plan.h"
+#include "bench/report/record_report.h"
 #include "hw/recording/recorder.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr const char* kFileName = "recording.wbst";
+struct Arguments {
+  SceneArguments scene;
+  OutputArguments output;
+  std::string board = "sim";
+  int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+};
 
-volatile std::sig_atomic_t asked_to_end = 0;
+/// Set by a signal handler, which can reach nothing but a global variable.
+volatile std::sig_atomic_t stop_requested = 0;
 
 /// The first signal ends the recording in order; a second one ends the program.
 void on_signal(int signal) {
-  asked_to_end = 1;
+  stop_requested = 1;
   std::signal(signal, SIG_DFL);
 }
 
-const char* to_string(hw::RecordingEnd end) {
-  switch (end) {
-    case hw::RecordingEnd::volumes:
-      return "as many volumes as asked for";
-    case hw::RecordingEnd::end_of_stream:
-      return "the stream is over";
-    case hw::RecordingEnd::lost:
-      return "the device is lost";
-    case hw::RecordingEnd::stop_requested:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
-/// What a terminal shows while a recording grows; a log gets a line every few seconds.
-class RecordingLine {
+/// The progress of a recording on stderr: one line rewritten on a terminal, a line every few
+/// seconds in a log.
+class RecordingProgressLine {
  public:
   void show(const hw::RecordingProgress& progress) {
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
@@ -66,11 +58,11 @@ class RecordingLine {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// Records to the sink; on a failure of the disk says what is safe.
+/// Records to the sink; a failure of the disk is reported with the number of whole volumes written.
 hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
-  RecordingLine line;
+  RecordingProgressLine line;
   try {
-    return recorder.run([] { return asked_to_end != 0; },
+    return recorder.run([] { return stop_requested != 0; },
                         [&](const hw::RecordingProgress& progress) {
                           sink.sync();
                           line.show(progress);
@@ -82,41 +74,16 @@ hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
   }
 }
 
-Json to_report(const hw::RecordingProgress& progress,
-               hw::RecordingEnd end,
-               const hw::LinkCapabilities& link,
-               Scene& scene) {
-  if (progress.configuration) {
-    scene.acquisition = progress.configuration->plan.acquisition();
-    static_cast<hw::ProbeOptions&>(scene.probe) = progress.configuration->plan.probe();
-  }
-  Provenance provenance = provenance_of_this_machine();
-  provenance.board = hw::to_string(link.origin);
-  Json report = report_head("record", provenance, scene);
-  report["acquisition"] = acquisition_json(scene.plan());
-  report["board"] = account_json(progress.account);
-  report["board"]["damage"] = {{"places", progress.damage.regions},
-                               {"bytes_skipped", progress.damage.bytes_skipped}};
-  report["board"]["link"] = link_json(link);
-  report["recording"] = {{"file", kFileName},
-                         {"bytes", progress.bytes},
-                         {"volumes", progress.volumes},
-                         {"ended_because", to_string(end)}};
-  return report;
-}
-
-}  // namespace
-
-int record_command(const CommandArguments& arguments) {
-  Scene scene = load_scene(arguments.scene, arguments.settings);
+int record_board(const Arguments& arguments) {
+  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const BoardArguments board = parse_board(arguments.board);
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
-  OutputFolder out(arguments.out);
+  OutputFolder out(arguments.output.folder);
   const auto link =
       open_board_link(board, is_simulated(board) ? simulated_sticks(scene) : MakeSticks{});
-  RecordingSink sink(out.directory() / kFileName);
+  RecordingSink sink(out.directory() / kRecordingName);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   hw::Recorder recorder(
@@ -126,20 +93,30 @@ int record_command(const CommandArguments& arguments) {
   if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
   sink.finish();
 
-  const Json report = to_report(progress, end, link->capabilities(), scene);
-  out.write_text("report.json", report.dump(2) + "\n");
+  const std::string report = record_report(progress, end, link->capabilities(), std::move(scene));
+  out.write_text("report.json", report);
   out.commit();
-  if (arguments.json) {
-    std::cout << report.dump(2) << "\n";
-  } else {
-    std::cout << "recorded    " << progress.volumes << " volumes, " << progress.account.delivered
-              << " sticks, " << static_cast<double>(progress.bytes) / 1e6 << " MB; "
-              << progress.account.lost.total() << " sticks lost; " << to_string(end) << "\n"
-              << "recording   " << sink.path().string() << "\n";
-  }
+  std::cout << (arguments.output.json ? report : record_summary(progress, end, sink.path()));
   if (end != hw::RecordingEnd::lost) return 0;
   std::cerr << "wobblebench: --board = " << arguments.board << ": " << link->loss() << "\n";
   return 1;
+}
+
+}  // namespace
+
+Command add_record_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(app, "record", "Write what a board sends to recording.wbst");
+  add_scene_options(command, arguments->scene);
+  add_output_options(command, arguments->output);
+  add_board_option(command, arguments->board);
+  add_integer(command,
+              "--volumes",
+              arguments->volumes,
+              "Stop after so many; 0: at the end of the stream, or at Ctrl-C",
+              0,
+              1000);
+  return {&command, [arguments] { return record_board(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

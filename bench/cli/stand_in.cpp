@@ -1,8 +1,11 @@
-// A node that behaves like the card's driver, for programs that expect one.
+// Emulates the card's driver: a device node for programs that expect one.
 #include <csignal>
+#include <filesystem>
 #include <iostream>
+#include <memory>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/user_error.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
@@ -12,10 +15,16 @@ namespace wobblebench::bench {
 
 namespace {
 
+struct Arguments {
+  std::filesystem::path folder;  ///< where the node is mounted
+  SceneArguments scene;
+  std::string board = "sim";
+};
+
 /// Blocks SIGINT and SIGTERM in this thread and those that it starts, and waits for one.
-class UntilInterrupted {
+class InterruptSignals {
  public:
-  UntilInterrupted() {
+  InterruptSignals() {
     ::sigemptyset(&signals_);
     ::sigaddset(&signals_, SIGINT);
     ::sigaddset(&signals_, SIGTERM);
@@ -30,10 +39,8 @@ class UntilInterrupted {
   sigset_t signals_;
 };
 
-}  // namespace
-
-int stand_in_command(const CommandArguments& arguments) {
-  const Scene scene = load_scene(arguments.scene, arguments.settings);
+int emulate_card(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const BoardArguments board = parse_board(arguments.board);
   if (!std::filesystem::is_directory(arguments.folder)) {
     throw UserError("FOLDER = " + arguments.folder.string() + ": must be a folder that is there");
@@ -43,13 +50,27 @@ int stand_in_command(const CommandArguments& arguments) {
                              hw::XdmaEmulator::mount_error());
   }
   const MakeSticks sticks = is_simulated(board) ? simulated_sticks(scene) : MakeSticks{};
-  // What cannot be opened is said now, not to the first reader.
+  // Opened once and closed, so that a link that cannot be opened fails here and not at the first
+  // read.
   open_board_link(board, sticks);
-  const UntilInterrupted until;
+  const InterruptSignals signals;
   const hw::XdmaEmulator card(arguments.folder, [&] { return open_board_link(board, sticks); });
   std::cout << "stand-in    " << card.path().string() << ", until Ctrl-C" << std::endl;
-  until.wait();
+  signals.wait();
   return 0;
+}
+
+}  // namespace
+
+Command add_stand_in_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(
+      app, "stand-in", "A node that behaves like the card's driver, until Ctrl-C (needs FUSE)");
+  add_required_path(command, "FOLDER", arguments->folder, "Where xdma0_c2h_0 appears");
+  add_path(command, "SCENE", arguments->scene.file, "TOML file, for --board sim");
+  add_list(command, "--set", arguments->scene.settings, "Override one option: section.key=value");
+  add_board_option(command, arguments->board);
+  return {&command, [arguments] { return emulate_card(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

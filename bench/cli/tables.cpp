@@ -1,13 +1,17 @@
 // Tables I to IV of the paper, measured.
 #include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
 #include "bench/scene/adopt_plan.h"
+#include "bench/tables/arguments.h"
 #include "bench/tables/measure.h"
 #include "bench/tables/table_scans.h"
 #include "bench/tables/tables_figure.h"
@@ -16,6 +20,14 @@
 namespace wobblebench::bench {
 
 namespace {
+
+struct Arguments {
+  SceneArguments scene;
+  OutputArguments output;
+  std::string board = "sim";
+  std::string gl = "osmesa";
+  TableArguments tables;
+};
 
 TableVolumes simulate(Scene& scene, const BoardArguments& board, Progress& progress) {
   const auto phantom =
@@ -31,11 +43,19 @@ TableVolumes play(Scene& scene, const BoardArguments& board, Progress& progress)
   return volumes;
 }
 
-Json to_report(const TableVolumes& volumes,
-               const TableResults& results,
-               const TableRun& run,
-               const Provenance& provenance,
-               const Scene& scene) {
+Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = context.backend();
+  provenance.gl_renderer = context.renderer_string();
+  provenance.board = volumes.board;
+  return provenance;
+}
+
+Json tables_report(const TableVolumes& volumes,
+                   const TableResults& results,
+                   const TableRun& run,
+                   const Provenance& provenance,
+                   const Scene& scene) {
   Json report = report_head("tables", provenance, scene);
   report["effects"] = volumes.effects;
   report["acquisition"] = acquisition_json(scene.plan());
@@ -43,36 +63,44 @@ Json to_report(const TableVolumes& volumes,
   return report;
 }
 
-}  // namespace
-
-int tables_command(const CommandArguments& arguments) {
-  Scene scene = load_scene(arguments.scene, arguments.settings);
+int measure(const Arguments& arguments) {
+  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const TableRun run = arguments.tables.run();
   const BoardArguments board = parse_board(arguments.board);
   take_reference_settings(scene, run);
-  // Before any echo is made: a machine without this GL says so now.
+  // Made before the echoes: where this machine lacks the GL, the command fails early.
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.out);
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   const TableVolumes volumes =
       is_simulated(board) ? simulate(scene, board, progress) : play(scene, board, progress);
   const TableResults results =
       progress.step("tables", [&] { return measure_tables(volumes, scene.render, *context, run); });
 
-  Provenance provenance = provenance_of_this_machine();
-  provenance.gl_backend = context->backend();
-  provenance.gl_renderer = context->renderer_string();
-  provenance.board = volumes.board;
+  Provenance provenance = provenance_of(*context, volumes);
   provenance.seed = scene.simulation.seed;
-  const Json report = to_report(volumes, results, run, provenance, scene);
-  const std::string page = to_markdown(results, run, volumes.note, provenance);
-  out.write_text("tables.md", page);
+  const std::string report = report_text(tables_report(volumes, results, run, provenance, scene));
+  const std::string markdown = to_markdown(results, run, volumes.note, provenance);
+  out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));
   write_png(out.stage("tables.png"), draw_tables(results));
-  out.write_text("report.json", report.dump(2) + "\n");
+  out.write_text("report.json", report);
   out.commit();
-  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  std::cout << (arguments.output.json ? report : markdown);
   return 0;
+}
+
+}  // namespace
+
+Command add_tables_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(app, "tables", "Tables I to IV beside the paper's");
+  add_scene_options(command, arguments->scene);
+  add_output_options(command, arguments->output);
+  add_board_option(command, arguments->board);
+  add_gl_option(command, arguments->gl);
+  add_table_options(command, arguments->tables);
+  return {&command, [arguments] { return measure(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

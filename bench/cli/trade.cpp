@@ -1,14 +1,17 @@
-// Speed against accuracy over settings. Today: over the rungs of the simulator.
+// Speed against accuracy over the rungs of the simulator.
 #include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
 #include "bench/cli/user_error.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
-#include "bench/report/trade/rung_trade_report.h"
 #include "bench/studies/trade/rung_memory.h"
+#include "bench/studies/trade/rung_trade.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 
@@ -16,10 +19,16 @@ namespace wobblebench::bench {
 
 namespace {
 
+struct Arguments {
+  SceneArguments scene;
+  OutputArguments output;
+  int repeats = 3;
+};
+
 constexpr int kSeeds = 3;
 constexpr int kPanelWidth = 600;
 
-void refuse_what_the_trade_sets(const Scene& scene) {
+void refuse_compared_settings(const Scene& scene) {
   for (const char* key : {"simulation.fidelity", "simulation.side_lobes"}) {
     if (scene.given.contains(key)) {
       throw UserError(std::string(key) + ": is set by the trade itself; leave it out");
@@ -120,33 +129,49 @@ RungTradeResults measure(const Scene& scene, int repeats, Progress& progress) {
   return results;
 }
 
-}  // namespace
+Json report_of(const RungTradeResults& results,
+               const Scene& scene,
+               const Provenance& provenance,
+               const StepTimes& times) {
+  Json report = report_head("trade", provenance, scene);
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["trade"] = trade_json(results);
+  report["wall_ms"] = wall_json(times);
+  return report;
+}
 
-int trade_command(const CommandArguments& arguments) {
-  const Scene scene = load_scene(arguments.scene, arguments.settings);
-  refuse_what_the_trade_sets(scene);
-  OutputFolder out(arguments.out);
+int trade(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  refuse_compared_settings(scene);
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   const RungTradeResults results = measure(scene, arguments.repeats, progress);
 
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
-  Json report = report_head("trade", provenance, scene);
-  report["acquisition"] = acquisition_json(scene.plan());
-  report["trade"] = trade_json(results);
-  for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
-  report["wall_ms"]["total"] = progress.total_ms();
-
-  const std::string page = trade_markdown(results, provenance);
-  out.write_text("trade.md", page);
+  const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
+  const std::string markdown = trade_page(results, provenance);
+  out.write_text("trade.md", markdown);
   out.write_text("trade.csv", trade_csv(results));
   for (const Figure& figure : trade_figures(results)) {
     write_png(out.stage(trade_figure_file(figure)), figure.picture);
   }
-  out.write_text("report.json", report.dump(2) + "\n");
+  out.write_text("report.json", report);
   out.commit();
-  std::cout << (arguments.json ? report.dump(2) + "\n" : page);
+  std::cout << (arguments.output.json ? report : markdown);
   return 0;
+}
+
+}  // namespace
+
+Command add_trade_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command =
+      add_subcommand(app, "trade", "Speed against accuracy over the simulator's rungs");
+  add_scene_options(command, arguments->scene);
+  add_output_options(command, arguments->output);
+  add_repeats_option(command, arguments->repeats);
+  return {&command, [arguments] { return trade(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

@@ -1,16 +1,16 @@
-// The one error of the command line for what a user gave it: a message on one line, exit code 2.
+// The error for bad input of the user: a message on one line, exit code 2.
 #pragma once
 
-#include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "base/text.h"
 
 namespace wobblebench::bench {
 
-/// `text` with control characters, and bytes that are no UTF-8, written as escapes, so that a value
-/// out of a file or a shell cannot break a message into lines.
+/// `text` with control characters, and bytes that are no UTF-8, as escapes: a value from a file or
+/// a shell cannot break a message into lines.
 inline std::string one_line(const std::string& text) {
   const bool utf8 = is_utf8(text);
   std::string line;
@@ -19,9 +19,8 @@ inline std::string one_line(const std::string& text) {
     if (c == '\n') {
       line += "\\n";
     } else if (is_control(c) || (byte >= 0x80 && !utf8)) {
-      char escaped[5];
-      std::snprintf(escaped, sizeof escaped, "\\x%02x", static_cast<unsigned>(byte));
-      line += escaped;
+      constexpr std::string_view kDigits = "0123456789abcdef";
+      line += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
     } else {
       line += c;
     }
@@ -29,7 +28,7 @@ inline std::string one_line(const std::string& text) {
   return line;
 }
 
-/// what() names file (or option), key, value and what is allowed, on one line.
+/// what() names file or option, key, value and what is allowed.
 class UserError : public std::runtime_error {
  public:
   explicit UserError(const std::string& message) : std::runtime_error(one_line(message)) {}

@@ -1,20 +1,29 @@
 // The physics of the simulated probe against closed forms and publications.
 #include <algorithm>
 #include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/cli/commands.h"
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
 #include "bench/cli/user_error.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/report.h"
-#include "bench/report/validation/validation.h"
+#include "bench/studies/validate/validation.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// All of them, or those that were named, in the page's order.
+struct Arguments {
+  OutputArguments output;
+  std::vector<std::string> studies;  ///< none: all
+  std::string figure_path;           ///< before the figures' names in the links of validation.md
+};
+
+/// All of them, or those that were named, in the document's order.
 std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
   const auto& all = validation_studies();
   for (const std::string& name : names) {
@@ -41,11 +50,18 @@ void print_outcomes(const std::vector<StudyReport>& reports) {
   }
 }
 
-}  // namespace
+Json report_of(const std::vector<StudyReport>& reports,
+               const Provenance& provenance,
+               const StepTimes& times) {
+  Json report = report_head("validate", provenance, load_scene({}, {}));
+  report["checks"] = checks_json(reports);
+  report["wall_ms"] = wall_json(times);
+  return report;
+}
 
-int validate_command(const CommandArguments& arguments) {
+int validate(const Arguments& arguments) {
   const auto studies = chosen(arguments.studies);
-  OutputFolder out(arguments.out);
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   std::vector<StudyReport> reports;
   for (const auto& study : studies) {
@@ -54,26 +70,37 @@ int validate_command(const CommandArguments& arguments) {
 
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
-  Json report = report_head("validate", provenance, load_scene({}, {}));
-  report["checks"] = checks_json(reports);
-  for (const auto& [name, ms] : progress.steps()) report["wall_ms"][name] = ms;
-  report["wall_ms"]["total"] = progress.total_ms();
-
-  out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
+  const std::string report = report_text(report_of(reports, provenance, progress.times()));
+  out.write_text("validation.md", validation_page(reports, provenance, arguments.figure_path));
   out.write_text("validation.csv", validation_csv(reports));
   for (const auto& study : reports) {
     for (const Figure& figure : study.figures) {
       write_png(out.stage(figure_file(figure)), figure.picture);
     }
   }
-  out.write_text("report.json", report.dump(2) + "\n");
+  out.write_text("report.json", report);
   out.commit();
-  if (arguments.json) {
-    std::cout << report.dump(2) << "\n";
+  if (arguments.output.json) {
+    std::cout << report;
   } else {
     print_outcomes(reports);
   }
   return failed_checks(reports) == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+Command add_validate_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(
+      app, "validate", "The simulated probe's physics against closed forms and publications");
+  add_output_options(command, arguments->output);
+  add_list(command, "--study", arguments->studies, "One study instead of all (repeatable)");
+  add_text(command,
+           "--figure-path",
+           arguments->figure_path,
+           "What stands before the figures' file names in validation.md's links");
+  return {&command, [arguments] { return validate(*arguments); }};
 }
 
 }  // namespace wobblebench::bench

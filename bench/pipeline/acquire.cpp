@@ -36,10 +36,10 @@ void BoardConnection::open() {
 void BoardConnection::adopt_plan(Scene& scene) {
   if (is_simulated(arguments_)) return;
   board_->start();
-  if (!assembly_->wait_for_configuration(hw::HostClock::now() + kPatience)) {
+  if (!assembly_->wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
     throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
   }
-  // What a source that keeps its own pace sends meanwhile is missed, and counted.
+  // Sticks that a source at its own pace sends until acquire() are missed, and counted.
   board_->stop();
   bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
 }
@@ -63,8 +63,8 @@ Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::PlacedP
   const auto before = hw::HostClock::now();
   if (is_simulated(arguments_)) simulate(scene, subject);
   const auto start = simulated_ ? hw::HostClock::now() : before;
-  // A device that went while its plan was read is asked once more: it may be back, and a recording
-  // always is.
+  // A device lost while its plan was read is opened once more: a recording can always be reopened,
+  // a card may be back.
   if (board_->state() == hw::BoardState::lost) open();
   board_->start();
   hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
@@ -90,7 +90,6 @@ Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::PlacedP
   return acquisition;
 }
 
-/// What the board says at the end of its stream.
 std::string BoardConnection::ending() {
   return ending_of(*board_, *assembly_);
 }

@@ -11,19 +11,20 @@
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
-#include "phantoms/placed_phantom.h"
+#include "phantoms/phantom.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
-/// What the simulator says about the volume that it made.
+/// The simulator's report on the volume that it made.
 struct SimulatedVolume {
-  std::vector<std::string> effects;   ///< which ran
-  sim::Fidelity fidelity;             ///< the rung that it took, and why
-  double map_ms = 0;                  ///< once for a phantom: its tissue map
-  double once_ms = 0;                 ///< once for a scene: even speckle, echoes that stay the same
-  double volume_ms = 0;               ///< for each volume: what changes, and the receive chain
-  double late_ms = 0;                 ///< realtime: how long the probe waited for its samples
+  std::vector<std::string> effects;  ///< which ran
+  sim::Fidelity fidelity;            ///< the rung that was chosen, and why
+  double map_ms = 0;                 ///< once a phantom: its tissue map
+  double once_ms =
+      0;  ///< once a scene: homogeneous speckle, echoes that are the same in each volume
+  double volume_ms = 0;  ///< each volume: the rest of the echoes, and the receive chain
+  double late_ms = 0;    ///< pace=realtime: how long the probe waited for its samples
   std::uint64_t packets_dropped = 0;  ///< by the modelled card
 };
 
@@ -32,8 +33,8 @@ struct Acquisition {
   hw::BoardAccount account;
   hw::WireDamage damage;
   hw::LinkCapabilities link;
-  hw::StreamOrigin source;                   ///< what made the samples
-  std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from outside
+  hw::StreamOrigin source;                   ///< of the samples
+  std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
   double transport_ms = 0;                   ///< encode, link, decode, ring, assembly
   std::string ending;                        ///< why the stream broke off; empty: it did not
 };
@@ -41,16 +42,17 @@ struct Acquisition {
 /// One board for one volume.
 class BoardConnection {
  public:
-  /// Opens a link to the outside; the simulator's comes later. Throws UserError.
+  /// Opens a recording or a card; a simulator is made by acquire(). Throws UserError.
   explicit BoardConnection(const BoardArguments& arguments);
 
-  /// Takes over what the board says of probe and acquisition; nothing for the simulator. Throws
-  /// UserError where the scene was given something else, std::runtime_error if no plan comes.
+  /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
+  /// Throws UserError where the scene was given other values, std::runtime_error if no
+  /// configuration comes.
   void adopt_plan(Scene& scene);
 
-  /// The first volume whose beginning was not missed. Throws UserError where the scene asks the
-  /// simulator for several, std::runtime_error if there is none.
-  Acquisition acquire(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  /// The first volume whose beginning was not missed. Throws UserError for a simulated scene of
+  /// several volumes, std::runtime_error if no volume comes.
+  [[nodiscard]] Acquisition acquire(const Scene& scene, const phantoms::PlacedPhantom& subject);
 
  private:
   void open();
@@ -61,12 +63,12 @@ class BoardConnection {
   std::unique_ptr<hw::Board> board_;
   std::optional<hw::VolumeAssembly> assembly_;
   std::optional<SimulatedVolume> simulated_;
-  std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
+  std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
 };
 
 /// The simulator's volume of a scene.
 inline Acquisition acquire_simulated(const Scene& scene, const phantoms::Phantom& phantom) {
-  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom));
+  return BoardConnection(parse_board("sim")).acquire(scene, phantom);
 }
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-// --board ARGS: from what the user wrote to an open link, the simulator's too.
+// --board ARGS: from the text to an open link, of the simulator too.
 #pragma once
 
 #include <functional>
@@ -13,13 +13,13 @@ namespace wobblebench::bench {
 /// Throws UserError "--board = ARGS: key = value: what is allowed".
 BoardArguments parse_board(const std::string& text);
 
-/// The sticks come from the simulator, not from outside.
+/// The sticks come from the simulator.
 bool is_simulated(const BoardArguments& board);
 
-/// What a simulated board sends; asked only if the board is one.
+/// Makes the sticks of a simulated board; called for no other.
 using MakeSticks = std::function<sim::StickSource()>;
 
-/// Opens the link, with its faults around it. Throws UserError for what cannot be opened.
+/// Opens the link and injects its faults. Throws UserError for a link that cannot be opened.
 std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
                                           const MakeSticks& make_sticks,
                                           std::shared_ptr<sim::SimLinkStatistics> figures = {});

@@ -1,4 +1,4 @@
-// --board ARGS: what the user wrote, and links to the outside: a recording or a card.
+// --board ARGS: the parsed text, and links to a recording or a card.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 
 namespace wobblebench::bench {
 
-/// --board ARGS, read and checked as far as that goes without opening anything.
+/// --board ARGS, parsed and checked without opening anything.
 struct BoardArguments {
   std::string text;  ///< as given
   hw::LinkArguments link;
-  hw::FaultPlan faults;  ///< none: the link as it is
+  hw::FaultPlan faults;  ///< injected into the link
 };
 
 /// "--board = ARGS: why".
 UserError board_refusal(const std::string& text, const std::string& why);
 
-/// What `body` gives; what it refuses of options and links becomes a UserError of --board.
+/// The result of `body`; InvalidOption and LinkOpenError become a UserError of --board.
 template <class Body>
 auto of_board(const std::string& text, const Body& body) {
   try {
@@ -34,7 +34,7 @@ auto of_board(const std::string& text, const Body& body) {
   }
 }
 
-/// Takes the text apart, whatever link it names. Throws UserError.
+/// Parses the text, whatever link it names. Throws UserError.
 BoardArguments split_board(const std::string& text);
 
 /// The options of the link that the arguments name. Throws InvalidOption.
@@ -49,17 +49,17 @@ Options read_link_options(const BoardArguments& board) {
   return options;
 }
 
-/// Throws UserError where the arguments do not suit their link, or name one that is none of file=
-/// and xdma=; `links` says which there are.
+/// Throws UserError where the arguments are invalid for their link, or the link is neither file=
+/// nor xdma=; `links`: the message in that case.
 void check_outside(const BoardArguments& board, const std::string& links);
 
-/// For programs that know no simulator. Throws UserError.
+/// For programs without a simulator. Throws UserError.
 BoardArguments parse_outside_board(const std::string& text);
 
-/// The link with the faults around it that the user asked for.
+/// The link with the faults of the arguments injected.
 std::unique_ptr<hw::Link> with_faults(std::unique_ptr<hw::Link> link, const BoardArguments& board);
 
-/// Opens a recording or a card, with its faults around it. Throws UserError for what cannot be
+/// Opens a recording or a card and injects its faults. Throws UserError for a link that cannot be
 /// opened.
 std::unique_ptr<hw::Link> open_outside_link(const BoardArguments& board);
 

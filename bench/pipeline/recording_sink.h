@@ -1,4 +1,4 @@
-// A recording on its way to disk.
+// Writes a recording to disk.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,15 @@
 
 namespace wobblebench::bench {
 
-/// Writes PATH.partial, and gives it its name in finish(). Bytes are with the kernel when write()
-/// returns, and on the disk when sync() does: a program that is killed leaves PATH.partial with all
-/// that was written, a machine that loses its power what was synced. Never deleted: what was
-/// recorded cannot be recorded again.
+/// Writes PATH.partial, which finish() renames to PATH. Bytes are in the kernel when write()
+/// returns, and on the disk when sync() does: after a kill PATH.partial holds all that was written,
+/// after a power failure all that was synced. Never deleted: a recording cannot be repeated.
 class RecordingSink {
  public:
-  /// Throws UserError where the file cannot be made.
+  /// Throws UserError where the file cannot be created.
   explicit RecordingSink(const std::filesystem::path& path);
 
-  /// Each throws std::runtime_error "PATH: cannot be written: reason"; a disk is full, say.
+  /// Each throws std::runtime_error "PATH: cannot be written: reason", say a full disk.
   void write(std::span<const std::byte> bytes);
   void sync();
   void finish();

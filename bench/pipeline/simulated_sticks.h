@@ -1,4 +1,4 @@
-// What the simulated probe of a scene sends.
+// The sticks of a scene's simulated probe.
 #pragma once
 
 #include "bench/pipeline/board_link.h"
@@ -6,8 +6,8 @@
 
 namespace wobblebench::bench {
 
-/// Builds phantom and simulator once; each call gives a source that begins with volume 0. Throws
-/// UserError, InvalidOption.
+/// Makes phantom and simulator once; each call of the result gives a source that begins with volume
+/// 0. Throws UserError, InvalidOption.
 MakeSticks simulated_sticks(Scene scene);
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-// Sticks of noise, for studies of what comes after the probe: no phantom, no physics.
+// Sticks of noise, for tests and studies of link and board.
 #pragma once
 
 #include <cstdint>

@@ -7,8 +7,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// The volume's first stick is there: it was not joined under way.
-bool begins(const hw::PolarVolume& volume) {
+bool has_first_stick(const hw::PolarVolume& volume) {
   const hw::AcquisitionPlan& plan = volume.plan();
   const hw::StickIndex first = plan.index(plan.first_sequence(volume.volume_index()));
   return volume.frame(static_cast<int>(first.frame)).arrived.at(first.line) != 0;
@@ -19,10 +18,10 @@ bool begins(const hw::PolarVolume& volume) {
 hw::PolarVolume whole_volume(hw::Board& board,
                              hw::VolumeAssembly& assembly,
                              const std::string& arguments) {
-  const auto patience = hw::HostClock::now() + kPatience;
-  auto volume = assembly.next(patience);
-  if (volume && !begins(*volume) && !assembly.ended()) {
-    if (auto next = assembly.next(patience)) volume = std::move(next);
+  const auto deadline = hw::HostClock::now() + kVolumeTimeout;
+  auto volume = assembly.next(deadline);
+  if (volume && !has_first_stick(*volume) && !assembly.ended()) {
+    if (auto next = assembly.next(deadline)) volume = std::move(next);
   }
   if (!volume) {
     throw NoVolume("--board " + arguments + ": no volume came; " + ending_of(board, assembly));
@@ -32,7 +31,7 @@ hw::PolarVolume whole_volume(hw::Board& board,
 
 std::string ending_of(hw::Board& board, const hw::VolumeAssembly& assembly) {
   if (!assembly.ended()) {
-    return "nothing arrived for " + std::to_string(kPatience.count()) + " minutes";
+    return "nothing arrived for " + std::to_string(kVolumeTimeout.count()) + " minutes";
   }
   const hw::Event event = board.next(hw::HostTime::min());
   if (const auto* lost = std::get_if<hw::DeviceLost>(&event)) return lost->reason;

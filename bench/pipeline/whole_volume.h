@@ -1,4 +1,4 @@
-// The first whole volume of a board that may have been joined under way.
+// The first whole volume of a board whose stream may have begun earlier.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,8 @@
 
 namespace wobblebench::bench {
 
-/// Longer than any volume takes to arrive; a link that sends nothing for so long has failed.
-inline constexpr std::chrono::minutes kPatience{10};
+/// Longer than any volume takes to arrive.
+inline constexpr std::chrono::minutes kVolumeTimeout{10};
 
 /// what() is "--board ARGS: no volume came; WHY".
 class NoVolume : public std::runtime_error {
@@ -20,13 +20,13 @@ class NoVolume : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The first volume whose beginning was not missed; of a stream that holds no other, one that was
-/// joined under way. `arguments`: of --board. Throws NoVolume.
+/// The first volume with its first stick; if the stream ends before there is one, the incomplete
+/// volume. `arguments`: of --board. Throws NoVolume.
 hw::PolarVolume whole_volume(hw::Board& board,
                              hw::VolumeAssembly& assembly,
                              const std::string& arguments);
 
-/// What the board says at the end of its stream.
+/// Why the stream ended.
 std::string ending_of(hw::Board& board, const hw::VolumeAssembly& assembly);
 
 }  // namespace wobblebench::bench

@@ -1,17 +1,24 @@
 #include "bench/report/board_report.h"
 
+#include <nlohmann/json.hpp>
+
 namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
+std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account) {
+  return {{{"ring_full", account.lost.ring_full},
+           {"link", account.lost.link},
+           {"corrupt", account.lost.corrupt},
+           {"out_of_order", account.lost.out_of_order}}};
+}
+
 Json account_json(const hw::BoardAccount& account) {
+  Json lost;
+  for (const auto& [cause, count] : losses_by_cause(account)) lost[cause] = count;
   return {{"emitted", account.emitted},
           {"delivered", account.delivered},
-          {"lost",
-           {{"ring_full", account.lost.ring_full},
-            {"link", account.lost.link},
-            {"corrupt", account.lost.corrupt},
-            {"out_of_order", account.lost.out_of_order}}},
+          {"lost", lost},
           {"duplicates", account.duplicates}};
 }
 

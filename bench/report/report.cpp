@@ -1,6 +1,7 @@
 #include "bench/report/report.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace wobblebench::bench {
 
@@ -38,16 +39,20 @@ Json report_head(const std::string& command, Provenance provenance, const Scene&
           {"effects", Json::array()}};
 }
 
+double frame_ms(const std::vector<render::PassTime>& passes) {
+  double sum = 0;
+  for (const auto& pass : passes) sum += pass.ms;
+  return sum;
+}
+
 Json render_json(const std::vector<render::PassTime>& passes) {
   Json list = Json::array();
-  double frame_ms = 0;
   for (const auto& pass : passes) {
     list.push_back({{"name", pass.name},
                     {"ms", pass.ms},
                     {"gpu_ms", pass.gpu_ms < 0 ? Json(nullptr) : Json(pass.gpu_ms)}});
-    frame_ms += pass.ms;
   }
-  return {{"mode", "plain"}, {"passes", list}, {"frame_ms", frame_ms}};
+  return {{"mode", "plain"}, {"passes", list}, {"frame_ms", frame_ms(passes)}};
 }
 
 Json error_json(const DepthError& raw,

@@ -2,7 +2,7 @@
 // unit in its key (docs/architecture.md).
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -21,6 +21,8 @@ using Json = nlohmann::ordered_json;
 /// The head: schema, command, provenance with the scene's seed, scene as resolved, no effects yet.
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene);
 
+/// The sum over the passes.
+double frame_ms(const std::vector<render::PassTime>& passes);
 Json render_json(const std::vector<render::PassTime>& passes);
 /// Where no surface was sought (mode "volume") none is missed: those figures are null.
 Json error_json(const DepthError& raw,

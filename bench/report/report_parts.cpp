@@ -14,4 +14,14 @@ nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan) {
           {"samples", acquisition.samples_per_stick}};
 }
 
+nlohmann::ordered_json wall_json(const StepTimes& times) {
+  nlohmann::ordered_json json;
+  for (const auto& [name, ms] : times) json[name] = ms;
+  return json;
+}
+
+std::string report_text(const nlohmann::ordered_json& report) {
+  return report.dump(2) + "\n";
+}
+
 }  // namespace wobblebench::bench

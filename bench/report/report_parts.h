@@ -2,6 +2,9 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "hw/probe/acquisition_plan.h"
 
@@ -9,6 +12,13 @@ namespace wobblebench::bench {
 
 inline constexpr int kReportSchema = 1;
 
+/// Names of steps with their wall time, ms.
+using StepTimes = std::vector<std::pair<std::string, double>>;
+
 nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan);
+nlohmann::ordered_json wall_json(const StepTimes& times);
+
+/// The text of report.json.
+std::string report_text(const nlohmann::ordered_json& report);
 
 }  // namespace wobblebench::bench

@@ -9,7 +9,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// Of a dotted key whose section has no dot; null for any other.
+/// The value of a dotted key whose section has no dot; null for any other.
 nlohmann::ordered_json value_of(const nlohmann::ordered_json& scene, const std::string& key) {
   const auto dot = key.find('.');
   const auto section = scene.find(key.substr(0, dot));
@@ -31,10 +31,10 @@ void adopt_plan(Scene& scene, const hw::AcquisitionPlan& plan, const std::string
   const auto after = resolved(scene);
   for (const std::string& key : scene.given) {
     if (!belongs_to_plan(key)) continue;
-    const auto asked = value_of(before, key);
-    const auto has = value_of(after, key);
-    if (asked == has) continue;
-    throw UserError(key + " = " + asked.dump() + ": " + source + " delivers " + has.dump());
+    const auto wanted = value_of(before, key);
+    const auto delivered = value_of(after, key);
+    if (wanted == delivered) continue;
+    throw UserError(key + " = " + wanted.dump() + ": " + source + " delivers " + delivered.dump());
   }
   check_memory(scene, source, machine_memory_bytes());
 }

@@ -1,4 +1,4 @@
-// Probe and acquisition of a scene, as a board outside the simulator has them.
+// Replaces probe and acquisition of a scene by those of a recording or a card.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace wobblebench::bench {
 
 /// Sets the scene's probe and acquisition to the plan's. Throws UserError "SECTION.KEY = VALUE:
-/// SOURCE delivers OTHER" for a key that the scene was given otherwise, and where the machine has
-/// too little memory for it.
+/// SOURCE delivers OTHER" for a key that the user set to another value, and where the machine has
+/// too little memory.
 void adopt_plan(Scene& scene, const hw::AcquisitionPlan& plan, const std::string& source);
 
 }  // namespace wobblebench::bench

@@ -8,34 +8,32 @@
 namespace wobblebench::bench {
 namespace {
 
-constexpr int kPlacesAcross = 9;
+constexpr int kPointsAcross = 9;
 constexpr int kSteps = 128;
 constexpr double kSpeedMargin = 1.5, kStretchMargin = 1.2;
-/// Beyond sampled places, where a phantom bends.
+/// Margin beyond the sampled points, where a phantom bends.
 constexpr double kBend_m = 2e-3;
-constexpr double kArm_m = 1e-4;
+constexpr double kNeighbour_m = 1e-4;
 
-std::vector<glm::dvec3> places_in(const phantoms::Box& box) {
-  const glm::dvec3 step = (box.high - box.low) / (kPlacesAcross - 1.0);
-  std::vector<glm::dvec3> places;
-  for (int x = 0; x < kPlacesAcross; ++x) {
-    for (int y = 0; y < kPlacesAcross; ++y) {
-      for (int z = 0; z < kPlacesAcross; ++z)
-        places.push_back(box.low + step * glm::dvec3(x, y, z));
+std::vector<glm::dvec3> grid_points(const phantoms::Box& box) {
+  const glm::dvec3 step = (box.high - box.low) / (kPointsAcross - 1.0);
+  std::vector<glm::dvec3> points;
+  for (int x = 0; x < kPointsAcross; ++x) {
+    for (int y = 0; y < kPointsAcross; ++y) {
+      for (int z = 0; z < kPointsAcross; ++z)
+        points.push_back(box.low + step * glm::dvec3(x, y, z));
     }
   }
-  return places;
+  return points;
 }
 
-/// Longest step from a place at rest to that of a place beside it, over the step between them now.
-double stretch_at(const phantoms::Deformation& moment,
-                  const glm::dvec3& now_m,
-                  const glm::dvec3& rest) {
+/// Largest distance at rest of two neighbouring points over their distance now.
+double stretch_at(const phantoms::Moment& moment, const glm::dvec3& now_m, const glm::dvec3& rest) {
   double stretch = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 beside = now_m;
-    beside[axis] += kArm_m;
-    stretch = std::max(stretch, glm::distance(moment.to_rest(beside), rest) / kArm_m);
+    glm::dvec3 neighbour = now_m;
+    neighbour[axis] += kNeighbour_m;
+    stretch = std::max(stretch, glm::distance(moment.to_rest(neighbour), rest) / kNeighbour_m);
   }
   return stretch;
 }
@@ -47,17 +45,17 @@ MotionBounds motion_bounds(const phantoms::Motion& motion,
                            double duration_s) {
   MotionBounds bounds{0, 1, box};
   if (motion.still()) return bounds;
-  const std::vector<glm::dvec3> places = places_in(box);
-  std::vector<glm::dvec3> before = places;  // as at time 0
+  const std::vector<glm::dvec3> points = grid_points(box);
+  std::vector<glm::dvec3> before = points;  // as at time 0
   const double step_s = duration_s / kSteps;
   for (int i = 1; i <= kSteps; ++i) {
-    const phantoms::Deformation moment = motion.at(i * step_s);
-    for (std::size_t p = 0; p < places.size(); ++p) {
-      const glm::dvec3 rest = moment.to_rest(places[p]);
+    const phantoms::Moment moment = motion.at(i * step_s);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const glm::dvec3 rest = moment.to_rest(points[p]);
       bounds.speed_m_s = std::max(bounds.speed_m_s, glm::distance(rest, before[p]) / step_s);
       bounds.at_rest = {glm::min(bounds.at_rest.low, rest), glm::max(bounds.at_rest.high, rest)};
       if (!motion.rigid()) {
-        bounds.stretch = std::max(bounds.stretch, stretch_at(moment, places[p], rest));
+        bounds.stretch = std::max(bounds.stretch, stretch_at(moment, points[p], rest));
       }
       before[p] = rest;
     }

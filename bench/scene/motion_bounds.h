@@ -1,4 +1,4 @@
-// How far and how fast a phantom's motion may take tissue.
+// Bounds of a phantom's motion: speed, stretch, and the region at rest.
 #pragma once
 
 #include "phantoms/motion.h"
@@ -6,15 +6,14 @@
 
 namespace wobblebench::bench {
 
-/// Found by sampling, with a margin; what moves by less between samples than the margin covers is
-/// covered.
+/// Sampled in space and time, with a margin for motion between the samples.
 struct MotionBounds {
-  double speed_m_s = 0;   ///< of the place at rest that a fixed place shows
-  double stretch = 1;     ///< distance between places at rest over that between places now
-  phantoms::Box at_rest;  ///< holds the places at rest that are shown
+  double speed_m_s = 0;   ///< of the position at rest of a fixed point
+  double stretch = 1;     ///< distance at rest over the distance now of two points
+  phantoms::Box at_rest;  ///< holds the positions at rest of all points of the box
 };
 
-/// For places in `box` (phantom frame) from time 0 to `duration_s`.
+/// For points in `box` (phantom frame) from time 0 to `duration_s`.
 MotionBounds motion_bounds(const phantoms::Motion& motion,
                            const phantoms::Box& box,
                            double duration_s);

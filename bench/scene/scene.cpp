@@ -1,166 +1,15 @@
 #include "bench/scene/scene.h"
 
-#include <algorithm>
 #include <glm/common.hpp>
 #include <limits>
-#include <system_error>
 
-#include "base/text.h"
-#include "bench/scene/scene_cost.h"
-#include "bench/scene/scene_toml.h"
-#include "sim/fidelity.h"
+#include "bench/cli/user_error.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-void check_is_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
-  if (type == std::filesystem::file_type::regular) return;
-  const bool missing = type == std::filesystem::file_type::not_found;
-  const std::string reason = missing ? "no such file" : error ? error.message() : "not a file";
-  throw UserError(path.string() + ": " + reason + "; a scene is a TOML file");
-}
-
-toml::table parse_file(const std::filesystem::path& path) {
-  if (path.empty()) return {};
-  check_is_file(path);
-  try {
-    return toml::parse_file(path.string());
-  } catch (const toml::parse_error& error) {
-    throw UserError(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
-  }
-}
-
-/// The value of a --set: TOML as in a file, or else a bare text.
-toml::table parse_value(const std::string& text) {
-  try {
-    return toml::parse("value = " + text);
-  } catch (const toml::parse_error&) {
-    toml::table table;
-    table.insert("value", text);
-    return table;
-  }
-}
-
-/// Puts "a.b.c=value" into the table of section a.b.
-void apply_setting(toml::table& scene, const std::string& setting) {
-  if (!is_printable_text(setting)) {
-    throw UserError("--set " + setting + ": must be UTF-8 without control characters");
-  }
-  const auto equals = setting.find('=');
-  const auto last_dot = setting.rfind('.', equals);
-  if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
-    throw UserError("--set " + setting + ": must be SECTION.KEY=VALUE");
-  }
-  toml::table* table = &scene;
-  std::istringstream sections(setting.substr(0, last_dot));
-  for (std::string name; std::getline(sections, name, '.');) {
-    auto* node = table->get(name);
-    if (!node) node = &table->insert(name, toml::table{}).first->second;
-    table = node->as_table();
-    if (!table) throw UserError("--set " + setting + ": " + name + " is not a section");
-  }
-  const std::string key = setting.substr(last_dot + 1, equals - last_dot - 1);
-  toml::table value = parse_value(setting.substr(equals + 1));
-  table->insert_or_assign(key, std::move(*value.get("value")));
-}
-
-/// The table of a dotted section name, or nullptr.
-toml::table* find_section(toml::table& scene,
-                          const std::string& section,
-                          const std::string& source) {
-  toml::node* node = &scene;
-  std::istringstream names(section);
-  for (std::string name; std::getline(names, name, '.');) {
-    node = node->as_table()->get(name);
-    if (!node) return nullptr;
-    if (!node->is_table())
-      throw UserError(source + ": " + section + ": must be a section [" + section + "]");
-  }
-  return node->as_table();
-}
-
-/// After all sections are read only empty tables may be left.
-void refuse_leftovers(const toml::table& table,
-                      const std::string& path,
-                      const std::string& source,
-                      const std::vector<std::string>& sections) {
-  for (const auto& [key, node] : table) {
-    const std::string name =
-        path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
-    const bool leads_somewhere =
-        std::any_of(sections.begin(), sections.end(), [&](const auto& section) {
-          return section == name || section.starts_with(name + ".");
-        });
-    if (!node.is_table() || !leads_somewhere) {
-      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections));
-    }
-    refuse_leftovers(*node.as_table(), name, source, sections);
-  }
-}
-
-void refuse_unknown_keys(const toml::table& table,
-                         const std::string& section,
-                         const TomlReader& reader,
-                         const std::string& source) {
-  for (const auto& [key, node] : table) {
-    if (node.is_table()) continue;
-    throw UserError(source + ": " + section + "." + std::string(key.str()) +
-                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()));
-  }
-}
-
-void read_sections(Scene& scene, toml::table& table, const std::string& source) {
-  std::vector<std::string> sections;
-  for_each_section(scene, [&](const std::string& section, auto& options) {
-    sections.push_back(section);
-    if (section == "acquisition") {
-      scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
-    }
-    if (toml::table* found = find_section(table, section, source)) {
-      TomlReader reader(source, section, *found);
-      describe(options, reader);
-      refuse_unknown_keys(*found, section, reader, source);
-      scene.given.insert(reader.given_keys().begin(), reader.given_keys().end());
-    }
-    try {
-      check_options(options);
-    } catch (const InvalidOption& error) {
-      throw UserError(source + ": " + section + "." + error.what());
-    }
-  });
-  refuse_leftovers(table, "", source, sections);
-}
-
-/// Rules between options, which each module states for itself.
-void validate(const Scene& scene, const std::string& source) {
-  const auto check = [&](const std::string& section, const auto& rule) {
-    try {
-      rule();
-    } catch (const InvalidOption& error) {
-      throw UserError(source + ": " + section + "." + error.what());
-    } catch (const phantoms::InvalidPhantom& error) {
-      throw UserError(source + ": " + section + "." + error.what());
-    }
-  };
-  check("phantom", [&] { phantoms::validate(scene.phantom); });
-  check("motion", [&] { phantoms::validate(scene.motion); });
-  check("probe", [&] { hw::validate(scene.probe); });
-  check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
-  check("render", [&] { render::validate(scene.render); });
-  check_memory(scene, source, machine_memory_bytes());
-}
-
-/// The upright box in the probe frame that holds `box` of the phantom, however that is turned.
+/// The axis-aligned box in the probe frame around `box` of the placed phantom.
 phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placement) {
   phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
                        glm::dvec3(-std::numeric_limits<double>::infinity())};
@@ -182,7 +31,7 @@ phantoms::Placement to_placement(const PlacementOptions& options) {
 }
 
 bool Scene::moves() const {
-  // Whether a phantom can turn its head is not known yet; that it shall is enough.
+  // As if the phantom had a joint: whether it does is not known yet.
   return !phantoms::Motion(motion, phantoms::Joint{}).still();
 }
 
@@ -192,17 +41,6 @@ phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {
   } catch (const phantoms::InvalidPhantom& error) {
     throw UserError("motion." + std::string(error.what()));
   }
-}
-
-Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {
-  toml::table table = parse_file(path);
-  for (const auto& setting : settings) apply_setting(table, setting);
-  std::string source = path.empty() ? "defaults" : path.string();
-  if (!settings.empty()) source = path.empty() ? "--set" : source + " with --set";
-  Scene scene;
-  read_sections(scene, table, source);
-  validate(scene, source);
-  return scene;
 }
 
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
@@ -218,19 +56,6 @@ void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
   if (!scene.given.contains("render.volume_of_interest.size_mm")) {
     scene.render.volume_of_interest.size_m = box.high - box.low;
   }
-}
-
-nlohmann::ordered_json resolved(const Scene& scene) {
-  nlohmann::ordered_json json;
-  for_each_section(scene, [&](const std::string& section, const auto& options) {
-    JsonWriter writer;
-    describe(options, writer);
-    const auto dot = section.find('.');
-    auto& place = dot == std::string::npos ? json[section]
-                                           : json[section.substr(0, dot)][section.substr(dot + 1)];
-    place = writer.json();
-  });
-  return json;
 }
 
 }  // namespace wobblebench::bench

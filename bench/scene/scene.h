@@ -17,7 +17,7 @@
 
 namespace wobblebench::bench {
 
-/// Where the phantom stands in the probe frame; the phantom's own suggestion unless given.
+/// Pose of the phantom in the probe frame; the phantom's own suggestion unless given.
 struct PlacementOptions {
   glm::dvec3 position_m{0, 0, 0.11};
   glm::dvec3 rotation_rad{0, 0, 0};  ///< about x, then y, then z
@@ -42,10 +42,10 @@ struct Scene {
   std::set<std::string> given;  ///< dotted keys that the file or --set named
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
-  /// Whether any motion is asked for.
+  /// Whether the options set any motion.
   bool moves() const;
-  /// The phantom at the scene's placement, with the scene's motion. Throws UserError where this
-  /// phantom cannot move so.
+  /// The phantom at the scene's placement, with the scene's motion. Throws UserError for a motion
+  /// that this phantom cannot make.
   [[nodiscard]] phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
 };
 
@@ -71,7 +71,7 @@ void for_each_section(S& scene, const Body& body) {
 /// validates every option. Throws UserError.
 Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings);
 
-/// Takes what the scene left open (placement, volume of interest) from the phantom.
+/// Sets placement and volume of interest from the phantom, where they were not given.
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
 
 /// Every option with its value in the units of its key.

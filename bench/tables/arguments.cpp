@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "render/gl/context.h"
-
 namespace wobblebench::bench {
 
 TableRun TableArguments::run() const {
@@ -28,12 +26,6 @@ void add_table_options(CLI::App& command, TableArguments& arguments) {
                   arguments.plain_repeats,
                   "Likewise, plain pipeline; default: 1 with the paper's sizes, else as --repeats")
       ->check(CLI::Range(1, 100));
-}
-
-void add_gl_option(CLI::App& command, std::string& backend) {
-  command.add_option("--gl", backend, "Where OpenGL comes from")
-      ->check(CLI::IsMember(render::context_backends()))
-      ->capture_default_str();
 }
 
 }  // namespace wobblebench::bench

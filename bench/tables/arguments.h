@@ -1,8 +1,6 @@
 // The options of `tables`, as wobblebench and wobblebench-tables both take them.
 #pragma once
 
-#include <string>
-
 #include "bench/tables/variant.h"
 
 namespace CLI {
@@ -21,8 +19,5 @@ struct TableArguments {
 };
 
 void add_table_options(CLI::App& command, TableArguments& arguments);
-
-/// --gl BACKEND.
-void add_gl_option(CLI::App& command, std::string& backend);
 
 }  // namespace wobblebench::bench

@@ -3,12 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/cli/common_options.h"
 #include "bench/cli/progress.h"
 #include "bench/cli/user_error.h"
 #include "bench/pipeline/outside_link.h"
@@ -26,8 +26,7 @@ namespace {
 struct Arguments {
   std::string board;
   std::string gl = "osmesa";
-  std::filesystem::path out = "out";
-  bool json = false;
+  OutputArguments output;
   TableArguments tables;
 };
 
@@ -38,8 +37,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->required();
   add_gl_option(app, arguments.gl);
   add_table_options(app, arguments.tables);
-  app.add_option("--out", arguments.out, "Folder for the results")->capture_default_str();
-  app.add_flag("--json", arguments.json, "Print report.json on stdout");
+  add_output_options(app, arguments.output);
 }
 
 Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
@@ -67,7 +65,7 @@ int measure_recording(const Arguments& arguments) {
   const BoardArguments board = parse_outside_board(arguments.board);
   auto link = open_outside_link(board);
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.out);
+  OutputFolder out(arguments.output.folder);
   Progress progress;
   const TableRun run = arguments.tables.run();
   const TableVolumes volumes =
@@ -79,9 +77,9 @@ int measure_recording(const Arguments& arguments) {
   const std::string markdown = to_markdown(results, run, volumes.note, provenance);
   out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));
-  out.write_text("report.json", report.dump(2) + "\n");
+  out.write_text("report.json", report_text(report));
   out.commit();
-  std::cout << (arguments.json ? report.dump(2) + "\n" : markdown);
+  std::cout << (arguments.output.json ? report_text(report) : markdown);
   return 0;
 }
 

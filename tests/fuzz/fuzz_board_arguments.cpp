@@ -1,4 +1,4 @@
-// Any text as --board: read, or refused in one line that names the option.
+// Any text as --board: parsed, or refused in one line that names the option.
 #include <cstdint>
 #include <cstdlib>
 #include <string>

@@ -18,13 +18,13 @@ namespace hw = wobblebench::hw;
 
 namespace {
 
-/// A file in memory, with a path. Written anew for each input: making and unmaking one takes longer
-/// than reading it.
+/// A file in memory, with a path. Rewritten for each input: to create and remove one takes longer
+/// than to read it, hence the static objects below.
 class MemoryFile {
  public:
   MemoryFile() : file_(::memfd_create("fuzz", 0)) {}
 
-  /// Its path, with these bytes in it alone.
+  /// Its path, holding these bytes.
   std::string holding(const void* data, std::size_t size) {
     const bool written = ::ftruncate(file_.get(), 0) == 0 &&
                          ::pwrite(file_.get(), data, size, 0) == static_cast<ssize_t>(size);
@@ -55,9 +55,9 @@ void loop(const std::string& path) {
   try {
     hw::FileLink link(path, {.loop = true});
     std::vector<std::byte> buffer(4096);
-    for (int i = 0; i < 20; ++i) static_cast<void>(link.read(buffer, hw::HostTime::min()));
+    for (int i = 0; i < 20; ++i) link.read(buffer, hw::HostTime::min());
   } catch (const wobblebench::InvalidOption&) {
-    // A loop that cannot go on.
+    // A loop that cannot continue.
   } catch (const hw::UnsupportedWireVersion&) {
     // Later in the file.
   }

@@ -1,5 +1,4 @@
-// Any text as a scene file: read or refused in one line, and what was read resolves to what reads
-// the same again.
+// Any text as a scene file: read and resolved, or refused in one line.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,5 +1,4 @@
-// Lets a fuzzer through the CRC: mutated packets are given a right one now and then, so that what
-// lies behind the check is reached.
+// Gives most mutated packets a valid CRC, so that a fuzzer reaches the code behind the check.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +11,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 namespace wobblebench::fuzz {
 
-/// Gives a right CRC to what begins with the magic at `at`, if a whole packet can.
+/// Writes the CRC of the packet whose magic is at `at`, if the packet is whole.
 inline void seal(std::span<std::byte> bytes, std::size_t at) {
   using namespace hw;
   const auto packet = bytes.subspan(at);
@@ -24,14 +23,14 @@ inline void seal(std::span<std::byte> bytes, std::size_t at) {
   wire_layout::put(whole.data() + wire_layout::kCrcOffset, wire_layout::packet_crc(whole));
 }
 
-/// Mutates as libFuzzer does, then seals most packets; which, the seed says.
+/// Mutates as libFuzzer does, then seals most packets, chosen by the seed.
 inline std::size_t mutate_and_seal(std::uint8_t* data,
                                    std::size_t size,
                                    std::size_t max_size,
                                    unsigned seed) {
   size = LLVMFuzzerMutate(data, size, max_size);
   const auto bytes = std::as_writable_bytes(std::span(data, size));
-  // The library searches: instrumented code that looks at every byte costs as much as decoding.
+  // memmem, because an instrumented search of every byte costs as much as decoding.
   const auto magic = [&](std::size_t from) {
     return static_cast<std::byte*>(
         ::memmem(bytes.data() + from, size - from, hw::kWireMagic.data(), hw::kWireMagic.size()));

@@ -17,11 +17,11 @@ namespace wobblebench::bench {
 namespace {
 
 /// Enough for every check: some take two volumes, none more than 1000 sticks otherwise. A card that
-/// falls silent sooner looks like one that fails.
+/// stops sending earlier would fail.
 constexpr int kLeastVolumes = 4;
 constexpr int kLeastSticks = 3000;
-/// The driver waits 10 s; a suite of many openings cannot.
-constexpr double kDriverPatience_s = 0.2;
+/// The driver times out after 10 s; a suite of many openings cannot wait so long.
+constexpr double kDriverTimeout_s = 0.2;
 
 class TemporaryFolder {
  public:
@@ -44,15 +44,15 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A mounted stand-in, in a folder of its own.
+/// The emulated driver, mounted in a temporary folder.
 struct MountedCard {
   TemporaryFolder folder;
   hw::XdmaEmulator card;
   explicit MountedCard(hw::XdmaEmulator::Source source)
-      : card(folder.path(), std::move(source), {.timeout_s = kDriverPatience_s}) {}
+      : card(folder.path(), std::move(source), {.timeout_s = kDriverTimeout_s}) {}
 };
 
-/// A FIFO is written once: each opening has its own, which lives as long as the link.
+/// A FIFO is written once: each opening makes its own, which lives as long as the link.
 class FifoLink : public hw::Link {
  public:
   explicit FifoLink(std::unique_ptr<hw::Link> source)
@@ -124,19 +124,19 @@ ConformanceFixture bare_fixture(const BoardArguments& board, const Scene& scene)
 
 ConformanceFixture fixture_of(const BoardArguments& board, const Scene& scene) {
   ConformanceFixture fixture = bare_fixture(board, scene);
-  // What cannot be opened at all is the user's to mend, and fails no check.
+  // A board that cannot be opened at all is bad input, not a failed check.
   fixture.open();
   const auto faults = board.link.settings.find("faults");
   return faults == board.link.settings.end() ? fixture : with_faults(fixture, faults->second);
 }
 
 ConformanceFixture with_faults(const ConformanceFixture& fixture, const std::string& faults) {
-  ConformanceFixture struck = fixture;
-  struck.faulty = true;
-  struck.open = [open = fixture.open, plan = hw::parse_faults(faults)] {
+  ConformanceFixture faulty = fixture;
+  faulty.faulty = true;
+  faulty.open = [open = fixture.open, plan = hw::parse_faults(faults)] {
     return std::make_unique<hw::FaultLink>(open(), plan);
   };
-  return struck;
+  return faulty;
 }
 
 const std::vector<std::string>& each_fault() {

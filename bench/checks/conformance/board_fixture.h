@@ -1,4 +1,4 @@
-// --board ARGS as what the conformance suite is run on.
+// The fixture of the conformance suite for --board ARGS.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace wobblebench::bench {
 
-/// A link of its own for each opening. Besides what --board takes elsewhere: "xdma=stand-in", a
-/// stand-in for the card's driver that lives as long as the fixture, and "xdma=fifo-stand-in".
-/// Throws UserError, also where the first opening fails.
+/// A new link for each opening. Besides what --board takes elsewhere: "xdma=stand-in", the emulated
+/// driver of the card, which lives as long as the fixture, and "xdma=fifo-stand-in". Throws
+/// UserError, also if the first opening fails.
 ConformanceFixture fixture_of(const BoardArguments& board, const Scene& scene);
 
-/// The fixture with these faults around each link (hw/link/faults.h).
+/// The fixture with these faults injected into each link (hw/link/faults.h).
 ConformanceFixture with_faults(const ConformanceFixture& fixture, const std::string& faults);
 
 /// One of each kind of fault, as parse_faults() takes them.

@@ -1,10 +1,10 @@
-// The link's own contract, below the board.
+// The contract of the link, below the board.
 #include <algorithm>
 #include <atomic>
 #include <thread>
 
+#include "bench/checks/conformance/board_session.h"
 #include "bench/checks/conformance/suite.h"
-#include "bench/checks/conformance/trial.h"
 #include "hw/wire/decoder.h"
 
 namespace wobblebench::bench {
@@ -15,9 +15,9 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kBytes = 200000;
 
-/// One read, which has to be consistent in itself.
-hw::ReadResult sound_read(hw::Link& link, std::span<std::byte> buffer) {
-  const hw::ReadResult result = link.read(buffer, soon());
+/// One read, with bytes and status checked against each other.
+hw::ReadResult checked_read(hw::Link& link, std::span<std::byte> buffer) {
+  const hw::ReadResult result = link.read(buffer, event_deadline());
   require((result.bytes > 0) == (result.status == hw::ReadStatus::ok),
           "a read gives " + std::to_string(result.bytes) + " bytes with a status that contradicts");
   require(result.bytes <= buffer.size(), "a read gives more than was asked for");
@@ -30,7 +30,7 @@ std::vector<std::byte> first_bytes(hw::Link& link, std::size_t piece) {
   std::vector<std::byte> bytes, buffer(piece);
   while (bytes.size() < kBytes) {
     const hw::ReadResult result =
-        sound_read(link, std::span(buffer).first(std::min(piece, kBytes - bytes.size())));
+        checked_read(link, std::span(buffer).first(std::min(piece, kBytes - bytes.size())));
     if (result.status != hw::ReadStatus::ok) break;
     bytes.insert(
         bytes.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(result.bytes));
@@ -53,14 +53,14 @@ std::string polls(const ConformanceFixture& fixture) {
   const auto link = fixture.open();
   std::vector<std::byte> buffer(4096);
   const auto start = hw::HostClock::now();
-  for (int i = 0; i < 100; ++i) static_cast<void>(link->read(buffer, hw::HostTime::min()));
+  for (int i = 0; i < 100; ++i) link->read(buffer, hw::HostTime::min());
   const auto ms = std::chrono::duration_cast<milliseconds>(hw::HostClock::now() - start).count();
-  // A volume may be made in between: the bound is on the whole.
+  // A volume may be simulated in between: the bound is on the sum.
   require(ms < 5000, "100 polls took " + std::to_string(ms) + " ms");
   return "100 polls did not wait";
 }
 
-/// A reader on its thread is cancelled at many moments; the bytes go on as if nothing had been.
+/// A reading thread is cancelled at many moments; no byte is lost.
 std::string cancelled_reads(const ConformanceFixture& fixture) {
   const auto link = fixture.open();
   hw::Decoder decoder;
@@ -69,9 +69,9 @@ std::string cancelled_reads(const ConformanceFixture& fixture) {
   bool ended = false;
   for (int i = 0; i < 20 && !ended; ++i) {
     hw::ReadResult last;
-    std::thread reader([&] {
+    std::jthread reader([&] {
       do {
-        last = link->read(buffer, soon());
+        last = link->read(buffer, event_deadline());
         decoder.feed(std::span(buffer).first(last.bytes));
         while (decoder.next()) {
         }
@@ -87,12 +87,12 @@ std::string cancelled_reads(const ConformanceFixture& fixture) {
     if (ended) break;
     // Twice: the second cancel() may have come after the reader had woken from the first.
     for (int read = 0; read < 2; ++read) {
-      require(link->read(buffer, soon()).status == hw::ReadStatus::cancelled,
+      require(link->read(buffer, event_deadline()).status == hw::ReadStatus::cancelled,
               "cancel() wears off before resume()");
     }
     link->resume();
   }
-  require(fixture.faulty || decoder.damage().regions == 0, "cancelling damaged the stream");
+  require(fixture.faulty || decoder.damage().places == 0, "cancelling damaged the stream");
   if (bytes == 0) throw CheckSkipped("nothing was read");
   return std::to_string(bytes) + " bytes read over 20 cancels";
 }
@@ -100,11 +100,12 @@ std::string cancelled_reads(const ConformanceFixture& fixture) {
 std::string closed(const ConformanceFixture& fixture) {
   const auto link = fixture.open();
   std::vector<std::byte> buffer(4096);
-  static_cast<void>(link->read(buffer, soon()));
+  link->read(buffer, event_deadline());
   link->close();
   link->close();
   for (int i = 0; i < 3; ++i) {
-    require(link->read(buffer, soon()).status == hw::ReadStatus::lost, "a closed link gives bytes");
+    require(link->read(buffer, event_deadline()).status == hw::ReadStatus::lost,
+            "a closed link gives bytes");
   }
   return "reads after close() give lost";
 }
@@ -118,7 +119,7 @@ std::string reopens(const ConformanceFixture& fixture) {
       throw CheckFailed("opening number " + std::to_string(i + 1) + ": " + error.what());
     }
     std::vector<std::byte> buffer(4096);
-    const hw::ReadResult result = link->read(buffer, soon());
+    const hw::ReadResult result = link->read(buffer, event_deadline());
     require(result.status == hw::ReadStatus::ok || fixture.faulty, "it opens and gives nothing");
     link->close();
   }

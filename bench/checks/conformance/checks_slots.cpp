@@ -1,14 +1,14 @@
-// Rule 2: whose a slot is.
+// Rule 2: ownership of slots.
 #include <vector>
 
+#include "bench/checks/conformance/board_session.h"
 #include "bench/checks/conformance/suite.h"
-#include "bench/checks/conformance/trial.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Slots held while others come and go.
+/// Slots held while other sticks are received.
 struct Held {
   std::vector<hw::StickSlot> slots;
   std::vector<std::uint64_t> fingerprints;
@@ -25,11 +25,11 @@ struct Held {
 };
 
 std::string held_unchanged(const ConformanceFixture& fixture) {
-  Trial trial(fixture, 8);
-  trial.board.start();
+  BoardSession session(fixture, 8);
+  session.board.start();
   Held held;
-  for (int i = 0; i < 4; ++i) held.hold(trial.take_slot());
-  trial.take_all_of(100);
+  for (int i = 0; i < 4; ++i) held.hold(session.receive_slot());
+  session.receive_all(100);
   held.require_unchanged("while 100 sticks passed");
   return "4 of 8 slots held while 100 sticks passed";
 }
@@ -37,12 +37,12 @@ std::string held_unchanged(const ConformanceFixture& fixture) {
 std::string readable_after_close(const ConformanceFixture& fixture) {
   Held held;
   {
-    Trial trial(fixture, 8);
-    trial.board.start();
-    for (int i = 0; i < 4; ++i) held.hold(trial.take_slot());
-    trial.board.stop();
+    BoardSession session(fixture, 8);
+    session.board.start();
+    for (int i = 0; i < 4; ++i) held.hold(session.receive_slot());
+    session.board.stop();
     held.require_unchanged("at stop()");
-    trial.board.close();
+    session.board.close();
     held.require_unchanged("at close()");
   }
   held.require_unchanged("when the board was destroyed");
@@ -51,21 +51,21 @@ std::string readable_after_close(const ConformanceFixture& fixture) {
 
 std::string credit_on_release(const ConformanceFixture& fixture) {
   constexpr int kSlots = 16;
-  Trial trial(fixture, kSlots);
-  require(trial.board.free_slots() == kSlots, "a new board's slots are not all free");
-  trial.board.start();
+  BoardSession session(fixture, kSlots);
+  require(session.board.free_slots() == kSlots, "a new board's slots are not all free");
+  session.board.start();
   Held held;
-  for (int i = 0; i < 5; ++i) held.hold(trial.take_slot());
-  require(trial.board.free_slots() <= kSlots - 5, "a held slot counts as free");
-  trial.board.stop();
+  for (int i = 0; i < 5; ++i) held.hold(session.receive_slot());
+  require(session.board.free_slots() <= kSlots - 5, "a held slot counts as free");
+  session.board.stop();
   for (;;) {
-    hw::Event event = trial.board.next(hw::HostTime::min());
-    Taken taken;
-    if (!note(event, taken)) break;
+    hw::Event event = session.board.next(hw::HostTime::min());
+    Received received;
+    if (!record_event(event, received)) break;
   }
-  require(trial.board.free_slots() == kSlots - 5, "with 5 held, not all others are free");
+  require(session.board.free_slots() == kSlots - 5, "with 5 held, not all others are free");
   held.slots.clear();
-  require(trial.board.free_slots() == kSlots, "a released slot is not free");
+  require(session.board.free_slots() == kSlots, "a released slot is not free");
   return "5 of 16 held, then released";
 }
 

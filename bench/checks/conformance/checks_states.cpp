@@ -3,8 +3,8 @@
 #include <mutex>
 #include <thread>
 
+#include "bench/checks/conformance/board_session.h"
 #include "bench/checks/conformance/suite.h"
-#include "bench/checks/conformance/trial.h"
 
 namespace wobblebench::bench {
 
@@ -13,23 +13,23 @@ namespace {
 using hw::BoardState;
 
 std::string before_start(const ConformanceFixture& fixture) {
-  Trial trial(fixture);
-  require(trial.board.state() == BoardState::open, "a new board is not open");
+  BoardSession session(fixture);
+  require(session.board.state() == BoardState::open, "a new board is not open");
   require_illegal(
-      trial.board, "next() before start()", [&] { trial.board.next(hw::HostTime::min()); });
-  trial.board.stop();
-  require(trial.board.state() == BoardState::open, "stop() before start() changes the state");
+      session.board, "next() before start()", [&] { session.board.next(hw::HostTime::min()); });
+  session.board.stop();
+  require(session.board.state() == BoardState::open, "stop() before start() changes the state");
   return "refused";
 }
 
 std::string start_twice(const ConformanceFixture& fixture) {
-  Trial trial(fixture);
-  trial.board.start();
-  if (trial.board.state() == BoardState::lost) throw CheckSkipped("the device is lost at once");
+  BoardSession session(fixture);
+  session.board.start();
+  if (session.board.state() == BoardState::lost) throw CheckSkipped("the device is lost at once");
   try {
-    require_illegal(trial.board, "start() while running", [&] { trial.board.start(); });
+    require_illegal(session.board, "start() while running", [&] { session.board.start(); });
   } catch (const CheckFailed&) {
-    if (trial.board.state() == BoardState::lost)
+    if (session.board.state() == BoardState::lost)
       throw CheckSkipped("the device was lost meanwhile");
     throw;
   }
@@ -37,88 +37,89 @@ std::string start_twice(const ConformanceFixture& fixture) {
 }
 
 std::string stop_twice(const ConformanceFixture& fixture) {
-  Trial trial(fixture);
-  trial.board.start();
-  trial.take_all_of(5);
-  trial.board.stop();
-  const BoardState state = trial.board.state();
+  BoardSession session(fixture);
+  session.board.start();
+  session.receive_all(5);
+  session.board.stop();
+  const BoardState state = session.board.state();
   require(state == BoardState::configured || state == BoardState::lost,
           "stop() leaves the board neither configured nor lost");
   try {
-    trial.board.stop();
+    session.board.stop();
   } catch (const std::exception& error) {
     throw CheckFailed(std::string("a second stop() throws: ") + error.what());
   }
-  require(trial.board.state() == state, "a second stop() changes the state");
+  require(session.board.state() == state, "a second stop() changes the state");
   return "stopped twice";
 }
 
 std::string after_close(const ConformanceFixture& fixture) {
-  Trial trial(fixture);
-  trial.board.start();
-  trial.board.close();
-  trial.board.close();
-  require(trial.board.state() == BoardState::closed, "close() does not close");
-  require_illegal(trial.board, "start() after close()", [&] { trial.board.start(); });
+  BoardSession session(fixture);
+  session.board.start();
+  session.board.close();
+  session.board.close();
+  require(session.board.state() == BoardState::closed, "close() does not close");
+  require_illegal(session.board, "start() after close()", [&] { session.board.start(); });
   require_illegal(
-      trial.board, "next() after close()", [&] { trial.board.next(hw::HostTime::min()); });
-  trial.board.stop();
-  trial.board.cancel();
-  require(trial.board.state() == BoardState::closed, "a closed board comes back");
+      session.board, "next() after close()", [&] { session.board.next(hw::HostTime::min()); });
+  session.board.stop();
+  session.board.cancel();
+  require(session.board.state() == BoardState::closed, "a closed board comes back");
   return "refused";
 }
 
-/// Goes on after a stop: in order, nothing twice, and with nothing lost where the link waits.
+/// Continues after a stop: in order, nothing twice, and nothing lost if the link waits for its
+/// reader.
 std::string restart(const ConformanceFixture& fixture) {
-  Trial trial(fixture);
-  trial.board.start();
-  Taken taken;
+  BoardSession session(fixture);
+  session.board.start();
+  Received received;
   for (std::size_t part = 1; part <= 5; ++part) {
-    trial.take(taken, 20 * part);
-    if (taken.over) break;
-    trial.board.stop();
-    if (trial.board.state() == BoardState::lost) break;
-    trial.board.start();
+    session.receive(received, 20 * part);
+    if (received.over) break;
+    session.board.stop();
+    if (session.board.state() == BoardState::lost) break;
+    session.board.start();
   }
-  for (std::size_t i = 1; i < taken.order.size(); ++i) {
-    require(taken.order[i].first == taken.order[i - 1].first + taken.order[i - 1].count,
-            "after a restart stick " + std::to_string(taken.order[i].first) + " follows " +
-                std::to_string(taken.order[i - 1].first));
+  for (std::size_t i = 1; i < received.order.size(); ++i) {
+    require(received.order[i].first == received.order[i - 1].first + received.order[i - 1].count,
+            "after a restart stick " + std::to_string(received.order[i].first) + " follows " +
+                std::to_string(received.order[i - 1].first));
   }
-  if (trial.board.capabilities().waits_for_reader && !fixture.faulty) {
-    require(taken.gaps.empty(), "a restart loses sticks of a link that waits");
+  if (session.board.capabilities().waits_for_reader && !fixture.faulty) {
+    require(received.gaps.empty(), "a restart loses sticks of a link that waits");
   }
-  if (taken.sticks.size() < 40) throw CheckSkipped(taken.what_ended_it + " before a restart");
-  return std::to_string(taken.sticks.size()) + " sticks over 4 restarts";
+  if (received.sticks.size() < 40) throw CheckSkipped(received.end_reason + " before a restart");
+  return std::to_string(received.sticks.size()) + " sticks over 4 restarts";
 }
 
 std::string shared_among_threads(const ConformanceFixture& fixture) {
   constexpr std::size_t kSticks = 300;
-  Trial trial(fixture, 64);
-  trial.board.start();
+  BoardSession session(fixture, 64);
+  session.board.start();
   std::mutex mutex;
   std::vector<std::uint64_t> sequences;
-  bool silent = false;
-  const auto take = [&] {
+  bool starved = false;
+  const auto receive = [&] {
     for (;;) {
-      hw::Event event = trial.board.next(soon());
-      Taken taken;
-      const bool more = note(event, taken);
+      hw::Event event = session.board.next(event_deadline());
+      Received received;
+      const bool more = record_event(event, received);
       std::lock_guard lock(mutex);
-      for (const TakenStick& stick : taken.sticks) sequences.push_back(stick.sequence);
-      if (!more && !taken.over) silent = true;
+      for (const ReceivedStick& stick : received.sticks) sequences.push_back(stick.sequence);
+      if (!more && !received.over) starved = true;
       if (!more || sequences.size() >= kSticks) return;
     }
   };
-  std::thread other(take);
-  take();
+  std::jthread other(receive);
+  receive();
   other.join();
-  require(!silent, "two threads share the events, and one waits in vain");
+  require(!starved, "two threads share the events, and one waits in vain");
   std::sort(sequences.begin(), sequences.end());
   require(std::adjacent_find(sequences.begin(), sequences.end()) == sequences.end(),
           "two threads were given the same stick");
-  // Both threads have taken all that they began to: what is delivered was seen or still waits.
-  const auto delivered = trial.board.account().delivered;
+  // What is delivered was received or is still queued.
+  const auto delivered = session.board.account().delivered;
   require(sequences.size() <= delivered, "more sticks were seen than delivered");
   return std::to_string(sequences.size()) + " sticks shared by two threads";
 }

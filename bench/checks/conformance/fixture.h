@@ -1,4 +1,4 @@
-// What the conformance suite is run on, and how a check says what it found.
+// What the conformance suite runs on, and how a check reports its result.
 #pragma once
 
 #include <functional>
@@ -12,9 +12,8 @@
 
 namespace wobblebench::bench {
 
-/// The board as the suite sees it: each function is the board's own, unless a deliberately broken
-/// one stands in its place.
-struct BoardFace {
+/// The board's functions as the checks call them; a seeded defect replaces some of them.
+struct BoardInterface {
   std::function<void()> start;
   std::function<void()> stop;
   std::function<void()> cancel;
@@ -26,17 +25,17 @@ struct BoardFace {
   std::function<hw::LinkCapabilities()> capabilities;
 };
 
-/// `board` must outlive what is returned.
-BoardFace face_of(hw::Board& board);
+/// The functions of `board`, which must outlive them.
+BoardInterface interface_of(hw::Board& board);
 
 struct ConformanceFixture {
   std::function<std::unique_ptr<hw::Link>()> open;
-  std::function<BoardFace(hw::Board&)> face = face_of;
-  /// Every opening gives the same bytes from the start (a recording, a simulation).
+  std::function<BoardInterface(hw::Board&)> interface = interface_of;
+  /// Each opening sends the same bytes from the start (a recording, a simulation).
   bool repeatable = false;
-  /// Faults strike on the way: losses are counted, and no fault of the link.
+  /// Faults are injected: losses are expected, and are no failure of the link.
   bool faulty = false;
-  /// Pulls the card out, so that an open link loses its device; and puts it back.
+  /// Pulls the card out, so that an open link loses its device, and puts it back; empty: cannot.
   std::function<void()> unplug;
   std::function<void()> replug;
 };
@@ -46,7 +45,7 @@ struct CheckFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Thrown by a check: this link cannot show it.
+/// Thrown by a check: this link cannot be checked for the rule.
 struct CheckSkipped : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -58,7 +57,7 @@ inline void require(bool holds, const std::string& otherwise) {
 struct ConformanceCheck {
   std::string name;  ///< dotted: subject.what
   std::string rule;  ///< of the contract, one sentence
-  /// Returns what was seen, in a few words. Throws CheckFailed, CheckSkipped.
+  /// Returns the observation, in a few words. Throws CheckFailed, CheckSkipped.
   std::function<std::string(const ConformanceFixture&)> run;
 };
 

@@ -1,4 +1,4 @@
-// The conformance suite: the board's contract, checked on any link.
+// The conformance suite: the contract of hw::Board, checked on any link.
 #pragma once
 
 #include <string>

@@ -20,7 +20,7 @@ constexpr std::uint64_t kMostSteps = 2'000'000;
 class VirtualTime : public hw::HostTimeSource {
  public:
   hw::HostTime now() const override { return now_; }
-  void pass(hw::HostClock::duration duration) { now_ += duration; }
+  void advance(hw::HostClock::duration duration) { now_ += duration; }
 
  private:
   hw::HostTime now_{};
@@ -28,10 +28,10 @@ class VirtualTime : public hw::HostTimeSource {
 
 enum class Actor { device, board, program, interruption };
 
-/// One play of one scenario.
-class Play {
+/// Runs one scenario.
+class Simulation {
  public:
-  Play(const Scenario& scenario, const Oracle::Trace& trace)
+  Simulation(const Scenario& scenario, const Oracle::Trace& trace)
       : scenario_(scenario),
         oracle_(scenario, trace),
         draws_(~scenario.seed),
@@ -48,15 +48,16 @@ class Play {
     FaultSimulationResult result{.seed = scenario_.seed};
     try {
       board_.start();
-      while (!over_) {
+      while (!ended_) {
         act();
-        oracle_.account(board_.account());
-        if (++result.steps == kMostSteps) throw RuleBroken("it does not come to an end");
+        oracle_.check_account(board_.account());
+        if (++result.steps == kMostSteps) throw RuleViolation("it does not come to an end");
       }
-      if (!scenario_.into_volumes) oracle_.explain(link_->events(), figures_->packets_dropped);
-      oracle_.seen_all(board_.account());
-      check_known(board_.account());
-    } catch (const RuleBroken& broken) {
+      if (!scenario_.assemble_volumes)
+        oracle_.check_losses(link_->events(), figures_->packets_dropped);
+      oracle_.check_all_received(board_.account());
+      check_emitted(board_.account());
+    } catch (const RuleViolation& broken) {
       result.failure = broken.what();
     }
     result.hash = oracle_.hash();
@@ -71,16 +72,16 @@ class Play {
  private:
   void act() {
     const Actor actor = draw_actor();
-    oracle_.step(static_cast<int>(actor));
+    oracle_.add_action(static_cast<int>(actor));
     switch (actor) {
       case Actor::device:
-        time_.pass(std::chrono::microseconds(draws_.between(0, 4000)));
+        time_.advance(std::chrono::microseconds(draws_.between(0, 4000)));
         break;
       case Actor::board:
         if (board_.state() == hw::BoardState::running) board_.step();
         break;
       case Actor::program:
-        scenario_.into_volumes ? take_volume() : take_events();
+        scenario_.assemble_volumes ? take_volume() : take_events();
         break;
       case Actor::interruption:
         interrupt();
@@ -97,18 +98,18 @@ class Play {
 
   void take_events() {
     const int most = draws_.between(1, 40);
-    for (int i = 0; i < most && !over_; ++i) {
+    for (int i = 0; i < most && !ended_; ++i) {
       const hw::Event event = board_.next(hw::HostTime::min());
       if (std::holds_alternative<hw::TimedOut>(event)) return;
-      over_ = !oracle_.event(event);
+      ended_ = !oracle_.check_event(event);
     }
   }
 
   void take_volume() {
-    if (const auto volume = assembly_.next(hw::HostTime::min())) oracle_.volume(*volume);
-    // Stopped is no end: it is started again.
-    over_ = assembly_.ended() && board_.state() != hw::BoardState::configured &&
-            board_.state() != hw::BoardState::open;
+    if (const auto volume = assembly_.next(hw::HostTime::min())) oracle_.check_volume(*volume);
+    // A stopped board is started again.
+    ended_ = assembly_.ended() && board_.state() != hw::BoardState::configured &&
+             board_.state() != hw::BoardState::open;
   }
 
   void interrupt() {
@@ -117,22 +118,22 @@ class Play {
     board_.start();
   }
 
-  /// The board knows of no stick that the probe did not send.
-  void check_known(const hw::BoardAccount& account) const {
+  /// The board counts no stick that the probe did not send.
+  void check_emitted(const hw::BoardAccount& account) const {
     if (account.emitted <= figures_->sticks_emitted) return;
-    throw RuleBroken("the board knows of " + std::to_string(account.emitted) +
-                     " sticks, sent were " + std::to_string(figures_->sticks_emitted));
+    throw RuleViolation("the board knows of " + std::to_string(account.emitted) +
+                        " sticks, sent were " + std::to_string(figures_->sticks_emitted));
   }
 
   const Scenario& scenario_;
   VirtualTime time_;
   Oracle oracle_;
   Draws draws_;
-  std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
-  hw::FaultLink* link_;  ///< the board's
+  std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
+  hw::FaultLink* link_;  ///< owned by board_
   hw::Board board_;
   hw::VolumeAssembly assembly_;
-  bool over_ = false;
+  bool ended_ = false;
 };
 
 }  // namespace
@@ -141,7 +142,7 @@ FaultSimulationResult simulate_faults(std::uint64_t seed,
                                       const std::function<void(const std::string&)>& trace) {
   const Scenario scenario = draw_scenario(seed);
   if (trace) trace(scenario.text());
-  return Play(scenario, trace).run();
+  return Simulation(scenario, trace).run();
 }
 
 }  // namespace wobblebench::bench

@@ -1,5 +1,5 @@
-// The whole path from the probe to the volume, played on virtual time in one thread by a seeded
-// schedule, with faults: the same seed plays the same, so that what fails can be played again.
+// Deterministic simulation of faults: the path from probe to volume in one thread and virtual time,
+// with faults and a schedule drawn from a seed, so that a failure can be repeated.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@ namespace wobblebench::bench {
 
 struct FaultSimulationResult {
   std::uint64_t seed = 0;
-  /// Of all that happened, in order: the schedule, events, sticks, accounts.
+  /// Of schedule, events, sticks and accounts, in order.
   std::uint64_t hash = 0;
-  double device_time_s = 0;  ///< that passed
-  double acquired_s = 0;     ///< that the sticks emitted take, one after the other
+  double device_time_s = 0;  ///< simulated
+  double acquired_s = 0;     ///< duration of the emitted sticks
   std::uint64_t steps = 0;
   std::uint64_t sticks_emitted = 0;  ///< by the probe
   hw::BoardAccount account;
-  std::string failure;  ///< the rule that did not hold; empty: all did
+  std::string failure;  ///< the rule violated; empty: none
 };
 
-/// Plays one seed. `trace`, if given, is told each event in a line. Rules that are looked at, at
-/// every step: emitted = delivered + lost; each stick is bit for bit the one that the probe sent,
-/// and comes once, in order; sticks and gaps name every number once; and at the end: nothing that
-/// no fault struck and no ring dropped is missing.
+/// Simulates one seed. `trace`, if given, receives a line for each event. Rules checked at every
+/// step: emitted = delivered + lost; each stick is bit for bit the one that the probe sent, and
+/// comes once, in order; sticks and gaps cover every sequence number once. At the end: every stick
+/// that is missing was hit by a fault or dropped by a full ring.
 FaultSimulationResult simulate_faults(std::uint64_t seed,
                                       const std::function<void(const std::string&)>& trace = {});
 

@@ -1,4 +1,5 @@
-// Watches a rehearsal: what the program is given, against what the probe sent.
+// The oracle of the fault simulation: what the program receives is checked against what the probe
+// sent.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +17,12 @@
 
 namespace wobblebench::bench {
 
-/// A rule did not hold.
-struct RuleBroken : std::runtime_error {
+/// what() is the rule that was violated, with the values.
+struct RuleViolation : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of a sequence of numbers.
 class EventHash {
  public:
   void add(std::uint64_t value) {
@@ -33,40 +35,43 @@ class EventHash {
   std::uint64_t hash_ = 0x243F6A8885A308D3;
 };
 
+/// Each check throws RuleViolation, and adds its values to the hash.
 class Oracle {
  public:
   using Trace = std::function<void(const std::string&)>;
   Oracle(const Scenario& scenario, Trace trace) : scenario_(scenario), trace_(std::move(trace)) {}
 
-  void step(int what) { hash_.add(static_cast<std::uint64_t>(what)); }
-  void account(const hw::BoardAccount& account);
-  /// False where the stream is over.
-  bool event(const hw::Event& event);
-  void volume(const hw::PolarVolume& volume);
+  void add_action(int action) { hash_.add(static_cast<std::uint64_t>(action)); }
+  void check_account(const hw::BoardAccount& account);
+  /// False at the end of the stream.
+  [[nodiscard]] bool check_event(const hw::Event& event);
+  void check_volume(const hw::PolarVolume& volume);
 
-  /// Whether all that is missing is explained by what struck it. Only for events taken one by one.
-  void explain(const std::vector<hw::FaultEvent>& faults, std::uint64_t packets_dropped) const;
-  /// Whether all that was delivered was seen, one by one or in volumes.
-  void seen_all(const hw::BoardAccount& account) const;
+  /// Every stick lost was hit by a fault, dropped by a full ring, or before the first
+  /// configuration. Only where events are taken one by one.
+  void check_losses(const std::vector<hw::FaultEvent>& faults, std::uint64_t packets_dropped) const;
+  /// Every stick delivered was received, one by one or in volumes.
+  void check_all_received(const hw::BoardAccount& account) const;
 
   std::uint64_t hash() const { return hash_.value(); }
 
  private:
-  void stick(const hw::Stick& stick);
-  void run(std::uint64_t first, std::uint64_t count);
-  void genuine(std::uint64_t sequence, std::span<const float> samples) const;
-  void say(const std::string& line) const {
+  void check_stick(const hw::Stick& stick);
+  void check_sequence(std::uint64_t first, std::uint64_t count);
+  void check_samples(std::uint64_t sequence, std::span<const float> samples) const;
+  void trace(const std::string& line) const {
     if (trace_) trace_(line);
   }
 
   const Scenario& scenario_;
   const Trace trace_;
   EventHash hash_;
-  std::optional<std::uint64_t> next_;           ///< the number that has to come next
-  std::optional<std::uint64_t> configured_at_;  ///< … when the first configuration came
+  std::optional<std::uint64_t> next_;  ///< sequence number expected next
+  std::optional<std::uint64_t>
+      configured_at_;  ///< expected sequence number at the first configuration
   std::vector<hw::Gap> gaps_;
   std::optional<std::uint32_t> last_volume_;
-  std::uint64_t seen_ = 0;  ///< sticks
+  std::uint64_t received_ = 0;  ///< sticks
 };
 
 }  // namespace wobblebench::bench

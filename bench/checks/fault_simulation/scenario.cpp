@@ -73,7 +73,7 @@ Scenario draw_scenario(std::uint64_t seed) {
   Scenario scenario{
       .seed = seed, .plan = plan, .link = draw_link(draws), .faults = draw_faults(draws)};
   scenario.ring_slots = 1 << draws.between(0, 8);
-  scenario.into_volumes = draws.chance(0.4);
+  scenario.assemble_volumes = draws.chance(0.4);
   scenario.device = 0.2 + draws.uniform();
   scenario.board = 0.2 + draws.uniform();
   scenario.program = 0.2 + draws.uniform();
@@ -88,7 +88,7 @@ std::string Scenario::text() const {
        << " sticks of " << a.samples_per_stick << ", motor " << static_cast<int>(a.motor) << ", "
        << (link.pace == hw::Pace::realtime ? "realtime" : "asap") << ", card " << link.card.buffers
        << " x " << link.card.buffer_bytes << " bytes, " << link.card.buffers_per_interrupt
-       << " an interrupt, ring " << ring_slots << (into_volumes ? ", into volumes" : "");
+       << " an interrupt, ring " << ring_slots << (assemble_volumes ? ", into volumes" : "");
   for (const hw::Fault& fault : faults.faults) {
     line << ", " << hw::to_string(fault.kind);
     if (fault.at) {

@@ -1,4 +1,4 @@
-// What one rehearsal plays: drawn from its seed.
+// The scenario of one fault simulation, drawn from its seed.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace wobblebench::bench {
 
-/// Draws that are a function of seed and count alone.
+/// Random numbers, a function of seed and count alone.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : seed_(seed) {}
@@ -32,12 +32,12 @@ struct Scenario {
   sim::SimLinkOptions link;
   hw::FaultPlan faults;
   int ring_slots = 1;
-  bool into_volumes = false;  ///< events are put together to volumes; else looked at one by one
-  /// Shares of what happens next: the device goes on, the board reads, the program takes.
+  bool assemble_volumes = false;  ///< the program takes volumes; else single events
+  /// Weights of the next action: device time advances, the board reads, the program takes.
   double device = 1, board = 1, program = 1;
-  double interruptions = 0;  ///< chance that the program stops or cancels, and starts again
+  double interruptions = 0;  ///< probability that the program stops or cancels, and starts again
 
-  /// One line for people.
+  /// One line for the trace.
   std::string text() const;
 };
 

@@ -1,10 +1,10 @@
-// The suite passes on what is sound, and each of its checks fails on what is broken.
+// The suite passes on correct boards, and each of its checks detects the defect seeded for it.
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "bench/checks/conformance/board_fixture.h"
-#include "bench/checks/conformance/broken.h"
+#include "bench/checks/conformance/defects.h"
 #include "bench/checks/conformance/suite.h"
 
 namespace wobblebench::bench {
@@ -16,8 +16,8 @@ void expect_conforming(const ConformanceFixture& fixture) {
   }
 }
 
-TEST(Conformance, ASoundBoardPassesAndSkipsOnlyWhatItCannotShow) {
-  for (const CheckOutcome& outcome : run_conformance(sound_fixture())) {
+TEST(Conformance, ACorrectBoardPassesAndSkipsOnlyUnpluggingTheCard) {
+  for (const CheckOutcome& outcome : run_conformance(correct_fixture())) {
     EXPECT_NE(outcome.kind, CheckOutcome::Kind::failed) << outcome.name << ": " << outcome.detail;
     EXPECT_EQ(outcome.kind == CheckOutcome::Kind::skipped, outcome.name == "unplug.card")
         << outcome.name << ": " << outcome.detail;
@@ -25,30 +25,30 @@ TEST(Conformance, ASoundBoardPassesAndSkipsOnlyWhatItCannotShow) {
 }
 
 TEST(Conformance, ACardAtItsOwnPacePasses) {
-  expect_conforming(sound_fixture(",pace=realtime"));
+  expect_conforming(correct_fixture(",pace=realtime"));
 }
 
-TEST(Conformance, EachFaultIsNoBreach) {
+TEST(Conformance, InjectedFaultsAreNoFailure) {
   for (const std::string& faults : each_fault()) {
     SCOPED_TRACE(faults);
-    expect_conforming(with_faults(sound_fixture(), faults));
-    expect_conforming(with_faults(sound_fixture(",pace=realtime"), faults));
+    expect_conforming(with_faults(correct_fixture(), faults));
+    expect_conforming(with_faults(correct_fixture(",pace=realtime"), faults));
   }
 }
 
-TEST(Conformance, EveryBreakageIsCaughtByTheCheckMeantForIt) {
-  for (const BreakageOutcome& breakage : run_breakages()) {
-    EXPECT_TRUE(breakage.caught())
-        << breakage.breakage.check << " does not see: " << breakage.breakage.what << " ("
-        << breakage.outcome.detail << ")";
+TEST(Conformance, EveryDefectIsDetectedByItsCheck) {
+  for (const DefectOutcome& defect : check_defects()) {
+    EXPECT_TRUE(defect.detected())
+        << defect.defect.check << " does not detect: " << defect.defect.what << " ("
+        << defect.outcome.detail << ")";
   }
 }
 
-TEST(Conformance, ThereIsABreakageForEveryCheck) {
-  std::set<std::string> broken;
-  for (const Breakage& breakage : breakages()) broken.insert(breakage.check);
+TEST(Conformance, ThereIsADefectForEveryCheck) {
+  std::set<std::string> with_defect;
+  for (const Defect& defect : seeded_defects()) with_defect.insert(defect.check);
   for (const ConformanceCheck& check : conformance_checks()) {
-    EXPECT_TRUE(broken.contains(check.name)) << check.name;
+    EXPECT_TRUE(with_defect.contains(check.name)) << check.name;
     EXPECT_FALSE(check.rule.empty());
   }
 }

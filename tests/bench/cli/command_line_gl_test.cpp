@@ -1,4 +1,4 @@
-// The program as a user meets it: good input, bad input, interruption, a full disk.
+// The program: good input, bad input, interruption, a full disk.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ struct BadInput {
   std::string name;
   Words arguments;
   std::string expected;        ///< what the one line says after "wobblebench: "
-  bool needs_reading = false;  ///< a file that proves to be bad once its content is read
+  bool needs_reading = false;  ///< the error is in the content of a file
 };
 
 void PrintTo(const BadInput& bad, std::ostream* out) {
@@ -76,7 +76,7 @@ TEST_P(RefusesBadInput, WithOneLineAndExitCode2) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_EQ(result.err.find("wobblebench: " + GetParam().expected), 0u) << result.err;
   EXPECT_TRUE(folder.files("out").empty()) << "left something behind";
-  // What can be known before any work is said before any work.
+  // Errors that need no reading are reported before any work.
   EXPECT_EQ(fs::exists(folder.path() / "out"), GetParam().needs_reading);
 }
 
@@ -193,7 +193,7 @@ TEST(CommandLine, HelpIsNoError) {
   EXPECT_NE(result.out.find("tables"), std::string::npos);
 }
 
-TEST(CommandLine, RunLeavesItsResultsAndAReportThatHoldsWhatOthersRead) {
+TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   const ScratchFolder folder;
   const auto result = bench(with({"run", "--json"}, kQuick), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -277,7 +277,7 @@ TEST(CommandLine, AnInterruptedPhantomLeavesNothingWhileItIsWritten) {
   }
 }
 
-TEST(CommandLine, AGlThatCannotBeMadeFailsBeforeAnyWork) {
+TEST(CommandLine, AMissingGlFailsBeforeAnyWork) {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   for (const char* command : {"run", "tables", "modes"}) {
     const ScratchFolder folder;
@@ -304,7 +304,7 @@ TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
   }
 }
 
-TEST(CommandLine, RunSaysOnWhichGlItRendered) {
+TEST(CommandLine, RunReportsTheGlThatRendered) {
   for (const std::string gl : {"osmesa", "egl"}) {
     const ScratchFolder folder;
     const auto result = bench(with({"run", "--json", "--gl", gl}, kQuick), folder);
@@ -315,7 +315,7 @@ TEST(CommandLine, RunSaysOnWhichGlItRendered) {
 }
 
 /// Runs `command` on a disk that is full one byte, and a hundred, before the end of each of its
-/// files; nothing may be left, unless a report of this run's own figures happened to fit.
+/// files. Nothing may be left, unless this run's report is short enough to fit.
 void expect_no_half_file(const Words& command, const Words& results) {
   const ScratchFolder folder;
   ASSERT_EQ(bench(with(command, {"--out", "whole"}), folder).exit_code, 0);

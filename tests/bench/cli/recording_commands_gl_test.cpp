@@ -1,4 +1,4 @@
-// record, inspect and run --board, as a user meets them.
+// record, inspect and run --board, by running the program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -112,7 +112,7 @@ TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
   EXPECT_TRUE(of("played").at("simulation").is_null());
 }
 
-TEST_F(WithRecording, OfTooFewFramesTheTablesAreRefused) {
+TEST_F(WithRecording, TablesOfTooFewFramesAreRefused) {
   const auto result = bench({"tables", "--board", "file=rec/recording.wbst"}, folder_);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("has 9 frames a volume; the tables need 37"), std::string::npos)
@@ -141,7 +141,7 @@ TEST(Recording, TablesAreMeasuredOnIt) {
   EXPECT_EQ(report.at("tables").size(), 4u);
 }
 
-TEST_F(WithRecording, FaultsOnTheWayAreCountedInTheReport) {
+TEST_F(WithRecording, InjectedFaultsAreCountedInTheReport) {
   const auto result = bench(with({"run",
                                   "--board",
                                   "file=rec/recording.wbst,faults=drop:0.05+corrupt:0.05+seed:2",
@@ -160,7 +160,7 @@ TEST_F(WithRecording, FaultsOnTheWayAreCountedInTheReport) {
   EXPECT_GT(board.at("missing_sticks"), 0);
 }
 
-TEST_F(WithRecording, UnpluggedUnderWayItRendersWhatCameAndFails) {
+TEST_F(WithRecording, UnpluggedDuringAVolumeItRendersWhatArrivedAndFails) {
   const auto result = bench(
       with({"run", "--board", "file=rec/recording.wbst,faults=unplug@100"}, {kPhantom, kPicture}),
       folder_);
@@ -270,8 +270,8 @@ TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
   EXPECT_EQ(bench({"inspect", "s.wbst"}, folder_).exit_code, 0);
 }
 
-/// The card's driver, acted: on FUSE where it can be mounted, and on a FIFO anywhere.
-TEST_F(WithRecording, TheStandInsConform) {
+/// The emulated driver of the card: by FUSE where it can be mounted, and by a FIFO anywhere.
+TEST_F(WithRecording, TheEmulatorsConform) {
   const auto conformance = [&](const std::string& board) {
     return bench(with({"conformance", "--board", board}, {kPhantom, kScan}), folder_);
   };
@@ -286,11 +286,11 @@ TEST_F(WithRecording, TheStandInsConform) {
   EXPECT_NE(fuse.out.find("passed  unplug.card"), std::string::npos) << fuse.out;
 }
 
-/// Killed at any moment a recording holds no wrong stick, and what it holds can be saved. Starting
-/// the program takes most of the time: more often with WOBBLEBENCH_KILLS.
-TEST_F(WithRecording, KilledAtAnyMomentItCanBeSaved) {
-  const char* asked = std::getenv("WOBBLEBENCH_KILLS");
-  const int kills = asked == nullptr ? 20 : std::atoi(asked);
+/// Killed at any moment, a recording holds no wrong stick, and what it holds can be salvaged. The
+/// start of the program takes most of the time; WOBBLEBENCH_KILLS sets the number of kills.
+TEST_F(WithRecording, KilledAtAnyMomentItCanBeSalvaged) {
+  const char* setting = std::getenv("WOBBLEBENCH_KILLS");
+  const int kills = setting == nullptr ? 20 : std::atoi(setting);
   const fs::path partial = folder_.path() / "killed/recording.wbst.partial";
   for (int kill = 0; kill < kills; ++kill) {
     fs::remove_all(folder_.path() / "killed");

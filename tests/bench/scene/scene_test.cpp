@@ -223,11 +223,11 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
                                           "render.scan_conversion.format=r32f"};
   auto geometry = small;
   geometry.push_back("simulation.fidelity=geometry");
-  // The volume on its way, and the volume put together: 4 bytes a sample each.
+  // The volume in transit, and the assembled volume: 4 bytes a sample each.
   EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 2 * 4 * 20000);
   EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 4 * 20000);
   // The pulse's band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample,
-  // 8 bytes each: of even speckle, and of the echoes that it becomes.
+  // 8 bytes each: of homogeneous speckle, and of the echoes computed from it.
   const double iq = 10 * 8 * 20000, volumes = 2 * 4 * 20000;
   EXPECT_EQ(memory_need(load_scene({}, small)).acquisition, 2 * iq);
   // Echoes that differ from volume to volume are not kept.

@@ -1,4 +1,4 @@
-#include "bench/checks/conformance/trial.h"
+#include "bench/checks/conformance/board_session.h"
 
 #include <bit>
 #include <variant>
@@ -22,7 +22,7 @@ class Fnv {
 
 }  // namespace
 
-BoardFace face_of(hw::Board& board) {
+BoardInterface interface_of(hw::Board& board) {
   return {.start = [&board] { board.start(); },
           .stop = [&board] { board.stop(); },
           .cancel = [&board] { board.cancel(); },
@@ -42,75 +42,75 @@ std::uint64_t fingerprint(const hw::Stick& stick) {
   return hash.hash();
 }
 
-Trial::Trial(const ConformanceFixture& fixture, int ring_slots)
+BoardSession::BoardSession(const ConformanceFixture& fixture, int ring_slots)
     : owned_(
           std::make_unique<hw::Board>(fixture.open(), hw::BoardOptions{.ring_slots = ring_slots})) {
-  board = fixture.face(*owned_);
+  board = fixture.interface(*owned_);
 }
 
-bool note(hw::Event& event, Taken& taken) {
+bool record_event(hw::Event& event, Received& received) {
   if (const auto* slot = std::get_if<hw::StickSlot>(&event)) {
     const hw::Stick& stick = **slot;
-    taken.sticks.push_back(
+    received.sticks.push_back(
         {stick.sequence, stick.index, stick.time, stick.samples.size(), fingerprint(stick)});
-    taken.order.push_back({stick.sequence, 1});
+    received.order.push_back({stick.sequence, 1});
     return true;
   }
   if (const auto* gap = std::get_if<hw::Gap>(&event)) {
-    taken.gaps.push_back(*gap);
-    taken.order.push_back({gap->first_sequence, gap->count});
+    received.gaps.push_back(*gap);
+    received.order.push_back({gap->first_sequence, gap->count});
     return true;
   }
   if (const auto* end = std::get_if<hw::VolumeEnd>(&event)) {
-    taken.ends.push_back(*end);
+    received.ends.push_back(*end);
     return true;
   }
   if (const auto* configuration = std::get_if<hw::Configuration>(&event)) {
-    taken.configurations.push_back(*configuration);
+    received.configurations.push_back(*configuration);
     return true;
   }
-  taken.lost = std::holds_alternative<hw::DeviceLost>(event);
-  taken.over = taken.lost || std::holds_alternative<hw::EndOfStream>(event);
-  if (const auto* lost = std::get_if<hw::DeviceLost>(&event)) taken.what_ended_it = lost->reason;
-  if (std::holds_alternative<hw::EndOfStream>(event)) taken.what_ended_it = "the stream is over";
-  if (std::holds_alternative<hw::TimedOut>(event)) taken.what_ended_it = "nothing came in time";
-  if (std::holds_alternative<hw::Cancelled>(event)) taken.what_ended_it = "cancelled";
-  if (std::holds_alternative<hw::Stopped>(event)) taken.what_ended_it = "stopped";
+  received.lost = std::holds_alternative<hw::DeviceLost>(event);
+  received.over = received.lost || std::holds_alternative<hw::EndOfStream>(event);
+  if (const auto* lost = std::get_if<hw::DeviceLost>(&event)) received.end_reason = lost->reason;
+  if (std::holds_alternative<hw::EndOfStream>(event)) received.end_reason = "the stream is over";
+  if (std::holds_alternative<hw::TimedOut>(event)) received.end_reason = "nothing came in time";
+  if (std::holds_alternative<hw::Cancelled>(event)) received.end_reason = "cancelled";
+  if (std::holds_alternative<hw::Stopped>(event)) received.end_reason = "stopped";
   return false;
 }
 
-void Trial::take(Taken& taken, std::size_t sticks) {
-  while (taken.sticks.size() < sticks) {
-    hw::Event event = board.next(soon());
-    if (note(event, taken)) continue;
-    require(taken.over,
-            taken.what_ended_it + " after " + std::to_string(taken.sticks.size()) + " sticks");
+void BoardSession::receive(Received& received, std::size_t sticks) {
+  while (received.sticks.size() < sticks) {
+    hw::Event event = board.next(event_deadline());
+    if (record_event(event, received)) continue;
+    require(received.over,
+            received.end_reason + " after " + std::to_string(received.sticks.size()) + " sticks");
     return;
   }
 }
 
-Taken Trial::take_all_of(std::size_t sticks) {
-  Taken taken;
-  take(taken, sticks);
-  if (taken.sticks.size() < sticks) {
-    throw CheckSkipped("needs " + std::to_string(sticks) + " sticks; " + taken.what_ended_it +
-                       " after " + std::to_string(taken.sticks.size()));
+Received BoardSession::receive_all(std::size_t sticks) {
+  Received received;
+  receive(received, sticks);
+  if (received.sticks.size() < sticks) {
+    throw CheckSkipped("needs " + std::to_string(sticks) + " sticks; " + received.end_reason +
+                       " after " + std::to_string(received.sticks.size()));
   }
-  return taken;
+  return received;
 }
 
-hw::StickSlot Trial::take_slot() {
+hw::StickSlot BoardSession::receive_slot() {
   for (;;) {
-    hw::Event event = board.next(soon());
+    hw::Event event = board.next(event_deadline());
     if (auto* slot = std::get_if<hw::StickSlot>(&event)) return std::move(*slot);
-    Taken taken;
-    if (note(event, taken)) continue;
-    require(taken.over, taken.what_ended_it + " where a stick was due");
-    throw CheckSkipped("needs a stick; " + taken.what_ended_it);
+    Received received;
+    if (record_event(event, received)) continue;
+    require(received.over, received.end_reason + " where a stick was due");
+    throw CheckSkipped("needs a stick; " + received.end_reason);
   }
 }
 
-void require_illegal(const BoardFace& board,
+void require_illegal(const BoardInterface& board,
                      const std::string& what,
                      const std::function<void()>& call) {
   const hw::BoardState before = board.state();

@@ -1,25 +1,22 @@
-// Visitors that take an options struct's description from and to what people read.
+// The visitor that reads the description of an options struct from a TOML section.
 #pragma once
 
 #include <toml++/toml.h>
+
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
+#include <glm/vec3.hpp>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "base/options.h"
 #include "bench/cli/user_error.h"
 
 namespace wobblebench::bench {
 
-/// Reads one section. Every key read is taken out of the table, so that what is left over is
-/// unknown.
+/// Reads one section. Each key read is removed from the table; those left are unknown.
 class TomlReader {
  public:
   TomlReader(std::string source, std::string section, toml::table& table)
@@ -32,7 +29,7 @@ class TomlReader {
     take(key, "a whole number", [&](const toml::node& node) {
       const auto number = node.as_integer();
       if (!number) return false;
-      // Beyond int nothing is allowed anyway; the range check must not see a wrapped value.
+      // Checked here, before the conversion to int.
       if (number->get() < min || number->get() > max) {
         fail(key, node, "must be within " + std::to_string(min) + " and " + std::to_string(max));
       }
@@ -74,7 +71,7 @@ class TomlReader {
       return true;
     });
   }
-  /// May be given, as a resolved scene does, but only as it is.
+  /// May be given, as in a resolved scene, but with no other value.
   void constant(std::string_view key, std::string_view text) {
     take(key, "left out, it follows from other keys", [&](const toml::node& node) {
       return node.is_string() && node.as_string()->get() == text;
@@ -174,49 +171,6 @@ class TomlReader {
   toml::table& table_;
   std::vector<std::string> known_;
   std::vector<std::string> given_;
-};
-
-/// Writes one section with the values in the units of their keys.
-class JsonWriter {
- public:
-  void real(std::string_view key, const double& value, double unit, double, double) {
-    json_[std::string(key)] = in_unit(value, unit);
-  }
-  void integer(std::string_view key, const int& value, int, int) {
-    json_[std::string(key)] = value;
-  }
-  void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
-  void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
-  void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
-  void texts(std::string_view key, const std::vector<std::string>& values) {
-    json_[std::string(key)] = values;
-  }
-  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
-  template <class Enum>
-  void choice(std::string_view key,
-              const Enum& value,
-              std::initializer_list<std::pair<std::string_view, Enum>> names) {
-    for (const auto& [name, candidate] : names) {
-      if (candidate == value) json_[std::string(key)] = name;
-    }
-  }
-  void reals(std::string_view key, const std::vector<double>& values, double unit, double, double) {
-    auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
-    for (const double value : values) list.push_back(in_unit(value, unit));
-  }
-  void vec3(std::string_view key, const glm::dvec3& value, double unit, double min, double max) {
-    reals(key, {value.x, value.y, value.z}, unit, min, max);
-  }
-  const nlohmann::ordered_json& json() const { return json_; }
-
- private:
-  /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
-  static double in_unit(double value, double unit) {
-    char rounded[32];
-    std::snprintf(rounded, sizeof rounded, "%.12g", value / unit);
-    return std::strtod(rounded, nullptr);  // unlike std::stod, takes denormal numbers
-  }
-  nlohmann::ordered_json json_;
 };
 
 }  // namespace wobblebench::bench

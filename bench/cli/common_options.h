@@ -1,0 +1,67 @@
+// Options of commands: those that several commands take, with the same text everywhere, and one
+// function for each type of option. CLI11's templates take seconds to compile in each file that
+// calls them; they are instantiated in common_options.cpp alone.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace wobblebench::bench {
+
+struct SceneArguments {
+  std::filesystem::path file;         ///< TOML; empty: the defaults
+  std::vector<std::string> settings;  ///< section.key=value
+};
+
+struct OutputArguments {
+  std::filesystem::path folder = "out";
+  bool json = false;  ///< print report.json on stdout instead of a summary
+};
+
+CLI::App& add_subcommand(CLI::App& app, const std::string& name, const std::string& description);
+
+/// One option each, bound to the variable. Numbers show their default, lists too unless it is
+/// empty; a list takes one value each time that the option is given.
+void add_path(CLI::App& command,
+              const std::string& name,
+              std::filesystem::path& path,
+              const std::string& help);
+void add_required_path(CLI::App& command,
+                       const std::string& name,
+                       std::filesystem::path& path,
+                       const std::string& help);
+void add_text(CLI::App& command,
+              const std::string& name,
+              std::string& text,
+              const std::string& help);
+void add_list(CLI::App& command,
+              const std::string& name,
+              std::vector<std::string>& values,
+              const std::string& help);
+void add_flag(CLI::App& command, const std::string& name, bool& flag, const std::string& help);
+void add_seed(CLI::App& command,
+              const std::string& name,
+              std::uint64_t& seed,
+              const std::string& help);
+void add_integer(CLI::App& command,
+                 const std::string& name,
+                 int& value,
+                 const std::string& help,
+                 int min,
+                 int max);
+
+/// SCENE and --set.
+void add_scene_options(CLI::App& command, SceneArguments& scene);
+/// --out and --json.
+void add_output_options(CLI::App& command, OutputArguments& output);
+void add_board_option(CLI::App& command, std::string& board);
+void add_gl_option(CLI::App& command, std::string& backend);
+void add_repeats_option(CLI::App& command, int& repeats);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,101 @@
+#include "bench/report/phantom_report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "bench/report/report.h"
+#include "phantoms/grid_memory.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// To a nanometre: 0.16 m reads 160 mm.
+double in_mm(double metres) {
+  return std::round(metres * 1e9) / 1e6;
+}
+
+Json in_mm(const glm::dvec3& point_m) {
+  return {in_mm(point_m.x), in_mm(point_m.y), in_mm(point_m.z)};
+}
+
+double in_mb(std::uint64_t bytes) {
+  return std::round(static_cast<double>(bytes) / 1e4) / 100;
+}
+
+Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
+  const auto& surface = phantom.surfaces()[index];
+  const auto grid = phantoms::grid_memory(phantom, index);
+  return {{"name", surface.name},
+          {"inside", phantom.materials().at(static_cast<std::size_t>(surface.inside)).name},
+          {"target", surface.is_target},
+          {"voxel_mm", in_mm(grid.voxel_m)},
+          {"voxels", grid.voxels},
+          {"memory_mb", in_mb(grid.bytes)}};
+}
+
+Json material_json(const phantoms::Material& material) {
+  return {{"name", material.name},
+          {"sound_speed_m_s", material.sound_speed_m_s},
+          {"impedance_mrayl", material.impedance_rayl / 1e6},
+          {"attenuation_db_per_cm_mhz", material.attenuation_db_per_cm_mhz},
+          {"backscatter_db", material.backscatter_db},
+          {"roughness", material.roughness},
+          {"source", material.source}};
+}
+
+/// Those of the material table that occur in the phantom.
+Json materials_json(const phantoms::Phantom& phantom) {
+  std::set<phantoms::MaterialIndex> used = {phantom.background()};
+  for (const auto& surface : phantom.surfaces()) used.insert(surface.inside);
+  Json rows = Json::array();
+  for (const auto row : used) {
+    rows.push_back(material_json(phantom.materials().at(static_cast<std::size_t>(row))));
+  }
+  return rows;
+}
+
+Json joint_json(const std::optional<phantoms::Joint>& joint) {
+  if (!joint) return nullptr;
+  return {{"center_mm", in_mm(joint->center_m)},
+          {"inner_mm", in_mm(joint->inner_m)},
+          {"outer_mm", in_mm(joint->outer_m)}};
+}
+
+Json phantom_json(const phantoms::Phantom& phantom) {
+  Json surfaces = Json::array();
+  std::uint64_t voxels = 0, bytes = 0;
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto grid = phantoms::grid_memory(phantom, i);
+    voxels += grid.voxels;
+    bytes += grid.bytes;
+    surfaces.push_back(surface_json(phantom, i));
+  }
+  const auto background = static_cast<std::size_t>(phantom.background());
+  return {{"name", phantom.name()},
+          {"background", phantom.materials().at(background).name},
+          {"surfaces", surfaces},
+          {"voxels", voxels},
+          {"memory_mb", in_mb(bytes)},
+          {"region_of_interest_mm",
+           {{"low", in_mm(phantom.region_of_interest().low)},
+            {"high", in_mm(phantom.region_of_interest().high)}}},
+          {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
+          {"joint", joint_json(phantom.joint())},
+          {"materials", materials_json(phantom)}};
+}
+
+}  // namespace
+
+std::string phantom_report(const phantoms::Phantom& phantom, const Scene& scene) {
+  Json report = report_head("phantom", provenance_of_this_machine(), scene);
+  report["phantom"] = phantom_json(phantom);
+  return report_text(report);
+}
+
+std::string phantom_summary(const phantoms::Phantom& phantom) {
+  return report_text(phantom_json(phantom));
+}
+
+}  // namespace wobblebench::bench

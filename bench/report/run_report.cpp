@@ -1,0 +1,141 @@
+#include "bench/report/run_report.h"
+
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "bench/report/board_report.h"
+#include "bench/report/image_io.h"
+#include "bench/report/report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+Provenance provenance_of(const RunResult& result) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = result.gl_backend;
+  provenance.gl_renderer = result.gl_renderer;
+  provenance.board = hw::to_string(result.acquisition.link.origin);
+  return provenance;
+}
+
+Json simulation_json(const SimulatedVolume& simulated, const Scene& scene) {
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  Json left_out = Json::array();
+  for (const auto& effect : simulated.fidelity.effects) {
+    if (effect.left_out.empty()) continue;
+    left_out.push_back({{"effect", effect.name}, {"why", effect.left_out}});
+  }
+  return {{"rung", sim::to_string(simulated.fidelity.rung)},
+          {"reason", simulated.fidelity.reason},
+          {"left_out", left_out},
+          {"map_ms", simulated.map_ms},
+          {"once_ms", simulated.once_ms},
+          {"ms_per_volume", simulated.volume_ms},
+          {"times_real_time", sound_ms / simulated.volume_ms},
+          {"late_ms", simulated.late_ms},
+          {"packets_dropped", simulated.packets_dropped}};
+}
+
+/// In mode "volume" no surface is computed, so that none is missed.
+bool computes_surface(const Scene& scene) {
+  return scene.render.ray_casting.mode != render::RenderMode::volume;
+}
+
+/// Three significant digits; no decimals from 100 on.
+std::string rounded(double value) {
+  if (!std::isfinite(value)) return "none";
+  std::ostringstream text;
+  text << std::setprecision(3);
+  if (std::abs(value) >= 100) text << std::fixed << std::setprecision(0);
+  text << value;
+  return text.str();
+}
+
+std::string in_mm(double metres) {
+  return rounded(metres / kMillimetre);
+}
+
+std::string volume_line(const Acquisition& acquisition, const Scene& scene) {
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
+  if (!acquisition.simulated) {
+    return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +
+           std::string(hw::to_string(acquisition.source)) + "\n";
+  }
+  const SimulatedVolume& simulated = *acquisition.simulated;
+  return sound + "simulated in " + rounded(simulated.volume_ms) +
+         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the phantom, " +
+         rounded(simulated.once_ms) + " ms for the scene)\nsimulator   " +
+         sim::to_string(simulated.fidelity.rung) + ": " + simulated.fidelity.reason + "\n";
+}
+
+std::string board_line(const hw::BoardAccount& account) {
+  std::string line = "board       " + std::to_string(account.emitted) + " sticks emitted, " +
+                     std::to_string(account.delivered) + " delivered";
+  for (const auto& [cause, count] : losses_by_cause(account)) {
+    if (count != 0) line += ", " + std::to_string(count) + " lost: " + cause;
+  }
+  return line + "\n";
+}
+
+std::string error_line(const std::optional<Comparison>& comparison, bool surface_sought) {
+  if (!comparison) return "depth error unknown: nobody knows what the board looked at\n";
+  const DepthError& raw = comparison->error.raw;
+  const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
+  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
+         " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
+         " pixels; missed " + percent(raw.missed_percent()) + " %, false " +
+         percent(raw.false_percent()) + " %\n";
+}
+
+}  // namespace
+
+std::string run_report(const RunResult& result, const Scene& scene, const StepTimes& times) {
+  Json report = report_head("run", provenance_of(result), scene);
+  const auto& simulated = result.acquisition.simulated;
+  if (simulated) report["effects"] = simulated->effects;
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["simulation"] = simulated ? simulation_json(*simulated, scene) : Json(nullptr);
+  report["board"] = board_json(result.acquisition);
+  report["render"] = render_json(result.picture.passes);
+  report["error"] = nullptr;
+  report["fit"]["registration"] = nullptr;
+  if (const auto& comparison = result.comparison) {
+    const auto& [raw, filtered, shaded] = comparison->error;
+    report["error"] = error_json(raw, filtered, shaded, computes_surface(scene));
+    report["fit"]["registration"] = registration_json(comparison->registration);
+  }
+  report["wall_ms"] = wall_json(times);
+  return report_text(report);
+}
+
+std::string run_summary(const RunResult& result,
+                        const Scene& scene,
+                        const std::filesystem::path& directory) {
+  return volume_line(result.acquisition, scene) + board_line(result.acquisition.account) +
+         "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
+         result.gl_renderer + "\n" + error_line(result.comparison, computes_surface(scene)) +
+         "results     " + directory.string() + "\n";
+}
+
+std::string ending_text(const RunResult& result) {
+  return result.acquisition.ending + ": " +
+         std::to_string(result.acquisition.volume.missing_sticks()) +
+         " sticks of the volume are missing";
+}
+
+void stage_run_images(OutputFolder& out, const RunResult& result) {
+  const render::Picture& picture = result.picture;
+  write_png(out.stage("surface.png"), picture.surface);
+  write_png(out.stage("volume.png"), picture.volume);
+  write_exr_mm(out.stage("depth.exr"),
+               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}});
+  if (!result.comparison) return;
+  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}});
+}
+
+}  // namespace wobblebench::bench
