@@ -3,9 +3,9 @@
 #include <iostream>
 #include <memory>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/user_error.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/report/inspection_report.h"
 #include "hw/link/link.h"

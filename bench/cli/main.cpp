@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/options.h"
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/user_error.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   using namespace wobblebench::bench;
   try {
     return run_program(argc, argv);
-  } catch (const UserError& error) {
+  } catch (const wobblebench::UserError& error) {
     return report_error(error.what(), kBadInput);
   } catch (const wobblebench::InvalidOption& error) {
     // Found only while simulating: a scan too large for its rung.

@@ -3,13 +3,13 @@
 #include <iostream>
 #include <memory>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
-#include "bench/cli/user_error.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/report/modes_report.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/studies/mode_agreement.h"
 #include "render/gl/context.h"
 

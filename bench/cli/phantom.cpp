@@ -4,9 +4,9 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/phantom_report.h"
+#include "bench/report/progress.h"
 
 namespace wobblebench::bench {
 

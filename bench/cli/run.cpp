@@ -4,9 +4,9 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/run_report.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"

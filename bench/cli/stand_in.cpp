@@ -4,9 +4,9 @@
 #include <iostream>
 #include <memory>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/user_error.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "hw/emulator/xdma_emulator.h"

@@ -5,10 +5,10 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/report.h"
 #include "bench/scene/adopt_plan.h"
 #include "bench/tables/arguments.h"

@@ -3,15 +3,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
-#include "bench/cli/user_error.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/report.h"
+#include "bench/report/trade/rung_trade_report.h"
 #include "bench/studies/trade/rung_memory.h"
-#include "bench/studies/trade/rung_trade.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 
@@ -150,7 +150,7 @@ int trade(const Arguments& arguments) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
   const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
-  const std::string markdown = trade_page(results, provenance);
+  const std::string markdown = trade_markdown(results, provenance);
   out.write_text("trade.md", markdown);
   out.write_text("trade.csv", trade_csv(results));
   for (const Figure& figure : trade_figures(results)) {

@@ -4,14 +4,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
-#include "bench/cli/user_error.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/report.h"
-#include "bench/studies/validate/validation.h"
+#include "bench/report/validation/validation.h"
 
 namespace wobblebench::bench {
 
@@ -71,7 +71,7 @@ int validate(const Arguments& arguments) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
   const std::string report = report_text(report_of(reports, provenance, progress.times()));
-  out.write_text("validation.md", validation_page(reports, provenance, arguments.figure_path));
+  out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
   out.write_text("validation.csv", validation_csv(reports));
   for (const auto& study : reports) {
     for (const Figure& figure : study.figures) {

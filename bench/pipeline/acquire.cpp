@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/pipeline/whole_volume.h"
 #include "bench/scene/adopt_plan.h"
 

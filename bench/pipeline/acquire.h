@@ -63,12 +63,12 @@ class BoardConnection {
   std::unique_ptr<hw::Board> board_;
   std::optional<hw::VolumeAssembly> assembly_;
   std::optional<SimulatedVolume> simulated_;
-  std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
+  std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
 };
 
 /// The simulator's volume of a scene.
 inline Acquisition acquire_simulated(const Scene& scene, const phantoms::Phantom& phantom) {
-  return BoardConnection(parse_board("sim")).acquire(scene, phantom);
+  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom));
 }
 
 }  // namespace wobblebench::bench

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/options.h"
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "hw/link/fault_link.h"
 #include "hw/link/link.h"
 #include "hw/link/link_arguments.h"

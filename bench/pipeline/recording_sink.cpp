@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 
 namespace wobblebench::bench {
 

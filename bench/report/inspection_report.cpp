@@ -30,9 +30,9 @@ std::string count(std::uint64_t number, const std::string& what) {
 Json checks_json(const hw::RecordingContents& contents) {
   return Json::array(
       {check_json("recording.bytes",
-                  contents.damage.places == 0,
+                  contents.damage.regions == 0,
                   count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
-                      count(contents.damage.places, "place")),
+                      count(contents.damage.regions, "place")),
        check_json("recording.configuration",
                   contents.configuration.has_value(),
                   count(contents.configurations, "configuration")),
@@ -43,7 +43,7 @@ Json checks_json(const hw::RecordingContents& contents) {
 
 Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
-  for (const auto& place : contents.places) {
+  for (const auto& place : contents.damaged_regions) {
     places.push_back({{"offset", place.offset}, {"bytes", place.bytes}});
   }
   for (const auto& gap : contents.gaps) {
@@ -100,11 +100,11 @@ void write_volumes(std::ostream& text, const hw::RecordingContents& contents) {
 }
 
 void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
-  text << "damage      " << count(contents.damage.places, "place") << ", "
+  text << "damage      " << count(contents.damage.regions, "place") << ", "
        << count(contents.damage.bytes_skipped, "byte") << "\n";
-  for (std::size_t i = 0; i < std::min(kMostListed, contents.places.size()); ++i) {
-    text << "            at byte " << contents.places[i].offset << ": "
-         << count(contents.places[i].bytes, "byte") << "\n";
+  for (std::size_t i = 0; i < std::min(kMostListed, contents.damaged_regions.size()); ++i) {
+    text << "            at byte " << contents.damaged_regions[i].offset << ": "
+         << count(contents.damaged_regions[i].bytes, "byte") << "\n";
   }
   text << "missing     " << count(contents.account.lost.total(), "stick") << "\n";
   for (std::size_t i = 0; i < std::min(kMostListed, contents.gaps.size()); ++i) {

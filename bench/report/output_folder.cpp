@@ -13,8 +13,8 @@
 #include <system_error>
 
 #include "base/file_descriptor.h"
+#include "base/user_error.h"
 #include "base/write_file.h"
-#include "bench/cli/user_error.h"
 
 namespace wobblebench::bench {
 

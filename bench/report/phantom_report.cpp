@@ -5,7 +5,7 @@
 #include <set>
 
 #include "bench/report/report.h"
-#include "phantoms/grid_memory.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::bench {
 

@@ -18,7 +18,7 @@ const char* to_string(hw::RecordingEnd end) {
       return "the stream is over";
     case hw::RecordingEnd::lost:
       return "the device is lost";
-    case hw::RecordingEnd::asked:
+    case hw::RecordingEnd::stop_requested:
       return "interrupted";
   }
   return "unknown";
@@ -39,7 +39,7 @@ std::string record_report(const hw::RecordingProgress& progress,
   Json report = report_head("record", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
   report["board"] = account_json(progress.account);
-  report["board"]["damage"] = {{"places", progress.damage.places},
+  report["board"]["damage"] = {{"places", progress.damage.regions},
                                {"bytes_skipped", progress.damage.bytes_skipped}};
   report["board"]["link"] = link_json(link);
   report["recording"] = {{"file", kRecordingName},

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/scene/scene_cost.h"
 
 namespace wobblebench::bench {

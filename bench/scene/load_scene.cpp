@@ -52,7 +52,7 @@ toml::table parse_value(const std::string& text) {
 
 /// Puts "a.b.c=value" into the table of section a.b.
 void apply_setting(toml::table& scene, const std::string& setting) {
-  if (!is_printable(setting)) {
+  if (!is_printable_text(setting)) {
     throw UserError("--set " + setting + ": must be UTF-8 without control characters");
   }
   const auto equals = setting.find('=');

@@ -28,7 +28,9 @@ std::vector<glm::dvec3> grid_points(const phantoms::Box& box) {
 }
 
 /// Largest distance at rest of two neighbouring points over their distance now.
-double stretch_at(const phantoms::Moment& moment, const glm::dvec3& now_m, const glm::dvec3& rest) {
+double stretch_at(const phantoms::Deformation& moment,
+                  const glm::dvec3& now_m,
+                  const glm::dvec3& rest) {
   double stretch = 1;
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 neighbour = now_m;
@@ -49,7 +51,7 @@ MotionBounds motion_bounds(const phantoms::Motion& motion,
   std::vector<glm::dvec3> before = points;  // as at time 0
   const double step_s = duration_s / kSteps;
   for (int i = 1; i <= kSteps; ++i) {
-    const phantoms::Moment moment = motion.at(i * step_s);
+    const phantoms::Deformation moment = motion.at(i * step_s);
     for (std::size_t p = 0; p < points.size(); ++p) {
       const glm::dvec3 rest = moment.to_rest(points[p]);
       bounds.speed_m_s = std::max(bounds.speed_m_s, glm::distance(rest, before[p]) / step_s);

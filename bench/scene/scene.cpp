@@ -3,7 +3,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 
 namespace wobblebench::bench {
 

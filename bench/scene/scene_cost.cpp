@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "phantoms/motion.h"
 #include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"

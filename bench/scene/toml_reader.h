@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 
 namespace wobblebench::bench {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/pipeline/acquire.h"
 
 namespace wobblebench::bench {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/pipeline/whole_volume.h"
 #include "bench/tables/paper.h"
 

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/user_error.h"
 #include "bench/cli/common_options.h"
-#include "bench/cli/progress.h"
-#include "bench/cli/user_error.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/report_parts.h"
 #include "bench/tables/arguments.h"
 #include "bench/tables/measure.h"
@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
   using namespace wobblebench::bench;
   try {
     return dispatch(argc, argv);
-  } catch (const UserError& error) {
+  } catch (const wobblebench::UserError& error) {
     return report_error(error.what(), 2);
   } catch (const std::bad_alloc&) {
     return report_error("out of memory", 1);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/echo/iq_field.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/pipeline/board_link.h"
 
 namespace bench = wobblebench::bench;
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const bench::BoardArguments board = bench::parse_board(text);
     if (board.link.link.empty()) std::abort();
-  } catch (const bench::UserError& error) {
+  } catch (const UserError& error) {
     const std::string line = error.what();
     if (line.find('\n') != std::string::npos || !line.starts_with("--board = ")) std::abort();
   }

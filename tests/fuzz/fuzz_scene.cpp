@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/file_descriptor.h"
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/scene/scene.h"
 
 namespace bench = wobblebench::bench;
@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const bench::Scene scene = bench::load_scene(path, {});
     if (bench::resolved(scene).dump().empty()) std::abort();
-  } catch (const bench::UserError& error) {
+  } catch (const UserError& error) {
     if (std::string(error.what()).find('\n') != std::string::npos) std::abort();
   }
   return 0;

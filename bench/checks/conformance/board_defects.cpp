@@ -118,7 +118,7 @@ Break lost_if(const std::function<bool(const hw::BoardAccount&)>& fatal) {
   return [fatal](BoardInterface& board) {
     board.next = [next = board.next, account = board.account, fatal](hw::HostTime deadline) {
       if (fatal(account()))
-        return hw::Event(hw::DeviceLost{hw::LossOfDevice::unplugged, "gave up"});
+        return hw::Event(hw::DeviceLost{hw::DeviceLossCause::unplugged, "gave up"});
       return next(deadline);
     };
   };

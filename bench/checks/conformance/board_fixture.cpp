@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "hw/emulator/fifo_emulator.h"
 #include "hw/emulator/xdma_emulator.h"

@@ -129,7 +129,7 @@ class Simulation {
   VirtualTime time_;
   Oracle oracle_;
   Draws draws_;
-  std::shared_ptr<sim::SimLinkFigures> figures_ = std::make_shared<sim::SimLinkFigures>();
+  std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
   hw::FaultLink* link_;  ///< owned by board_
   hw::Board board_;
   hw::VolumeAssembly assembly_;

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/number_text.h"
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/report/validation/study_reports.h"
 
 namespace wobblebench::bench {

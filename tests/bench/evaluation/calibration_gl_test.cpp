@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/evaluation/depth_error.h"
 #include "bench/evaluation/truth.h"
 #include "bench/pipeline/acquire.h"

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "bench/cli/user_error.h"
+#include "base/user_error.h"
 #include "bench/scene/scene_cost.h"
 #include "phantoms/grids.h"
 

@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-namespace wobblebench::bench {
+namespace wobblebench {
 
 /// `text` with control characters, and bytes that are no UTF-8, as escapes: a value from a file or
 /// a shell cannot break a message into lines.
@@ -34,4 +34,4 @@ class UserError : public std::runtime_error {
   explicit UserError(const std::string& message) : std::runtime_error(one_line(message)) {}
 };
 
-}  // namespace wobblebench::bench
+}  // namespace wobblebench
