@@ -11,14 +11,14 @@ set(public_headers
   render/camera.h render/options.h render/picture.h render/renderer.h render/view.h
   render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers
-  hw/wire/account.h hw/wire/packet.h hw/wire/stream_origin.h
-  render/gl/texture_fetch.h render/gl/texel_format.h)
+  hw/link/faults.h hw/link/pace.h
+  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h hw/wire/version.h
+  render/gl/texel_format.h render/gl/texture_fetch.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers
     phantoms/material.h phantoms/motion.h phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h
     phantoms/truth.h
     sim/fidelity.h sim/options.h sim/probe_simulator.h sim/card/sim_link.h
     bench/evaluation/depth_error.h bench/evaluation/registration.h bench/evaluation/truth.h)
-  list(APPEND included_by_public_headers phantoms/refusal.h)
 endif()
 list(APPEND public_headers ${included_by_public_headers})

@@ -5,16 +5,16 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/cli/table_options.h"
 #include "bench/pipeline/board_link.h"
+#include "bench/report/chart/tables_figure.h"
 #include "bench/report/image_io.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/progress.h"
 #include "bench/report/report.h"
 #include "bench/scene/adopt_plan.h"
-#include "bench/tables/arguments.h"
+#include "bench/studies/table_scans.h"
 #include "bench/tables/measure.h"
-#include "bench/tables/table_scans.h"
-#include "bench/tables/tables_figure.h"
 #include "bench/tables/tables_report.h"
 
 namespace wobblebench::bench {

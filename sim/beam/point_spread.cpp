@@ -52,6 +52,14 @@ double axial_fwhm_m(const hw::AcquisitionPlan& plan) {
          (probe.fractional_bandwidth * probe.center_frequency_hz);
 }
 
+int iq_oversampling(const hw::AcquisitionPlan& plan) {
+  const auto& acquisition = plan.acquisition();
+  const double output_rate_hz = acquisition.sound_speed_m_s / (2 * plan.sample_spacing_m());
+  const double band_hz = plan.probe().fractional_bandwidth * plan.probe().center_frequency_hz;
+  // A Gaussian pulse is 29 dB down at 2.2 times its -6 dB band.
+  return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
+}
+
 double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
   const auto& probe = plan.probe();
   return std::min(range_m / probe.f_number, probe.elements * probe.pitch_m);

@@ -10,6 +10,8 @@ namespace wobblebench::sim {
 
 /// Full width at half amplitude along the stick of a Gaussian pulse: (c/2) 0.8825 / (B f0).
 double axial_fwhm_m(const hw::AcquisitionPlan& plan);
+/// IQ samples for each output sample: enough for the two-sided bandwidth of the pulse.
+int iq_oversampling(const hw::AcquisitionPlan& plan);
 /// Aperture widths in the image plane by the F-number, limited by the number of elements. The
 /// receive aperture grows with the range (dynamic focus), the transmit aperture is that of its
 /// fixed focus.

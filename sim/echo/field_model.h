@@ -3,8 +3,8 @@
 
 #include "sim/echo/iq_field.h"
 #include "sim/echo/iq_model.h"
+#include "sim/echo/mean_power.h"
 #include "sim/echo/stick_propagation.h"
-#include "sim/tissue/mean_power.h"
 
 namespace wobblebench::sim {
 

@@ -122,14 +122,6 @@ void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKe
 
 }  // namespace
 
-int iq_oversampling(const hw::AcquisitionPlan& plan) {
-  const auto& acquisition = plan.acquisition();
-  const double output_rate_hz = acquisition.sound_speed_m_s / (2 * plan.sample_spacing_m());
-  const double band_hz = plan.probe().fractional_bandwidth * plan.probe().center_frequency_hz;
-  // A Gaussian pulse is 29 dB down at 2.2 times its -6 dB band.
-  return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
-}
-
 double iq_bytes(const hw::AcquisitionPlan& plan) {
   return 1.0 * sizeof(Complex) * plan.sticks_per_volume() * plan.acquisition().samples_per_stick *
          iq_oversampling(plan);

@@ -42,9 +42,6 @@ struct IqField {
 /// Largest half length of a pulse, in IQ samples; reached only by scans finer than 1 um a sample.
 inline constexpr int kMaxHalfPulse = 1024;
 
-/// IQ samples for each output sample: enough for the two-sided bandwidth of the pulse.
-int iq_oversampling(const hw::AcquisitionPlan& plan);
-
 /// Memory of an IqField.
 double iq_bytes(const hw::AcquisitionPlan& plan);
 

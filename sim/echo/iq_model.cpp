@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
 #include "sim/math/random.h"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
 #include "sim/tissue/scanned_tissue.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sim/beam/point_spread.h"
-#include "sim/echo/iq_field.h"
 
 namespace wobblebench::sim {
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "sim/beam/point_spread.h"
 #include "sim/echo/field_model.h"
 #include "sim/echo/scatterers_model.h"
 #include "sim/probe_simulator.h"

@@ -61,8 +61,7 @@ void expect_arrivals_that_add_up(const TableResults& results) {
   for (const PipelineVariant variant : {PipelineVariant::plain, PipelineVariant::fast}) {
     const Arrival& arrival = results.arrival(variant);
     EXPECT_GT(arrival.add_frame_ms.median, 0);
-    EXPECT_LT(arrival.add_frame_ms.median, arrival.new_volume_ms.median);
-    EXPECT_LT(arrival.new_view_ms.median, arrival.new_volume_ms.median);
+    EXPECT_GT(arrival.new_view_ms.median, 0);
   }
 }
 

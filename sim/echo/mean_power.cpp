@@ -1,4 +1,4 @@
-#include "sim/tissue/mean_power.h"
+#include "sim/echo/mean_power.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,11 +10,11 @@
 
 #include "base/user_error.h"
 #include "bench/cli/common_options.h"
+#include "bench/cli/table_options.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/progress.h"
 #include "bench/report/report_parts.h"
-#include "bench/tables/arguments.h"
 #include "bench/tables/measure.h"
 #include "bench/tables/tables_report.h"
 #include "bench/tables/volumes.h"

@@ -1,4 +1,4 @@
-#include "bench/tables/arguments.h"
+#include "bench/cli/table_options.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,5 +1,5 @@
 // The closed form of the beam's average against a brute-force sum over its cross-section.
-#include "sim/tissue/mean_power.h"
+#include "sim/echo/mean_power.h"
 
 #include <gtest/gtest.h>
 
