@@ -49,6 +49,18 @@ class InvalidOption : public std::invalid_argument {
 
 /// The visitor that refuses values out of range, NaN and infinities. Refusals name the key behind
 /// `prefix`, "ray_casting." say.
+///
+/// @code
+/// #include <cstdio>
+/// #include "hw/probe/probe.h"
+/// hw::ProbeOptions probe;
+/// probe.f_number = -1;
+/// try {
+///   check_options(probe, "probe.");
+/// } catch (const InvalidOption& error) {
+///   std::puts(error.what());  // probe.f_number = -1: must be within …
+/// }
+/// @endcode
 class OptionCheck {
  public:
   explicit OptionCheck(std::string_view prefix = "") : prefix_(prefix) {}

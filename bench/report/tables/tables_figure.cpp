@@ -1,4 +1,4 @@
-#include "bench/report/chart/tables_figure.h"
+#include "bench/report/tables/tables_figure.h"
 
 #include <algorithm>
 
