@@ -3,10 +3,10 @@
 #include <numeric>
 #include <sstream>
 
+#include "phantoms/builders.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/phantom.h"
 #include "phantoms/refusal.h"
-#include "phantoms/shapes/builders.h"
 
 namespace wobblebench::phantoms {
 namespace {

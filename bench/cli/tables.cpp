@@ -13,7 +13,7 @@
 #include "bench/report/report.h"
 #include "bench/report/tables/tables_figure.h"
 #include "bench/scene/adopt_plan.h"
-#include "bench/studies/table_scans.h"
+#include "bench/studies/tables/table_scans.h"
 #include "bench/tables/measure.h"
 #include "bench/tables/tables_report.h"
 

@@ -6,11 +6,11 @@
 #include <memory>
 
 #include "base/units.h"
+#include "phantoms/builders.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
 #include "phantoms/fetal/maternal_layer.h"
 #include "phantoms/grids.h"
-#include "phantoms/shapes/builders.h"
 #include "phantoms/shapes/level_set.h"
 
 namespace wobblebench::phantoms {

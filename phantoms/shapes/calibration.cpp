@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "phantoms/shapes/builders.h"
+#include "phantoms/builders.h"
 #include "phantoms/shapes/level_set.h"
 #include "phantoms/shapes/shapes.h"
 

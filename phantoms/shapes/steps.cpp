@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "base/units.h"
-#include "phantoms/shapes/builders.h"
+#include "phantoms/builders.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 

@@ -3,7 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.h"
-#include "phantoms/shapes/builders.h"
+#include "phantoms/builders.h"
 #include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 #include "phantoms/shapes/shapes.h"
