@@ -2,7 +2,7 @@
 // .cpp files only.
 #pragma once
 
-#include <openvdb/math/Coord.h>
+#include <openvdb/openvdb.h>
 
 #include <cstdint>
 #include <vector>
