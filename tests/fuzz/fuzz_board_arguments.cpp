@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const bench::BoardArguments board = bench::parse_board(text);
     if (board.link.link.empty()) std::abort();
-  } catch (const UserError& error) {
+  } catch (const wobblebench::UserError& error) {
     const std::string line = error.what();
     if (line.find('\n') != std::string::npos || !line.starts_with("--board = ")) std::abort();
   }

@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const bench::Scene scene = bench::load_scene(path, {});
     if (bench::resolved(scene).dump().empty()) std::abort();
-  } catch (const UserError& error) {
+  } catch (const wobblebench::UserError& error) {
     if (std::string(error.what()).find('\n') != std::string::npos) std::abort();
   }
   return 0;
