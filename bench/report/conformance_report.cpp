@@ -134,7 +134,7 @@ std::string conformance_markdown(const ConformanceFindings& findings,
       << "# Conformance\n\nWritten by `wobblebench conformance`. CPU: " << provenance.cpu << ", "
       << provenance.threads << " threads. Commit: " << provenance.commit
       << ". Each check opens the board anew. No card was there: `stand-in` behaves like its driver "
-         "(hw/stand_in), `fifo-stand-in` is a FIFO.\n\n";
+         "(hw/emulator), `fifo-stand-in` is a FIFO.\n\n";
   check_table(text, bare_runs(findings));
   if (bare_runs(findings).size() < findings.runs.size()) fault_table(text, findings);
   if (!findings.defects.empty()) defect_table(text, findings.defects);
