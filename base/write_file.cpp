@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/file_descriptor.h"
+#include "base/sync.h"
 
 namespace wobblebench {
 
@@ -24,11 +25,6 @@ bool write_all(int file, std::string_view bytes) {
   return true;
 }
 
-/// fsync(2) gives EINVAL for what is not on a disk, /dev/null say.
-bool sync_to_disk(int file) {
-  return ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP;
-}
-
 }  // namespace
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
@@ -37,7 +33,7 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   };
   FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666));
   if (!file.is_open()) refuse(errno);
-  const int write_error = write_all(file.get(), bytes) && sync_to_disk(file.get()) ? 0 : errno;
+  const int write_error = write_all(file.get(), bytes) ? sync_file(file.get()) : errno;
   const int close_error = file.close();
   if (write_error != 0 || close_error != 0) refuse(write_error != 0 ? write_error : close_error);
 }

@@ -8,6 +8,7 @@
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/report/inspection_report.h"
+#include "bench/report/output_folder.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 
@@ -22,15 +23,17 @@ struct Arguments {
 };
 
 void salvage(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(from, to, ignored)) {
-    throw UserError("--salvage = " + to.string() + ": must be another file than the recording");
+  const auto folder = to.has_parent_path() ? to.parent_path() : ".";
+  OutputFolder out(folder, "--salvage in");
+  if (std::filesystem::exists(std::filesystem::symlink_status(to))) {
+    throw UserError("--salvage = " + to.string() + ": exists; must be a new file");
   }
-  RecordingSink sink(to);
+  RecordingSink sink(out.stage(to.filename()));
   hw::salvage_recording(from, [&](auto bytes) { sink.write(bytes); });
-  sink.finish();
-  const hw::RecordingContents contents = hw::inspect_recording(to);
+  sink.finish(sink.bytes());
+  const hw::RecordingContents contents = hw::inspect_recording(sink.path());
   if (contents.damaged()) throw std::logic_error(to.string() + ": salvaged, and still damaged");
+  out.commit();
   std::cerr << "salvaged    " << contents.account.delivered << " sticks to " << to.string() << "\n";
 }
 

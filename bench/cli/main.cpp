@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/options.h"
+#include "base/standard_descriptors.h"
 #include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "phantoms/phantom.h"
@@ -66,6 +67,7 @@ int report_error(const std::string& what, int code) {
 int main(int argc, char** argv) {
   using namespace wobblebench::bench;
   try {
+    wobblebench::occupy_standard_descriptors();
     return run_program(argc, argv);
   } catch (const wobblebench::UserError& error) {
     return report_error(error.what(), kBadInput);

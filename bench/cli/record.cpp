@@ -1,13 +1,16 @@
 // Writes what a board sends to a file.
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
 
+#include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
@@ -21,12 +24,17 @@ namespace wobblebench::bench {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Arguments {
   SceneArguments scene;
   OutputArguments output;
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+  bool replace = false;
 };
+
+constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
 
 /// Set by a signal handler, which can reach nothing but a global variable.
 volatile std::sig_atomic_t stop_requested = 0;
@@ -35,6 +43,34 @@ volatile std::sig_atomic_t stop_requested = 0;
 void on_signal(int signal) {
   stop_requested = 1;
   std::signal(signal, SIG_DFL);
+}
+
+void stop_in_order() {
+  for (const int signal : kStopSignals) {
+    if (std::signal(signal, on_signal) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+}
+
+/// The name of a recording that is not finished. Refuses to touch one that is there.
+fs::path new_partial(const OutputFolder& out, bool replace) {
+  const fs::path whole = out.directory() / kRecordingName;
+  const fs::path partial = whole.string() + ".partial";
+  const auto refuse = [&](const std::string& what) {
+    throw UserError("--out = " + out.directory().string() + ": holds " + what);
+  };
+  std::error_code ignored;
+  // A command was killed after its recording had its final name, before it lost the other.
+  if (fs::equivalent(partial, whole, ignored)) fs::remove(partial);
+  if (fs::exists(fs::symlink_status(partial, ignored))) {
+    refuse(
+        "a recording that was not finished; must be a folder without one (`wobblebench inspect " +
+        partial.string() + " --salvage NEW` copies what it holds)");
+  }
+  if (!replace && fs::exists(fs::symlink_status(whole, ignored))) {
+    refuse(std::string(kRecordingName) +
+           "; must be a folder without one, unless --replace is given");
+  }
+  return partial;
 }
 
 /// The progress of a recording on stderr: one line rewritten on a terminal, a line every few
@@ -58,18 +94,25 @@ class RecordingProgressLine {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// Records to the sink; a failure of the disk is reported with the number of whole volumes written.
+/// Records to the sink. A failure leaves a partial file that can be salvaged, and says so; without
+/// a configuration there is nothing to salvage.
 hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
   RecordingProgressLine line;
+  const hw::RecordingProgress& progress = recorder.progress();
   try {
-    return recorder.run([] { return stop_requested != 0; },
-                        [&](const hw::RecordingProgress& progress) {
-                          sink.sync();
-                          line.show(progress);
-                        });
-  } catch (const std::runtime_error& error) {
+    const auto end = recorder.run([] { return stop_requested != 0; },
+                                  [&](const hw::RecordingProgress& volume) {
+                                    sink.sync();
+                                    line.show(volume);
+                                  });
+    if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
+    if (progress.configuration) sink.finish(progress.whole_bytes);
+    return end;
+  } catch (const std::exception& error) {
+    if (!progress.configuration) throw;
+    sink.keep();
     throw std::runtime_error(std::string(error.what()) + "; it holds " +
-                             std::to_string(recorder.progress().volumes) +
+                             std::to_string(progress.volumes) +
                              " whole volumes, which `inspect --salvage` copies");
   }
 }
@@ -81,24 +124,35 @@ int record_board(const Arguments& arguments) {
     scene.acquisition.volumes = arguments.volumes;
   }
   OutputFolder out(arguments.output.folder);
+  const fs::path partial = new_partial(out, arguments.replace);
+  if (!is_simulated(board)) out.refuse_input(board.link.value, kRecordingName);
   const auto link =
       open_board_link(board, is_simulated(board) ? simulated_sticks(scene) : MakeSticks{});
-  RecordingSink sink(out.directory() / kRecordingName);
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  RecordingSink sink(partial);
+  stop_in_order();
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
   const hw::RecordingEnd end = record(recorder, sink);
-  const hw::RecordingProgress& progress = recorder.progress();
-  if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
-  sink.finish();
 
+  const hw::RecordingProgress& progress = recorder.progress();
+  const std::string loss = end == hw::RecordingEnd::lost ? link->loss() : "";
+  if (!progress.configuration) {
+    throw std::runtime_error("--board = " + arguments.board + ": " +
+                             (loss.empty() ? "sent no configuration" : loss) +
+                             "; nothing is recorded");
+  }
   const std::string report = record_report(progress, end, link->capabilities(), std::move(scene));
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : record_summary(progress, end, sink.path()));
+  try {
+    out.adopt(partial, kRecordingName);
+    out.write_text("report.json", report);
+    out.commit();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
+  }
+  const fs::path recording = out.directory() / kRecordingName;
+  std::cout << (arguments.output.json ? report : record_summary(progress, end, recording));
   if (end != hw::RecordingEnd::lost) return 0;
-  std::cerr << "wobblebench: --board = " << arguments.board << ": " << link->loss() << "\n";
+  std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
   return 1;
 }
 
@@ -116,6 +170,7 @@ Command add_record_command(CLI::App& app) {
               "Stop after so many; 0: at the end of the stream, or at Ctrl-C",
               0,
               1000);
+  add_flag(command, "--replace", arguments->replace, "Replace a recording that is in DIR");
   return {&command, [arguments] { return record_board(*arguments); }};
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/standard_descriptors.h"
 #include "base/user_error.h"
 #include "bench/cli/common_options.h"
 #include "bench/cli/table_options.h"
@@ -109,6 +110,7 @@ int report_error(const std::string& what, int code) {
 int main(int argc, char** argv) {
   using namespace wobblebench::bench;
   try {
+    wobblebench::occupy_standard_descriptors();
     return dispatch(argc, argv);
   } catch (const wobblebench::UserError& error) {
     return report_error(error.what(), 2);

@@ -8,24 +8,27 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/sync.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {
 
-RecordingSink::RecordingSink(const std::filesystem::path& path)
-    : path_(path), partial_(path.string() + ".partial") {
-  std::error_code ignored;
-  const auto cannot = [&](const std::string& reason) {
-    return UserError(path_.string() + ": cannot be written: " + reason);
-  };
-  if (std::filesystem::is_directory(path_, ignored)) throw cannot("is a folder");
-  file_ = FileDescriptor(::open(partial_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666));
-  if (!file_.is_open()) throw cannot(std::strerror(errno));
+RecordingSink::RecordingSink(const std::filesystem::path& path) : path_(path) {
+  constexpr int kNew = O_CREAT | O_EXCL | O_NOFOLLOW;
+  file_ = FileDescriptor(::open(path.c_str(), kNew | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file_.is_open()) {
+    throw UserError(path.string() + ": cannot be written: " + std::strerror(errno));
+  }
+  // Its name survives a power failure, too.
+  sync_folder(path.has_parent_path() ? path.parent_path() : ".");
+}
+
+RecordingSink::~RecordingSink() {
+  if (!kept_) ::unlink(path_.c_str());
 }
 
 void RecordingSink::refuse(int error_number) const {
-  throw std::runtime_error(partial_.string() +
-                           ": cannot be written: " + std::strerror(error_number));
+  throw std::runtime_error(path_.string() + ": cannot be written: " + std::strerror(error_number));
 }
 
 void RecordingSink::write(std::span<const std::byte> bytes) {
@@ -33,23 +36,23 @@ void RecordingSink::write(std::span<const std::byte> bytes) {
     const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) refuse(errno);
+    bytes_ += static_cast<std::uint64_t>(count);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
 }
 
 void RecordingSink::sync() {
-  if (::fdatasync(file_.get()) != 0 && errno != EINVAL && errno != ENOTSUP) refuse(errno);
+  const int error = sync_data(file_.get());
+  if (error != 0) refuse(error);
 }
 
-void RecordingSink::finish() {
-  sync();
+void RecordingSink::finish(std::uint64_t bytes) {
+  keep();
+  if (::ftruncate(file_.get(), static_cast<off_t>(bytes)) != 0) refuse(errno);
+  bytes_ = bytes;
+  const int error = sync_file(file_.get());
   const int close_error = file_.close();
-  if (close_error != 0) refuse(close_error);
-  std::error_code error;
-  std::filesystem::rename(partial_, path_, error);
-  if (error) {
-    throw std::runtime_error(path_.string() + ": cannot be written: " + error.message());
-  }
+  if (error != 0 || close_error != 0) refuse(error != 0 ? error : close_error);
 }
 
 }  // namespace wobblebench::bench

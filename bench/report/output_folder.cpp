@@ -1,18 +1,14 @@
 #include "bench/report/output_folder.h"
 
-#include <fcntl.h>
-#include <pthread.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
-#include "base/file_descriptor.h"
+#include "base/sync.h"
 #include "base/user_error.h"
 #include "base/write_file.h"
 
@@ -20,114 +16,134 @@ namespace wobblebench::bench {
 
 namespace {
 
-// State of the signal handler, which has no other way to get it: it may only read plain memory and
-// call unlink(2). The paths belong to the OutputFolder; staged_count publishes them.
-constexpr std::size_t kMaxStaged = 64;
-constexpr std::size_t kMaxPath = 4096;
-std::array<const char*, kMaxStaged> staged_paths;
-std::atomic<std::size_t> staged_count = 0;
-pthread_t writing_thread;
+namespace fs = std::filesystem;
 
-void remove_staged() {
-  for (std::size_t i = 0; i < staged_count.load(); ++i) ::unlink(staged_paths[i]);
+constexpr const char* kPartial = ".wobblebench-partial";
+constexpr const char* kCommit = ".wobblebench-commit";
+constexpr const char* kWritable = "can be written";
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+  throw std::runtime_error(path.string() + ": cannot be written: " + reason);
 }
 
-/// A signal may be delivered to any thread. It is handled on the writing thread, so that no file is
-/// just being made, nor renamed (that thread blocks signals meanwhile).
-void on_signal(int signal) {
-  if (!::pthread_equal(::pthread_self(), writing_thread)) {
-    ::pthread_kill(writing_thread, signal);
-    return;
+void rename_file(const fs::path& from, const fs::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) fail(to, std::strerror(errno));
+  // rename(2) does nothing where both are names of one file.
+  ::unlink(from.c_str());
+}
+
+/// The folders of `path` that are missing, outermost first.
+std::vector<fs::path> missing_folders(const fs::path& path) {
+  std::vector<fs::path> missing;
+  std::error_code ignored;
+  for (fs::path folder = path; !folder.empty() && !fs::exists(folder, ignored);
+       folder = folder.parent_path()) {
+    missing.insert(missing.begin(), folder);
   }
-  remove_staged();
-  ::_exit(128 + signal);
-}
-
-void check_room(const std::filesystem::path& path) {
-  if (staged_count.load() < kMaxStaged && path.native().size() < kMaxPath) return;
-  throw std::runtime_error(path.string() + ": too many files or too long a name");
-}
-
-/// `path` must outlive its publication.
-void publish(const std::filesystem::path& path) {
-  const std::size_t index = staged_count.load();
-  staged_paths[index] = path.c_str();
-  staged_count.store(index + 1);
-}
-
-/// Blocks SIGINT and SIGTERM on this thread while it lives.
-class BlockedSignals {
- public:
-  BlockedSignals() {
-    sigset_t signals;
-    ::sigemptyset(&signals);
-    ::sigaddset(&signals, SIGINT);
-    ::sigaddset(&signals, SIGTERM);
-    ::pthread_sigmask(SIG_BLOCK, &signals, &before_);
-  }
-  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  BlockedSignals(const BlockedSignals&) = delete;
-  BlockedSignals& operator=(const BlockedSignals&) = delete;
-
- private:
-  sigset_t before_;
-};
-
-void refuse(const std::filesystem::path& directory, const std::string& reason) {
-  throw UserError("--out = " + directory.string() + ": " + reason +
-                  "; must be a folder that can be written");
+  return missing;
 }
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::filesystem::path& directory) : directory_(directory) {
+OutputFolder::OutputFolder(const fs::path& directory, std::string option)
+    : directory_(directory), option_(std::move(option)) {
+  make_directory();
+  try {
+    lock_.emplace(directory_);
+    removals_.note_file(lock_->file());
+    complete_killed_command();
+  } catch (const FolderInUse& in_use) {
+    refuse(in_use.what(), "no other command writes to");
+  } catch (const std::system_error& error) {
+    refuse(error.code().message(), kWritable);
+  }
+}
+
+void OutputFolder::refuse(const std::string& reason, const std::string& allowed) const {
+  throw UserError(option_ + " = " + directory_.string() + ": " + reason +
+                  "; must be a folder that " + allowed);
+}
+
+void OutputFolder::make_directory() {
+  for (const fs::path& folder : missing_folders(directory_)) {
+    std::error_code error;
+    if (fs::create_directory(folder, error)) removals_.note_folder(folder);
+    if (error) refuse(error.message(), kWritable);
+  }
   std::error_code error;
-  std::filesystem::create_directories(directory, error);
-  if (error) refuse(directory, error.message());
-  const auto probe = directory / (".partial-" + std::to_string(::getpid()));
-  FileDescriptor file(::open(probe.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0644));
-  if (!file.is_open()) refuse(directory, std::strerror(errno));
-  file.close();
-  ::unlink(probe.c_str());
-  writing_thread = ::pthread_self();
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  if (fs::is_directory(directory_, error)) return;
+  refuse(error ? error.message() : "is no folder", kWritable);
 }
 
-OutputFolder::~OutputFolder() {
-  remove_staged();
-  staged_count.store(0);
+void OutputFolder::complete_killed_command() {
+  if (fs::is_directory(fs::symlink_status(directory_ / kCommit))) move_committed();
+  fs::remove_all(directory_ / kPartial);
 }
 
-std::filesystem::path OutputFolder::stage(const std::string& name) {
-  // The process number keeps two runs into one folder apart.
-  auto partial = directory_ / (".partial-" + std::to_string(::getpid()) + "-" + name);
-  check_room(partial);
-  files_.push_back({partial, directory_ / name});
-  publish(files_.back().partial);
-  return partial;
+void OutputFolder::refuse_input(const fs::path& input, const std::string& name) const {
+  std::error_code ignored;
+  if (!fs::equivalent(input, directory_ / name, ignored)) return;
+  refuse("its " + name + " is read by this command", "holds none of its inputs");
+}
+
+fs::path OutputFolder::stage(const std::string& name) {
+  const fs::path folder = directory_ / kPartial;
+  if (names_.empty()) {
+    std::error_code error;
+    fs::create_directory(folder, error);
+    if (error) fail(folder, error.message());
+    removals_.note_folder(folder);
+  }
+  names_.push_back(name);
+  removals_.note_file(folder / name);
+  return folder / name;
 }
 
 void OutputFolder::write_text(const std::string& name, std::string_view text) {
   write_file(stage(name), text);
 }
 
+void OutputFolder::adopt(const fs::path& file, const std::string& name) {
+  const fs::path staged = stage(name);
+  if (::link(file.c_str(), staged.c_str()) == 0) {
+    adopted_.push_back(file);
+    return;
+  }
+  const bool has_no_links = errno == EPERM || errno == ENOTSUP || errno == ENOSYS;
+  if (!has_no_links) fail(directory_ / name, std::strerror(errno));
+  // FAT, say: the file gets its name at once, before the others.
+  names_.pop_back();
+  rename_file(file, directory_ / name);
+}
+
 void OutputFolder::commit() {
-  for (const File& file : files_) {
+  if (names_.empty()) return;
+  for (const std::string& name : names_) {
     // The likely failure, found before the first file has its name.
     std::error_code ignored;
-    if (std::filesystem::is_directory(file.final, ignored)) {
-      throw std::runtime_error(file.final.string() + ": is a folder; cannot be replaced by a file");
+    if (fs::is_directory(directory_ / name, ignored)) {
+      throw std::runtime_error((directory_ / name).string() +
+                               ": is a folder; cannot be replaced by a file");
     }
+    sync_file(directory_ / kPartial / name);
   }
+  sync_folder(directory_ / kPartial);
   const BlockedSignals blocked;
-  for (const File& file : files_) {
-    std::error_code error;
-    std::filesystem::rename(file.partial, file.final, error);
-    if (error) throw std::runtime_error(file.final.string() + ": " + error.message());
-  }
-  staged_count.store(0);
-  files_.clear();
+  rename_file(directory_ / kPartial, directory_ / kCommit);
+  sync_folder(directory_);
+  move_committed();
+  for (const fs::path& file : adopted_) fs::remove(file);
+  names_.clear();
+  adopted_.clear();
+}
+
+void OutputFolder::move_committed() const {
+  const fs::path committed = directory_ / kCommit;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(committed)) files.push_back(entry.path());
+  for (const fs::path& file : files) rename_file(file, directory_ / file.filename());
+  sync_folder(directory_);
+  fs::remove(committed);
 }
 
 }  // namespace wobblebench::bench

@@ -48,7 +48,7 @@ class TemporaryRecording {
     RecordingSink sink(path_);
     hw::Recorder recorder(link, [&](auto bytes) { sink.write(bytes); });
     static_cast<void>(recorder.run([] { return false; }));
-    sink.finish();
+    sink.finish(sink.bytes());
   }
   ~TemporaryRecording() {
     std::error_code ignored;

@@ -31,6 +31,8 @@ class Recorder::Impl {
   const RecordingProgress& progress() const { return progress_; }
 
  private:
+  RecordingEnd read_link(const std::function<bool()>& stop_requested,
+                         const std::function<void(const RecordingProgress&)>& after_volume);
   bool has_all_volumes() const {
     return options_.volumes > 0 &&
            progress_.volumes >= static_cast<std::uint64_t>(options_.volumes);
@@ -38,6 +40,7 @@ class Recorder::Impl {
   /// Returns the number of leading bytes of the chunk that belong to the recording: all, unless the
   /// last volume ends within.
   std::size_t audit_chunk(std::span<const std::byte> chunk);
+  void audit_packets();
   /// True if the packet ends a volume.
   bool audit_packet(const Packet& packet);
 
@@ -67,6 +70,17 @@ const RecordingProgress& Recorder::progress() const {
 RecordingEnd Recorder::Impl::run(
     const std::function<bool()>& stop_requested,
     const std::function<void(const RecordingProgress&)>& after_volume) {
+  const RecordingEnd end = read_link(stop_requested, after_volume);
+  if (end == RecordingEnd::volumes) return end;
+  // A damaged length may have hidden whole packets behind it.
+  framer_.finish();
+  audit_packets();
+  return end;
+}
+
+RecordingEnd Recorder::Impl::read_link(
+    const std::function<bool()>& stop_requested,
+    const std::function<void(const RecordingProgress&)>& after_volume) {
   std::vector<std::byte> chunk(kChunkBytes);
   for (;;) {
     if (stop_requested()) return RecordingEnd::stop_requested;
@@ -87,23 +101,27 @@ RecordingEnd Recorder::Impl::run(
 std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk) {
   framer_.feed(chunk);
   const std::uint64_t before = std::exchange(fed_, fed_ + chunk.size());
+  audit_packets();
+  return has_all_volumes() ? static_cast<std::size_t>(progress_.whole_bytes - before)
+                           : chunk.size();
+}
+
+void Recorder::Impl::audit_packets() {
   while (const auto frame = framer_.next()) {
     if (packet_version(frame->bytes) != kWireVersion) {
       throw UnsupportedWireVersion(packet_version(frame->bytes));
     }
     const auto packet = is_known_kind(frame->bytes) ? parse_packet(frame->bytes) : std::nullopt;
-    if (!packet) {
-      if (is_known_kind(frame->bytes)) framer_.reject_last();
+    if (!packet && is_known_kind(frame->bytes)) {
+      framer_.reject_last();
       continue;
     }
-    if (!audit_packet(*packet)) continue;
+    progress_.whole_bytes = frame->offset + frame->bytes.size();
+    if (!packet || !audit_packet(*packet)) continue;
     ++progress_.volumes;
-    if (has_all_volumes()) {
-      return static_cast<std::size_t>(frame->offset + frame->bytes.size() - before);
-    }
+    if (has_all_volumes()) return;
   }
   progress_.damage = framer_.damage();
-  return chunk.size();
 }
 
 bool Recorder::Impl::audit_packet(const Packet& packet) {

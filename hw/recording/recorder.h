@@ -29,7 +29,8 @@ void describe(O& o, Visitor& v) {
 enum class RecordingEnd { volumes, end_of_stream, lost, stop_requested };
 
 struct RecordingProgress {
-  std::uint64_t bytes = 0;  ///< given to the sink
+  std::uint64_t bytes = 0;        ///< given to the sink
+  std::uint64_t whole_bytes = 0;  ///< of them, up to the end of the last whole packet
   std::uint64_t volumes = 0;
   BoardAccount account;
   WireDamage damage;
@@ -60,6 +61,7 @@ class Recorder {
   /// Reads until the end, or until `stop_requested()`, called at least ten times a second, returns
   /// true. With a number of volumes the recording ends with the last one's end, else with the
   /// link's bytes; `after_volume`, if given, is called after each volume end was given to the sink.
+  /// The sink may have got a part of a packet after progress().whole_bytes, where the stream ended.
   /// Throws UnsupportedWireVersion, std::runtime_error for an impossible configuration.
   [[nodiscard]] RecordingEnd run(
       const std::function<bool()>& stop_requested,

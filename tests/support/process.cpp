@@ -46,6 +46,8 @@ void redirect(const fs::path& path, int descriptor) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
+  for (const auto& [name, value] : limits.environment) ::setenv(name.c_str(), value.c_str(), 1);
+  for (const int stream : limits.closed) ::close(stream);
   if (::chdir(directory.c_str()) == 0) ::execv(program.c_str(), argv.data());
   ::_exit(127);
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wobblebench::testing_support {
@@ -24,6 +25,10 @@ struct ProcessLimits {
   int signal = 2;  // SIGINT
   /// No file may grow beyond this; writing more fails, as on a full disk.
   std::optional<long> file_bytes;
+  /// Added to the environment.
+  std::vector<std::pair<std::string, std::string>> environment = {};
+  /// Standard streams (0, 1, 2) that the program starts without.
+  std::vector<int> closed = {};
 };
 
 /// Starts `program` with `arguments` in the folder `directory`, and waits for its end.

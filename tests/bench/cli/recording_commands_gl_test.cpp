@@ -227,7 +227,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "acquisition.frames_per_volume = 10: --board file=rec/recording.wbst delivers 9"},
         BadBoard{"salvage_onto_itself",
                  {"inspect", "rec/recording.wbst", "--salvage", "rec/recording.wbst"},
-                 "--salvage = rec/recording.wbst: must be another file"}),
+                 "--salvage = rec/recording.wbst: exists; must be a new file"}),
     [](const auto& test) { return test.param.name; });
 
 TEST_F(WithRecording, InterruptedARecordingIsWholeAsFarAsItGoes) {
@@ -307,7 +307,8 @@ TEST_F(WithRecording, KilledAtAnyMomentItCanBeSalvaged) {
         folder_,
         limits);
     ASSERT_EQ(killed.exit_code, 128 + SIGKILL);
-    ASSERT_EQ(folder_.files("killed"), Words{"recording.wbst.partial"});
+    ASSERT_EQ(folder_.files("killed"), (Words{".wobblebench.lock", "recording.wbst.partial"}));
+    fs::remove(folder_.path() / "s.wbst");
     const auto inspected = bench(
         {"inspect", "killed/recording.wbst.partial", "--salvage", "s.wbst", "--json"}, folder_);
     ASSERT_NE(inspected.exit_code, 2) << inspected.err;

@@ -31,9 +31,9 @@ TEST(OutputFolder, NothingHasItsNameBeforeCommitAndEverythingAfter) {
   OutputFolder out(scratch.path() / "a" / "b");
   out.write_text("one.txt", "1");
   out.write_text("two.txt", "2");
-  for (const auto& name : scratch.files("a/b")) EXPECT_TRUE(name.starts_with(".partial-")) << name;
+  for (const auto& name : scratch.files("a/b")) EXPECT_TRUE(name.starts_with(".")) << name;
   out.commit();
-  EXPECT_EQ(scratch.files("a/b"), (Names{"one.txt", "two.txt"}));
+  EXPECT_EQ(scratch.files("a/b"), (Names{".wobblebench.lock", "one.txt", "two.txt"}));
   EXPECT_EQ(text_of(scratch.path() / "a/b/two.txt"), "2");
 }
 
@@ -47,6 +47,40 @@ TEST(OutputFolder, WithoutCommitNothingIsLeftAndTheOldStays) {
   }
   EXPECT_EQ(scratch.files(), Names{"kept.txt"});
   EXPECT_EQ(text_of(scratch.path() / "kept.txt"), "old");
+}
+
+TEST(OutputFolder, FoldersThatItMadeGoWithTheirContents) {
+  const ScratchFolder scratch;
+  std::filesystem::create_directory(scratch.path() / "there");
+  {
+    OutputFolder out(scratch.path() / "there" / "new" / "newer");
+    out.write_text("one", "1");
+  }
+  EXPECT_EQ(scratch.files(), Names{"there"});
+  EXPECT_EQ(scratch.files("there"), Names{});
+}
+
+TEST(OutputFolder, TakesOneCommandAtATime) {
+  const ScratchFolder scratch;
+  {
+    const OutputFolder out(scratch.path());
+    EXPECT_THROW(OutputFolder{scratch.path()}, UserError);
+  }
+  EXPECT_EQ(scratch.files(), Names{});
+  OutputFolder out(scratch.path());
+}
+
+TEST(OutputFolder, CompletesOrRemovesWhatAKilledCommandLeft) {
+  const ScratchFolder scratch;
+  scratch.write("one", "old");
+  scratch.write(".wobblebench.lock", "");
+  std::filesystem::create_directory(scratch.path() / ".wobblebench-commit");
+  scratch.write(".wobblebench-commit/one", "new");
+  std::filesystem::create_directory(scratch.path() / ".wobblebench-partial");
+  scratch.write(".wobblebench-partial/two", "half");
+  { const OutputFolder out(scratch.path()); }
+  EXPECT_EQ(scratch.files(), Names{"one"});
+  EXPECT_EQ(text_of(scratch.path() / "one"), "new");
 }
 
 TEST(OutputFolder, RefusesWhatIsNoFolder) {
@@ -102,7 +136,6 @@ void commit_under_fire(const std::filesystem::path& directory, SignalReaches rea
   committing = true;
   out.commit();
   sender.join();
-  ::_exit(0);
 }
 
 TEST(OutputFolder, ASignalDuringCommitLeavesAllFilesOrNone) {
@@ -110,7 +143,10 @@ TEST(OutputFolder, ASignalDuringCommitLeavesAllFilesOrNone) {
     for (int attempt = 0; attempt < 20; ++attempt) {
       const ScratchFolder scratch;
       const pid_t child = ::fork();
-      if (child == 0) commit_under_fire(scratch.path(), reaches);
+      if (child == 0) {
+        commit_under_fire(scratch.path(), reaches);
+        ::_exit(0);
+      }
       ::waitpid(child, nullptr, 0);
       const auto count = scratch.files().size();
       EXPECT_TRUE(count == 0 || count == 60) << count;

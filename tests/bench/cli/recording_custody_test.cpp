@@ -1,0 +1,222 @@
+// Documented commands destroy no recording: by running the program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::ProcessLimits;
+using testing_support::ProcessResult;
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return bytes.str();
+}
+
+/// A folder with rec/recording.wbst of two volumes.
+class Custody : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto result = bench({"record",
+                               "--volumes",
+                               "2",
+                               "--out",
+                               "rec",
+                               "--set",
+                               "phantom.name=sphere",
+                               "--set",
+                               "phantom.voxel_mm=2",
+                               "--set",
+                               "acquisition.frames_per_volume=9",
+                               "--set",
+                               "acquisition.sticks_per_frame=16"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    bytes_ = bytes_of(at("rec/recording.wbst"));
+  }
+
+  fs::path at(const std::string& name) const { return folder_.path() / name; }
+
+  ProcessResult bench(const Words& arguments, const ProcessLimits& limits = {}) const {
+    return run_process(WOBBLEBENCH_PROGRAM, arguments, folder_.path(), limits);
+  }
+
+  /// One line and exit code 2, with this text.
+  void expect_refused(const ProcessResult& result, const std::string& text) const {
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
+  }
+
+  /// Waits until a recording in that folder has so many bytes.
+  std::function<bool()> partial_has(const std::string& folder, std::uintmax_t bytes) const {
+    return [path = at(folder + "/recording.wbst.partial"), bytes] {
+      std::error_code none;
+      const auto size = fs::file_size(path, none);
+      return !none && size >= bytes;
+    };
+  }
+
+  /// A killed run's folder: out/recording.wbst.partial.
+  void kill_a_recording() {
+    ProcessLimits limits;
+    limits.signal = SIGKILL;
+    limits.interrupt_when = partial_has("out", 100000);
+    ASSERT_EQ(bench({"record",
+                     "--board",
+                     "file=rec/recording.wbst,loop=true,pace=realtime",
+                     "--out",
+                     "out"},
+                    limits)
+                  .exit_code,
+              128 + SIGKILL);
+  }
+
+  ScratchFolder folder_;
+  std::string bytes_;
+};
+
+TEST_F(Custody, SalvageUnderTheFinalNameKeepsItsSource) {
+  kill_a_recording();
+  const std::string partial = bytes_of(at("out/recording.wbst.partial"));
+  const Words salvage = {
+      "inspect", "out/recording.wbst.partial", "--salvage", "out/recording.wbst"};
+  EXPECT_LE(bench(salvage).exit_code, 1);
+  EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), partial);
+  EXPECT_EQ(folder_.files("out"), (Words{"recording.wbst", "recording.wbst.partial"}));
+  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+  expect_refused(bench(salvage), "out/recording.wbst: exists; must be a new file");
+}
+
+TEST_F(Custody, SalvageRefusesEveryNameThatExists) {
+  fs::create_hard_link(at("rec/recording.wbst"), at("hard"));
+  fs::create_symlink(at("rec/recording.wbst"), at("soft"));
+  fs::create_symlink(at("nowhere"), at("dangling"));
+  for (const char* target : {"hard", "soft", "dangling", "rec/recording.wbst"}) {
+    expect_refused(bench({"inspect", "rec/recording.wbst", "--salvage", target}),
+                   std::string("--salvage = ") + target + ": exists; must be a new file");
+  }
+  EXPECT_EQ(bytes_of(at("rec/recording.wbst")), bytes_);
+}
+
+TEST_F(Custody, AnUnfinishedRecordingIsNeverReplaced) {
+  kill_a_recording();
+  const std::string partial = bytes_of(at("out/recording.wbst.partial"));
+  for (const char* replace : {"", "--replace"}) {
+    Words record = {"record", "--board", "file=rec/recording.wbst", "--out", "out"};
+    if (*replace != 0) record.emplace_back(replace);
+    expect_refused(bench(record), "--out = out: holds a recording that was not finished");
+  }
+  expect_refused(bench({"record", "--board", "file=out/recording.wbst.partial", "--out", "out"}),
+                 "--out = out: holds a recording that was not finished");
+  EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), partial);
+}
+
+TEST_F(Custody, ARecordingIsReplacedOnlyWhenAskedForAndByAnother) {
+  const Words record = {"record", "--board", "file=rec/recording.wbst", "--out", "rec"};
+  expect_refused(bench(record),
+                 "--out = rec: holds recording.wbst; must be a folder without one, "
+                 "unless --replace is given");
+  Words onto_itself = record;
+  onto_itself.emplace_back("--replace");
+  expect_refused(bench(onto_itself), "--out = rec: its recording.wbst is read by this command");
+  EXPECT_EQ(bytes_of(at("rec/recording.wbst")), bytes_);
+  fs::copy(at("rec"), at("other"));
+  const Words replace = {"record",
+                         "--board",
+                         "file=rec/recording.wbst",
+                         "--volumes",
+                         "1",
+                         "--out",
+                         "other",
+                         "--replace"};
+  EXPECT_EQ(bench(replace).exit_code, 0);
+  EXPECT_EQ(bytes_of(at("other/recording.wbst")), bytes_.substr(0, bytes_.size() / 2));
+}
+
+TEST_F(Custody, OfABoardThatSendsNothingNothingIsKept) {
+  const auto result = bench(
+      {"record", "--board", "file=rec/recording.wbst,faults=unplug@0", "--out", "new/folder"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("nothing is recorded"), std::string::npos) << result.err;
+  EXPECT_FALSE(fs::exists(at("new")));
+}
+
+TEST_F(Custody, StoppedAtAnyMomentTheRecordingIsUndamaged) {
+  for (int i = 0; i < 6; ++i) {
+    fs::remove_all(at("out"));
+    ProcessLimits limits;
+    limits.signal = std::array{SIGINT, SIGTERM, SIGHUP}[static_cast<std::size_t>(i % 3)];
+    limits.interrupt_when = partial_has("out", 20000 + 7777 * static_cast<std::uintmax_t>(i));
+    const auto stopped = bench(
+        {"record", "--board", "file=rec/recording.wbst,loop=true,pace=realtime", "--out", "out"},
+        limits);
+    EXPECT_EQ(stopped.exit_code, 0) << stopped.err;
+    const auto inspected = bench({"inspect", "out/recording.wbst"});
+    EXPECT_EQ(inspected.exit_code, 0) << inspected.out;
+  }
+}
+
+TEST_F(Custody, UnpluggedWithinAPacketTheRecordingIsUndamaged) {
+  folder_.write("cut.wbst", bytes_.substr(0, bytes_.size() - 100));
+  EXPECT_EQ(bench({"record", "--board", "file=cut.wbst", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+}
+
+TEST_F(Custody, AFolderTakesOneCommandAtATime) {
+  ProcessResult second;
+  ProcessLimits limits;
+  limits.interrupt_when = [&, started = false]() mutable {
+    if (!started && partial_has("out", 10000)()) {
+      started = true;
+      second = bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"});
+    }
+    return started;
+  };
+  const auto first = bench(
+      {"record", "--board", "file=rec/recording.wbst,loop=true,pace=realtime", "--out", "out"},
+      limits);
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  expect_refused(second,
+                 "--out = out: is in use by another command; must be a folder that no other "
+                 "command writes to");
+  EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
+  EXPECT_EQ(folder_.files("out"), (Words{"recording.wbst", "report.json"}));
+}
+
+TEST_F(Custody, WithStandardStreamsClosedNoTextGetsIntoTheRecording) {
+  for (const auto& closed : std::vector<std::vector<int>>{{2}, {1, 2}, {0, 1, 2}}) {
+    fs::remove_all(at("out"));
+    ProcessLimits limits;
+    limits.closed = closed;
+    static_cast<void>(
+        bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}, limits));
+    EXPECT_EQ(bytes_of(at("out/recording.wbst")), bytes_) << closed.size();
+  }
+}
+
+TEST_F(Custody, ALinkUnderThePartialNameIsNotFollowed) {
+  fs::create_directory(at("out"));
+  folder_.write("victim", "text");
+  fs::create_symlink(at("victim"), at("out/recording.wbst.partial"));
+  expect_refused(bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}),
+                 "--out = out: holds a recording that was not finished");
+  EXPECT_EQ(bytes_of(at("victim")), "text");
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
