@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/gl/fetch_count.h"
+#include "render/gl/host_state.h"
 
 namespace wobblebench::render {
 namespace {
@@ -173,10 +174,12 @@ void FragmentProgram::bind(const Framebuffer& target,
                            std::initializer_list<Binding> bindings,
                            const Region& region) const {
   glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-  glViewport(0, 0, target.width(), target.height());
-  glEnable(GL_SCISSOR_TEST);
-  glScissor(region.column, region.row, region.columns, region.rows);
+  glViewportIndexedf(
+      0, 0, 0, static_cast<float>(target.width()), static_cast<float>(target.height()));
+  glEnablei(GL_SCISSOR_TEST, 0);
+  glScissorIndexed(0, region.column, region.row, region.columns, region.rows);
   for (const auto& [unit, texture] : bindings) {
+    if (unit >= kTextureUnits) throw std::logic_error("texture unit " + std::to_string(unit));
     glBindTextureUnit(static_cast<GLuint>(unit), texture->id());
   }
   glUseProgram(program_.id());
