@@ -4,6 +4,7 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/pipeline/background_renderer.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/progress.h"
@@ -19,7 +20,7 @@ struct Arguments {
   SceneArguments scene;
   OutputArguments output;
   std::string board = "sim";
-  std::string gl = "osmesa";
+  std::string gl = "auto";
 };
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
@@ -41,11 +42,12 @@ int run(const Arguments& arguments) {
   const auto subject = scene.place(phantom);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
-  render::Renderer renderer(*context, plan, scene.render);
+  BackgroundRenderer background(*context, plan, scene.render);
 
   auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
+  const auto renderer = progress.step("shaders", [&] { return background.get(); });
   auto picture =
-      progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
+      progress.step("render", [&] { return render_volume(*renderer, acquisition.volume); });
   RunResult result{std::move(acquisition),
                    std::move(picture),
                    context->backend(),
