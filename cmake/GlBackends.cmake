@@ -27,7 +27,7 @@ endmacro()
 gl_backend(OSMESA GL/osmesa.h libosmesa6-dev gl/osmesa.cpp)
 gl_backend(EGL EGL/egl.h libegl-dev gl/egl.cpp)
 if(NOT gl_backend_sources)
-  message(FATAL_ERROR "render needs OpenGL contexts from EGL or OSMesa: install libegl-dev or libosmesa6-dev, and "
-    "leave one of WOBBLEBENCH_EGL = ${WOBBLEBENCH_EGL}, WOBBLEBENCH_OSMESA = ${WOBBLEBENCH_OSMESA} on")
+  message(FATAL_ERROR "render needs EGL/egl.h or GL/osmesa.h: install libegl-dev or libosmesa6-dev "
+    "(WOBBLEBENCH_EGL = ${WOBBLEBENCH_EGL}, WOBBLEBENCH_OSMESA = ${WOBBLEBENCH_OSMESA})")
 endif()
 message(STATUS "OpenGL contexts: ${gl_backend_definitions}")

@@ -8,6 +8,7 @@
 #include "hw/probe/polar_volume.h"
 #include "render/gl/fetch_count.h"
 #include "render/gl/host_state.h"
+#include "render/gl/program.h"
 #include "render/gl/timer.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
@@ -70,8 +71,9 @@ struct Renderer::Pipeline {
     if (complete) std::swap(incoming, complete);
   }
 
-  /// All passes for the volume that is cleared, with all layers of it.
-  void draw_empty() {
+  /// One pixel of each draw of all passes, of an empty volume.
+  void compile() {
+    const DrawsOfOnePixel draws;
     std::vector<int> layers(static_cast<std::size_t>(incoming->slices().extent().depth));
     std::iota(layers.begin(), layers.end(), 0);
     incoming->make_layers(layers, frames);
@@ -152,10 +154,22 @@ Renderer::~Renderer() {
   }
 }
 
-void Renderer::warm_up() {
+void Renderer::compile() {
   pipeline_->context.make_current();
   const HostState host;
-  pipeline_->timed("warm-up", &Pipeline::draw_empty);
+  pipeline_->timed("compiling", &Pipeline::compile);
+}
+
+std::future<void> Renderer::compile_in_background() {
+  struct ReleaseAtEnd {
+    GlContext& context;
+    ~ReleaseAtEnd() { context.release(); }
+  };
+  pipeline_->context.release();
+  return std::async(std::launch::async, [this] {
+    const ReleaseAtEnd hand_over{pipeline_->context};
+    compile();
+  });
 }
 
 void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {

@@ -1,6 +1,7 @@
 // The four-pass renderer of the paper (docs/references.md [1]) on OpenGL.
 #pragma once
 
+#include <future>
 #include <memory>
 
 #include "render/gl/context.h"
@@ -59,10 +60,13 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Renders an empty volume, for drivers that compile a program at its first draw: llvmpipe does,
-  /// which takes most of the first picture's time unless Mesa's disk cache has it. To be called
-  /// before the first frame; changes no picture.
-  void warm_up();
+  /// Draws a pixel of each pass, for drivers that compile a program at its first draw: llvmpipe
+  /// does, which takes most of the first picture's time unless Mesa's disk cache has it. To be
+  /// called before the first frame; changes no picture.
+  void compile();
+  /// The same on a thread of its own, to which the context and the renderer belong until get(),
+  /// which throws what compile() throws.
+  [[nodiscard]] std::future<void> compile_in_background();
 
   /// Stores a frame on the CPU. Throws std::out_of_range for an index outside the plan,
   /// std::invalid_argument for a frame of another size.

@@ -4,7 +4,6 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/pipeline/background_renderer.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/output_folder.h"
 #include "bench/report/progress.h"
@@ -42,12 +41,13 @@ int run(const Arguments& arguments) {
   const auto subject = scene.place(phantom);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
-  BackgroundRenderer background(*context, plan, scene.render);
+  render::Renderer renderer(*context, plan, scene.render);
+  auto compiled = renderer.compile_in_background();
 
   auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
-  const auto renderer = progress.step("shaders", [&] { return background.get(); });
+  progress.step("shaders", [&] { compiled.get(); });
   auto picture =
-      progress.step("render", [&] { return render_volume(*renderer, acquisition.volume); });
+      progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
   RunResult result{std::move(acquisition),
                    std::move(picture),
                    context->backend(),

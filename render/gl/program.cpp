@@ -17,6 +17,8 @@ using Shader = GlName<delete_shader>;
 
 constexpr int kMaxLayersPerDraw = 64;
 
+bool draws_one_pixel = false;  ///< one per process, as glad's table of entry points
+
 std::string read_log(GLuint id, decltype(glGetShaderiv) get, decltype(glGetShaderInfoLog) log) {
   GLint length = 0;
   get(id, GL_INFO_LOG_LENGTH, &length);
@@ -66,6 +68,14 @@ std::string joined(std::initializer_list<std::string_view> files) {
 }
 
 }  // namespace
+
+DrawsOfOnePixel::DrawsOfOnePixel() {
+  draws_one_pixel = true;
+}
+
+DrawsOfOnePixel::~DrawsOfOnePixel() {
+  draws_one_pixel = false;
+}
 
 Defines& Defines::add(const std::string& name, int value) {
   text_ += "#define " + name + " " + std::to_string(value) + "\n";
@@ -177,7 +187,9 @@ void FragmentProgram::bind(const Framebuffer& target,
   glViewportIndexedf(
       0, 0, 0, static_cast<float>(target.width()), static_cast<float>(target.height()));
   glEnablei(GL_SCISSOR_TEST, 0);
-  glScissorIndexed(0, region.column, region.row, region.columns, region.rows);
+  const int columns = draws_one_pixel ? 1 : region.columns;
+  const int rows = draws_one_pixel ? 1 : region.rows;
+  glScissorIndexed(0, region.column, region.row, columns, rows);
   for (const auto& [unit, texture] : bindings) {
     if (unit >= kTextureUnits) throw std::logic_error("texture unit " + std::to_string(unit));
     glBindTextureUnit(static_cast<GLuint>(unit), texture->id());
