@@ -1,10 +1,14 @@
 #include "render/renderer.h"
 
 #include <algorithm>
+#include <exception>
+#include <numeric>
 #include <utility>
 
 #include "hw/probe/polar_volume.h"
 #include "render/gl/fetch_count.h"
+#include "render/gl/host_state.h"
+#include "render/gl/program.h"
 #include "render/gl/timer.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
@@ -67,6 +71,17 @@ struct Renderer::Pipeline {
     if (complete) std::swap(incoming, complete);
   }
 
+  /// One pixel of each draw of all passes, of an empty volume.
+  void compile() {
+    const DrawsOfOnePixel draws;
+    std::vector<int> layers(static_cast<std::size_t>(incoming->slices().extent().depth));
+    std::iota(layers.begin(), layers.end(), 0);
+    incoming->make_layers(layers, frames);
+    cast_rays();
+    shade_surface();
+    smooth_picture();
+  }
+
   /// Pass 2, section 3.2: slices to z-buffer and volume picture.
   void cast_rays() { ray_caster.cast(complete ? *complete : *incoming); }
 
@@ -85,6 +100,18 @@ struct Renderer::Pipeline {
   }
 
   RayCaster make_ray_caster() const { return {factory.geometry(), options, *incoming}; }
+
+  /// Pass 1 for the new frames.
+  PassTime update() {
+    if (!std::exchange(has_new_frames, false)) return {kScanConversion, 0, 0};
+    PassTime time = timed(kScanConversion, &Pipeline::convert_frames);
+    scan_conversion.ms += time.ms;
+    if (time.gpu_ms >= 0) {
+      scan_conversion.gpu_ms = std::max(scan_conversion.gpu_ms, 0.0) + time.gpu_ms;
+    }
+    for (const auto& [fetch, count] : time.fetches) scan_conversion.fetches[fetch] += count;
+    return time;
+  }
 
   PassTime timed(const char* name, void (Pipeline::*pass)()) {
     PassTime time{name};
@@ -114,11 +141,35 @@ Renderer::Renderer(GlContext& context,
                    const RenderOptions& options) {
   validate(options);
   context.make_current();
+  const HostState host;
   pipeline_ = std::make_unique<Pipeline>(context, plan, options);
 }
 
 Renderer::~Renderer() {
+  try {
+    pipeline_->context.make_current();
+  } catch (const std::exception&) {
+    // Names deleted in another context would be that one's; these go with theirs.
+    static_cast<void>(pipeline_.release());
+  }
+}
+
+void Renderer::compile() {
   pipeline_->context.make_current();
+  const HostState host;
+  pipeline_->timed("compiling", &Pipeline::compile);
+}
+
+std::future<void> Renderer::compile_in_background() {
+  struct ReleaseAtEnd {
+    GlContext& context;
+    ~ReleaseAtEnd() { context.release(); }
+  };
+  pipeline_->context.release();
+  return std::async(std::launch::async, [this] {
+    const ReleaseAtEnd hand_over{pipeline_->context};
+    compile();
+  });
 }
 
 void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
@@ -133,20 +184,17 @@ void Renderer::add_volume(const hw::PolarVolume& volume) {
 }
 
 PassTime Renderer::update() {
-  Pipeline& p = *pipeline_;
-  if (!std::exchange(p.has_new_frames, false)) return {kScanConversion, 0, 0};
-  p.context.make_current();
-  PassTime time = p.timed(kScanConversion, &Pipeline::convert_frames);
-  p.scan_conversion.ms += time.ms;
-  p.scan_conversion.gpu_ms = std::max(p.scan_conversion.gpu_ms, 0.0) + time.gpu_ms;
-  for (const auto& [fetch, count] : time.fetches) p.scan_conversion.fetches[fetch] += count;
-  return time;
+  if (!pipeline_->has_new_frames) return {kScanConversion, 0, 0};
+  pipeline_->context.make_current();
+  const HostState host;
+  return pipeline_->update();
 }
 
 Picture Renderer::render() {
-  update();
   Pipeline& p = *pipeline_;
   p.context.make_current();
+  const HostState host;
+  p.update();
   Picture picture;
   picture.passes.push_back(std::exchange(p.scan_conversion, {kScanConversion}));
   picture.passes.push_back(p.timed("ray_casting", &Pipeline::cast_rays));
@@ -162,6 +210,7 @@ void Renderer::set_view(const ViewOptions& view) {
   options.view = view;
   validate(options);
   p.context.make_current();
+  const HostState host;
   const bool same_projection = view.projection == p.options.view.projection &&
                                view.eye_distance_m == p.options.view.eye_distance_m;
   p.options = options;

@@ -1,6 +1,7 @@
 // The four-pass renderer of the paper (docs/references.md [1]) on OpenGL.
 #pragma once
 
+#include <future>
 #include <memory>
 
 #include "render/gl/context.h"
@@ -23,10 +24,27 @@ namespace wobblebench::render {
 /// `pipeline.mid_volume`, each frame as soon as update() has processed it, beside those of the
 /// previous volume.
 ///
+/// Its host may use the context, too, between the calls: each sets the state of OpenGL 4.5 core
+/// that its work depends on, and gives back what it found (render/gl/host_state.h):
+///   bindings       draw and read framebuffer, program, vertex array, pixel pack and unpack buffer,
+///                  active texture; textures (2D, 3D, 2D array) and samplers of units 0 to 4
+///   rasterizing    viewport 0; polygon mode, smoothing and offset; culling, rasterizer discard,
+///                  depth clamp, clip control, clip distances, primitive restart
+///   per fragment   scissor 0; blending and colour masks of draw buffers 0 to 7; logic op,
+///   dithering,
+///                  depth and stencil test, multisampling, sample masks, coverage and shading, sRGB
+///                  conversion
+///   transfers      all of glPixelStore
+///   running        transform feedback is paused; while a timer query of the host runs, `gpu_ms` is
+///                  not measured; other queries count the renderer's draws
+/// The context stays current. GL errors that the host left are dropped, and a program that it
+/// deleted while current ends. No call may stand within glBeginConditionalRender, which OpenGL does
+/// not tell.
+///
 /// @code
 /// #include "hw/probe/polar_volume.h"
 /// const hw::PolarVolume volume(hw::AcquisitionPlan({}, {}));
-/// const auto context = render::make_context("osmesa");
+/// const auto context = render::make_context();
 /// render::Renderer renderer(*context, volume.plan(), render::RenderOptions{});
 /// renderer.add_volume(volume);
 /// render::Picture picture = renderer.render();
@@ -36,10 +54,19 @@ namespace wobblebench::render {
 class Renderer {
  public:
   /// Throws InvalidOption; std::runtime_error, with limit and need, beyond the driver's limits.
+  /// Every call throws ContextLost (render/gl/context.h) once the driver says so.
   Renderer(GlContext& context, const hw::AcquisitionPlan& plan, const RenderOptions& options);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
+
+  /// Draws a pixel of each pass, for drivers that compile a program at its first draw: llvmpipe
+  /// does, which takes most of the first picture's time unless Mesa's disk cache has it. To be
+  /// called before the first frame; changes no picture.
+  void compile();
+  /// The same on a thread of its own, to which the context and the renderer belong until get(),
+  /// which throws what compile() throws.
+  [[nodiscard]] std::future<void> compile_in_background();
 
   /// Stores a frame on the CPU. Throws std::out_of_range for an index outside the plan,
   /// std::invalid_argument for a frame of another size.

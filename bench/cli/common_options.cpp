@@ -88,8 +88,10 @@ void add_board_option(CLI::App& command, std::string& board) {
 }
 
 void add_gl_option(CLI::App& command, std::string& backend) {
-  command.add_option("--gl", backend, "Where OpenGL comes from")
-      ->check(CLI::IsMember(render::context_backends()))
+  std::vector<std::string> names = render::context_backends();
+  names.insert(names.begin(), "auto");
+  command.add_option("--gl", backend, "Where OpenGL comes from; auto: the first that is here")
+      ->check(CLI::IsMember(names))
       ->capture_default_str();
 }
 

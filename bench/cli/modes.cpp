@@ -20,7 +20,7 @@ namespace {
 struct Arguments {
   SceneArguments scene;
   OutputArguments output;
-  std::string gl = "osmesa";
+  std::string gl = "auto";
 };
 
 using Rows = std::vector<ModeAgreement>;

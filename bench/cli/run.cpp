@@ -19,7 +19,7 @@ struct Arguments {
   SceneArguments scene;
   OutputArguments output;
   std::string board = "sim";
-  std::string gl = "osmesa";
+  std::string gl = "auto";
 };
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
@@ -42,8 +42,10 @@ int run(const Arguments& arguments) {
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
   render::Renderer renderer(*context, plan, scene.render);
+  auto compiled = renderer.compile_in_background();
 
   auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
+  progress.step("shaders", [&] { compiled.get(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
   RunResult result{std::move(acquisition),

@@ -25,7 +25,7 @@ struct Arguments {
   SceneArguments scene;
   OutputArguments output;
   std::string board = "sim";
-  std::string gl = "osmesa";
+  std::string gl = "auto";
   TableArguments tables;
 };
 

@@ -26,7 +26,7 @@ namespace {
 
 struct Arguments {
   std::string board;
-  std::string gl = "osmesa";
+  std::string gl = "auto";
   OutputArguments output;
   TableArguments tables;
 };

@@ -10,6 +10,9 @@
 #include <array>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
+
+#include "render/gl/driver_context.h"
 
 namespace wobblebench::render {
 namespace {
@@ -42,11 +45,13 @@ struct Egl {
   decltype(&eglMakeCurrent) make_current = entry<decltype(&eglMakeCurrent)>("eglMakeCurrent");
   decltype(&eglQueryString) query_string = entry<decltype(&eglQueryString)>("eglQueryString");
 
-  /// `what`, and the code of the call that failed.
-  std::runtime_error failure(const std::string& what) const {
+  /// Throws `what` with the code of the call that failed; ContextLost if that is the reason.
+  [[noreturn]] void fail(const std::string& what) const {
+    const EGLint code = error();
     std::ostringstream text;
-    text << what << " (EGL error 0x" << std::hex << error() << ")";
-    return std::runtime_error(text.str());
+    text << what << " (EGL error 0x" << std::hex << code << ")";
+    if (code == EGL_CONTEXT_LOST) throw ContextLost(text.str());
+    throw std::runtime_error(text.str());
   }
 
   template <class Function>
@@ -68,9 +73,9 @@ bool contains(const char* extensions, const std::string& name) {
 /// A display is shared by the whole process, so it is never terminated.
 EGLDisplay open_display(const Egl& egl, EGLenum platform, void* native) {
   const EGLDisplay display = egl.platform_display(platform, native, nullptr);
-  if (display == EGL_NO_DISPLAY) throw egl.failure("has no driver: install libegl-mesa0");
+  if (display == EGL_NO_DISPLAY) egl.fail("has no driver: install libegl-mesa0");
   if (!egl.initialize(display, nullptr, nullptr)) {
-    throw egl.failure("its driver does not start: install libgl1-mesa-dri");
+    egl.fail("its driver does not start: install libgl1-mesa-dri");
   }
   const char* extensions = egl.query_string(display, EGL_EXTENSIONS);
   for (const char* needed : {"EGL_KHR_no_config_context", "EGL_KHR_surfaceless_context"}) {
@@ -79,40 +84,48 @@ EGLDisplay open_display(const Egl& egl, EGLenum platform, void* native) {
   return display;
 }
 
-class EglContext final : public GlContext {
+/// EGL's description of an OpenGL 4.5 core context, with what `more` adds.
+std::vector<EGLint> attributes(std::initializer_list<EGLint> more) {
+  std::vector<EGLint> list = {EGL_CONTEXT_MAJOR_VERSION,
+                              4,
+                              EGL_CONTEXT_MINOR_VERSION,
+                              5,
+                              EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT};
+  list.insert(list.end(), more);
+  list.push_back(EGL_NONE);
+  return list;
+}
+
+class EglContext final : public DriverContext {
  public:
   EglContext(const Egl& egl, EGLDisplay display, std::string backend)
       : egl_(egl), display_(display), backend_(std::move(backend)) {
-    constexpr std::array<EGLint, 7> kAttributes = {EGL_CONTEXT_MAJOR_VERSION,
-                                                   4,
-                                                   EGL_CONTEXT_MINOR_VERSION,
-                                                   5,
-                                                   EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                                   EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                                   EGL_NONE};
     egl_.bind_api(EGL_OPENGL_API);
-    context_ = egl_.create(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, kAttributes.data());
-    if (context_ == EGL_NO_CONTEXT) throw egl_.failure("gives no OpenGL 4.5 core context");
+    // One that says when it is lost, if the driver has such.
+    context_ = create({EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+    if (context_ == EGL_NO_CONTEXT) context_ = create({});
+    if (context_ == EGL_NO_CONTEXT) egl_.fail("gives no OpenGL 4.5 core context");
   }
-  ~EglContext() override {
-    release();
-    egl_.destroy(display_, context_);
-  }
+  ~EglContext() override { egl_.destroy(display_, context_); }
 
   void* proc_address(const char* name) const override {
     return reinterpret_cast<void*>(egl_.proc_address(name));
   }
   std::string backend() const override { return backend_; }
-
- private:
   void bind() override {
     // The bound API is per-thread state, which unbind() relies on.
     egl_.bind_api(EGL_OPENGL_API);
     if (egl_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) return;
-    throw egl_.failure(backend_ + ": the context cannot be made current");
+    egl_.fail(backend_ + ": the context cannot be made current");
   }
   void unbind() override {
     egl_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  }
+
+ private:
+  EGLContext create(std::initializer_list<EGLint> more) const {
+    return egl_.create(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes(more).data());
   }
 
   const Egl egl_;
@@ -151,16 +164,25 @@ std::unique_ptr<GlContext> with_backend_name(const std::string& backend, const M
   }
 }
 
-/// A context of this device, made current, as drivers may fail only then; null if it gives none.
-std::unique_ptr<GlContext> try_device(const Egl& egl, EGLDeviceEXT device) {
-  try {
-    auto context = std::make_unique<EglContext>(
-        egl, open_display(egl, EGL_PLATFORM_DEVICE_EXT, device), "egl-device");
-    context->make_current();
-    return context;
-  } catch (const std::runtime_error&) {
-    return nullptr;
-  }
+/// Name of a device in errors: its number, and its device file if it has one.
+std::string device_name(const Egl& egl, EGLDeviceEXT device, std::size_t number) {
+  const auto text = egl.extension<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+  const char* extensions = text(device, EGL_EXTENSIONS);
+  const char* file =
+      contains(extensions, "EGL_EXT_device_drm") ? text(device, EGL_DRM_DEVICE_FILE_EXT) : nullptr;
+  const bool is_software = contains(extensions, "EGL_MESA_device_software");
+  return "device " + std::to_string(number) +
+         (file          ? std::string(" (") + file + ")"
+          : is_software ? " (software)"
+                        : "");
+}
+
+/// A context of this device, made current, as drivers may fail only then.
+std::unique_ptr<GlContext> make_on_device(const Egl& egl, EGLDeviceEXT device) {
+  auto context = std::make_unique<GlContext>(std::make_shared<EglContext>(
+      egl, open_display(egl, EGL_PLATFORM_DEVICE_EXT, device), "egl-device"));
+  context->make_current();
+  return context;
 }
 
 }  // namespace
@@ -169,8 +191,8 @@ std::unique_ptr<GlContext> make_surfaceless_context() {
   return with_backend_name("egl", [] {
     const Egl egl;
     require(egl, "EGL_MESA_platform_surfaceless");
-    return std::make_unique<EglContext>(
-        egl, open_display(egl, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY), "egl");
+    return std::make_unique<GlContext>(std::make_shared<EglContext>(
+        egl, open_display(egl, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY), "egl"));
   });
 }
 
@@ -179,13 +201,18 @@ std::unique_ptr<GlContext> make_device_context() {
     const Egl egl;
     require(egl, "EGL_EXT_device_enumeration");
     require(egl, "EGL_EXT_platform_device");
-    const auto candidates = devices(egl);
-    for (const EGLDeviceEXT device : candidates) {
-      if (auto context = try_device(egl, device)) return context;
+    std::string reasons;
+    std::size_t number = 0;
+    for (const EGLDeviceEXT device : devices(egl)) {
+      try {
+        return make_on_device(egl, device);
+      } catch (const std::runtime_error& reason) {
+        reasons += (number ? "; " : ": ") + device_name(egl, device, number) + ": " + reason.what();
+      }
+      ++number;
     }
-    throw std::runtime_error("no device gives an OpenGL 4.5 core context (" +
-                             std::to_string(candidates.size()) +
-                             (candidates.size() == 1 ? " device" : " devices") + " asked)");
+    throw std::runtime_error("no device gives an OpenGL 4.5 core context" +
+                             (number ? reasons : ": EGL lists none"));
   });
 }
 

@@ -12,7 +12,7 @@ namespace wobblebench::render {
 [[nodiscard]] std::unique_ptr<GlContext> make_surfaceless_context();
 
 /// "egl-device": EGL_EXT_platform_device, on the first device that gives an OpenGL 4.5 core
-/// context, hardware before software. Throws std::runtime_error with the number of devices tried.
+/// context, hardware before software. Throws std::runtime_error with each device and its reason.
 [[nodiscard]] std::unique_ptr<GlContext> make_device_context();
 
 }  // namespace wobblebench::render

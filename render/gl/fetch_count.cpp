@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/gl/host_state.h"
 #include "render/gl/program.h"
 
 namespace wobblebench::render {
@@ -84,6 +85,7 @@ void FetchCounter::end_draw(const Framebuffer& target,
 
 double fetch_rate_per_us(const TextureFetch& fetch) {
   constexpr int kSide = 512, kTaps = 64, kLayers = 2, kDraws = 7;
+  const HostState host;
   const bool is_plane = fetch.sampler == Sampler::plane;
   const bool is_array = fetch.sampler == Sampler::layers;
   const Texture fetched(

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "render/gl/context.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -77,6 +79,17 @@ void check_limits(const std::string& what, TexelFormat format, const Extent& e) 
   }
 }
 
+const char* reset_reason(GLenum reset) {
+  switch (reset) {
+    case GL_GUILTY_CONTEXT_RESET:
+      return "the GPU was reset because of it";
+    case GL_INNOCENT_CONTEXT_RESET:
+      return "the GPU was reset because of another program";
+    default:
+      return "the driver gives no reason";
+  }
+}
+
 const char* error_name(GLenum error) {
   switch (error) {
     case GL_INVALID_ENUM:
@@ -89,6 +102,8 @@ const char* error_name(GLenum error) {
       return "GL_INVALID_FRAMEBUFFER_OPERATION";
     case GL_OUT_OF_MEMORY:
       return "GL_OUT_OF_MEMORY";
+    case GL_CONTEXT_LOST:
+      return "GL_CONTEXT_LOST";
     default:
       return "unknown GL error";
   }
@@ -305,6 +320,10 @@ void check_gl(const std::string& where) {
   for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
     errors += std::string(errors.empty() ? "" : ", ") + error_name(error);
     if (errors.size() > 200) break;  // a lost context reports errors without end
+  }
+  const GLenum reset = glGetGraphicsResetStatus();
+  if (reset != GL_NO_ERROR || errors.find("GL_CONTEXT_LOST") != std::string::npos) {
+    throw ContextLost(where + ": the OpenGL context is lost: " + reset_reason(reset));
   }
   if (!errors.empty()) throw std::runtime_error(where + ": " + errors);
 }

@@ -134,7 +134,8 @@ class Framebuffer {
   int attachments_ = 0;
 };
 
-/// Throws std::runtime_error with `where` and the GL errors since the last check, if any.
+/// Throws std::runtime_error with `where` and the GL errors since the last check, if any;
+/// ContextLost (render/gl/context.h) if the driver says so.
 void check_gl(const std::string& where);
 
 }  // namespace wobblebench::render

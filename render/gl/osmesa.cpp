@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "render/gl/driver_context.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -15,7 +17,10 @@ void* library() {
     void* first = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
     return first ? first : dlopen("libOSMesa.so", RTLD_NOW | RTLD_LOCAL);
   }();
-  if (!loaded) throw std::runtime_error("osmesa: libOSMesa.so.8 is not here: install libosmesa6");
+  if (!loaded) {
+    throw std::runtime_error(
+        "osmesa: neither libOSMesa.so.8 nor libOSMesa.so is here: install libosmesa6");
+  }
   return loaded;
 }
 
@@ -31,7 +36,7 @@ struct DestroyContext {
   void operator()(osmesa_context* context) const { destroy(context); }
 };
 
-class OsmesaContext final : public GlContext {
+class OsmesaContext final : public DriverContext {
  public:
   OsmesaContext() {
     const auto create = entry<decltype(&OSMesaCreateContextAttribs)>("OSMesaCreateContextAttribs");
@@ -51,14 +56,10 @@ class OsmesaContext final : public GlContext {
     if (!context_) throw std::runtime_error("osmesa: gives no OpenGL 4.5 core context");
   }
 
-  ~OsmesaContext() override { release(); }
-
   void* proc_address(const char* name) const override {
     return reinterpret_cast<void*>(proc_address_(name));
   }
   std::string backend() const override { return "osmesa"; }
-
- private:
   void bind() override {
     if (!make_current_(context_.get(), pixels_.data(), GL_UNSIGNED_BYTE, kSide, kSide)) {
       throw std::runtime_error("osmesa: the context cannot be made current");
@@ -66,6 +67,7 @@ class OsmesaContext final : public GlContext {
   }
   void unbind() override { make_current_(nullptr, nullptr, 0, 0, 0); }
 
+ private:
   // OSMesa requires a default framebuffer; all drawing goes to framebuffer objects.
   static constexpr int kSide = 8;
   std::array<unsigned char, std::size_t{4} * kSide * kSide> pixels_{};
@@ -77,7 +79,7 @@ class OsmesaContext final : public GlContext {
 }  // namespace
 
 std::unique_ptr<GlContext> make_osmesa_context() {
-  return std::make_unique<OsmesaContext>();
+  return std::make_unique<GlContext>(std::make_shared<OsmesaContext>());
 }
 
 }  // namespace wobblebench::render

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/gl/fetch_count.h"
+#include "render/gl/host_state.h"
 
 namespace wobblebench::render {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 using Shader = GlName<delete_shader>;
 
 constexpr int kMaxLayersPerDraw = 64;
+
+bool draws_one_pixel = false;  ///< one per process, as glad's table of entry points
 
 std::string read_log(GLuint id, decltype(glGetShaderiv) get, decltype(glGetShaderInfoLog) log) {
   GLint length = 0;
@@ -65,6 +68,14 @@ std::string joined(std::initializer_list<std::string_view> files) {
 }
 
 }  // namespace
+
+DrawsOfOnePixel::DrawsOfOnePixel() {
+  draws_one_pixel = true;
+}
+
+DrawsOfOnePixel::~DrawsOfOnePixel() {
+  draws_one_pixel = false;
+}
 
 Defines& Defines::add(const std::string& name, int value) {
   text_ += "#define " + name + " " + std::to_string(value) + "\n";
@@ -173,10 +184,14 @@ void FragmentProgram::bind(const Framebuffer& target,
                            std::initializer_list<Binding> bindings,
                            const Region& region) const {
   glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-  glViewport(0, 0, target.width(), target.height());
-  glEnable(GL_SCISSOR_TEST);
-  glScissor(region.column, region.row, region.columns, region.rows);
+  glViewportIndexedf(
+      0, 0, 0, static_cast<float>(target.width()), static_cast<float>(target.height()));
+  glEnablei(GL_SCISSOR_TEST, 0);
+  const int columns = draws_one_pixel ? 1 : region.columns;
+  const int rows = draws_one_pixel ? 1 : region.rows;
+  glScissorIndexed(0, region.column, region.row, columns, rows);
   for (const auto& [unit, texture] : bindings) {
+    if (unit >= kTextureUnits) throw std::logic_error("texture unit " + std::to_string(unit));
     glBindTextureUnit(static_cast<GLuint>(unit), texture->id());
   }
   glUseProgram(program_.id());

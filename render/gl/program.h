@@ -39,6 +39,16 @@ struct LayerPair {
   int target = 0;
 };
 
+/// While one exists, each draw covers one pixel: for drivers that compile a program when it is
+/// first drawn with, as llvmpipe does.
+class DrawsOfOnePixel {
+ public:
+  DrawsOfOnePixel();
+  ~DrawsOfOnePixel();
+  DrawsOfOnePixel(const DrawsOfOnePixel&) = delete;
+  DrawsOfOnePixel& operator=(const DrawsOfOnePixel&) = delete;
+};
+
 class FetchCounter;
 
 /// A linked GL program with the fragment shader given and a vertex shader that covers the target;

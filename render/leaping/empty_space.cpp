@@ -21,7 +21,8 @@ std::vector<MacrocellBounds> to_bounds(const std::vector<float>& values_and_x,
 
 }  // namespace
 
-EmptySpace::EmptySpace(SkippableCells cells) : cells_(std::move(cells)) {
+EmptySpace::EmptySpace(SkippableCells cells, FragmentProgram& bounds_program)
+    : cells_(std::move(cells)), bounds_program_(bounds_program) {
   const MacrocellGrid& grid = cells_.grid();
   distances_ = Texture("empty space",
                        TexelFormat::r8,
@@ -32,6 +33,7 @@ EmptySpace::EmptySpace(SkippableCells cells) : cells_(std::move(cells)) {
   values_and_x_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
   depth_and_frame_ = Texture(what, TexelFormat::rgba32f, extent, TextureFilter::nearest);
   outdated_.assign(static_cast<std::size_t>(grid.intervals), false);
+  if (bounds_program_) return;
   bounds_program_ =
       FragmentProgram({"cell_bounds.frag.glsl"},
                       Defines().add("BIND_SLICES", kSlices).add("CELL", grid.cell_pixels));

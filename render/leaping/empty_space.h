@@ -13,7 +13,8 @@ namespace wobblebench::render {
 /// distances, on demand.
 class EmptySpace {
  public:
-  explicit EmptySpace(SkippableCells cells);
+  /// `bounds_program`: shared by the volumes of one grid, made by the first; must outlive them.
+  EmptySpace(SkippableCells cells, FragmentProgram& bounds_program);
 
   /// Computes the bounds of layers that have changed; arguments as GroupCallback.
   void update_bounds(const Texture& slices, int index, const LayerGroup& layers);
@@ -28,7 +29,7 @@ class EmptySpace {
   SkippableCells cells_;
   Texture values_and_x_, depth_and_frame_;  ///< bounds of cells, one layer per interval
   Texture distances_;
-  FragmentProgram bounds_program_;
+  FragmentProgram& bounds_program_;
   std::vector<bool> outdated_;  ///< per interval: bounds not yet passed to `cells_`
   bool changed_ = true;         ///< `distances_` is out of date
 };

@@ -33,10 +33,11 @@ class FastVolume : public SliceVolume {
   FastVolume(FastScanConverter& converter,
              const SliceGeometry& geometry,
              const hw::AcquisitionPlan& plan,
-             const RenderOptions& options)
+             const RenderOptions& options,
+             FragmentProgram& bounds_program)
       : converter_(converter),
         slices_(geometry, options),
-        empty_space_(SkippableCells(plan, geometry, options, slices_.region())) {}
+        empty_space_(SkippableCells(plan, geometry, options, slices_.region()), bounds_program) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
     converter_.convert(
@@ -75,6 +76,7 @@ struct SliceVolumeFactory::Shared {
   SliceGeometry geometry;
   std::optional<ScanConverter> plain;
   std::optional<FastScanConverter> fast;
+  FragmentProgram cell_bounds;
 };
 
 SliceVolumeFactory::SliceVolumeFactory(const hw::AcquisitionPlan& plan,
@@ -85,7 +87,9 @@ SliceVolumeFactory::~SliceVolumeFactory() = default;
 
 std::unique_ptr<SliceVolume> SliceVolumeFactory::make() const {
   Shared& s = *shared_;
-  if (s.fast) return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options);
+  if (s.fast) {
+    return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options, s.cell_bounds);
+  }
   return std::make_unique<PlainVolume>(*s.plain, s.geometry, s.options);
 }
 

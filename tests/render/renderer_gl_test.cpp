@@ -33,6 +33,47 @@ TEST(Renderer, RepeatsBitForBit) {
   EXPECT_EQ(one.volume.pixels, two.volume.pixels);
 }
 
+TEST(Renderer, CompilingChangesNoPicture) {
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  for (const PipelineMode mode : {PipelineMode::fast, PipelineMode::plain}) {
+    for (const bool mid_volume : {false, true}) {
+      RenderOptions options = testing::small_options();
+      options.pipeline = {mode, mid_volume};
+      Renderer cold(gl_context(), scene.plan(), options), warm(gl_context(), scene.plan(), options);
+      warm.compile();
+      EXPECT_EQ(warm.render().passes.front().ms, 0);  // not counted
+      EXPECT_EQ(hits(warm.render().depth_m), 0);
+      for (int frame : {10, 11, 9}) {
+        cold.add_frame(frame, scene.frame(frame));
+        warm.add_frame(frame, scene.frame(frame));
+      }
+      EXPECT_TRUE(same_bits(warm.render().depth_m, cold.render().depth_m));
+      cold.add_volume(scene);
+      warm.add_volume(scene);
+      const Picture expected = cold.render(), picture = warm.render();
+      EXPECT_TRUE(same_bits(picture.depth_m, expected.depth_m));
+      EXPECT_EQ(picture.surface.pixels, expected.surface.pixels);
+      EXPECT_EQ(picture.volume.pixels, expected.volume.pixels);
+    }
+  }
+}
+
+TEST(Renderer, IsCompiledInTheBackground) {
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  const RenderOptions options = testing::small_options();
+  const Picture expected = render_volume(gl_context(), scene, options);
+  Renderer renderer(gl_context(), scene.plan(), options);
+  renderer.add_volume(scene);
+  const auto never = std::make_unique<Renderer>(gl_context(), scene.plan(), options);
+  static_cast<void>(never->compile_in_background());  // waits
+  Renderer compiled(gl_context(), scene.plan(), options);
+  auto done = compiled.compile_in_background();
+  done.get();
+  compiled.add_volume(scene);
+  EXPECT_TRUE(same_bits(compiled.render().depth_m, expected.depth_m));
+  EXPECT_TRUE(same_bits(renderer.render().depth_m, expected.depth_m));
+}
+
 TEST(Renderer, AcceptsFramesInAnyOrder) {
   const hw::PolarVolume& volume = testing::noisy_scene();
   const RenderOptions options = testing::small_options();
