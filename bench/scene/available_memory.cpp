@@ -30,6 +30,11 @@ double least_limit(const fs::path& hierarchy, std::string group, const std::stri
   return least;
 }
 
+/// Of ":NAME,NAME,".
+bool lists_memory(const std::string& controllers) {
+  return controllers.starts_with(":memory,") || controllers.find(",memory,") != std::string::npos;
+}
+
 /// Lines of /proc/self/cgroup are NUMBER:CONTROLLERS:GROUP, and those of v2 name no controller.
 double cgroup_limit_bytes(const fs::path& root) {
   const fs::path mounted = root / "sys/fs/cgroup";
@@ -38,11 +43,11 @@ double cgroup_limit_bytes(const fs::path& root) {
   for (std::string line; std::getline(groups, line);) {
     const auto first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
-    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string controllers = line.substr(first, second - first) + ',';
     const std::string group = line.substr(second + 1);
-    if (controllers == ",,") {
+    if (controllers == ":,") {
       least = std::min(least, least_limit(mounted, group, "memory.max"));
-    } else if (controllers.find(",memory,") != std::string::npos) {
+    } else if (lists_memory(controllers)) {
       least = std::min(least, least_limit(mounted / "memory", group, "memory.limit_in_bytes"));
     }
   }

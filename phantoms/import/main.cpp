@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -19,12 +20,13 @@
 namespace wobblebench::phantoms {
 namespace {
 
-void limit(int resource, rlim_t most) {
-  rlimit before{};
-  ::getrlimit(static_cast<__rlimit_resource>(resource), &before);
-  const rlim_t hard = std::min(most, before.rlim_max);
-  const rlimit now{hard, hard};
-  ::setrlimit(static_cast<__rlimit_resource>(resource), &now);
+/// The soft limit, which ends the process in a signal that says why; the hard one lies above it.
+void limit(__rlimit_resource resource, rlim_t most) {
+  rlimit now{};
+  ::getrlimit(resource, &now);
+  now.rlim_max = std::min(most + 1, now.rlim_max);
+  now.rlim_cur = std::min(most, now.rlim_max);
+  ::setrlimit(resource, &now);
 }
 
 void limit_resources(const std::filesystem::path& path) {

@@ -86,11 +86,12 @@ int run_import(ImportFormat format, const fs::path& path, int message) {
 std::string ending(int status, const fs::path& path) {
   if (!WIFSIGNALED(status)) return "is damaged: reading it failed";
   const int signal = WTERMSIG(status);
-  if (signal == SIGXCPU || signal == SIGKILL) {
+  if (signal == SIGXCPU) {
     std::error_code ignored;
     return "is damaged: reading it took more than " +
            std::to_string(most_import_seconds(fs::file_size(path, ignored))) + " s";
   }
+  if (signal == SIGKILL) return "cannot be read: its reader was killed, as for want of memory";
   return std::string("is damaged: reading it ended in signal ") + std::to_string(signal) + " (" +
          ::strsignal(signal) + ")";
 }
