@@ -23,7 +23,17 @@ FloatGrid::Ptr deep_copy(const FloatGrid& grid) {
   return grid.deepCopy();
 }
 
+bool has_both_sides(const FloatGrid& grid) {
+  bool inside = false, outside = false;
+  for (auto value = grid.cbeginValueOn(); value && !(inside && outside); ++value) {
+    inside |= *value < 0;
+    outside |= *value > 0;
+  }
+  return inside && outside;
+}
+
 FloatGrid::Ptr widen_band(const FloatGrid& grid, int layers, Neighbours neighbours) {
+  if (!has_both_sides(grid)) return deep_copy(grid);
   return openvdb::tools::dilateSdf(
       grid,
       layers,

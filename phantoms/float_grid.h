@@ -20,11 +20,15 @@ void initialize_openvdb();
 [[nodiscard]] FloatGrid::Ptr create_level_set(double voxel_m, double background_m);
 [[nodiscard]] FloatGrid::Ptr deep_copy(const FloatGrid& grid);
 
+/// Whether the narrow band has voxels inside and outside the surface.
+[[nodiscard]] bool has_both_sides(const FloatGrid& grid);
+
 enum class Neighbours { faces, faces_and_edges };
 
 /// The level set with its narrow band widened by `layers` layers of voxels; the new distances are
 /// first order (fast sweeping: Zhao, Math. Comp. 74, 603, 2004). Over faces alone a band grows by
-/// less than a voxel per layer along diagonals.
+/// less than a voxel per layer along diagonals. A grid that has_both_sides() does not hold for, a
+/// part cut out beside the surface say, is returned as it is.
 [[nodiscard]] FloatGrid::Ptr widen_band(const FloatGrid& grid, int layers, Neighbours neighbours);
 
 inline openvdb::Vec3d to_vdb(const glm::dvec3& v) {

@@ -110,10 +110,10 @@ glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
 /// make_vdb() and read_phantom() do.
 Phantom make_phantom(const PhantomOptions& options);
 
-/// Writes `phantom` as .vdb (float level sets in metres, one for each surface; an Int32 grid
+/// Writes `phantom` as .vdb (float level sets in metres, one for each surface; a float grid
 /// "material" of table rows; the table itself as metadata) to exactly this path, not atomically: an
-/// existing file is overwritten, and removed if writing fails. Throws std::runtime_error
-/// "PATH: reason".
+/// existing file is overwritten, and removed if writing fails. Equal phantoms give equal bytes.
+/// Throws std::runtime_error "PATH: reason".
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path);
 
 /// Reads what write_phantom wrote. Throws InvalidPhantom "PATH: reason" for anything else.

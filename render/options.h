@@ -156,15 +156,15 @@ struct ShadingOptions {
   /// Direction of the light from the centre of the volume of interest, positive to the left and up;
   /// (0, 0) is the direction of the viewer.
   double light_left_rad = 0;
-  double light_up_rad = 25 * kDegree;
+  double light_up_rad = 40 * kDegree;
   double light_distance_m = 0.15;  ///< point light: from the centre of the volume of interest
-  double ambient = 0.15;
-  double diffuse = 0.75;
-  double specular = 0.2;
+  double ambient = 0.02;
+  double diffuse = 0.85;
+  double specular = 0.1;
   double shininess = 20;
-  glm::dvec3 base_rgb{0.96, 0.74, 0.55};  ///< albedo for ambient and diffuse light, linear RGB
+  glm::dvec3 base_rgb{0.89, 0.52, 0.3};  ///< albedo for ambient and diffuse light, linear RGB
   bool shadows = true;
-  double shadow_coefficient = 0.6;  ///< factor on a shadowed pixel
+  double shadow_coefficient = 0.35;  ///< factor on a shadowed pixel
   double shadow_bias_m = 0.8e-3;    ///< least height of the map above a ray that it occludes
 };
 

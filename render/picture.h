@@ -30,8 +30,9 @@ struct PassTime {
 /// static_cast<void>(is_surface);
 /// @endcode
 struct Picture {
-  Image<glm::vec3> surface;  ///< shaded and smoothed, linear RGB in [0, 1]
-  Image<glm::vec3> volume;   ///< alpha-blended, linear RGB in [0, 1]
+  Image<glm::vec3> surface;  ///< shaded and smoothed: light, linear RGB in [0, 1]
+  /// Alpha-blended grey levels of the echoes in [0, 1]: display values, as of a scanner's picture.
+  Image<glm::vec3> volume;
   /// z of pass 2: ray length from the view plane (parallel) or the eye (perspective); kNoSurface.
   Image<float> depth_m;
   Image<float> filtered_depth_m;  ///< z after pass 3's homogeneous filter

@@ -8,6 +8,8 @@
 #include "bench/report/output_folder.h"
 #include "bench/report/progress.h"
 #include "bench/report/run_report.h"
+#include "bench/scene/available_memory.h"
+#include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 
@@ -29,6 +31,7 @@ render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume&
 
 int run(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  check_memory_of_run(scene, available_memory_bytes());
   BoardConnection board(parse_board(arguments.board));
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);

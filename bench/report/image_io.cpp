@@ -3,6 +3,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cmath>
 #include <stdexcept>
 #include <string_view>
 
@@ -27,13 +28,23 @@ void write(const std::filesystem::path& path,
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
+/// sRGB's transfer function (IEC 61966-2-1).
+float encoded(float light) {
+  return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
+}
+
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image) {
+void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
   std::vector<float> values;
   values.reserve(image.pixels.size() * 3);
   for (const glm::vec3& rgb : image.pixels) values.insert(values.end(), {rgb.r, rgb.g, rgb.b});
-  write(path, OIIO::ImageSpec(image.width, image.height, 3, OIIO::TypeDesc::UINT8), values);
+  if (meaning == Values::light) {
+    for (float& value : values) value = encoded(value);
+  }
+  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  write(path, spec, values);
 }
 
 void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m) {
@@ -42,7 +53,7 @@ void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>
   OIIO::ImageSpec spec(first.width, first.height, channels, OIIO::TypeDesc::FLOAT);
   spec.channelnames.clear();
   for (const auto& [name, map] : maps_m) spec.channelnames.push_back(name);
-  spec.attribute("ImageDescription", "lengths in millimetres; NaN: no value");
+  spec.attribute("ImageDescription", "linear: lengths in millimetres; NaN: no value");
   // The library writes the hour otherwise, and equal results would differ.
   spec.attribute("DateTime", "0000:00:00 00:00:00");
   std::vector<float> values;

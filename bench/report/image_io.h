@@ -11,11 +11,17 @@
 
 namespace wobblebench::bench {
 
-/// 8-bit RGB PNG; values are display values in [0, 1]. Throws std::runtime_error "PATH: reason".
-void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image);
+/// What the values of a picture, in [0, 1], are: colours as sRGB (IEC 61966-2-1) encodes them, or
+/// light, which is encoded so.
+enum class Values { display, light };
 
-/// Float EXR with one named channel a map; lengths are converted from metres to millimetres, pixels
-/// without a value are NaN. Throws std::runtime_error "PATH: reason".
+/// 8-bit RGB PNG in sRGB, which the file says. Throws std::runtime_error "PATH: reason".
+void write_png(const std::filesystem::path& path,
+               const Image<glm::vec3>& image,
+               Values values = Values::display);
+
+/// Float EXR with one named channel a map, linear; lengths are converted from metres to
+/// millimetres, pixels without a value are NaN. Throws std::runtime_error "PATH: reason".
 using NamedMap = std::pair<std::string, const Image<float>*>;
 void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m);
 

@@ -21,7 +21,8 @@ nlohmann::ordered_json wall_json(const StepTimes& times) {
 }
 
 std::string report_text(const nlohmann::ordered_json& report) {
-  return report.dump(2) + "\n";
+  // A path may hold bytes that are no UTF-8: JSON has a replacement character for them.
+  return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace wobblebench::bench

@@ -129,7 +129,7 @@ std::string ending_text(const RunResult& result) {
 
 void stage_run_images(OutputFolder& out, const RunResult& result) {
   const render::Picture& picture = result.picture;
-  write_png(out.stage("surface.png"), picture.surface);
+  write_png(out.stage("surface.png"), picture.surface, Values::light);
   write_png(out.stage("volume.png"), picture.volume);
   write_exr_mm(out.stage("depth.exr"),
                {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}});

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
+#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 
 namespace wobblebench::bench {
@@ -36,7 +37,7 @@ void adopt_plan(Scene& scene, const hw::AcquisitionPlan& plan, const std::string
     if (wanted == delivered) continue;
     throw UserError(key + " = " + wanted.dump() + ": " + source + " delivers " + delivered.dump());
   }
-  check_memory(scene, source, machine_memory_bytes());
+  check_memory(scene, source, available_memory_bytes());
 }
 
 }  // namespace wobblebench::bench

@@ -1,11 +1,17 @@
 // A scene file and the --set options, read into a Scene and checked.
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <sstream>
 #include <system_error>
 
 #include "base/text.h"
+#include "bench/scene/available_memory.h"
 #include "bench/scene/scene.h"
 #include "bench/scene/scene_cost.h"
+#include "bench/scene/toml_depth.h"
 #include "bench/scene/toml_reader.h"
 #include "sim/fidelity.h"
 
@@ -28,11 +34,32 @@ void check_is_file(const std::filesystem::path& path) {
   throw UserError(path.string() + ": " + reason + "; a scene is a TOML file");
 }
 
+/// Larger files are no scenes.
+constexpr std::uintmax_t kMostBytes = 16'000'000;
+
+std::string text_of(const std::filesystem::path& path) {
+  check_is_file(path);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UserError(path.string() + ": " + std::strerror(errno));
+  std::string text(kMostBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() <= kMostBytes) return text;
+  throw UserError(path.string() + ": has more than " + std::to_string(kMostBytes / 1'000'000) +
+                  " MB; a scene is a TOML file");
+}
+
+const std::string kTooDeep =
+    "nests deeper than " + std::to_string(kDeepestToml) + " levels; keys of a scene have three";
+
 toml::table parse_file(const std::filesystem::path& path) {
   if (path.empty()) return {};
-  check_is_file(path);
+  const std::string text = text_of(path);
+  if (const auto line = line_nested_too_deep(text)) {
+    throw UserError(path.string() + ": line " + std::to_string(*line) + ": " + kTooDeep);
+  }
   try {
-    return toml::parse_file(path.string());
+    return toml::parse(text, path.string());
   } catch (const toml::parse_error& error) {
     throw UserError(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
                     std::string(error.description()));
@@ -50,12 +77,23 @@ toml::table parse_value(const std::string& text) {
   }
 }
 
+/// A bare text, a path say, may hold any number of dots.
+bool is_deep_value(const std::string& setting, std::size_t equals) {
+  if (equals == std::string::npos) return false;
+  const auto first = setting.find_first_not_of(' ', equals + 1);
+  if (first == std::string::npos || (setting[first] != '[' && setting[first] != '{')) return false;
+  return line_nested_too_deep(setting.substr(first)).has_value();
+}
+
 /// Puts "a.b.c=value" into the table of section a.b.
 void apply_setting(toml::table& scene, const std::string& setting) {
   if (!is_printable_text(setting)) {
     throw UserError("--set " + setting + ": must be UTF-8 without control characters");
   }
   const auto equals = setting.find('=');
+  if (line_nested_too_deep(setting.substr(0, equals)) || is_deep_value(setting, equals)) {
+    throw UserError("--set " + setting + ": " + kTooDeep);
+  }
   const auto last_dot = setting.rfind('.', equals);
   if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
     throw UserError("--set " + setting + ": must be SECTION.KEY=VALUE");
@@ -156,7 +194,7 @@ void validate(const Scene& scene, const std::string& source) {
   check("probe", [&] { hw::validate(scene.probe); });
   check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
   check("render", [&] { render::validate(scene.render); });
-  check_memory(scene, source, machine_memory_bytes());
+  check_memory(scene, source, available_memory_bytes());
 }
 
 }  // namespace

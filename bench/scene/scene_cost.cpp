@@ -1,10 +1,11 @@
 #include "bench/scene/scene_cost.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include "base/user_error.h"
 #include "phantoms/motion.h"
@@ -16,6 +17,14 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kSampleBytes = sizeof(float);
+
+// Measured by docs/decisions/0020-files-of-others.md.
+constexpr double kProgramBytes = 0.3e9;
+constexpr double kFaceArea_m2 = 0.22, kFaceScanned_m2 = 0.013;
+constexpr double kBandVoxelBytes = 15;
+constexpr double kRegistrationReach_m = 7e-3;
+constexpr double kWidenedVoxelBytes = 60;
+constexpr double kPixelBytes = 256;
 
 double samples_per_volume(const hw::AcquisitionPlan& plan) {
   return 1.0 * plan.sticks_per_volume() * plan.acquisition().samples_per_stick;
@@ -48,16 +57,86 @@ std::string gigabytes(double bytes) {
   return text.str();
 }
 
-void refuse_beyond(double available,
-                   double need,
-                   const std::string& source,
-                   const std::string& keys) {
-  if (need <= available) return;
-  throw UserError(source + ": " + keys + ": need about " + gigabytes(need) +
-                  " of memory; this machine has " + gigabytes(available));
+/// Areas of a phantom's surfaces, m^2: of all, and of its targets within its region of interest.
+struct Areas {
+  double all = 0;
+  double scanned = 0;
+};
+
+double ball(double radius_m) {
+  return 4 * std::numbers::pi * radius_m * radius_m;
+}
+
+Areas areas_of(const phantoms::PhantomOptions& options) {
+  const double box = (2 * 60e-3) * (2 * 60e-3);  // the widest region of interest
+  const double slab = 2 * 0.24 * 0.24 + 4 * 0.24 * 0.04;
+  const double radius = options.radius_m;
+  const std::string& name = options.name;
+  if (name == "fetal_face") return {kFaceArea_m2, kFaceScanned_m2};
+  if (name == "plane") return {slab, 70e-3 * 70e-3};
+  if (name == "steps") return {slab, box / 2};
+  if (name == "sphere") return {ball(radius), std::min(ball(radius), box)};
+  if (name == "cyst") return {ball(radius), 0};
+  if (name == "points") return {15 * ball(1e-3), 15 * ball(1e-3)};
+  if (name == "bone_plate") return {2 * 0.03 * 0.03 + 4 * 0.03 * options.thickness_m, 0};
+  if (name == "speckle_block") return {2 * 0.3 * 0.3 + 4 * 0.3 * 0.24, 0};
+  return {};  // a file: its import states its own limit
+}
+
+double phantom_bytes(const phantoms::PhantomOptions& options) {
+  const double voxels = 8 * areas_of(options).all / (options.voxel_m * options.voxel_m);
+  return kBandVoxelBytes * voxels;
+}
+
+double registration_bytes(const phantoms::PhantomOptions& options) {
+  const double volume_m3 = 2 * kRegistrationReach_m * areas_of(options).scanned;
+  return kWidenedVoxelBytes * volume_m3 / std::pow(options.voxel_m, 3);
+}
+
+double picture_bytes(const render::RenderOptions& options) {
+  const double size = options.ray_casting.image_size;
+  return kPixelBytes * size * size;
+}
+
+struct Part {
+  double bytes;
+  std::string keys;
+};
+
+std::string key(const std::string& name, double value) {
+  std::ostringstream text;
+  text << name << " = " << value;
+  return text.str();
+}
+
+/// With the keys that it grows with, most first.
+std::vector<Part> parts(const Scene& scene, const MemoryNeed& need) {
+  const auto& a = scene.acquisition;
+  const std::string voxel = key("phantom.voxel_mm", scene.phantom.voxel_m / kMillimetre);
+  const std::string frames = key("acquisition.frames_per_volume", a.frames_per_volume);
+  return {
+      {need.phantom, voxel},
+      {need.acquisition,
+       frames + ", " + key("acquisition.sticks_per_frame", a.sticks_per_frame) + ", " +
+           key("acquisition.samples_per_stick", a.samples_per_stick)},
+      {need.slices,
+       frames + ", " +
+           key("render.scan_conversion.slice_size", scene.render.scan_conversion.slice_size)},
+      {need.pictures, key("render.ray_casting.image_size", scene.render.ray_casting.image_size)},
+      {need.registration, voxel}};
+}
+
+[[noreturn]] void refuse(const std::string& keys, double need, double available) {
+  throw UserError(keys + ": need about " + gigabytes(need) + " of memory; there are " +
+                  gigabytes(available));
 }
 
 }  // namespace
+
+double MemoryNeed::of_run() const {
+  return kProgramBytes + phantom +
+         std::max({acquisition, slices + pictures, registration + pictures});
+}
 
 MemoryNeed memory_need(const Scene& scene) {
   const hw::AcquisitionPlan plan = scene.plan();
@@ -65,30 +144,31 @@ MemoryNeed memory_need(const Scene& scene) {
   const auto& conversion = scene.render.scan_conversion;
   const double slice = 1.0 * conversion.slice_size * conversion.slice_size;
   MemoryNeed need;
+  need.phantom = phantom_bytes(scene.phantom);
+  need.registration = registration_bytes(scene.phantom);
+  need.pictures = picture_bytes(scene.render);
   need.acquisition = acquisition_bytes(scene, plan);
   need.slices =
       slice * plan.acquisition().frames_per_volume * texel_bytes(conversion.format) + volume;
   return need;
 }
 
-double machine_memory_bytes() {
-  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
-         static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+void check_memory(const Scene& scene, const std::string& source, double available_bytes) {
+  MemoryNeed need = memory_need(scene);
+  need.registration = 0;
+  for (const Part& part : parts(scene, need)) {
+    if (part.bytes > available_bytes)
+      refuse(source + ": " + part.keys, part.bytes, available_bytes);
+  }
 }
 
-void check_memory(const Scene& scene, const std::string& source, double available_bytes) {
+void check_memory_of_run(const Scene& scene, double available_bytes) {
   const MemoryNeed need = memory_need(scene);
-  const auto& acquisition = scene.acquisition;
-  const std::string frames =
-      "acquisition.frames_per_volume = " + std::to_string(acquisition.frames_per_volume);
-  const std::string sticks =
-      "acquisition.sticks_per_frame = " + std::to_string(acquisition.sticks_per_frame);
-  const std::string samples =
-      "acquisition.samples_per_stick = " + std::to_string(acquisition.samples_per_stick);
-  const std::string slices = "render.scan_conversion.slice_size = " +
-                             std::to_string(scene.render.scan_conversion.slice_size);
-  refuse_beyond(available_bytes, need.acquisition, source, frames + ", " + sticks + ", " + samples);
-  refuse_beyond(available_bytes, need.slices, source, frames + ", " + slices);
+  if (need.of_run() <= available_bytes) return;
+  const auto all = parts(scene, need);
+  const auto most = std::max_element(
+      all.begin(), all.end(), [](const Part& a, const Part& b) { return a.bytes < b.bytes; });
+  refuse(most->keys, need.of_run(), available_bytes);
 }
 
 }  // namespace wobblebench::bench

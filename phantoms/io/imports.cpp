@@ -99,15 +99,6 @@ void check_size(const Box& bounds, double voxel_m) {
   throw std::invalid_argument(reason.str());
 }
 
-void check_bytes(double bytes, const std::string& advice) {
-  if (bytes <= kMostBytes) return;
-  std::ostringstream reason;
-  reason.precision(3);
-  reason << "would take about " << bytes / 1e9 << " GB of memory; at most " << kMostBytes / 1e9
-         << " GB are allowed" << advice;
-  throw std::invalid_argument(reason.str());
-}
-
 Phantom imported_phantom(const PhantomOptions& options,
                          std::vector<Surface> surfaces,
                          const Box& bounds,

@@ -3,6 +3,7 @@
 // the box is 65 mm below the probe's face.
 #pragma once
 
+#include "phantoms/io/memory_limit.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::phantoms {
@@ -31,15 +32,10 @@ void check_file(const PhantomOptions& options);
 inline constexpr double kLargestBody_m = 500e-3;
 /// Smaller ones, in voxels, are not resolved.
 inline constexpr int kSmallestBody = 4;
-/// Most memory that importing a phantom may take.
-inline constexpr double kMostBytes = 4e9;
 
 /// Throws std::invalid_argument, with size and limit, if a body with these bounds is too large or
 /// too small.
 void check_size(const Box& bounds, double voxel_m);
-
-/// Throws std::invalid_argument "would take about … of memory …".
-void check_bytes(double bytes, const std::string& advice);
 
 /// The phantom of surfaces within `bounds`, whose centre is the origin.
 Phantom imported_phantom(const PhantomOptions& options,

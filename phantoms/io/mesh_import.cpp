@@ -12,6 +12,7 @@
 
 #include "base/text.h"
 #include "phantoms/float_grid.h"
+#include "phantoms/io/import_process.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/mesh_file.h"
 #include "phantoms/refusal.h"
@@ -110,6 +111,8 @@ Phantom import_mesh(const PhantomOptions& options) {
 Phantom make_mesh(const PhantomOptions& options) {
   try {
     return import_mesh(options);
+  } catch (const ImportUnavailable&) {
+    throw;
   } catch (const std::exception& error) {
     throw refusal("file", quoted(options.file), error.what());
   }

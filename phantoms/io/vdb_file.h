@@ -1,4 +1,4 @@
-// Reading OpenVDB files. Heavy: include it from .cpp files only.
+// OpenVDB files, read by wobblebench-import. Heavy: include it from .cpp files only.
 #pragma once
 
 #include <openvdb/Grid.h>
@@ -6,23 +6,31 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "phantoms/float_grid_fwd.h"
 
 namespace wobblebench::phantoms {
 
-struct VdbFile {
-  openvdb::GridPtrVec grids;
-  openvdb::MetaMap metadata;
+struct VdbGrid {
+  std::string name;
+  std::string value_type;    ///< "float", "int32", …
+  std::string grid_class;    ///< "level set", "fog volume", …
+  FloatGrid::Ptr distances;  ///< of floats on a lattice; null for any other
 };
 
-/// Reads a whole file, without delayed loading. Throws std::invalid_argument with one line that
-/// says what is wrong, also for a truncated file.
+struct VdbFile {
+  std::vector<VdbGrid> grids;
+  openvdb::MetaMap metadata;  ///< text, doubles, integers, flags and vectors; others are left out
+};
+
+/// Reads a whole file. Throws std::invalid_argument with one line that says what is wrong, also for
+/// a truncated file and for one that ends its reader; ImportUnavailable where there is no reader.
 [[nodiscard]] VdbFile read_vdb(const std::filesystem::path& path);
 
-/// Bytes in memory of all grids, as the file's metadata states them, without reading the grids; 0
-/// where it states none. Throws as read_vdb() does.
-[[nodiscard]] double stated_bytes(const std::filesystem::path& path);
+/// The file of a message, of which nothing is trusted. Throws std::invalid_argument.
+[[nodiscard]] VdbFile vdb_from_message(std::string_view message);
 
 /// Throws std::invalid_argument unless the grid is of the class level set, has cubic voxels and a
 /// positive background, and all its values are finite.

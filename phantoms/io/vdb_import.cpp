@@ -3,21 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/text.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
+#include "phantoms/io/import_process.h"
 #include "phantoms/io/imports.h"
 #include "phantoms/io/vdb_file.h"
+#include "phantoms/io/vdb_metadata.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 using Grid = FloatGrid;
+
+constexpr const char* kNotCubic = "does not have cubic voxels";
+
+constexpr double kFinestVoxel_m = 0.05e-3;
 
 // Narrower bands cannot be interpolated on both sides of the surface.
 constexpr double kNarrowestBandVoxels = 1.5;
@@ -32,45 +37,41 @@ std::string grid_word(const std::string& name) {
   return "grid " + quoted(name) + " ";
 }
 
-bool is_level_set(const openvdb::GridBase& grid) {
-  return grid.isType<Grid>() && grid.getGridClass() == openvdb::GRID_LEVEL_SET;
+bool is_level_set(const VdbGrid& grid) {
+  return grid.value_type == "float" && grid.grid_class == "level set";
 }
 
-std::string contents(const openvdb::GridPtrVec& grids) {
+std::string contents(const std::vector<VdbGrid>& grids) {
   std::vector<std::string> words;
   for (const auto& grid : grids) {
-    const std::string name = is_printable_text(grid->getName()) ? grid->getName() : "(unprintable)";
-    words.push_back(name + " (" + grid->valueType() + " " +
-                    openvdb::GridBase::gridClassToString(grid->getGridClass()) + ")");
+    const std::string name = is_printable_text(grid.name) ? grid.name : "(unprintable)";
+    words.push_back(name + " (" + grid.value_type + " " + grid.grid_class + ")");
   }
   return words.empty() ? "no grids" : listed(words);
 }
 
-Grid::Ptr level_set_of(const openvdb::GridBase::Ptr& grid) {
-  const std::string& name = grid->getName();
-  if (!is_printable_text(name))
+Grid::Ptr level_set_of(const VdbGrid& grid) {
+  if (!is_printable_text(grid.name))
     throw std::invalid_argument("a grid's name is not printable UTF-8 text");
-  if (!grid->isType<Grid>()) {
-    throw std::invalid_argument(grid_word(name) + "holds " + grid->valueType() + ", not float");
+  if (grid.value_type != "float") {
+    throw std::invalid_argument(grid_word(grid.name) + "holds " + grid.value_type + ", not float");
   }
-  auto distances = openvdb::gridPtrCast<Grid>(grid);
-  check_level_set(name, *distances);
-  if (distances->empty()) throw std::invalid_argument(grid_word(name) + "is empty");
-  // Grids of a file may share one tree, and ours are changed.
-  return distances->isTreeUnique() ? distances : deep_copy(*distances);
+  if (!grid.distances) throw std::invalid_argument(grid_word(grid.name) + kNotCubic);
+  check_level_set(grid.name, *grid.distances);
+  if (grid.distances->empty()) throw std::invalid_argument(grid_word(grid.name) + "is empty");
+  return grid.distances;
 }
 
 // The grids that the scene names, or all level sets if it names none.
 std::vector<Grid::Ptr> selected(const VdbFile& file, const std::vector<std::string>& names) {
   std::vector<Grid::Ptr> found;
   for (const auto& grid : file.grids) {
-    if (names.empty() && is_level_set(*grid)) found.push_back(level_set_of(grid));
+    if (names.empty() && is_level_set(grid)) found.push_back(level_set_of(grid));
   }
   for (const std::string& name : names) {
-    const auto grid =
-        std::find_if(file.grids.begin(), file.grids.end(), [&](const auto& candidate) {
-          return candidate->getName() == name;
-        });
+    const auto grid = std::find_if(file.grids.begin(),
+                                   file.grids.end(),
+                                   [&](const auto& candidate) { return candidate.name == name; });
     if (grid == file.grids.end()) {
       throw refusal("grids", quoted(name), "no such grid; the file holds " + contents(file.grids));
     }
@@ -194,16 +195,37 @@ std::vector<Surface> surfaces_of(const PhantomOptions& options,
   return surfaces;
 }
 
+// Ours are in metres, and say more than their level sets.
+void check_unit_of_ours(const PhantomOptions& options, const VdbFile& file) {
+  if (file.metadata[kVersionKey] == nullptr || options.unit_m == 1) return;
+  throw refusal("name",
+                "\"vdb\"",
+                options.file +
+                    " is a phantom that this program wrote: name = \"file\" reads it, and "
+                    "unit_mm = 1000 imports its level sets alone");
+}
+
+// OpenVDB takes no finer ones.
+void check_voxel(const Grid& grid, double unit_m) {
+  const double voxel_m = grid.voxelSize()[0] * unit_m;
+  if (voxel_m >= kFinestVoxel_m) return;
+  std::ostringstream reason;
+  reason << grid_word(grid.getName()) << "has voxels of " << voxel_m * 1e3 << " mm, less than "
+         << kFinestVoxel_m * 1e3 << " mm: is unit_mm right?";
+  throw std::invalid_argument(reason.str());
+}
+
 // The phantom of the file's grids, checked, in metres, centred on the origin.
 Phantom import_vdb(const PhantomOptions& options) {
-  const double file_bytes = double(std::filesystem::file_size(options.file));
-  check_bytes(std::max(stated_bytes(options.file), file_bytes), ": use larger voxels");
-  const std::vector<Grid::Ptr> grids = selected(read_vdb(options.file), options.grids);
+  const VdbFile file = read_vdb(options.file);
+  check_unit_of_ours(options, file);
+  const std::vector<Grid::Ptr> grids = selected(file, options.grids);
   const std::vector<std::string> names = names_of(grids);
   std::vector<Surface> surfaces = surfaces_of(options, names);
   check_same_voxels(grids);
   double bytes = 0;
   for (const auto& grid : grids) {
+    check_voxel(*grid, options.unit_m);
     check_distances(grid->getName(), *grid);
     bytes += double(grid->memUsage());
   }
@@ -227,6 +249,8 @@ Phantom make_vdb(const PhantomOptions& options) {
   try {
     return import_vdb(options);
   } catch (const InvalidPhantom&) {
+    throw;
+  } catch (const ImportUnavailable&) {
     throw;
   } catch (const std::exception& error) {
     throw refusal("file", quoted(options.file), error.what());

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
+#include "phantoms/io/import_process.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/io/vdb_metadata.h"
 
@@ -75,18 +76,17 @@ std::optional<Joint> read_joint(const openvdb::MetaMap& file_meta, const Metadat
                               "\" must be larger than \"" + kJointInnerKey + "\"");
 }
 
-FloatGrid::ConstPtr find_level_set(const openvdb::GridPtrVec& grids, const std::string& name) {
+FloatGrid::ConstPtr find_level_set(const std::vector<VdbGrid>& grids, const std::string& name) {
   for (const auto& grid : grids) {
-    if (grid->getName() != name) continue;
-    auto distances = openvdb::gridPtrCast<FloatGrid>(grid);
-    if (!distances) throw std::invalid_argument("grid \"" + name + "\" is not a float grid");
-    check_level_set(name, *distances);
-    return distances;
+    if (grid.name != name) continue;
+    if (!grid.distances) throw std::invalid_argument("grid \"" + name + "\" is not a float grid");
+    check_level_set(name, *grid.distances);
+    return grid.distances;
   }
   throw std::invalid_argument("has no grid \"" + name + "\"");
 }
 
-Phantom phantom_from(const openvdb::MetaMap& file_meta, const openvdb::GridPtrVec& found) {
+Phantom phantom_from(const openvdb::MetaMap& file_meta, const std::vector<VdbGrid>& found) {
   const Metadata meta(file_meta);
   if (file_meta[kVersionKey] == nullptr) {
     throw std::invalid_argument(
@@ -121,6 +121,8 @@ Phantom read_phantom(const std::filesystem::path& path) {
   try {
     const VdbFile file = read_vdb(path);
     return phantom_from(file.metadata, file.grids);
+  } catch (const ImportUnavailable&) {
+    throw;
   } catch (const openvdb::Exception& error) {
     throw InvalidPhantom("file = \"" + path.string() + "\": not a readable phantom (" +
                          error.what() + ")");

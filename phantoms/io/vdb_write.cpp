@@ -3,12 +3,14 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <stdexcept>
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
+#include "base/write_file.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/vdb_metadata.h"
@@ -16,14 +18,16 @@
 namespace wobblebench::phantoms {
 namespace {
 
-// Row of the material table at every voxel, in painter's order.
-openvdb::Int32Grid::Ptr material_grid(const Phantom& phantom) {
-  auto materials = openvdb::Int32Grid::create(phantom.background());
+// Row of the material table at every voxel, in painter's order. Of floats: OpenVDB's Python module
+// reads no file that holds a grid of int32.
+FloatGrid::Ptr material_grid(const Phantom& phantom) {
+  const FloatGrid::Ptr materials = create_level_set(1, double(phantom.background()));
+  materials->setGridClass(openvdb::GRID_UNKNOWN);
   materials->setName("material");
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
     const FloatGrid& distance = *phantom.grids().signed_distance[i];
     if (i == 0) materials->setTransform(distance.transform().copy());
-    const MaterialIndex inside = phantom.surfaces()[i].inside;
+    const auto inside = static_cast<float>(phantom.surfaces()[i].inside);
     auto accessor = materials->getAccessor();
     for (auto value = distance.cbeginValueAll(); value; ++value) {
       if (*value >= 0) continue;
@@ -82,32 +86,51 @@ openvdb::MetaMap metadata_of(const Phantom& phantom) {
   return meta;
 }
 
-void write_stream(const Phantom& phantom, std::ofstream& out) {
+// A file begins with magic number, version of the format, version of the library (two numbers) and
+// whether it holds offsets; then its identifier, which OpenVDB draws at random.
+constexpr std::size_t kIdentifierAt = 8 + 4 + 8 + 1, kIdentifierSize = 36;
+
+// A UUID of version 8 (RFC 9562) that follows from the content: equal phantoms give equal files.
+std::string identifier_of(std::string_view content) {
+  std::string hash;
+  for (const std::uint64_t start : {14695981039346656037u, 1099511628211u}) {  // FNV-1a
+    std::uint64_t value = start;
+    for (const char c : content) {
+      value = (value ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    }
+    for (int digit = 0; digit < 16; ++digit) hash += "0123456789abcdef"[value >> 4 * digit & 15];
+  }
+  hash[12] = '8';
+  hash[16] = 'a';
+  for (const std::size_t dash : {8, 13, 18, 23}) hash.insert(dash, 1, '-');
+  return hash;
+}
+
+std::string file_of(const Phantom& phantom) {
   openvdb::GridPtrVec grids;
   for (const auto& grid : phantom.grids().signed_distance) {
     // A shallow copy: the tree is shared and not changed.
     grids.push_back(openvdb::ConstPtrCast<FloatGrid>(grid));
   }
   grids.push_back(material_grid(phantom));
+  std::ostringstream out(std::ios::binary);
   openvdb::io::Stream(out).write(grids, metadata_of(phantom));
-  out.close();
-  if (!out) throw std::runtime_error("the file could not be written whole: is the disk full?");
+  std::string bytes = std::move(out).str();
+  bytes.replace(kIdentifierAt, kIdentifierSize, kIdentifierSize, '0');
+  return bytes.replace(kIdentifierAt, kIdentifierSize, identifier_of(bytes));
 }
 
 }  // namespace
 
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path) {
   initialize_openvdb();
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  if (!out)
-    throw std::runtime_error(path.string() + ": cannot be created: " + std::strerror(errno));
+  const std::string bytes = file_of(phantom);
   try {
-    write_stream(phantom, out);
-  } catch (const std::exception& error) {
-    out.close();
+    write_file(path, bytes);
+  } catch (...) {
     std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-    throw std::runtime_error(path.string() + ": " + error.what());
+    if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+    throw;
   }
 }
 

@@ -36,6 +36,42 @@ openvdb::Coord scaled(const openvdb::Coord& c, int factor) {
   return {c.x() * factor, c.y() * factor, c.z() * factor};
 }
 
+openvdb::Vec3d gradient_at(Grid::ConstAccessor& tree, const openvdb::Coord& at, double voxel_m) {
+  openvdb::Vec3d gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    openvdb::Coord low = at, high = at;
+    low[axis] -= 1;
+    high[axis] += 1;
+    gradient[axis] = static_cast<double>(tree.getValue(high) - tree.getValue(low)) / (2 * voxel_m);
+  }
+  return gradient;
+}
+
+/// Where the narrow band ends within a step of the coarse grid, distances of the nodes around each
+/// voxel at the surface: those of the tangent plane there, of the nearest such voxel.
+void add_tangent_distances(const Grid& fine, double coarse_m, Grid& coarse) {
+  const Grid::Ptr nearest = phantoms::create_level_set(coarse_m, 1);  // squared distances, m^2
+  auto target = coarse.getAccessor(), known = nearest->getAccessor();
+  for (auto voxel = coarse.cbeginValueOn(); voxel; ++voxel) known.setValueOn(voxel.getCoord(), 0);
+  auto source = fine.getConstAccessor();
+  const double voxel_m = fine.voxelSize()[0];
+  for (auto voxel = fine.cbeginValueOn(); voxel; ++voxel) {
+    if (!voxel.isVoxelValue() || std::abs(static_cast<double>(*voxel)) > voxel_m) continue;
+    const openvdb::Vec3d at = fine.indexToWorld(voxel.getCoord());
+    const openvdb::Vec3d gradient = gradient_at(source, voxel.getCoord(), voxel_m);
+    const openvdb::Coord low = openvdb::Coord::floor(at / coarse_m);
+    for (int corner = 0; corner < 8; ++corner) {
+      const openvdb::Coord node = low.offsetBy(corner & 1, corner >> 1 & 1, corner >> 2);
+      const openvdb::Vec3d offset = node.asVec3d() * coarse_m - at;
+      const auto distance2 = static_cast<float>(offset.lengthSqr());
+      if (distance2 >= known.getValue(node)) continue;
+      known.setValueOn(node, distance2);
+      target.setValueOn(node,
+                        static_cast<float>(static_cast<double>(*voxel) + gradient.dot(offset)));
+    }
+  }
+}
+
 }  // namespace
 
 GridReader::GridReader(const Grid& grid, double step_m)
@@ -61,7 +97,8 @@ ExtendedDistance::ExtendedDistance(Grid::ConstPtr fine, double step_m, double re
 
 void ExtendedDistance::extend(double reach_m) {
   const double coarse_m = 2 * step_m_, voxel_m = fine_->voxelSize()[0];
-  const Grid::Ptr coarse = phantoms::create_level_set(coarse_m, band_m_);
+  const bool thin = kTrusted * band_m_ < coarse_m;
+  const Grid::Ptr coarse = phantoms::create_level_set(coarse_m, thin ? 2 * coarse_m : band_m_);
   GridReader source(*fine_, coarse_m);
   auto target = coarse->getAccessor();
   for (auto voxel = fine_->cbeginValueOn(); voxel; ++voxel) {
@@ -72,7 +109,13 @@ void ExtendedDistance::extend(double reach_m) {
     const float value = source.at_node(node);
     if (std::abs(static_cast<double>(value)) < kTrusted * band_m_) target.setValueOn(node, value);
   }
+  if (thin) add_tangent_distances(*fine_, coarse_m, *coarse);
   openvdb::tools::signedFloodFill(coarse->tree());
+  if (!phantoms::has_both_sides(*coarse)) {  // a body between the nodes
+    const int fine_layers = static_cast<int>(std::ceil((reach_m - band_m_) / voxel_m)) + 1;
+    coarse_ = phantoms::widen_band(*fine_, fine_layers, phantoms::Neighbours::faces);
+    return;
+  }
   const int layers = static_cast<int>(std::ceil((reach_m - kTrusted * band_m_) / coarse_m)) + 1;
   coarse_ = phantoms::widen_band(*coarse, layers, phantoms::Neighbours::faces);
 }

@@ -201,6 +201,21 @@ TEST(SurfaceFinder, ABoxFarFromAllSurfacesHasNoDistances) {
   EXPECT_FALSE(finder.distance({90e-3, 90e-3, 90e-3}));
 }
 
+/// Boxes from which the surface is out of reach, but not its narrow band.
+TEST(SurfaceFinder, ABoxBesideTheSurfaceIsNoError) {
+  constexpr double kReach = 8e-3, kHalf = 3e-3;
+  const Phantom phantom = ball(20e-3);
+  for (double z = -40e-3; z < 0; z += 0.5e-3) {
+    const Box box{{-kHalf, -kHalf, z - kHalf}, {kHalf, kHalf, z + kHalf}};
+    const SurfaceFinder finder(phantom, kReach, box);
+    const double truth = -z - 20e-3;
+    if (std::abs(truth) > kReach - kVoxel) continue;
+    const auto found = finder.distance({0, 0, z});
+    ASSERT_TRUE(found) << z;
+    EXPECT_NEAR(found->value_m, truth, kVoxel);
+  }
+}
+
 TEST(SurfaceFinder, DistanceBoundIsALowerBound) {
   const Phantom phantom = ball(20e-3);
   const SurfaceFinder finder(phantom);

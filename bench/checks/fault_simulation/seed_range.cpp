@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -21,26 +22,34 @@ void add(hw::BoardAccount& sum, const hw::BoardAccount& account) {
   sum.duplicates += account.duplicates;
 }
 
+/// Seeds that are simulated together: what they return is kept until they are added up.
+constexpr int kBlock = 4096;
+
+void add(SeedRangeResult& all, EventHash& hash, FaultSimulationResult&& result) {
+  hash.add(result.hash);
+  all.device_time_s += result.device_time_s;
+  all.acquired_s += result.acquired_s;
+  all.steps += result.steps;
+  all.sticks += result.sticks_emitted;
+  add(all.account, result.account);
+  if (!result.failure.empty()) all.failed.push_back(std::move(result));
+}
+
 }  // namespace
 
 SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<FaultSimulationResult> results(static_cast<std::size_t>(seeds));
-  tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
-    results[i] = simulate_faults(first_seed + i);
-  });
   SeedRangeResult all{.first_seed = first_seed, .seeds = seeds};
-  all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   EventHash hash;
-  for (FaultSimulationResult& result : results) {
-    hash.add(result.hash);
-    all.device_time_s += result.device_time_s;
-    all.acquired_s += result.acquired_s;
-    all.steps += result.steps;
-    all.sticks += result.sticks_emitted;
-    add(all.account, result.account);
-    if (!result.failure.empty()) all.failed.push_back(std::move(result));
+  for (int first = 0; first < seeds; first += kBlock) {
+    std::vector<FaultSimulationResult> block(
+        static_cast<std::size_t>(std::min(kBlock, seeds - first)));
+    tbb::parallel_for(std::size_t{0}, block.size(), [&](std::size_t i) {
+      block[i] = simulate_faults(first_seed + static_cast<std::uint64_t>(first) + i);
+    });
+    for (FaultSimulationResult& result : block) add(all, hash, std::move(result));
   }
+  all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   all.hash = hash.value();
   return all;
 }

@@ -4,6 +4,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
 
 #include "bench/evaluation/image_similarity.h"
 #include "bench/report/image_io.h"
@@ -42,6 +46,29 @@ TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
   EXPECT_EQ(values[6 * 3], 255);
   EXPECT_EQ(values[(4 * 7) * 3 + 1], 128);
   EXPECT_EQ(values[(4 * 7) * 3 + 2], 255);
+  std::filesystem::remove(path);
+}
+
+/// Values by IEC 61966-2-1: 255 (1.055 x^(1/2.4) - 0.055), below 0.0031308 255 x 12.92.
+TEST(ImageIo, LightIsEncodedInSrgbAndTheFileSaysSo) {
+  Image<glm::vec3> image(2, 1);
+  image.at(0, 0) = {0, 0.002f, 0.0214f};
+  image.at(1, 0) = {0.2f, 0.5f, 1};
+  const auto path = temporary("light.png");
+  for (const auto& [meaning, expected] :
+       {std::pair{Values::light, std::vector<unsigned char>{0, 7, 40, 124, 188, 255}},
+        std::pair{Values::display, std::vector<unsigned char>{0, 1, 5, 51, 128, 255}}}) {
+    write_png(path, image, meaning);
+    const auto input = OIIO::ImageInput::open(path.string());
+    ASSERT_TRUE(input);
+    EXPECT_EQ(input->spec().get_string_attribute("oiio:ColorSpace"), "sRGB");
+    std::vector<unsigned char> values(6);
+    ASSERT_TRUE(input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, values.data()));
+    EXPECT_EQ(values, expected);
+    std::ostringstream bytes;
+    bytes << std::ifstream(path, std::ios::binary).rdbuf();
+    EXPECT_NE(bytes.str().find("sRGB"), std::string::npos) << "the chunk, not a reader's guess";
+  }
   std::filesystem::remove(path);
 }
 

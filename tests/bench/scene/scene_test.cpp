@@ -256,12 +256,11 @@ TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
   EXPECT_EQ(refused(1e9), "");
   EXPECT_EQ(refused(600e6),
             "a.toml: acquisition.frames_per_volume = 1000, render.scan_conversion.slice_size = "
-            "512: need about 0.652 GB of memory; this machine has 0.6 GB");
+            "512: need about 0.652 GB of memory; there are 0.6 GB");
   EXPECT_EQ(refused(200e6),
             "a.toml: acquisition.frames_per_volume = 1000, acquisition.sticks_per_frame = 64, "
-            "acquisition.samples_per_stick = 500: need about 0.256 GB of memory; this machine has "
+            "acquisition.samples_per_stick = 500: need about 0.256 GB of memory; there are "
             "0.2 GB");
-  EXPECT_GT(machine_memory_bytes(), 1e8);
 }
 
 TEST_F(SceneFile, MotionIsReadWithItsUnits) {

@@ -165,9 +165,9 @@ TEST_F(VdbImport, IsWrittenAndReadAsAPhantom) {
   EXPECT_EQ(a.activeVoxelCount(), b.activeVoxelCount());
   openvdb::io::File in(file("ours.vdb").string());
   in.open();
-  const auto materials = openvdb::gridPtrCast<openvdb::Int32Grid>(in.readGrid("material"));
-  EXPECT_EQ(materials->tree().getValue(openvdb::Coord::round(materials->worldToIndex({0, 0, 0}))),
-            material_index("soft_tissue"));
+  const auto materials = openvdb::gridPtrCast<FloatGrid>(in.readGrid("material"));
+  const auto middle = openvdb::Coord::round(materials->worldToIndex({0, 0, 0}));
+  EXPECT_EQ(int(materials->tree().getValue(middle)), material_index("soft_tissue"));
 }
 
 TEST_F(VdbImport, TakesOurOwnFilesAsLevelSets) {
@@ -176,6 +176,10 @@ TEST_F(VdbImport, TakesOurOwnFilesAsLevelSets) {
   write_phantom(make_phantom(sphere),
                 options().file);  // written as a stream, without grid offsets
   PhantomOptions o = options();
+  const std::string millimetres = refusal(o);
+  EXPECT_EQ(millimetres.rfind("name = \"vdb\": " + o.file + " is a phantom that this program", 0),
+            0u);
+  EXPECT_NE(millimetres.find("name = \"file\" reads it"), std::string::npos) << millimetres;
   o.unit_m = 1;
   const Phantom phantom = make_phantom(o);
   EXPECT_EQ(phantom.surfaces().at(0).name, "ball");
@@ -289,6 +293,11 @@ TEST_F(VdbImport, RefusesSizesOutOfRange) {
   EXPECT_NE(refusal(metres).find("more than 500: is unit_mm right?"), std::string::npos);
   write({ball("ball", 2.4, {}, 1.5)});
   expect_refusal("less than 4 voxels of 1.5 mm");
+}
+
+TEST_F(VdbImport, RefusesVoxelsOfAWrongUnit) {
+  write({ball("ball", 0.02, {}, 0.0005)});
+  expect_refusal("grid \"ball\" has voxels of 0.0005 mm, less than 0.05 mm: is unit_mm right?");
 }
 
 TEST_F(VdbImport, RefusesTooMuchMemoryBeforeReading) {

@@ -59,6 +59,36 @@ TEST_P(TissueMapReach, HoldsDistancesWithinIt) {
 
 INSTANTIATE_TEST_SUITE_P(Reaches, TissueMapReach, testing::Values(0.0, 1e-3, 4e-3));
 
+/// A band of 0.4 mm, and nodes 0.5 mm apart.
+TEST(TissueMap, OfVoxelsFinerThanItsStepsHoldsDistances) {
+  constexpr double kReach_m = 2e-3, kSmall_m = 6e-3;
+  const auto phantom =
+      phantoms::make_phantom({.name = "sphere", .voxel_m = 0.1e-3, .radius_m = kSmall_m});
+  const TissueMap map(phantom, kReach_m, 0);
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> coordinate(-10e-3, 10e-3);
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 position(coordinate(generator), coordinate(generator), coordinate(generator));
+    const double expected = glm::length(position) - kSmall_m;
+    if (std::abs(expected) > kReach_m) continue;
+    const auto found = distance_at(map, position);
+    ASSERT_TRUE(found) << expected;
+    ASSERT_NEAR(found->value_m, expected, 0.15e-3);
+  }
+}
+
+/// Nodes on a plane are neither inside nor outside.
+TEST(TissueMap, OfAPlaneThroughItsNodesHoldsDistances) {
+  const auto plate =
+      phantoms::make_phantom({.name = "bone_plate", .voxel_m = 0.1e-3, .thickness_m = 1e-3});
+  const TissueMap map(plate, 2e-3, 0);
+  for (double z = -1.9e-3; z < 2.9e-3; z += 0.07e-3) {
+    const auto found = distance_at(map, {1e-3, 2e-3, z});
+    ASSERT_TRUE(found) << z;
+    EXPECT_NEAR(found->value_m, std::abs(z - 0.5e-3) - 0.5e-3, 0.05e-3) << z;
+  }
+}
+
 TEST(TissueMap, MaterialIsThatOfTheSurfacesSide) {
   const TissueMap map(sphere(), 4e-3, 0);
   std::mt19937 generator(5);

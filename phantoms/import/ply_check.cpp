@@ -1,4 +1,4 @@
-#include "phantoms/io/ply_check.h"
+#include "phantoms/import/ply_check.h"
 
 #include <algorithm>
 #include <array>
@@ -33,6 +33,9 @@ struct Header {
   std::string format;
   std::vector<Element> elements;
 };
+
+/// Assimp takes a time that grows with their square, and files in use have some dozens.
+constexpr std::size_t kMostProperties = 100;
 
 std::invalid_argument damaged(const std::string& what) {
   return std::invalid_argument("not a readable mesh (PLY: " + what + ")");
@@ -98,7 +101,11 @@ Header read_header(std::istream& in) {
     }
     if (word == "property") {
       if (header.elements.empty()) throw damaged("a property of no element");
-      header.elements.back().properties.push_back(read_property(words));
+      auto& properties = header.elements.back().properties;
+      if (properties.size() == kMostProperties) {
+        throw damaged("an element of more than " + std::to_string(kMostProperties) + " properties");
+      }
+      properties.push_back(read_property(words));
     }
   }
 }

@@ -6,8 +6,8 @@
 namespace wobblebench::phantoms {
 
 /// Parses the file as its header describes it. Throws std::invalid_argument with one line for a
-/// truncated header or body, a word that is no number, a face of fewer than three corners, or a
-/// vertex index out of range.
+/// truncated header or body, an element of more than 100 properties, a word that is no number, a
+/// face of fewer than three corners, or a vertex index out of range.
 void check_ply(const std::filesystem::path& path);
 
 }  // namespace wobblebench::phantoms

@@ -1,0 +1,90 @@
+// wobblebench-import FORMAT FILE: reads a .vdb or a mesh for a program that uses phantoms, and
+// writes what it holds as a message to descriptor 3. A process of its own, with limits: a damaged
+// file may make OpenVDB or Assimp write where they must not.
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <string>
+
+#include "phantoms/import/mesh_parse.h"
+#include "phantoms/import/vdb_parse.h"
+#include "phantoms/io/import_process.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+/// The soft limit, which ends the process in a signal that says why; the hard one lies above it.
+void limit(__rlimit_resource resource, rlim_t most) {
+  rlimit now{};
+  ::getrlimit(resource, &now);
+  now.rlim_max = std::min(most + 1, now.rlim_max);
+  now.rlim_cur = std::min(most, now.rlim_max);
+  ::setrlimit(resource, &now);
+}
+
+void limit_resources(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::file_size(path, ignored);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::prctl(PR_SET_DUMPABLE, 0);
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_CPU, most_import_seconds(ignored ? 0 : bytes));
+  limit(RLIMIT_FSIZE, static_cast<rlim_t>(kMostImportBytes));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(WOBBLEBENCH_SANITIZED)
+  limit(RLIMIT_AS, static_cast<rlim_t>(kMostImportBytes));  // a sanitizer's shadow takes terabytes
+#endif
+}
+
+void write_message(const std::string& format, const std::filesystem::path& path, FILE* file) {
+  MessageWriter out(file);
+  out.put(kImportResult);
+  if (format == "vdb") {
+    write_vdb_message(path, out);
+  } else {
+    write_mesh_message(path, out);
+  }
+  out.end();
+}
+
+void write_refusal(const std::string& reason, FILE* file) {
+  // What was written of a result is dropped.
+  std::fflush(file);
+  if (::ftruncate(::fileno(file), 0) != 0) ::_exit(1);
+  std::rewind(file);
+  MessageWriter out(file);
+  out.put(kImportRefusal);
+  out.text(reason);
+  out.end();
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms
+
+int main(int argc, char** argv) {
+  using namespace wobblebench::phantoms;
+  FILE* const file = argc == 3 ? ::fdopen(kImportDescriptor, "w") : nullptr;
+  if (file == nullptr) {
+    std::fputs("wobblebench-import: is started by wobblebench, to read a file for it\n", stderr);
+    return 2;
+  }
+  limit_resources(argv[2]);
+  try {
+    try {
+      write_message(argv[1], argv[2], file);
+    } catch (const std::bad_alloc&) {
+      write_refusal("would take more memory than reading a file may", file);
+    } catch (const std::exception& error) {
+      write_refusal(error.what(), file);
+    }
+  } catch (const std::exception&) {
+    ::_exit(1);
+  }
+  ::_exit(0);  // a heap that the file damaged is not tidied up
+}

@@ -1,0 +1,134 @@
+#include "phantoms/io/import_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "base/file_descriptor.h"
+#include "phantoms/io/message.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "wobblebench-import";
+
+/// Beside the running program, as both are installed; then where this library's build put it.
+fs::path import_program() {
+  std::error_code error;
+  const fs::path own = fs::read_symlink("/proc/self/exe", error).parent_path();
+  std::string searched;
+  for (const fs::path& folder :
+       {own, fs::path(WOBBLEBENCH_INSTALLED_PROGRAMS), fs::path(WOBBLEBENCH_BUILT_PROGRAMS)}) {
+    const fs::path program = folder / kProgram;
+    if (!folder.empty() && ::access(program.c_str(), X_OK) == 0) return program;
+    searched += (searched.empty() ? "" : ", ") + folder.string();
+  }
+  throw ImportUnavailable(std::string("the program ") + kProgram +
+                          ", which reads .vdb files and meshes, is not in " + searched);
+}
+
+/// What the new process finds open: its message's file, and nothing of ours.
+class Descriptors {
+ public:
+  explicit Descriptors(int message) {
+    ::posix_spawn_file_actions_init(&actions_);
+    ::posix_spawn_file_actions_adddup2(&actions_, message, kImportDescriptor);
+    ::posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    // Parsers and the allocator print before they abort; the one line is ours.
+    for (const int output : {STDOUT_FILENO, STDERR_FILENO}) {
+      ::posix_spawn_file_actions_addopen(&actions_, output, "/dev/null", O_WRONLY, 0);
+    }
+    ::posix_spawn_file_actions_addclosefrom_np(&actions_, kImportDescriptor + 1);
+  }
+  ~Descriptors() { ::posix_spawn_file_actions_destroy(&actions_); }
+  Descriptors(const Descriptors&) = delete;
+  Descriptors& operator=(const Descriptors&) = delete;
+  const posix_spawn_file_actions_t* get() const { return &actions_; }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+};
+
+/// Starts the program and returns its status as waitpid() gives it.
+int run_import(ImportFormat format, const fs::path& path, int message) {
+  const fs::path program = import_program();
+  std::string kind = format == ImportFormat::vdb ? "vdb" : "mesh", file = path.string();
+  const std::array<char*, 4> arguments = {
+      const_cast<char*>(program.c_str()), kind.data(), file.data(), nullptr};
+  const Descriptors descriptors(message);
+  pid_t child = 0;
+  const int failed =
+      ::posix_spawn(&child, program.c_str(), descriptors.get(), nullptr, arguments.data(), environ);
+  if (failed != 0) {
+    throw ImportUnavailable(program.string() + ": cannot be started: " + std::strerror(failed));
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0) {
+    if (errno == EINTR) continue;
+    throw ImportUnavailable(program.string() + ": its end cannot be seen: " + std::strerror(errno));
+  }
+  return status;
+}
+
+/// Why there is no message.
+std::string ending(int status, const fs::path& path) {
+  if (!WIFSIGNALED(status)) return "is damaged: reading it failed";
+  const int signal = WTERMSIG(status);
+  if (signal == SIGXCPU) {
+    std::error_code ignored;
+    return "is damaged: reading it took more than " +
+           std::to_string(most_import_seconds(fs::file_size(path, ignored))) + " s";
+  }
+  if (signal == SIGKILL) return "cannot be read: its reader was killed, as for want of memory";
+  return std::string("is damaged: reading it ended in signal ") + std::to_string(signal) + " (" +
+         ::strsignal(signal) + ")";
+}
+
+std::string_view mapped(int file) {
+  struct stat info {};
+  if (::fstat(file, &info) != 0 || info.st_size == 0) return {};
+  const auto size = static_cast<std::size_t>(info.st_size);
+  void* const data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
+  if (data == MAP_FAILED) throw std::bad_alloc();
+  return {static_cast<const char*>(data), size};
+}
+
+}  // namespace
+
+ImportedBytes::ImportedBytes(ImportFormat format, const fs::path& path) {
+  const FileDescriptor file(::memfd_create("wobblebench-import", MFD_CLOEXEC));
+  if (!file.is_open()) throw ImportUnavailable(std::string("memory file: ") + std::strerror(errno));
+  const int status = run_import(format, path, file.get());
+  constexpr std::size_t kWord = sizeof(std::uint32_t);
+  mapped_ = mapped(file.get());
+  try {
+    if (status != 0 || mapped_.size() < 2 * kWord)
+      throw std::invalid_argument(ending(status, path));
+    MessageReader first(mapped_), last(mapped_.substr(mapped_.size() - kWord));
+    const auto kind = first.get<std::uint32_t>();
+    if (last.get<std::uint32_t>() != kMessageEnd) throw std::invalid_argument(ending(status, path));
+    if (kind == kImportRefusal) throw std::invalid_argument(first.text());
+    message_ = mapped_.substr(kWord, mapped_.size() - 2 * kWord);
+  } catch (...) {
+    ::munmap(const_cast<char*>(mapped_.data()), mapped_.size());
+    throw;
+  }
+}
+
+ImportedBytes::~ImportedBytes() {
+  if (!mapped_.empty()) ::munmap(const_cast<char*>(mapped_.data()), mapped_.size());
+}
+
+}  // namespace wobblebench::phantoms

@@ -1,0 +1,52 @@
+// Reading of files by third-party parsers, in a process of their own: a damaged file may make them
+// write where they must not.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string_view>
+
+namespace wobblebench::phantoms {
+
+/// The program wobblebench-import is missing, or cannot be started: nothing is wrong with the file.
+class ImportUnavailable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum class ImportFormat { vdb, mesh };
+
+/// The message that wobblebench-import makes of a file, as memory.
+class ImportedBytes {
+ public:
+  /// Runs the program and waits for it. Throws std::invalid_argument with one line for a file that
+  /// it refuses, or that ends it: by a signal, too much memory or too much processor time; and
+  /// ImportUnavailable.
+  ImportedBytes(ImportFormat format, const std::filesystem::path& path);
+  ~ImportedBytes();
+  ImportedBytes(const ImportedBytes&) = delete;
+  ImportedBytes& operator=(const ImportedBytes&) = delete;
+
+  /// Without the message's first and last words.
+  std::string_view message() const { return message_; }
+
+ private:
+  std::string_view mapped_;
+  std::string_view message_;
+};
+
+/// First words of messages.
+inline constexpr std::uint32_t kImportResult = 0x54524557, kImportRefusal = 0x46524557;
+
+/// The descriptor that wobblebench-import writes its message to.
+inline constexpr int kImportDescriptor = 3;
+
+/// Most address space of wobblebench-import: a grid of kMostBytes, and what reading it takes.
+inline constexpr double kMostImportBytes = 6e9;
+
+/// Most processor time, s, for a file of this size: twenty times what the slowest reader takes.
+constexpr unsigned long most_import_seconds(unsigned long file_bytes) {
+  return 20 + file_bytes / 1'000'000;
+}
+
+}  // namespace wobblebench::phantoms
