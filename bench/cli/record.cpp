@@ -8,6 +8,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
@@ -23,6 +24,7 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
@@ -81,8 +83,11 @@ int record_board(const Arguments& arguments) {
     scene.acquisition.volumes = arguments.volumes;
   }
   OutputFolder out(arguments.output.folder);
-  const auto link =
-      open_board_link(board, is_simulated(board) ? simulated_sticks(scene) : MakeSticks{});
+  const auto link = open_board_link(
+      board,
+      is_simulated(board)
+          ? simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes()))
+          : MakeSticks{});
   RecordingSink sink(out.directory() / kRecordingName);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
@@ -108,6 +113,7 @@ Command add_record_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(app, "record", "Write what a board sends to recording.wbst");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_integer(command,

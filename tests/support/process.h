@@ -24,6 +24,8 @@ struct ProcessLimits {
   int signal = 2;  // SIGINT
   /// No file may grow beyond this; writing more fails, as on a full disk.
   std::optional<long> file_bytes;
+  /// $XDG_CACHE_HOME; none: it and $HOME name no folder, so that nothing is kept.
+  std::optional<std::filesystem::path> cache_home;
 };
 
 /// Starts `program` with `arguments` in the folder `directory`, and waits for its end.
