@@ -81,8 +81,8 @@ class FetalScene {
   DistanceFunction cavity(const Ball&) const {
     return [this](const glm::dvec3& p) { return cavity_distance(p, scale_); };
   }
-  DistanceFunction cord(const Ball&) const {
-    return [this](const glm::dvec3& p) { return cord_.distance(p); };
+  DistanceFunction cord(const Ball& ball) const {
+    return [cord = cord_.near(ball)](const glm::dvec3& p) { return cord.distance(p); };
   }
   DistanceFunction skin(const Ball& ball) const {
     return [this,

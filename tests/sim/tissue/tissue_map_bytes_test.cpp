@@ -61,7 +61,7 @@ TEST_F(TissueMapBytesTest, OfFewerSurfacesOrMaterialsAreRefused) {
 TEST_F(TissueMapBytesTest, WithAFlippedBitAreRefusedOrStayWithinTheMap) {
   // Header, cells and entries; the nodes behind them may hold any number.
   const std::size_t structure = bytes_.size() - map_.bytes() / 2;
-  for (std::size_t bit = 0; bit < 8 * structure; bit += 1 + bit / 1000) {
+  for (std::size_t bit = 0; bit < 8 * structure; bit += 1 + bit / 200) {
     std::string damaged = bytes_;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
     try {
