@@ -3,8 +3,11 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <iterator>
 #include <memory>
+#include <vector>
 
+#include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
 #include "phantoms/fetal/fetal_head.h"
@@ -181,18 +184,26 @@ FetalLandmarks fetal_landmarks(double gestational_age_weeks) {
 
 Phantom make_fetal_face(const PhantomOptions& options) {
   const FetalScene scene(options);
-  std::vector<Surface> surfaces;
-  auto grids = std::make_shared<Grids>();
-  const auto add = [&](const Part& part, const Box& bounds) {
-    surfaces.push_back({part.name, material_index(part.inside), part.is_target});
-    const LocalDistance distance = [&](const Ball& ball) { return (scene.*part.distance)(ball); };
-    grids->signed_distance.push_back(
-        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances));
-  };
+  std::vector<Part> parts;
   if (options.maternal_layer_m > 0) {
-    for (const Part& part : kMaternalParts) add(part, scene.maternal_bounds());
+    parts.assign(std::begin(kMaternalParts), std::end(kMaternalParts));
   }
-  for (const Part& part : kFetalParts) add(part, scene.cavity_bounds());
+  const std::size_t maternal = parts.size();
+  parts.insert(parts.end(), std::begin(kFetalParts), std::end(kFetalParts));
+  std::vector<Surface> surfaces;
+  for (const Part& part : parts) {
+    surfaces.push_back({part.name, material_index(part.inside), part.is_target});
+  }
+  auto grids = std::make_shared<Grids>();
+  grids->signed_distance.resize(parts.size());
+  parallel_rows(static_cast<int>(parts.size()), [&](int row) {
+    const auto i = static_cast<std::size_t>(row);
+    const Part& part = parts[i];
+    const LocalDistance distance = [&](const Ball& ball) { return (scene.*part.distance)(ball); };
+    const Box bounds = i < maternal ? scene.maternal_bounds() : scene.cavity_bounds();
+    grids->signed_distance[i] =
+        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances);
+  });
   return Phantom("fetal_face",
                  material_table(),
                  material_index("uterus_wall"),
