@@ -25,7 +25,8 @@ struct ProbeSimulator::Impl {
 
 ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const hw::AcquisitionPlan& plan,
-                               const SimulationOptions& options) {
+                               const SimulationOptions& options,
+                               const TissueMapSource& maps) {
   check_options(options);
   auto impl = std::make_shared<Impl>(
       Impl{plan, options, choose_fidelity(options, plan, !subject.motion.still()), nullptr});
@@ -33,7 +34,8 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
   const auto begin = hw::HostClock::now();
   const double reach_m = echo_model_type(rung).reach_m(plan);
   const ScannedTissue tissue{
-      std::make_shared<const TissueMap>(subject.phantom, reach_m, options.threads),
+      maps ? maps(subject.phantom, reach_m, options.threads)
+           : std::make_shared<const TissueMap>(subject.phantom, reach_m, options.threads),
       subject.phantom.materials(),
       subject.placement,
       subject.motion};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,6 +16,12 @@ namespace wobblebench::sim {
 
 /// The detected samples of one volume, stick after stick in the order of their sequence numbers.
 using VolumeSamples = std::vector<float>;
+
+class TissueMap;
+
+/// Makes the tissue map of a phantom, or has one kept. Arguments as of TissueMap's constructor.
+using TissueMapSource = std::function<std::shared_ptr<const TissueMap>(
+    const phantoms::Phantom& phantom, double reach_m, int threads)>;
 
 /// Scans a phantom. Where neither the phantom nor the directions of the sticks change from volume
 /// to volume, echoes are computed once, by the constructor, and volumes differ in their noise only.
@@ -31,10 +38,12 @@ using VolumeSamples = std::vector<float>;
 /// @endcode
 class ProbeSimulator {
  public:
-  /// Throws InvalidOption.
+  /// Takes the phantom's map from `maps`, called once; without one it is made. Throws
+  /// InvalidOption.
   ProbeSimulator(const phantoms::PlacedPhantom& subject,
                  const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options);
+                 const SimulationOptions& options,
+                 const TissueMapSource& maps = {});
 
   VolumeSamples volume(std::uint32_t index) const;
 

@@ -74,6 +74,16 @@ void add_scene_options(CLI::App& command, SceneArguments& scene) {
   add_list(command, "--set", scene.settings, "Override one option: section.key=value (repeatable)");
 }
 
+void add_cache_options(CLI::App& command, CacheArguments& cache) {
+  add_flag(command, "--no-cache", cache.off, "Make phantom and tissue map anew, and keep neither");
+  add_integer(command,
+              "--cache-mb",
+              cache.megabytes,
+              "Most that $XDG_CACHE_HOME/wobblebench may hold, in 10^6 bytes",
+              0,
+              1000000);
+}
+
 void add_output_options(CLI::App& command, OutputArguments& output) {
   command.add_option("--out", output.folder, "Folder for the results")->capture_default_str();
   add_flag(command, "--json", output.json, "Print report.json on stdout");

@@ -24,6 +24,13 @@ struct OutputArguments {
   bool json = false;  ///< print report.json on stdout instead of a summary
 };
 
+/// Of the folder that keeps phantoms and tissue maps between runs.
+struct CacheArguments {
+  bool off = false;
+  int megabytes = 1000;
+  int most_megabytes() const { return off ? 0 : megabytes; }
+};
+
 CLI::App& add_subcommand(CLI::App& app, const std::string& name, const std::string& description);
 
 /// One option each, bound to the variable. Numbers show their default, lists too unless it is
@@ -58,6 +65,8 @@ void add_integer(CLI::App& command,
 
 /// SCENE and --set.
 void add_scene_options(CLI::App& command, SceneArguments& scene);
+/// --no-cache and --cache-mb.
+void add_cache_options(CLI::App& command, CacheArguments& cache);
 /// --out and --json.
 void add_output_options(CLI::App& command, OutputArguments& output);
 void add_board_option(CLI::App& command, std::string& board);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/user_error.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/acquire.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
   std::string gl = "auto";
 };
@@ -36,11 +38,14 @@ std::vector<std::string> phantoms_of(const Scene& scene) {
   return {"fetal_face", "sphere", "plane", "speckle_block"};
 }
 
-Rows measure_phantom(Scene scene, const std::string& name, render::GlContext& context) {
+Rows measure_phantom(Scene scene,
+                     const std::string& name,
+                     PhantomCache& cache,
+                     render::GlContext& context) {
   scene.phantom.name = name;
-  const auto phantom = phantoms::make_phantom(scene.phantom);
+  const auto phantom = cache.phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  const Acquisition acquisition = acquire_simulated(scene, phantom);
+  const Acquisition acquisition = acquire_simulated(scene, phantom, cache.tissue_maps());
   return measure_mode_agreement(name, acquisition.volume, scene.render, context);
 }
 
@@ -70,9 +75,11 @@ int compare_modes(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
   Progress progress;
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   Rows rows;
   for (const std::string& name : phantoms_of(scene)) {
-    const Rows more = progress.step(name, [&] { return measure_phantom(scene, name, *context); });
+    const Rows more =
+        progress.step(name, [&] { return measure_phantom(scene, name, cache, *context); });
     rows.insert(rows.end(), more.begin(), more.end());
   }
   const Provenance provenance = provenance_of(*context, scene);
@@ -92,6 +99,7 @@ Command add_modes_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "modes", "Whether mode fast makes mode plain's picture, phantom by phantom");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
   return {&command, [arguments] { return compare_modes(*arguments); }};

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/report/output_folder.h"
@@ -14,6 +15,7 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
 };
 
@@ -21,8 +23,8 @@ int write_phantom(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   OutputFolder out(arguments.output.folder);
   Progress progress;
-  const auto phantom =
-      progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
   progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
 
@@ -43,6 +45,7 @@ Command add_phantom_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(app, "phantom", "Build a phantom and write it as phantom.vdb");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   return {&command, [arguments] { return write_phantom(*arguments); }};
 }

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "base/user_error.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
@@ -126,8 +128,11 @@ int record_board(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   const fs::path partial = new_partial(out, arguments.replace);
   if (!is_simulated(board)) out.refuse_input(board.link.value, kRecordingName);
-  const auto link =
-      open_board_link(board, is_simulated(board) ? simulated_sticks(scene) : MakeSticks{});
+  const auto link = open_board_link(
+      board,
+      is_simulated(board)
+          ? simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes()))
+          : MakeSticks{});
   RecordingSink sink(partial);
   stop_in_order();
   hw::Recorder recorder(
@@ -162,6 +167,7 @@ Command add_record_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(app, "record", "Write what a board sends to recording.wbst");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_integer(command,

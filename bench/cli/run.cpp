@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/run_result.h"
@@ -19,9 +20,11 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
   std::string gl = "auto";
+  bool register_surface = false;
 };
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
@@ -39,7 +42,8 @@ int run(const Arguments& arguments) {
   Progress progress;
 
   board.adopt_plan(scene);
-  const auto phantom = progress.step("phantom", [&] { return make_phantom(scene.phantom); });
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
   const auto subject = scene.place(phantom);
   const auto plan = scene.plan();
@@ -47,7 +51,8 @@ int run(const Arguments& arguments) {
   render::Renderer renderer(*context, plan, scene.render);
   auto compiled = renderer.compile_in_background();
 
-  auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
+  auto acquisition =
+      progress.step("acquire", [&] { return board.acquire(scene, subject, cache.tissue_maps()); });
   progress.step("shaders", [&] { compiled.get(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
@@ -55,15 +60,19 @@ int run(const Arguments& arguments) {
                    std::move(picture),
                    context->backend(),
                    context->renderer_string(),
-                   std::nullopt};
+                   std::nullopt,
+                   cache.kept()};
 
   if (result.acquisition.source == hw::StreamOrigin::simulated) {
     auto truth = progress.step("truth", [&] { return trace_truth(subject, plan, view); });
     auto error = progress.step(
         "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
-    const auto registration = progress.step(
-        "register", [&] { return register_surface(result.picture.depth_m, subject, plan, view); });
-    result.comparison = {std::move(truth), std::move(error), registration};
+    result.comparison = {std::move(truth), std::move(error), std::nullopt};
+    if (arguments.register_surface) {
+      result.comparison->registration = progress.step("register", [&] {
+        return register_surface(result.picture.depth_m, subject, plan, view);
+      });
+    }
   }
 
   progress.step("write", [&] { stage_run_images(out, result); });
@@ -83,9 +92,14 @@ Command add_run_command(CLI::App& app) {
   CLI::App& command =
       add_subcommand(app, "run", "Acquire, render, compare with the truth: images, depth, report");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
+  add_flag(command,
+           "--register",
+           arguments->register_surface,
+           "Fit pose, range scale and bias that lay the found surface onto the true one");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

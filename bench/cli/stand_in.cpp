@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/user_error.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
@@ -18,6 +19,7 @@ namespace {
 struct Arguments {
   std::filesystem::path folder;  ///< where the node is mounted
   SceneArguments scene;
+  CacheArguments cache;
   std::string board = "sim";
 };
 
@@ -49,7 +51,10 @@ int emulate_card(const Arguments& arguments) {
     throw std::runtime_error("stand-in: FUSE cannot be mounted: " +
                              hw::XdmaEmulator::mount_error());
   }
-  const MakeSticks sticks = is_simulated(board) ? simulated_sticks(scene) : MakeSticks{};
+  const MakeSticks sticks =
+      is_simulated(board)
+          ? simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes()))
+          : MakeSticks{};
   // Opened once and closed, so that a link that cannot be opened fails here and not at the first
   // read.
   open_board_link(board, sticks);
@@ -69,6 +74,7 @@ Command add_stand_in_command(CLI::App& app) {
   add_required_path(command, "FOLDER", arguments->folder, "Where xdma0_c2h_0 appears");
   add_path(command, "SCENE", arguments->scene.file, "TOML file, for --board sim");
   add_list(command, "--set", arguments->scene.settings, "Override one option: section.key=value");
+  add_cache_options(command, arguments->cache);
   add_board_option(command, arguments->board);
   return {&command, [arguments] { return emulate_card(*arguments); }};
 }

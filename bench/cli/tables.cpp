@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/cli/table_options.h"
@@ -23,17 +24,21 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
+  CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
   std::string gl = "auto";
   TableArguments tables;
 };
 
-TableVolumes simulate(Scene& scene, const BoardArguments& board, Progress& progress) {
-  const auto phantom =
-      progress.step("phantom", [&] { return phantoms::make_phantom(scene.phantom); });
+TableVolumes simulate(Scene& scene,
+                      const BoardArguments& board,
+                      PhantomCache cache,
+                      Progress& progress) {
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
-  return progress.step("scans", [&] { return scan_table_volumes(scene, phantom, board); });
+  return progress.step(
+      "scans", [&] { return scan_table_volumes(scene, phantom, board, cache.tissue_maps()); });
 }
 
 TableVolumes play(Scene& scene, const BoardArguments& board, Progress& progress) {
@@ -73,7 +78,9 @@ int measure(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   Progress progress;
   const TableVolumes volumes =
-      is_simulated(board) ? simulate(scene, board, progress) : play(scene, board, progress);
+      is_simulated(board)
+          ? simulate(scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress)
+          : play(scene, board, progress);
   const TableResults results =
       progress.step("tables", [&] { return measure_tables(volumes, scene.render, *context, run); });
 
@@ -96,6 +103,7 @@ Command add_tables_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(app, "tables", "Tables I to IV beside the paper's");
   add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);

@@ -44,12 +44,14 @@ void BoardConnection::adopt_plan(Scene& scene) {
   bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
 }
 
-void BoardConnection::simulate(const Scene& scene, const phantoms::PlacedPhantom& subject) {
+void BoardConnection::simulate(const Scene& scene,
+                               const phantoms::PlacedPhantom& subject,
+                               const sim::TissueMapSource& maps) {
   if (scene.acquisition.volumes != 1) {
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
   }
-  sim::ProbeSimulator simulator(subject, scene.plan(), scene.simulation);
+  sim::ProbeSimulator simulator(subject, scene.plan(), scene.simulation, maps);
   simulated_ = SimulatedVolume{.effects = simulator.effects(),
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
@@ -59,9 +61,11 @@ void BoardConnection::simulate(const Scene& scene, const phantoms::PlacedPhantom
   assembly_.emplace(*board_);
 }
 
-Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::PlacedPhantom& subject) {
+Acquisition BoardConnection::acquire(const Scene& scene,
+                                     const phantoms::PlacedPhantom& subject,
+                                     const sim::TissueMapSource& maps) {
   const auto before = hw::HostClock::now();
-  if (is_simulated(arguments_)) simulate(scene, subject);
+  if (is_simulated(arguments_)) simulate(scene, subject, maps);
   const auto start = simulated_ ? hw::HostClock::now() : before;
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.

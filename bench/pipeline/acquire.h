@@ -13,6 +13,7 @@
 #include "hw/probe/polar_volume.h"
 #include "phantoms/phantom.h"
 #include "sim/fidelity.h"
+#include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
 
@@ -20,7 +21,7 @@ namespace wobblebench::bench {
 struct SimulatedVolume {
   std::vector<std::string> effects;  ///< which ran
   sim::Fidelity fidelity;            ///< the rung that was chosen, and why
-  double map_ms = 0;                 ///< once a phantom: its tissue map
+  double map_ms = 0;                 ///< once a phantom: its tissue map, made or read
   double once_ms =
       0;  ///< once a scene: homogeneous speckle, echoes that are the same in each volume
   double volume_ms = 0;  ///< each volume: the rest of the echoes, and the receive chain
@@ -50,13 +51,18 @@ class BoardConnection {
   /// configuration comes.
   void adopt_plan(Scene& scene);
 
-  /// The first volume whose beginning was not missed. Throws UserError for a simulated scene of
-  /// several volumes, std::runtime_error if no volume comes.
-  [[nodiscard]] Acquisition acquire(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  /// The first volume whose beginning was not missed. `maps`: as sim::ProbeSimulator takes them.
+  /// Throws UserError for a simulated scene of several volumes, std::runtime_error if no volume
+  /// comes.
+  [[nodiscard]] Acquisition acquire(const Scene& scene,
+                                    const phantoms::PlacedPhantom& subject,
+                                    const sim::TissueMapSource& maps = {});
 
  private:
   void open();
-  void simulate(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  void simulate(const Scene& scene,
+                const phantoms::PlacedPhantom& subject,
+                const sim::TissueMapSource& maps);
   std::string ending();
 
   BoardArguments arguments_;
@@ -67,8 +73,10 @@ class BoardConnection {
 };
 
 /// The simulator's volume of a scene.
-inline Acquisition acquire_simulated(const Scene& scene, const phantoms::Phantom& phantom) {
-  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom));
+inline Acquisition acquire_simulated(const Scene& scene,
+                                     const phantoms::Phantom& phantom,
+                                     const sim::TissueMapSource& maps = {}) {
+  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom), maps);
 }
 
 }  // namespace wobblebench::bench

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/cache/phantom_cache.h"
 #include "bench/evaluation/depth_error.h"
 #include "bench/evaluation/image_similarity.h"
 #include "bench/evaluation/registration.h"
@@ -28,7 +29,7 @@ PictureError measure_picture_error(const render::Picture& picture,
 struct Comparison {
   Truth truth;
   PictureError error;
-  Registration registration;
+  std::optional<Registration> registration;  ///< none: not asked for
 };
 
 struct RunResult {
@@ -37,6 +38,7 @@ struct RunResult {
   std::string gl_backend;                ///< as --gl takes it
   std::string gl_renderer;               ///< GL_RENDERER and GL_VERSION
   std::optional<Comparison> comparison;  ///< none: the samples are not of the scene's phantom
+  PhantomCache::Kept kept;               ///< what was read from the cache
 };
 
 }  // namespace wobblebench::bench

@@ -4,10 +4,11 @@
 
 namespace wobblebench::bench {
 
-MakeSticks simulated_sticks(Scene scene) {
-  const auto phantom = phantoms::make_phantom(scene.phantom);
+MakeSticks simulated_sticks(Scene scene, PhantomCache cache) {
+  const auto phantom = cache.phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  const sim::ProbeSimulator simulator(scene.place(phantom), scene.plan(), scene.simulation);
+  const sim::ProbeSimulator simulator(
+      scene.place(phantom), scene.plan(), scene.simulation, cache.tissue_maps());
   return [simulator] { return sim::stick_source(simulator); };
 }
 

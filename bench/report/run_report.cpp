@@ -39,6 +39,10 @@ Json simulation_json(const SimulatedVolume& simulated, const Scene& scene) {
           {"packets_dropped", simulated.packets_dropped}};
 }
 
+std::string why_not_registered(const RunResult& result) {
+  return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
+}
+
 /// In mode "volume" no surface is computed, so that none is missed.
 bool computes_surface(const Scene& scene) {
   return scene.render.ray_casting.mode != render::RenderMode::volume;
@@ -58,7 +62,8 @@ std::string in_mm(double metres) {
   return rounded(metres / kMillimetre);
 }
 
-std::string volume_line(const Acquisition& acquisition, const Scene& scene) {
+std::string volume_line(const RunResult& result, const Scene& scene) {
+  const Acquisition& acquisition = result.acquisition;
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
   const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
   if (!acquisition.simulated) {
@@ -67,9 +72,10 @@ std::string volume_line(const Acquisition& acquisition, const Scene& scene) {
   }
   const SimulatedVolume& simulated = *acquisition.simulated;
   return sound + "simulated in " + rounded(simulated.volume_ms) +
-         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the phantom, " +
-         rounded(simulated.once_ms) + " ms for the scene)\nsimulator   " +
-         sim::to_string(simulated.fidelity.rung) + ": " + simulated.fidelity.reason + "\n";
+         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the phantom" +
+         (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
+         " ms for the scene)\nsimulator   " + sim::to_string(simulated.fidelity.rung) + ": " +
+         simulated.fidelity.reason + "\n";
 }
 
 std::string board_line(const hw::BoardAccount& account) {
@@ -102,12 +108,15 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
   report["board"] = board_json(result.acquisition);
   report["render"] = render_json(result.picture.passes);
   report["error"] = nullptr;
-  report["fit"]["registration"] = nullptr;
+  report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
     const auto& [raw, filtered, shaded] = comparison->error;
     report["error"] = error_json(raw, filtered, shaded, computes_surface(scene));
-    report["fit"]["registration"] = registration_json(comparison->registration);
+    if (comparison->registration) {
+      report["fit"] = {{"registration", registration_json(*comparison->registration)}};
+    }
   }
+  report["cached"] = {{"phantom", result.kept.phantom}, {"tissue_map", result.kept.tissue_map}};
   report["wall_ms"] = wall_json(times);
   return report_text(report);
 }
@@ -115,10 +124,10 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
 std::string run_summary(const RunResult& result,
                         const Scene& scene,
                         const std::filesystem::path& directory) {
-  return volume_line(result.acquisition, scene) + board_line(result.acquisition.account) +
-         "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
-         result.gl_renderer + "\n" + error_line(result.comparison, computes_surface(scene)) +
-         "results     " + directory.string() + "\n";
+  return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
+         rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
+         error_line(result.comparison, computes_surface(scene)) + "results     " +
+         directory.string() + "\n";
 }
 
 std::string ending_text(const RunResult& result) {

@@ -3,8 +3,11 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <iterator>
 #include <memory>
+#include <vector>
 
+#include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
 #include "phantoms/fetal/fetal_head.h"
@@ -54,7 +57,7 @@ glm::dvec3 position_for(double scale, double maternal_layer_m) {
   return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
 }
 
-// Signed distances of all parts, in the phantom frame.
+// Signed distances of all parts, in the phantom frame. Must outlive the functions that it gives.
 class FetalScene {
  public:
   explicit FetalScene(const PhantomOptions& options)
@@ -68,21 +71,47 @@ class FetalScene {
         position_m_(position_for(scale_, options.maternal_layer_m)),
         maternal_layer_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
 
-  double muscle(const glm::dvec3& p) const { return maternal_layer_.muscle(p); }
-  double fat(const glm::dvec3& p) const { return maternal_layer_.fat(p); }
-  double maternal_skin(const glm::dvec3& p) const { return maternal_layer_.skin(p); }
-  double cavity(const glm::dvec3& p) const { return cavity_distance(p, scale_); }
-  double cord(const glm::dvec3& p) const { return cord_.distance(p); }
-  double skin(const glm::dvec3& p) const {
-    const double trunk =
-        smooth_union(head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMillimetre * scale_);
-    return smooth_union(trunk, hand_.distance(p), 1 * kMillimetre * scale_);
+  // Each part's distances within a ball.
+  DistanceFunction muscle(const Ball&) const {
+    return [this](const glm::dvec3& p) { return maternal_layer_.muscle(p); };
   }
-  double skull(const glm::dvec3& p) const { return head_.skull.distance(in_head(p)); }
-  double brain(const glm::dvec3& p) const { return head_.brain.distance(in_head(p)); }
-  double eyes(const glm::dvec3& p) const {
-    const glm::dvec3 q = in_head(p);
-    return std::min(head_.eyes[0].distance(q), head_.eyes[1].distance(q));
+  DistanceFunction fat(const Ball&) const {
+    return [this](const glm::dvec3& p) { return maternal_layer_.fat(p); };
+  }
+  DistanceFunction maternal_skin(const Ball&) const {
+    return [this](const glm::dvec3& p) { return maternal_layer_.skin(p); };
+  }
+  DistanceFunction cavity(const Ball&) const {
+    return [this](const glm::dvec3& p) { return cavity_distance(p, scale_); };
+  }
+  DistanceFunction cord(const Ball& ball) const {
+    return [cord = cord_.near(ball)](const glm::dvec3& p) { return cord.distance(p); };
+  }
+  DistanceFunction skin(const Ball& ball) const {
+    return [this,
+            head = head_.skin.near(in_head(ball)),
+            body = body_.near(ball),
+            hand = hand_.near(ball)](const glm::dvec3& p) {
+      const double trunk =
+          smooth_union(head.distance(in_head(p)), body.distance(p), 5 * kMillimetre * scale_);
+      return smooth_union(trunk, hand.distance(p), 1 * kMillimetre * scale_);
+    };
+  }
+  DistanceFunction skull(const Ball& ball) const {
+    return [this, skull = head_.skull.near(in_head(ball))](const glm::dvec3& p) {
+      return skull.distance(in_head(p));
+    };
+  }
+  DistanceFunction brain(const Ball& ball) const {
+    return [this, brain = head_.brain.near(in_head(ball))](const glm::dvec3& p) {
+      return brain.distance(in_head(p));
+    };
+  }
+  DistanceFunction eyes(const Ball&) const {
+    return [this](const glm::dvec3& p) {
+      const glm::dvec3 q = in_head(p);
+      return std::min(head_.eyes[0].distance(q), head_.eyes[1].distance(q));
+    };
   }
 
   /// Contains the cavity, and so all that lies in it.
@@ -114,6 +143,7 @@ class FetalScene {
   glm::dvec3 in_head(const glm::dvec3& p) const {
     return to_head_ * (p - head_.landmarks.head_position_m);
   }
+  Ball in_head(const Ball& ball) const { return {in_head(ball.center), ball.radius_m}; }
 
   FetalBiometry biometry_;
   double scale_;  // of the face, relative to 21 weeks
@@ -129,7 +159,7 @@ struct Part {
   const char* name;
   const char* inside;
   bool is_target;
-  double (FetalScene::*distance)(const glm::dvec3&) const;
+  DistanceFunction (FetalScene::*distance)(const Ball&) const;
   Distances distances;
 };
 
@@ -154,18 +184,26 @@ FetalLandmarks fetal_landmarks(double gestational_age_weeks) {
 
 Phantom make_fetal_face(const PhantomOptions& options) {
   const FetalScene scene(options);
-  std::vector<Surface> surfaces;
-  auto grids = std::make_shared<Grids>();
-  const auto add = [&](const Part& part, const Box& bounds) {
-    surfaces.push_back({part.name, material_index(part.inside), part.is_target});
-    const auto distance = [&](const glm::dvec3& p) { return (scene.*part.distance)(p); };
-    grids->signed_distance.push_back(
-        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances));
-  };
+  std::vector<Part> parts;
   if (options.maternal_layer_m > 0) {
-    for (const Part& part : kMaternalParts) add(part, scene.maternal_bounds());
+    parts.assign(std::begin(kMaternalParts), std::end(kMaternalParts));
   }
-  for (const Part& part : kFetalParts) add(part, scene.cavity_bounds());
+  const std::size_t maternal = parts.size();
+  parts.insert(parts.end(), std::begin(kFetalParts), std::end(kFetalParts));
+  std::vector<Surface> surfaces;
+  for (const Part& part : parts) {
+    surfaces.push_back({part.name, material_index(part.inside), part.is_target});
+  }
+  auto grids = std::make_shared<Grids>();
+  grids->signed_distance.resize(parts.size());
+  parallel_rows(static_cast<int>(parts.size()), [&](int row) {
+    const auto i = static_cast<std::size_t>(row);
+    const Part& part = parts[i];
+    const LocalDistance distance = [&](const Ball& ball) { return (scene.*part.distance)(ball); };
+    const Box bounds = i < maternal ? scene.maternal_bounds() : scene.cavity_bounds();
+    grids->signed_distance[i] =
+        build_level_set(part.name, distance, bounds, options.voxel_m, part.distances);
+  });
   return Phantom("fetal_face",
                  material_table(),
                  material_index("uterus_wall"),

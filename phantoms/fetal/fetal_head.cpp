@@ -1,6 +1,8 @@
 #include "phantoms/fetal/fetal_head.h"
+#include "base/parallel.h"
 #include "base/units.h"
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -206,11 +208,14 @@ class Profile {
   // Point of extreme z between two heights; sign +1: deepest, -1: most prominent.
   glm::dvec3 extreme(double from, double to, double sign) const {
     constexpr int kSteps = 120;
-    glm::dvec3 best{0, from, depth(from)};
-    for (int step = 1; step <= kSteps; ++step) {
+    std::array<glm::dvec3, kSteps + 1> found;
+    parallel_rows(kSteps + 1, [&](int step) {
       const double y = from + (to - from) * step / kSteps;
-      const double z = depth(y);
-      if (sign * (z - best.z) > 0) best = {0, y, z};
+      found[step] = {0, y, depth(y)};
+    });
+    glm::dvec3 best = found[0];
+    for (const glm::dvec3& point : found) {
+      if (sign * (point.z - best.z) > 0) best = point;
     }
     return best;
   }

@@ -107,6 +107,23 @@ double UmbilicalCord::strand_distance(const Strand& strand, const glm::dvec3& po
   return nearest;
 }
 
+UmbilicalCord::Strand UmbilicalCord::near(const Strand& strand, const Ball& ball) {
+  constexpr double kRounding_m = 1e-9;
+  const double farthest = strand_distance(strand, ball.center) + ball.radius_m + kRounding_m;
+  Strand local;
+  for (const Piece& piece : strand) {
+    if (piece.tube.within(ball).least > farthest) continue;
+    local.push_back({piece.tube.near(ball), piece.bound});
+  }
+  return local;
+}
+
+UmbilicalCord UmbilicalCord::near(const Ball& ball) const {
+  UmbilicalCord local = *this;
+  for (Strand& strand : local.strands_) strand = near(strand, ball);
+  return local;
+}
+
 double UmbilicalCord::distance(const glm::dvec3& position) const {
   const double lower_bound = glm::distance(position, bound_.center) - bound_.radius_m;
   if (lower_bound > 10 * kMillimetre) return lower_bound;

@@ -15,6 +15,9 @@ class UmbilicalCord {
   explicit UmbilicalCord(double scale);
   double distance(const glm::dvec3& position) const;
 
+  /// A cord with the same distance() to the bit at every position in the ball.
+  UmbilicalCord near(const Ball& ball) const;
+
  private:
   // A strand in pieces with bounds, so that distant pieces are skipped.
   struct Piece {
@@ -23,6 +26,7 @@ class UmbilicalCord {
   };
   using Strand = std::vector<Piece>;
   static Strand divided(const Tube& tube);
+  static Strand near(const Strand& strand, const Ball& ball);
   static double strand_distance(const Strand& strand, const glm::dvec3& position);
 
   std::vector<Strand> strands_;

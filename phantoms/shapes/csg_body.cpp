@@ -1,5 +1,6 @@
 #include "phantoms/shapes/csg_body.h"
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -9,6 +10,12 @@ namespace {
 double shape_distance(const Shape& shape, const glm::dvec3& position) {
   return std::visit([&](const auto& s) { return s.distance(position); }, shape);
 }
+
+Span shape_within(const Shape& shape, const Ball& ball) {
+  return std::visit([&](const auto& s) { return s.within(ball); }, shape);
+}
+
+constexpr double kRounding_m = 1e-9;  // far more than that of any distance here
 
 }  // namespace
 
@@ -56,6 +63,34 @@ double CsgBody::distance(const glm::dvec3& position) const {
     }
   }
   return body;
+}
+
+CsgBody CsgBody::near(const Ball& ball) const {
+  CsgBody local;
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Span body{kFar, kFar};
+  for (const Operation& operation : operations_) {
+    const double fillet = operation.fillet_m + kRounding_m;
+    const double from_bound =
+        glm::length(ball.center - operation.bound.center) - operation.bound.radius_m;
+    const Span shape = shape_within(operation.shape, ball);
+    // Either distance() skips the operation at every position in the ball, or it has no effect at
+    // any.
+    const double apart = std::max(from_bound - ball.radius_m, shape.least) - fillet;
+    if (apart > (operation.is_difference ? -body.least : body.most)) continue;
+    local.operations_.push_back(operation);
+    if (auto* tube = std::get_if<Tube>(&local.operations_.back().shape)) *tube = tube->near(ball);
+    const double change = operation.fillet_m / 4;
+    if (operation.is_difference) {
+      body.most = std::max(body.most, -shape.least) + change;
+    } else {
+      // Where distance() skips it, the body is nearer than its bound.
+      const double skipped = from_bound + ball.radius_m - operation.fillet_m;
+      body.most = std::min(body.most, std::max(shape.most, skipped));
+      body.least = std::min(body.least, shape.least) - change;
+    }
+  }
+  return local;
 }
 
 }  // namespace wobblebench::phantoms

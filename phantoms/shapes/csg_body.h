@@ -27,6 +27,10 @@ class CsgBody {
   /// Operations whose bounds are too far from `position` to change the result are skipped.
   double distance(const glm::dvec3& position) const;
 
+  /// A body with the same distance() to the bit at every position in the ball: without the
+  /// operations that change nothing there.
+  CsgBody near(const Ball& ball) const;
+
  private:
   struct Operation {
     Shape shape;

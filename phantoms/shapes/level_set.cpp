@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -29,37 +30,55 @@ constexpr double kOverstatement = 1.3;
 // Octree search for the leaves that the band of one surface touches.
 class BandSearch {
  public:
-  BandSearch(const DistanceFunction& distance, double voxel_m, double band_m)
+  BandSearch(const LocalDistance& distance, double voxel_m, double band_m)
       : distance_(distance), voxel_m_(voxel_m), band_m_(band_m) {}
 
   void collect(const openvdb::Coord& origin, int size, Leaves& leaves) const {
-    if (!may_hold_band(origin, size)) return;
+    collect(origin, size, distance_(ball_around(origin, size)), leaves);
+  }
+
+ private:
+  /// `distance` is valid within the block.
+  void collect(const openvdb::Coord& origin,
+               int size,
+               const DistanceFunction& distance,
+               Leaves& leaves) const {
+    if (!may_hold_band(origin, size, distance)) return;
     if (size == kLeaf) {
-      if (auto leaf = evaluate(origin)) leaves.push_back(std::move(leaf));
+      if (auto leaf = evaluate(origin, distance_(ball_around(origin, size)))) {
+        leaves.push_back(std::move(leaf));
+      }
       return;
     }
     const int half = size / 2;
     for (int child = 0; child < 8; ++child) {
       collect(origin.offsetBy(child & 1 ? half : 0, child & 2 ? half : 0, child & 4 ? half : 0),
               half,
+              distance,
               leaves);
     }
   }
 
- private:
-  bool may_hold_band(const openvdb::Coord& origin, int size) const {
+  /// The smallest ball that contains the block's voxels.
+  Ball ball_around(const openvdb::Coord& origin, int size) const {
     const double half = 0.5 * (size - 1);
-    const glm::dvec3 center =
-        voxel_m_ * glm::dvec3(origin.x() + half, origin.y() + half, origin.z() + half);
-    const double reach = band_m_ + std::sqrt(3.0) * half * voxel_m_;
-    return std::abs(distance_(center)) <= kOverstatement * reach;
+    return {voxel_m_ * glm::dvec3(origin.x() + half, origin.y() + half, origin.z() + half),
+            std::sqrt(3.0) * half * voxel_m_};
   }
 
-  std::unique_ptr<Leaf> evaluate(const openvdb::Coord& origin) const {
+  bool may_hold_band(const openvdb::Coord& origin,
+                     int size,
+                     const DistanceFunction& distance) const {
+    const Ball ball = ball_around(origin, size);
+    return std::abs(distance(ball.center)) <= kOverstatement * (band_m_ + ball.radius_m);
+  }
+
+  std::unique_ptr<Leaf> evaluate(const openvdb::Coord& origin,
+                                 const DistanceFunction& distance) const {
     auto leaf = std::make_unique<Leaf>(origin, float(band_m_));
     for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
       const openvdb::Coord ijk = leaf->offsetToGlobalCoord(offset);
-      const double value = distance_(voxel_m_ * glm::dvec3(ijk.x(), ijk.y(), ijk.z()));
+      const double value = distance(voxel_m_ * glm::dvec3(ijk.x(), ijk.y(), ijk.z()));
       if (std::abs(value) < band_m_) {
         leaf->setValueOn(offset, float(value));
       } else {
@@ -69,7 +88,7 @@ class BandSearch {
     return leaf->isEmpty() ? nullptr : std::move(leaf);
   }
 
-  const DistanceFunction& distance_;
+  const LocalDistance& distance_;
   double voxel_m_;
   double band_m_;
 };
@@ -87,7 +106,7 @@ std::vector<openvdb::Coord> blocks_of(const Box& bounds, double voxel_m) {
   return blocks;
 }
 
-FloatGrid::Ptr evaluate_band(const DistanceFunction& distance,
+FloatGrid::Ptr evaluate_band(const LocalDistance& distance,
                              const Box& bounds,
                              double voxel_m,
                              double band_m) {
@@ -165,6 +184,16 @@ void trim(FloatGrid& grid, double band_m) {
 
 FloatGrid::Ptr build_level_set(const std::string& name,
                                const DistanceFunction& distance,
+                               const Box& bounds,
+                               double voxel_m,
+                               Distances distances) {
+  // By reference: a copy for each leaf would copy what the function holds.
+  const auto same = [&](const Ball&) { return DistanceFunction(std::cref(distance)); };
+  return build_level_set(name, LocalDistance(same), bounds, voxel_m, distances);
+}
+
+FloatGrid::Ptr build_level_set(const std::string& name,
+                               const LocalDistance& distance,
                                const Box& bounds,
                                double voxel_m,
                                Distances distances) {

@@ -7,11 +7,16 @@
 
 #include "phantoms/float_grid_fwd.h"
 #include "phantoms/phantom.h"
+#include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
 
 /// Signed distance in metres, negative inside; must be safe to call from several threads.
 using DistanceFunction = std::function<double(const glm::dvec3&)>;
+
+/// The same distances to the bit at every position in a ball, faster; for shapes of many parts,
+/// most of which are far away. Must be safe to call from several threads.
+using LocalDistance = std::function<DistanceFunction(const Ball&)>;
 
 /// Half width of the narrow bands, in voxels.
 inline constexpr int kHalfWidthVoxels = 4;
@@ -26,6 +31,11 @@ enum class Distances {
 /// bytes do not depend on the number of threads.
 [[nodiscard]] std::shared_ptr<FloatGrid> build_level_set(const std::string& name,
                                                          const DistanceFunction& distance,
+                                                         const Box& bounds,
+                                                         double voxel_m,
+                                                         Distances distances);
+[[nodiscard]] std::shared_ptr<FloatGrid> build_level_set(const std::string& name,
+                                                         const LocalDistance& distance,
                                                          const Box& bounds,
                                                          double voxel_m,
                                                          Distances distances);

@@ -8,6 +8,8 @@
 namespace wobblebench::phantoms {
 namespace {
 
+constexpr double kRounding_m = 1e-9;  // far more than that of any distance here
+
 // Exact distance to the convex hull of two balls.
 double round_cone_distance(const glm::dvec3& position, const TubePoint& a, const TubePoint& b) {
   const glm::dvec3 axis = b.center - a.center;
@@ -52,6 +54,16 @@ double Ellipsoid::distance(const glm::dvec3& position) const {
   return k0 * (k0 - 1) / k1;
 }
 
+// With k0 as in distance(), that is (k0 - 1) times a length between the least and the largest
+// radius.
+Span Ellipsoid::within(const Ball& ball) const {
+  const double least = std::min({radii_m.x, radii_m.y, radii_m.z});
+  const double most = std::max({radii_m.x, radii_m.y, radii_m.z});
+  const double k0 = glm::length(to_axes * (ball.center - center) / radii_m);
+  const double nearest = k0 - ball.radius_m / least - 1, farthest = k0 + ball.radius_m / least - 1;
+  return {nearest * (nearest > 0 ? least : most), farthest * (farthest > 0 ? most : least)};
+}
+
 Ball Ellipsoid::bound() const {
   return {center, std::max({radii_m.x, radii_m.y, radii_m.z})};
 }
@@ -62,6 +74,24 @@ double Tube::distance(const glm::dvec3& position) const {
     nearest = std::min(nearest, round_cone_distance(position, points[i - 1], points[i]));
   }
   return nearest;
+}
+
+// Round cones are 1-Lipschitz.
+Span Tube::within(const Ball& ball) const {
+  const double middle = distance(ball.center);
+  return {middle - ball.radius_m, middle + ball.radius_m};
+}
+
+Tube Tube::near(const Ball& ball) const {
+  const double limit = distance(ball.center) + 2 * ball.radius_m + kRounding_m;
+  std::size_t first = points.size(), last = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (round_cone_distance(ball.center, points[i - 1], points[i]) > limit) continue;
+    first = std::min(first, i - 1);
+    last = i;
+  }
+  return {{points.begin() + static_cast<std::ptrdiff_t>(first),
+           points.begin() + static_cast<std::ptrdiff_t>(last) + 1}};
 }
 
 Ball Tube::bound() const {

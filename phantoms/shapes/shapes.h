@@ -13,6 +13,12 @@ struct Ball {
   double radius_m = 0;
 };
 
+/// An interval of distances.
+struct Span {
+  double least = 0;
+  double most = 0;
+};
+
 /// Distance to first order: exact on the surface, within some percent near it.
 struct Ellipsoid {
   glm::dvec3 center{0};
@@ -20,6 +26,8 @@ struct Ellipsoid {
   glm::dmat3 to_axes{1.0};  ///< rotation from the surrounding frame to the ellipsoid's own axes
 
   double distance(const glm::dvec3& position) const;
+  /// Contains distance() of every position in the ball.
+  Span within(const Ball& ball) const;
   Ball bound() const;
 };
 
@@ -34,6 +42,10 @@ struct Tube {
   std::vector<TubePoint> points;
 
   double distance(const glm::dvec3& position) const;
+  /// Contains distance() of every position in the ball.
+  Span within(const Ball& ball) const;
+  /// The shortest stretch of the chain with the same distance() at every position in the ball.
+  Tube near(const Ball& ball) const;
   Ball bound() const;
 };
 

@@ -72,6 +72,10 @@ void add_tangent_distances(const Grid& fine, double coarse_m, Grid& coarse) {
   }
 }
 
+bool is_multiple(const openvdb::Coord& c, int factor) {
+  return c.x() % factor == 0 && c.y() % factor == 0 && c.z() % factor == 0;
+}
+
 }  // namespace
 
 GridReader::GridReader(const Grid& grid, double step_m)
@@ -101,7 +105,11 @@ void ExtendedDistance::extend(double reach_m) {
   const Grid::Ptr coarse = phantoms::create_level_set(coarse_m, thin ? 2 * coarse_m : band_m_);
   GridReader source(*fine_, coarse_m);
   auto target = coarse->getAccessor();
+  const int voxels = voxels_per_step(*fine_, coarse_m);
+  const openvdb::Coord origin = openvdb::Coord::round(fine_->worldToIndex(openvdb::Vec3d(0)));
   for (auto voxel = fine_->cbeginValueOn(); voxel; ++voxel) {
+    // Where nodes are voxel centres, only those voxels count: a node off the band is not trusted.
+    if (voxels > 0 && !is_multiple(voxel.getCoord() - origin, voxels)) continue;
     const openvdb::Vec3d at = fine_->indexToWorld(voxel.getCoord());
     const openvdb::Coord node = openvdb::Coord::round(at / coarse_m);
     // A node is computed once, for the first voxel next to it.

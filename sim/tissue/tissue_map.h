@@ -101,6 +101,8 @@ class TissueMap {
 
  private:
   friend class TissueMapBuilder;
+  friend class TissueMapBytes;
+  TissueMap() = default;
 
   /// Distances are stored as integers in units of `unit_m_`, half the size of floats, x fastest.
   /// Each entry's nodes begin on a cache line.

@@ -43,6 +43,8 @@ void redirect(const fs::path& path, int descriptor) {
     ::setrlimit(RLIMIT_FSIZE, &limit);
     std::signal(SIGXFSZ, SIG_IGN);  // so that write fails instead
   }
+  ::setenv("XDG_CACHE_HOME", limits.cache_home.value_or("").c_str(), 1);
+  if (!limits.cache_home) ::setenv("HOME", "", 1);
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);

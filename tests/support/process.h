@@ -29,6 +29,8 @@ struct ProcessLimits {
   std::vector<std::pair<std::string, std::string>> environment = {};
   /// Standard streams (0, 1, 2) that the program starts without.
   std::vector<int> closed = {};
+  /// $XDG_CACHE_HOME; none: it and $HOME name no folder, so that nothing is kept.
+  std::optional<std::filesystem::path> cache_home;
 };
 
 /// Starts `program` with `arguments` in the folder `directory`, and waits for its end.

@@ -28,12 +28,13 @@ void take_reference_settings(Scene& scene, const TableRun& run) {
 
 TableVolumes scan_table_volumes(const Scene& scene,
                                 const phantoms::Phantom& phantom,
-                                const BoardArguments& board) {
+                                const BoardArguments& board,
+                                const sim::TissueMapSource& maps) {
   TableVolumes volumes;
   for (const int frames : frame_counts()) {
     Scene varied = scene;
     varied.acquisition.frames_per_volume = frames;
-    Acquisition acquisition = BoardConnection(board).acquire(varied, varied.place(phantom));
+    Acquisition acquisition = BoardConnection(board).acquire(varied, varied.place(phantom), maps);
     volumes.board = hw::to_string(acquisition.link.origin);
     volumes.effects = acquisition.simulated.value().effects;
     volumes.by_frames.emplace(frames, std::move(acquisition.volume));

@@ -8,6 +8,7 @@
 #include "bench/tables/variant.h"
 #include "bench/tables/volumes.h"
 #include "phantoms/phantom.h"
+#include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
 
@@ -18,6 +19,7 @@ void take_reference_settings(Scene& scene, const TableRun& run);
 /// Scans the phantom once for each number of frames, all over the scene's fan. Throws UserError.
 TableVolumes scan_table_volumes(const Scene& scene,
                                 const phantoms::Phantom& phantom,
-                                const BoardArguments& board);
+                                const BoardArguments& board,
+                                const sim::TissueMapSource& maps = {});
 
 }  // namespace wobblebench::bench

@@ -5,9 +5,11 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "render/gl/context.h"
 #include "tests/support/process.h"
@@ -41,6 +43,12 @@ const Words kResults = {
 Words with(Words words, const Words& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
+}
+
+std::string read_whole(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
 }
 
 ProcessResult bench(const Words& arguments,
@@ -216,6 +224,62 @@ TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   EXPECT_FALSE(report.at("effects").empty());
   EXPECT_EQ(report.at("provenance").at("board"), "simulated");
   EXPECT_FALSE(report.at("provenance").at("gl_renderer").get<std::string>().empty());
+}
+
+TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
+  const ScratchFolder folder;
+  const auto report_of = [&](const Words& more) {
+    return nlohmann::json::parse(bench(with(with({"run", "--json"}, kQuick), more), folder).out);
+  };
+  const auto plain = report_of({}), registered = report_of({"--register"});
+  EXPECT_TRUE(plain.at("fit").at("registration").is_null());
+  EXPECT_EQ(plain.at("fit").at("why_not"), "not asked for; --register fits it");
+  EXPECT_FALSE(plain.at("wall_ms").contains("register"));
+  EXPECT_GT(registered.at("fit").at("registration").at("points").get<int>(), 20);
+  EXPECT_TRUE(registered.at("wall_ms").contains("register"));
+}
+
+TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
+  const ScratchFolder folder;
+  const auto run = [&](const std::string& out, const Words& more, const fs::path& cache) {
+    const auto result = bench(
+        with(with({"run", "--json", "--out", out}, kQuick), more), folder, {.cache_home = cache});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  const fs::path cache = folder.path() / "cache";
+  const nlohmann::json made = {{"phantom", false}, {"tissue_map", false}};
+  const nlohmann::json kept = {{"phantom", true}, {"tissue_map", true}};
+  EXPECT_EQ(run("without", {"--no-cache"}, cache).at("cached"), made);
+  EXPECT_FALSE(fs::exists(cache / "wobblebench")) << "the folder itself is the GL's too";
+  EXPECT_EQ(run("cold", {}, cache).at("cached"), made);
+  EXPECT_EQ(run("warm", {}, cache).at("cached"), kept);
+  EXPECT_EQ(run("anew", {"--no-cache"}, cache).at("cached"), made);
+  EXPECT_EQ(run("unwritable", {}, "/dev/null").at("cached"), made);
+  for (const auto& name : kResults) {
+    if (name == "report.json") continue;
+    for (const char* out : {"cold", "warm", "anew", "unwritable"}) {
+      EXPECT_EQ(read_whole(folder.path() / out / name),
+                read_whole(folder.path() / "without" / name))
+          << out << " " << name;
+    }
+  }
+}
+
+TEST(CommandLine, ARecordingFromTheCacheIsTheSameRecording) {
+  const ScratchFolder folder;
+  const Words scene = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
+  const fs::path cache = folder.path() / "cache";
+  for (const auto& [out, more] : std::map<std::string, Words>{
+           {"1 without", {"--no-cache"}}, {"2 cold", {}}, {"3 warm", {}}}) {
+    const auto result =
+        bench(with(with({"record", "--out", out}, scene), more), folder, {.cache_home = cache});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(read_whole(folder.path() / out / "recording.wbst"),
+              read_whole(folder.path() / "1 without" / "recording.wbst"))
+        << out;
+  }
+  EXPECT_EQ(folder.files("cache/wobblebench").size(), 2U) << "a phantom and its map";
 }
 
 TEST(CommandLine, PhantomIsReadBackAndScannedTheSame) {

@@ -91,10 +91,11 @@ TEST_F(WithRecording, DamagedItFailsAndIsSalvaged) {
 
 TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
   const Words scene = with({}, {kPhantom, kPicture});
-  const auto live = bench(with({"run", "--out", "live"}, {scene, kScan}), folder_);
+  const auto live = bench(with({"run", "--register", "--out", "live"}, {scene, kScan}), folder_);
   ASSERT_EQ(live.exit_code, 0) << live.err;
   const auto played = bench(
-      with({"run", "--board", "file=rec/recording.wbst", "--out", "played"}, {scene}), folder_);
+      with({"run", "--register", "--board", "file=rec/recording.wbst", "--out", "played"}, {scene}),
+      folder_);
   ASSERT_EQ(played.exit_code, 0) << played.err;
   for (const char* name :
        {"surface.png", "volume.png", "depth.exr", "truth_depth.exr", "error_depth.exr"}) {

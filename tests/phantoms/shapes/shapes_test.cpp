@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <random>
 
@@ -100,6 +102,49 @@ TEST_F(Shapes, CsgBodyAppliesItsOperationsInOrder) {
     expected = smooth_difference(expected, hollow.distance(flip * p), 0.1);
     ASSERT_NEAR(csg.distance(p), expected, 1e-12);
   }
+}
+
+// Of egg-shaped and tubular operations, with and without fillets.
+CsgBody random_body(const std::function<glm::dvec3(double)>& point) {
+  CsgBody body;
+  for (int i = 0; i < 12; ++i) {
+    const double fillet = i % 3 == 0 ? 0 : 0.2 * (1 + point(1).x);
+    if (i % 2 == 0) {
+      body.unite(Ellipsoid{point(2), glm::dvec3(0.7) + 0.5 * point(1)}, fillet);
+    } else {
+      Tube tube;
+      for (int j = 0; j < 6; ++j) tube.points.push_back({point(2), 0.3 + 0.2 * point(1).x});
+      if (i % 5 == 0) {
+        body.subtract_pair(tube, fillet);
+      } else {
+        body.unite_pair(tube, fillet);
+      }
+    }
+  }
+  return body;
+}
+
+TEST_F(Shapes, ABodyNearABallHasTheSameDistancesThere) {
+  for (int round = 0; round < 200; ++round) {
+    const CsgBody body = random_body([&](double size) { return point(size); });
+    const Ball ball{point(2), 0.02 * (1 + round % 40)};
+    const CsgBody local = body.near(ball);
+    for (int i = 0; i < 50; ++i) {
+      const glm::dvec3 arm = point(1);
+      const glm::dvec3 p = ball.center + ball.radius_m / std::max(1.0, glm::length(arm)) * arm;
+      ASSERT_EQ(local.distance(p), body.distance(p)) << "round " << round;
+    }
+  }
+}
+
+TEST_F(Shapes, ATubeNearABallIsAsShortAsCanBe) {
+  const Tube tube{{{{0, 0, 0}, 0.1}, {{1, 0, 0}, 0.1}, {{2, 0, 0}, 0.1}, {{3, 0, 0}, 0.1}}};
+  const auto points = [&](double x, double radius) {
+    return tube.near({{x, 0.3, 0}, radius}).points.size();
+  };
+  EXPECT_EQ(points(0.5, 0.1), 2U);
+  EXPECT_EQ(points(1.0, 0.1), 3U);
+  EXPECT_EQ(points(1.5, 2.0), 4U);
 }
 
 TEST_F(Shapes, MirrorReflectsTheAxes) {

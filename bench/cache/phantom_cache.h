@@ -1,0 +1,46 @@
+// Phantoms and their tissue maps, kept between runs.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "bench/cache/blob_cache.h"
+#include "phantoms/phantom.h"
+#include "sim/probe_simulator.h"
+
+namespace wobblebench::bench {
+
+/// Makes what it has not kept. Without a cache it makes everything. Not thread-safe.
+class PhantomCache {
+ public:
+  PhantomCache() = default;
+  explicit PhantomCache(std::optional<BlobCache> blobs) : blobs_(std::move(blobs)) {}
+
+  /// Throws as make_phantom() does.
+  phantoms::Phantom phantom(const phantoms::PhantomOptions& options);
+
+  /// Maps of the phantom that phantom() gave last, as long as this lives.
+  sim::TissueMapSource tissue_maps();
+
+  /// Whether the last of each came from the cache.
+  struct Kept {
+    bool phantom = false;
+    bool tissue_map = false;
+  };
+  const Kept& kept() const { return kept_; }
+
+ private:
+  std::shared_ptr<const sim::TissueMap> tissue_map(const phantoms::Phantom& phantom,
+                                                   double reach_m,
+                                                   int threads);
+
+  std::optional<BlobCache> blobs_;
+  std::string key_;  ///< of the last phantom; empty: it cannot be kept
+  Kept kept_;
+};
+
+/// In the user's folder (default_cache_folder()); `megabytes` 0: none.
+PhantomCache open_phantom_cache(int megabytes);
+
+}  // namespace wobblebench::bench

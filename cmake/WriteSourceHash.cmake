@@ -1,0 +1,9 @@
+# Writes OUTPUT, a header with a SHA-256 of the sources that make phantoms and tissue maps, and of what
+# compiles them: whatever a cache kept of another build is not taken. Run when one of them changes.
+set(all "${COMPILER}")
+foreach(file IN LISTS FILES)
+  file(SHA256 "${SOURCE_DIR}/${file}" hash)
+  string(APPEND all "\n${file} ${hash}")
+endforeach()
+string(SHA256 hash "${all}")
+file(WRITE "${OUTPUT}" "#pragma once\ninline constexpr char kPhantomSources[] = \"${hash}\";\n")

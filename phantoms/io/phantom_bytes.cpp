@@ -1,0 +1,134 @@
+#include "phantoms/io/phantom_bytes.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "base/byte_stream.h"
+#include "base/text.h"
+#include "phantoms/grids.h"
+#include "phantoms/io/grid_bytes.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+constexpr std::uint32_t kMostEntries = 10000;
+
+void write(ByteWriter& to, const glm::dvec3& v) {
+  for (int axis = 0; axis < 3; ++axis) to.value(v[axis]);
+}
+
+void write(ByteWriter& to, const Material& material) {
+  to.text(material.name);
+  to.value(material.sound_speed_m_s);
+  to.value(material.impedance_rayl);
+  to.value(material.attenuation_db_per_cm_mhz);
+  to.value(material.backscatter_db);
+  to.value(material.roughness);
+  to.text(material.source);
+}
+
+double number(ByteReader& from) {
+  const double value = from.value<double>();
+  expect_bytes(std::isfinite(value), "a number is not finite");
+  return value;
+}
+
+glm::dvec3 vector(ByteReader& from) {
+  glm::dvec3 v{};
+  for (int axis = 0; axis < 3; ++axis) v[axis] = number(from);
+  return v;
+}
+
+std::string text(ByteReader& from) {
+  std::string text = from.text();
+  expect_bytes(is_printable_text(text), "a name is not printable");
+  return text;
+}
+
+std::uint32_t below(ByteReader& from, std::uint32_t limit) {
+  const auto value = from.value<std::uint32_t>();
+  expect_bytes(value < limit, "a number is too large");
+  return value;
+}
+
+std::vector<Material> read_materials(ByteReader& from) {
+  std::vector<Material> materials(below(from, kMostEntries));
+  for (Material& material : materials) {
+    material.name = text(from);
+    material.sound_speed_m_s = number(from);
+    material.impedance_rayl = number(from);
+    material.attenuation_db_per_cm_mhz = number(from);
+    material.backscatter_db = number(from);
+    material.roughness = number(from);
+    material.source = text(from);
+  }
+  return materials;
+}
+
+std::optional<Joint> read_joint(ByteReader& from) {
+  if (below(from, 2) == 0) return std::nullopt;
+  Joint joint{vector(from), number(from), number(from)};
+  expect_bytes(joint.inner_m >= 0 && joint.inner_m < joint.outer_m, "a joint is no shell");
+  return joint;
+}
+
+}  // namespace
+
+std::optional<std::string> to_bytes(const Phantom& phantom) {
+  ByteWriter to;
+  to.text(phantom.name());
+  to.value(static_cast<std::uint32_t>(phantom.materials().size()));
+  for (const Material& material : phantom.materials()) write(to, material);
+  to.value(static_cast<std::uint32_t>(phantom.background()));
+  write(to, phantom.region_of_interest().low);
+  write(to, phantom.region_of_interest().high);
+  write(to, phantom.suggested_position_m());
+  to.value(std::uint32_t{phantom.joint() ? 1U : 0U});
+  if (const auto& joint = phantom.joint()) {
+    write(to, joint->center_m);
+    to.value(joint->inner_m);
+    to.value(joint->outer_m);
+  }
+  to.value(static_cast<std::uint32_t>(phantom.surfaces().size()));
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const Surface& surface = phantom.surfaces()[i];
+    to.text(surface.name);
+    to.value(static_cast<std::uint32_t>(surface.inside));
+    to.value(std::uint32_t{surface.is_target ? 1U : 0U});
+    if (!write_grid(*phantom.grids().signed_distance[i], to)) return std::nullopt;
+  }
+  return to.take();
+}
+
+Phantom phantom_from_bytes(std::string_view bytes) {
+  ByteReader from(bytes);
+  std::string name = text(from);
+  std::vector<Material> materials = read_materials(from);
+  const auto rows = static_cast<std::uint32_t>(materials.size());
+  const auto background = static_cast<MaterialIndex>(below(from, rows));
+  Box region;
+  region.low = vector(from);
+  region.high = vector(from);
+  const glm::dvec3 position_m = vector(from);
+  const std::optional<Joint> joint = read_joint(from);
+  std::vector<Surface> surfaces(below(from, kMostEntries));
+  auto grids = std::make_shared<Grids>();
+  for (Surface& surface : surfaces) {
+    surface.name = text(from);
+    surface.inside = static_cast<MaterialIndex>(below(from, rows));
+    surface.is_target = below(from, 2) == 1;
+    grids->signed_distance.push_back(read_grid(from));
+  }
+  from.expect_end();
+  return Phantom(std::move(name),
+                 std::move(materials),
+                 background,
+                 std::move(surfaces),
+                 region,
+                 position_m,
+                 std::move(grids),
+                 joint);
+}
+
+}  // namespace wobblebench::phantoms

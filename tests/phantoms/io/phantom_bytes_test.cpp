@@ -1,0 +1,120 @@
+#include "phantoms/io/phantom_bytes.h"
+
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include "base/byte_stream.h"
+#include "phantoms/float_grid.h"
+#include "phantoms/grids.h"
+
+namespace wobblebench::phantoms {
+namespace {
+
+void expect_same_grid(const FloatGrid& a, const FloatGrid& b) {
+  EXPECT_EQ(a.getName(), b.getName());
+  EXPECT_EQ(a.transform(), b.transform());
+  EXPECT_EQ(a.background(), b.background());
+  EXPECT_EQ(a.memUsage(), b.memUsage());
+  EXPECT_TRUE(a.tree().hasSameTopology(b.tree()));
+  auto value = b.cbeginValueAll();
+  int different = 0;
+  for (auto expected = a.cbeginValueAll(); expected; ++expected, ++value) {
+    ASSERT_TRUE(value);
+    different += *value != *expected || value.isValueOn() != expected.isValueOn() ||
+                 value.getBoundingBox() != expected.getBoundingBox();
+  }
+  EXPECT_EQ(different, 0);
+  EXPECT_FALSE(value);
+}
+
+class PhantomBytes : public testing::TestWithParam<std::string> {};
+
+TEST_P(PhantomBytes, HoldEveryVoxelAndAllElse) {
+  const double voxel_m = GetParam() == "points" ? 0.5e-3 : 1e-3;
+  const Phantom made = make_phantom({.name = GetParam(), .voxel_m = voxel_m});
+  const auto bytes = to_bytes(made);
+  ASSERT_TRUE(bytes);
+  const Phantom read = phantom_from_bytes(*bytes);
+  EXPECT_EQ(read.name(), made.name());
+  EXPECT_EQ(read.background(), made.background());
+  EXPECT_EQ(read.region_of_interest().low, made.region_of_interest().low);
+  EXPECT_EQ(read.region_of_interest().high, made.region_of_interest().high);
+  EXPECT_EQ(read.suggested_position_m(), made.suggested_position_m());
+  ASSERT_EQ(read.joint().has_value(), made.joint().has_value());
+  if (made.joint()) {
+    EXPECT_EQ(read.joint()->center_m, made.joint()->center_m);
+    EXPECT_EQ(read.joint()->inner_m, made.joint()->inner_m);
+    EXPECT_EQ(read.joint()->outer_m, made.joint()->outer_m);
+  }
+  ASSERT_EQ(read.materials().size(), made.materials().size());
+  for (std::size_t i = 0; i < made.materials().size(); ++i) {
+    const Material &a = made.materials()[i], &b = read.materials()[i];
+    EXPECT_EQ(std::tie(a.name, a.source), std::tie(b.name, b.source));
+    EXPECT_EQ(std::tie(a.sound_speed_m_s, a.impedance_rayl, a.attenuation_db_per_cm_mhz),
+              std::tie(b.sound_speed_m_s, b.impedance_rayl, b.attenuation_db_per_cm_mhz));
+    EXPECT_EQ(std::tie(a.backscatter_db, a.roughness), std::tie(b.backscatter_db, b.roughness));
+  }
+  ASSERT_EQ(read.surfaces().size(), made.surfaces().size());
+  for (std::size_t i = 0; i < made.surfaces().size(); ++i) {
+    const Surface &a = made.surfaces()[i], &b = read.surfaces()[i];
+    EXPECT_EQ(std::tie(a.name, a.inside, a.is_target), std::tie(b.name, b.inside, b.is_target));
+    expect_same_grid(*made.grids().signed_distance[i], *read.grids().signed_distance[i]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, PhantomBytes, testing::ValuesIn(phantom_names()));
+
+Phantom ball() {
+  return make_phantom({.name = "sphere", .voxel_m = 2e-3, .radius_m = 6e-3});
+}
+
+TEST(DamagedPhantomBytes, AreRefusedWhereTheyEndTooSoonOrLate) {
+  const std::string bytes = to_bytes(ball()).value();
+  for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 50) {
+    EXPECT_THROW(static_cast<void>(phantom_from_bytes(bytes.substr(0, size))), DamagedBytes)
+        << size;
+  }
+  EXPECT_THROW(static_cast<void>(phantom_from_bytes(bytes + "x")), DamagedBytes);
+}
+
+TEST(DamagedPhantomBytes, AreRefusedOrMakeAnotherPhantom) {
+  const std::string bytes = to_bytes(ball()).value();
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 1 + bit / 200) {
+    std::string damaged = bytes;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));
+    try {
+      EXPECT_EQ(phantom_from_bytes(damaged).surfaces().size(), 1U);
+    } catch (const DamagedBytes&) {
+    }
+  }
+}
+
+TEST(PhantomBytesOfOthers, AreNone) {
+  // Values that are not the background outside the band, and metadata, would be lost.
+  const Phantom phantom = ball();
+  const auto with = [&](const auto& change) {
+    auto grids = std::make_shared<Grids>();
+    const auto grid = deep_copy(*phantom.grids().signed_distance[0]);
+    change(*grid);
+    grids->signed_distance = {grid};
+    return Phantom(phantom.name(),
+                   phantom.materials(),
+                   phantom.background(),
+                   phantom.surfaces(),
+                   phantom.region_of_interest(),
+                   phantom.suggested_position_m(),
+                   grids);
+  };
+  EXPECT_TRUE(to_bytes(with([](FloatGrid&) {})));
+  EXPECT_FALSE(to_bytes(with([](FloatGrid& grid) {
+    grid.tree().setValueOff(openvdb::Coord(0, 0, 0), 0.5F * grid.background());
+  })));
+  EXPECT_FALSE(to_bytes(with(
+      [](FloatGrid& grid) { grid.insertMeta("creator", openvdb::StringMetadata("another")); })));
+  EXPECT_FALSE(to_bytes(with([](FloatGrid& grid) { grid.transform().postRotate(0.1); })));
+  EXPECT_TRUE(to_bytes(with(
+      [](FloatGrid& grid) { grid.transform().postTranslate(openvdb::Vec3d(0.1, 0.2, 0.3)); })));
+}
+
+}  // namespace
+}  // namespace wobblebench::phantoms
