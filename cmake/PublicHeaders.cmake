@@ -12,7 +12,8 @@ set(included_by_public_headers
   base/image.h base/options.h base/units.h
   hw/link/faults.h hw/link/pace.h
   hw/probe/clock.h hw/probe/probe.h hw/probe/stick.h
-  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h hw/wire/version.h
+  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h
+  hw/wire/subject_hash.h hw/wire/version.h
   render/camera.h render/picture.h render/gl/texel_format.h render/gl/texture_fetch.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers

@@ -49,6 +49,11 @@ void validate(const RenderOptions& options) {
     throw InvalidOption("ray_casting.buffer_length", std::to_string(buffer_length), "must be even");
   }
   check_transfer_function(options.ray_casting);
+  if (options.shading.base == ShadingBase::rendered &&
+      options.ray_casting.mode == RenderMode::surface) {
+    throw InvalidOption(
+        "shading.base", "rendered", "needs ray_casting.mode both; surface blends no picture");
+  }
 }
 
 }  // namespace wobblebench::render

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <string_view>
 #include <vector>
 
 #include "base/options.h"
@@ -10,10 +11,17 @@
 
 namespace wobblebench::render {
 
-/// How a picture is computed: `plain` takes each step as the paper describes it and serves as the
-/// reference; `fast` computes the same picture with fewer operations
-/// (docs/decisions/0014-fast-rendering.md).
+/// How a picture is computed: `plain` computes each sample, pixel and shadow one by one, as the
+/// paper describes, and serves as the reference; `fast` computes the same picture with fewer
+/// operations (docs/decisions/0014-fast-rendering.md). What is computed is set by the options
+/// below: docs/decisions/0006-defaults-of-the-probe.md lists those whose defaults are not the
+/// paper's.
 enum class PipelineMode { fast, plain };
+
+/// As a scene names it.
+constexpr std::string_view to_string(PipelineMode mode) {
+  return mode == PipelineMode::fast ? "fast" : "plain";
+}
 
 struct PipelineOptions {
   PipelineMode mode = PipelineMode::fast;
@@ -24,7 +32,10 @@ struct PipelineOptions {
 
 template <OptionsOf<PipelineOptions> O, class Visitor>
 void describe(O& o, Visitor& v) {
-  v.choice("mode", o.mode, {{"fast", PipelineMode::fast}, {"plain", PipelineMode::plain}});
+  v.choice("mode",
+           o.mode,
+           {{to_string(PipelineMode::fast), PipelineMode::fast},
+            {to_string(PipelineMode::plain), PipelineMode::plain}});
   v.flag("mid_volume", o.mid_volume);
 }
 
@@ -147,6 +158,9 @@ void describe(O& o, Visitor& v) {
 }
 
 enum class Light { point, directional };
+/// What ambient and diffuse light fall on. `constant`: base_rgb. `rendered`: base_rgb times the
+/// pixel of pass 2's alpha-blended picture, as the paper shades "the rendered 2D image".
+enum class ShadingBase { constant, rendered };
 
 /// Pass 3: Blinn-Phong shading of the z-buffer in image space, Eq. (2), with cast shadows, paper
 /// section 3.3.
@@ -162,6 +176,8 @@ struct ShadingOptions {
   double diffuse = 0.85;
   double specular = 0.1;
   double shininess = 20;
+  /// `rendered` needs ray_casting.mode both: without blending there is no picture to shade.
+  ShadingBase base = ShadingBase::constant;
   glm::dvec3 base_rgb{0.89, 0.52, 0.3};  ///< albedo for ambient and diffuse light, linear RGB
   bool shadows = true;
   double shadow_coefficient = 0.35;  ///< factor on a shadowed pixel
@@ -179,6 +195,8 @@ void describe(O& o, Visitor& v) {
   v.real("diffuse", o.diffuse, 1, 0, 1);
   v.real("specular", o.specular, 1, 0, 1);
   v.real("shininess", o.shininess, 1, 1, 1000);
+  v.choice(
+      "base", o.base, {{"constant", ShadingBase::constant}, {"rendered", ShadingBase::rendered}});
   v.vec3("base_rgb", o.base_rgb, 1, 0, 1);
   v.flag("shadows", o.shadows);
   v.real("shadow_coefficient", o.shadow_coefficient, 1, 0, 1);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hw/probe/polar_volume.h"
+#include "render/geometry/sample.h"
 #include "render/gl/fetch_count.h"
 #include "render/gl/host_state.h"
 #include "render/gl/program.h"
@@ -85,8 +86,9 @@ struct Renderer::Pipeline {
   /// Pass 2, section 3.2: slices to z-buffer and volume picture.
   void cast_rays() { ray_caster.cast(complete ? *complete : *incoming); }
 
-  /// Pass 3, section 3.3: z-buffer to shaded surface.
-  void shade_surface() { surface_shader.shade(ray_caster.depth()); }
+  /// Pass 3, section 3.3: z-buffer, and with ShadingBase::rendered the volume picture, to shaded
+  /// surface.
+  void shade_surface() { surface_shader.shade(ray_caster.depth(), ray_caster.color()); }
 
   /// Pass 4, section 3.4: shaded surface to smoothed picture.
   void smooth_picture() { smoother.smooth(surface_shader.surface()); }
@@ -179,6 +181,7 @@ void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
 }
 
 void Renderer::add_volume(const hw::PolarVolume& volume) {
+  check_log_compressed(volume);
   int index = 0;
   for (const hw::PolarFrame& frame : volume.frames()) add_frame(index++, frame);
 }

@@ -68,11 +68,12 @@ class Renderer {
   /// which throws what compile() throws.
   [[nodiscard]] std::future<void> compile_in_background();
 
-  /// Stores a frame on the CPU. Throws std::out_of_range for an index outside the plan,
-  /// std::invalid_argument for a frame of another size.
+  /// Stores a frame of log-compressed samples on the CPU. Throws std::out_of_range for an index
+  /// outside the plan, std::invalid_argument for a frame of another size.
   void add_frame(int frame_index, const hw::PolarFrame& frame);
 
-  /// Adds all frames of a volume, in their order.
+  /// Adds all frames of a volume, in their order. Throws std::invalid_argument for a volume of
+  /// linear envelopes (hw::PolarVolume::log_compress()).
   void add_volume(const hw::PolarVolume& volume);
 
   /// Pass 1 for the frames added since the last call: makes the slices whose frames have all

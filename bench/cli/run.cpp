@@ -64,13 +64,15 @@ int run(const Arguments& arguments) {
                    cache.kept()};
 
   if (result.acquisition.source == hw::StreamOrigin::simulated) {
-    auto truth = progress.step("truth", [&] { return trace_truth(subject, plan, view); });
+    const std::uint32_t volume = result.acquisition.volume.volume_index();
+    auto truth = progress.step("truth", [&] { return trace_truth(subject, plan, view, volume); });
     auto error = progress.step(
         "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
     result.comparison = {std::move(truth), std::move(error), std::nullopt};
     if (arguments.register_surface) {
       result.comparison->registration = progress.step("register", [&] {
-        return register_surface(result.picture.depth_m, subject, plan, view);
+        return register_surface(
+            result.picture.depth_m, subject, plan, view, {}, kRegistrationPoints, volume);
       });
     }
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/statistics.h"
+#include "bench/evaluation/pixel_area.h"
 
 namespace wobblebench::bench {
 
@@ -52,6 +53,14 @@ std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
   return normal / length;
 }
 
+void count_surface(DepthError& result, double area_m2, bool missed) {
+  ++result.surface;
+  result.surface_m2 += area_m2;
+  if (!missed) return;
+  ++result.missed;
+  result.missed_m2 += area_m2;
+}
+
 }  // namespace
 
 DepthError measure_depth_error(const Image<float>& depth_m,
@@ -65,7 +74,9 @@ DepthError measure_depth_error(const Image<float>& depth_m,
     for (int column = 0; column < depth_m.width; ++column) {
       const bool measured = std::isfinite(depth_m.at(column, row));
       const TruthKind kind = truth.kind.at(column, row);
-      result.missed += kind == TruthKind::surface && !measured;
+      if (kind == TruthKind::surface) {
+        count_surface(result, pixel_area_m2(truth, camera, column, row), !measured);
+      }
       result.false_surface += kind == TruthKind::none && measured;
       result.outside_field += kind == TruthKind::outside_field;
       if (kind != TruthKind::surface || !measured) continue;

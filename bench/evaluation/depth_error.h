@@ -39,14 +39,22 @@ struct NormalStatistics {
 struct DepthError {
   DepthStatistics depth;
   NormalStatistics normal;
-  int missed = 0;         ///< pixels with a true surface and no measured one
+  int surface = 0;        ///< pixels with a true surface within the probe's field
+  int missed = 0;         ///< those of them with no measured one
   int false_surface = 0;  ///< pixels with a measured surface and no true one
   int outside_field = 0;  ///< pixels whose true surface is outside the probe's field; in neither
   int pixels = 0;
-  Image<float> map_m;  ///< signed error; NaN where either surface is absent
+  double surface_m2 = 0;  ///< area of the true surface in the pixels `surface` (pixel_area_m2())
+  double missed_m2 = 0;   ///< in the pixels `missed`
+  Image<float> map_m;     ///< signed error; NaN where either surface is absent
 
+  /// A true surface is in view; without one there is nothing to find or to miss.
+  bool surface_in_view() const { return surface > 0; }
+  /// Of all pixels of the picture, background included.
   double missed_percent() const { return 100.0 * missed / pixels; }
   double false_percent() const { return 100.0 * false_surface / pixels; }
+  /// Of the area of the true surface in view; NaN where there is none.
+  double missed_surface_percent() const { return 100.0 * missed_m2 / surface_m2; }
 };
 
 /// Compares measured depths with the truth. Measured normals are central differences of `depth_m`.

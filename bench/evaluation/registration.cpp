@@ -222,8 +222,9 @@ Registration register_surface(const Image<float>& depth_m,
                               const hw::AcquisitionPlan& plan,
                               const render::View& view,
                               const RegistrationPriors& priors,
-                              int max_points) {
-  const ScannedSurfaces target(subject, plan, view, kFarPoint_m + kDrift_m);
+                              int max_points,
+                              std::uint32_t volume) {
+  const ScannedSurfaces target(subject, plan, view, kFarPoint_m + kDrift_m, volume);
   Registration result;
   const auto points =
       measured_points(depth_m, plan, view.camera, target, max_points, result.sampled);

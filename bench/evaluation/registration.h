@@ -60,18 +60,22 @@ struct Registration {
   double standard_deviation(int parameter) const;
 };
 
+inline constexpr int kRegistrationPoints = 4000;
+
 /// Names of `Registration::value` with their units.
 const std::array<std::string, kRegistrationParameters>& registration_names();
 
 /// Fits at most about `max_points` of the measured depths, on a regular grid over the picture, to
 /// the phantom's target surfaces: Huber loss, Levenberg-Marquardt, automatic derivatives of the
 /// fitted pose with the signed distance's gradient. A moving phantom is taken at the time of each
-/// point's stick. Not converged where fewer than 20 points are near a surface.
+/// point's stick in this volume of the plan. Not converged where fewer than 20 points are near a
+/// surface.
 Registration register_surface(const Image<float>& depth_m,
                               const phantoms::PlacedPhantom& subject,
                               const hw::AcquisitionPlan& plan,
                               const render::View& view,
                               const RegistrationPriors& priors = {},
-                              int max_points = 4000);
+                              int max_points = kRegistrationPoints,
+                              std::uint32_t volume = 0);
 
 }  // namespace wobblebench::bench

@@ -37,14 +37,15 @@ double seconds(hw::DeviceTime time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-std::vector<phantoms::Deformation> moments_of_first_volume(const phantoms::Motion& motion,
-                                                           const hw::AcquisitionPlan& plan) {
+std::vector<phantoms::Deformation> moments_of(const phantoms::Motion& motion,
+                                              const hw::AcquisitionPlan& plan,
+                                              std::uint32_t volume) {
   std::vector<phantoms::Deformation> moments;
   if (motion.still()) return moments;
   const auto& acquisition = plan.acquisition();
   for (std::uint32_t f = 0; f < static_cast<std::uint32_t>(acquisition.frames_per_volume); ++f) {
     for (std::uint32_t l = 0; l < static_cast<std::uint32_t>(acquisition.sticks_per_frame); ++l) {
-      moments.push_back(motion.at(seconds(plan.stick_time(plan.sequence({0, f, l})))));
+      moments.push_back(motion.at(seconds(plan.stick_time(plan.sequence({volume, f, l})))));
     }
   }
   return moments;
@@ -55,21 +56,24 @@ std::vector<phantoms::Deformation> moments_of_first_volume(const phantoms::Motio
 ScannedSurfaces::ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                                  const hw::AcquisitionPlan& plan,
                                  const render::View& view,
-                                 double reach_m)
-    : subject_(subject),
+                                 double reach_m,
+                                 std::uint32_t volume)
+    : volume_(volume),
+      subject_(subject),
       plan_(plan),
       geometry_(plan.geometry()),
       box_(view.box),
       edge_(view.edge),
       bounds_(motion_bounds(subject.motion,
                             in_phantom(view.box, subject.placement),
-                            seconds(plan.volume_end_time(0)))),
+                            seconds(plan.stick_time(plan.first_sequence(volume))),
+                            seconds(plan.volume_end_time(volume)))),
       finder_(subject.phantom, reach_m, bounds_.at_rest),
       moments_(std::make_shared<const std::vector<phantoms::Deformation>>(
-          moments_of_first_volume(subject.motion, plan))) {}
+          moments_of(subject.motion, plan, volume))) {}
 
 hw::StickIndex ScannedSurfaces::stick_at(const glm::dvec3& position_m) const {
-  return plan_.nearest_stick(geometry_.to_polar(position_m), 0);
+  return plan_.nearest_stick(geometry_.to_polar(position_m), volume_);
 }
 
 glm::dvec3 ScannedSurfaces::to_rest(const glm::dvec3& position_m,

@@ -2,6 +2,7 @@
 // the stick that images it. Tissue that moves during the volume is sheared, and so is the truth.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,7 +20,7 @@ struct SurfaceCrossing {
   glm::dvec3 outward{0};  ///< unit, out of the tissue
 };
 
-/// The target surfaces in the probe frame, in the first volume of the plan, within the view's box.
+/// The target surfaces in the probe frame, in one volume of the plan, within the view's box.
 /// Threads must not share one: each takes a copy.
 class ScannedSurfaces {
  public:
@@ -27,7 +28,8 @@ class ScannedSurfaces {
   ScannedSurfaces(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::View& view,
-                  double reach_m = 0);
+                  double reach_m = 0,
+                  std::uint32_t volume = 0);
 
   /// First crossing within the box, from fluid into tissue (rising edge) or from tissue into fluid
   /// (falling). Exact (OpenVDB's level-set intersector) for a still phantom. For a moving one the
@@ -70,6 +72,7 @@ class ScannedSurfaces {
                                           RaySample before,
                                           RaySample behind) const;
 
+  std::uint32_t volume_;
   phantoms::PlacedPhantom subject_;
   hw::AcquisitionPlan plan_;
   hw::ProbeGeometry geometry_;

@@ -22,10 +22,11 @@ bool in_field(const hw::AcquisitionPlan& plan, const glm::dvec3& position) {
 
 Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
-                  const render::View& view) {
+                  const render::View& view,
+                  std::uint32_t volume) {
   const int size = view.camera.image_size;
   Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
-  const ScannedSurfaces shared(subject, plan, view);
+  const ScannedSurfaces shared(subject, plan, view, 0, volume);
   tbb::parallel_for(tbb::blocked_range<int>(0, size), [&](const tbb::blocked_range<int>& rows) {
     // One copy for each range of rows: its OpenVDB accessors must not be shared between threads.
     // NOLINTNEXTLINE(performance-unnecessary-copy-initialization)

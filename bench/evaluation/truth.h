@@ -35,9 +35,10 @@ struct Truth {
 
 /// First crossing, within the view's box, from fluid into tissue (or, for EdgeSign::falling, from
 /// tissue into fluid) along the ray of each pixel. Moving tissue is at its position at the time of
-/// the stick that images the point (nearest frame and line, first volume of the plan).
+/// the stick that images the point (nearest frame and line) in this volume of the plan.
 Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
-                  const render::View& view);
+                  const render::View& view,
+                  std::uint32_t volume = 0);
 
 }  // namespace wobblebench::bench

@@ -6,6 +6,7 @@
 #include "base/user_error.h"
 #include "bench/pipeline/whole_volume.h"
 #include "bench/scene/adopt_plan.h"
+#include "bench/scene/subject_hash.h"
 
 namespace wobblebench::bench {
 
@@ -41,7 +42,9 @@ void BoardConnection::adopt_plan(Scene& scene) {
   }
   // Sticks that a source at its own pace sends until acquire() are missed, and counted.
   board_->stop();
-  bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
+  const std::string source = "--board " + arguments_.text;
+  bench::adopt_plan(scene, assembly_->configuration()->plan, source);
+  refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/false, source);
 }
 
 void BoardConnection::simulate(const Scene& scene,
@@ -56,7 +59,7 @@ void BoardConnection::simulate(const Scene& scene,
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
                                .once_ms = simulator.once_ms()};
-  const auto sticks = [&] { return sim::stick_source(std::move(simulator)); };
+  const auto sticks = [&] { return sim::stick_source(std::move(simulator), subject_hash(scene)); };
   board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
   assembly_.emplace(*board_);
 }
@@ -65,7 +68,14 @@ Acquisition BoardConnection::acquire(const Scene& scene,
                                      const phantoms::PlacedPhantom& subject,
                                      const sim::TissueMapSource& maps) {
   const auto before = hw::HostClock::now();
-  if (is_simulated(arguments_)) simulate(scene, subject, maps);
+  if (is_simulated(arguments_)) {
+    simulate(scene, subject, maps);
+  } else if (assembly_->configuration()) {
+    refuse_other_subject(scene,
+                         assembly_->configuration()->subject,
+                         /*placed=*/true,
+                         "--board " + arguments_.text);
+  }
   const auto start = simulated_ ? hw::HostClock::now() : before;
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
@@ -73,11 +83,16 @@ Acquisition BoardConnection::acquire(const Scene& scene,
   board_->start();
   hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
   const auto delivered = hw::HostClock::now();
+  const hw::Configuration configuration = *assembly_->configuration();
+  const ReceivedSamples samples = make_displayable(
+      volume, configuration.source, scene.simulation.dynamic_range_db, arguments_.text);
   Acquisition acquisition{.volume = std::move(volume),
+                          .samples = samples,
                           .account = {},
                           .damage = {},
                           .link = board_->capabilities(),
-                          .source = assembly_->configuration()->source,
+                          .source = configuration.source,
+                          .subject = configuration.subject,
                           .simulated = {},
                           .ending = assembly_->ended() ? ending() : ""};
   board_->stop();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/pipeline/board_link.h"
+#include "bench/pipeline/display_samples.h"
 #include "bench/scene/scene.h"
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
@@ -30,11 +31,13 @@ struct SimulatedVolume {
 };
 
 struct Acquisition {
-  hw::PolarVolume volume;
+  hw::PolarVolume volume;   ///< its samples as the renderer takes them
+  ReceivedSamples samples;  ///< as they came
   hw::BoardAccount account;
   hw::WireDamage damage;
   hw::LinkCapabilities link;
   hw::StreamOrigin source;                   ///< of the samples
+  hw::SubjectHash subject;                   ///< what they are of, if the stream says so
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
   double transport_ms = 0;                   ///< encode, link, decode, ring, assembly
   std::string ending;                        ///< why the stream broke off; empty: it did not
@@ -47,13 +50,14 @@ class BoardConnection {
   explicit BoardConnection(const BoardArguments& arguments);
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
-  /// Throws UserError where the scene was given other values, std::runtime_error if no
-  /// configuration comes.
+  /// Throws UserError where the scene was given other values or is of another subject,
+  /// std::runtime_error if no configuration comes.
   void adopt_plan(Scene& scene);
 
   /// The first volume whose beginning was not missed. `maps`: as sim::ProbeSimulator takes them.
-  /// Throws UserError for a simulated scene of several volumes, std::runtime_error if no volume
-  /// comes.
+  /// Throws UserError for a simulated scene of several volumes, a recording of a subject at another
+  /// place, and samples that cannot be displayed (make_displayable()); std::runtime_error if no
+  /// volume comes.
   [[nodiscard]] Acquisition acquire(const Scene& scene,
                                     const phantoms::PlacedPhantom& subject,
                                     const sim::TissueMapSource& maps = {});

@@ -15,7 +15,8 @@ ImageSimilarity compare_with_shaded_truth(const render::Picture& picture,
                                           const Truth& truth,
                                           const render::RenderOptions& options) {
   if (options.ray_casting.image_size < kLeastImageSize) return {HUGE_VAL, HUGE_VAL};
-  return compare_images(picture.surface, render::shade_depth(truth.depth_m, options).surface);
+  const auto shaded = render::shade_depth(truth.depth_m, options, picture.volume);
+  return compare_images(picture.surface, shaded.surface);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "bench/pipeline/simulated_sticks.h"
 
+#include "bench/scene/subject_hash.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
@@ -9,7 +10,8 @@ MakeSticks simulated_sticks(Scene scene, PhantomCache cache) {
   complete_from_phantom(scene, phantom);
   const sim::ProbeSimulator simulator(
       scene.place(phantom), scene.plan(), scene.simulation, cache.tissue_maps());
-  return [simulator] { return sim::stick_source(simulator); };
+  return
+      [simulator, subject = subject_hash(scene)] { return sim::stick_source(simulator, subject); };
 }
 
 }  // namespace wobblebench::bench

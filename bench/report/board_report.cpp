@@ -31,11 +31,22 @@ Json link_json(const hw::LinkCapabilities& link) {
           {"buffers_per_interrupt", link.buffers_per_interrupt}};
 }
 
+Json samples_json(const ReceivedSamples& samples) {
+  const bool linear = samples.scale == hw::SampleScale::linear_envelope;
+  const auto range = samples.dynamic_range_db;
+  return {{"scale", linear ? "linear" : "log"},
+          {"least", samples.least},
+          {"most", samples.most},
+          {"out_of_range", samples.out_of_range},
+          {"log_compressed_over_db", range ? Json(*range) : Json(nullptr)}};
+}
+
 Json board_json(const Acquisition& acquisition) {
   Json json = account_json(acquisition.account);
   json["damage"] = {{"places", acquisition.damage.regions},
                     {"bytes_skipped", acquisition.damage.bytes_skipped}};
   json["samples_from"] = hw::to_string(acquisition.source);
+  json["samples"] = samples_json(acquisition.samples);
   json["volume"] = acquisition.volume.volume_index();
   json["missing_sticks"] = acquisition.volume.missing_sticks();
   json["ending"] = acquisition.ending.empty() ? Json(nullptr) : Json(acquisition.ending);

@@ -41,6 +41,13 @@ Json checks_json(const hw::RecordingContents& contents) {
                   count(contents.contradictions, "stick") + " contradict the configuration")});
 }
 
+/// Null where the recording does not say what it is of.
+Json subject_json(const hw::SubjectHash& subject) {
+  if (!subject.stated()) return nullptr;
+  return {
+      {"phantom", subject.phantom}, {"placement", subject.placement}, {"motion", subject.motion}};
+}
+
 Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
   for (const auto& place : contents.damaged_regions) {
@@ -129,6 +136,7 @@ std::string inspection_report(const std::filesystem::path& path,
   if (const auto& configuration = contents.configuration) {
     report["acquisition"] = acquisition_json(configuration->plan);
     report["board"]["samples_from"] = hw::to_string(configuration->source);
+    report["recording"]["subject"] = subject_json(configuration->subject);
   }
   return report_text(report);
 }

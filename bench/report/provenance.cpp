@@ -39,6 +39,7 @@ Provenance provenance_of_this_machine() {
 }
 
 nlohmann::ordered_json to_json(const Provenance& p) {
+  const bool seeded = p.board.empty() || p.board == "simulated";
   return {{"commit", p.commit},
           {"host", p.host},
           {"cpu", p.cpu},
@@ -46,7 +47,7 @@ nlohmann::ordered_json to_json(const Provenance& p) {
           {"gl_backend", p.gl_backend},
           {"gl_renderer", p.gl_renderer},
           {"board", p.board},
-          {"seed", p.seed}};
+          {"seed", seeded ? nlohmann::ordered_json(p.seed) : nlohmann::ordered_json(nullptr)}};
 }
 
 }  // namespace wobblebench::bench

@@ -15,7 +15,7 @@ struct Provenance {
   std::string gl_backend;   ///< as --gl takes it; empty where nothing was rendered
   std::string gl_renderer;  ///< likewise
   std::string board;        ///< "simulated", "recording", "stand-in", "hardware"; empty: none used
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;   ///< reported as null where the sticks come from outside
 };
 
 /// Commit, host, CPU and threads; the caller fills in the rest.

@@ -45,24 +45,30 @@ double frame_ms(const std::vector<render::PassTime>& passes) {
   return sum;
 }
 
-Json render_json(const std::vector<render::PassTime>& passes) {
+Json render_json(const std::vector<render::PassTime>& passes, render::PipelineMode mode) {
   Json list = Json::array();
   for (const auto& pass : passes) {
     list.push_back({{"name", pass.name},
                     {"ms", pass.ms},
                     {"gpu_ms", pass.gpu_ms < 0 ? Json(nullptr) : Json(pass.gpu_ms)}});
   }
-  return {{"mode", "plain"}, {"passes", list}, {"frame_ms", frame_ms(passes)}};
+  return {{"mode", render::to_string(mode)}, {"passes", list}, {"frame_ms", frame_ms(passes)}};
 }
 
 Json error_json(const DepthError& raw,
                 const DepthError& filtered,
                 const ImageSimilarity& shaded,
                 bool surface_sought) {
-  const auto percent = [&](double value) { return surface_sought ? Json(value) : Json(nullptr); };
+  const auto percent = [&](bool formed, double value) {
+    return surface_sought && formed ? number(value) : Json(nullptr);
+  };
+  const bool in_view = raw.surface_in_view();
   return {{"depth_mm", depth_json(raw.depth)},
-          {"missed_percent", percent(raw.missed_percent())},
-          {"false_percent", percent(raw.false_percent())},
+          {"missed_percent", percent(in_view, raw.missed_percent())},
+          {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
+          {"false_percent", percent(in_view || raw.false_surface > 0, raw.false_percent())},
+          {"surface_percent", 100.0 * raw.surface / raw.pixels},
+          {"surface_cm2", raw.surface_m2 * 1e4},
           {"outside_field_percent", 100.0 * raw.outside_field / raw.pixels},
           {"pixels", raw.pixels},
           {"filtered_depth_mm", depth_json(filtered.depth)},

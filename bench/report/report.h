@@ -23,8 +23,9 @@ Json report_head(const std::string& command, Provenance provenance, const Scene&
 
 /// The sum over the passes.
 double frame_ms(const std::vector<render::PassTime>& passes);
-Json render_json(const std::vector<render::PassTime>& passes);
-/// Where no surface was sought (mode "volume") none is missed: those figures are null.
+Json render_json(const std::vector<render::PassTime>& passes, render::PipelineMode mode);
+/// Figures that cannot be formed are null: where no surface was sought (mode "volume"), and where
+/// there is none to be found.
 Json error_json(const DepthError& raw,
                 const DepthError& filtered,
                 const ImageSimilarity& shaded,

@@ -87,14 +87,56 @@ std::string board_line(const hw::BoardAccount& account) {
   return line + "\n";
 }
 
+/// Only what is remarkable about the samples.
+std::string samples_line(const ReceivedSamples& samples) {
+  std::string line;
+  if (samples.dynamic_range_db) {
+    line += "samples     linear envelopes, log-compressed over " +
+            rounded(*samples.dynamic_range_db) + " dB (simulation.dynamic_range_db)\n";
+  }
+  if (samples.out_of_range == 0) return line;
+  return line + "samples     " + std::to_string(samples.out_of_range) + " of " +
+         std::to_string(samples.count) + " out of range and clamped: they go from " +
+         rounded(static_cast<double>(samples.least)) + " to " +
+         rounded(static_cast<double>(samples.most)) + "\n";
+}
+
+/// Where the truth is from; empty: there is none.
+std::string truth_source(const RunResult& result) {
+  if (!result.comparison) return "";
+  if (result.acquisition.simulated) return "simulated scene";
+  return result.acquisition.subject.stated() ? "recorded scene" : "scene, on trust";
+}
+
+std::string truth_line(const RunResult& result) {
+  if (truth_source(result) != "scene, on trust") return "";
+  return "truth       taken from the scene on trust: the samples do not say what they are of\n";
+}
+
+/// Why the truth shows no surface in the picture.
+std::string nothing_in_view(const DepthError& raw, bool surface_sought) {
+  std::string line = "depth error none: no surface in view: ";
+  if (raw.outside_field > 0) {
+    line += "the phantom's lie outside sector, fan or depth of the scan";
+  } else {
+    line += "the phantom has none in render.volume_of_interest";
+  }
+  if (surface_sought && raw.false_surface > 0) {
+    line += "; false " + rounded(raw.false_percent()) + " % of the picture";
+  }
+  return line + "\n";
+}
+
 std::string error_line(const std::optional<Comparison>& comparison, bool surface_sought) {
   if (!comparison) return "depth error unknown: nobody knows what the board looked at\n";
   const DepthError& raw = comparison->error.raw;
+  if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
   const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
   return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
          " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
-         " pixels; missed " + percent(raw.missed_percent()) + " %, false " +
-         percent(raw.false_percent()) + " %\n";
+         " pixels\nsurface     missed " + percent(raw.missed_surface_percent()) +
+         " % of its area (" + percent(raw.missed_percent()) + " % of the picture), false " +
+         percent(raw.false_percent()) + " % of the picture\n";
 }
 
 }  // namespace
@@ -106,7 +148,9 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
   report["acquisition"] = acquisition_json(scene.plan());
   report["simulation"] = simulated ? simulation_json(*simulated, scene) : Json(nullptr);
   report["board"] = board_json(result.acquisition);
-  report["render"] = render_json(result.picture.passes);
+  report["render"] = render_json(result.picture.passes, scene.render.pipeline.mode);
+  const std::string truth = truth_source(result);
+  report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
@@ -124,8 +168,9 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
 std::string run_summary(const RunResult& result,
                         const Scene& scene,
                         const std::filesystem::path& directory) {
-  return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
-         rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
+  return volume_line(result, scene) + board_line(result.acquisition.account) +
+         "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
+         result.gl_renderer + "\n" + samples_line(result.acquisition.samples) + truth_line(result) +
          error_line(result.comparison, computes_surface(scene)) + "results     " +
          directory.string() + "\n";
 }

@@ -44,14 +44,20 @@ double stretch_at(const phantoms::Deformation& moment,
 
 MotionBounds motion_bounds(const phantoms::Motion& motion,
                            const phantoms::Box& box,
-                           double duration_s) {
+                           double begin_s,
+                           double end_s) {
   MotionBounds bounds{0, 1, box};
   if (motion.still()) return bounds;
   const std::vector<glm::dvec3> points = grid_points(box);
-  std::vector<glm::dvec3> before = points;  // as at time 0
-  const double step_s = duration_s / kSteps;
+  std::vector<glm::dvec3> before = points;
+  const phantoms::Deformation start = motion.at(begin_s);
+  for (glm::dvec3& point : before) {
+    point = start.to_rest(point);
+    bounds.at_rest = {glm::min(bounds.at_rest.low, point), glm::max(bounds.at_rest.high, point)};
+  }
+  const double step_s = (end_s - begin_s) / kSteps;
   for (int i = 1; i <= kSteps; ++i) {
-    const phantoms::Deformation moment = motion.at(i * step_s);
+    const phantoms::Deformation moment = motion.at(begin_s + i * step_s);
     for (std::size_t p = 0; p < points.size(); ++p) {
       const glm::dvec3 rest = moment.to_rest(points[p]);
       bounds.speed_m_s = std::max(bounds.speed_m_s, glm::distance(rest, before[p]) / step_s);

@@ -13,9 +13,10 @@ struct MotionBounds {
   phantoms::Box at_rest;  ///< holds the positions at rest of all points of the box
 };
 
-/// For points in `box` (phantom frame) from time 0 to `duration_s`.
+/// For points in `box` (phantom frame) from time `begin_s` to `end_s`.
 MotionBounds motion_bounds(const phantoms::Motion& motion,
                            const phantoms::Box& box,
-                           double duration_s);
+                           double begin_s,
+                           double end_s);
 
 }  // namespace wobblebench::bench

@@ -1,30 +1,9 @@
 #include "bench/scene/scene.h"
 
-#include <glm/common.hpp>
-#include <limits>
-
 #include "base/user_error.h"
+#include "phantoms/framing.h"
 
 namespace wobblebench::bench {
-
-namespace {
-
-/// The axis-aligned box in the probe frame around `box` of the placed phantom.
-phantoms::Box placed(const phantoms::Box& box, const phantoms::Placement& placement) {
-  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
-                       glm::dvec3(-std::numeric_limits<double>::infinity())};
-  for (const double x : {box.low.x, box.high.x}) {
-    for (const double y : {box.low.y, box.high.y}) {
-      for (const double z : {box.low.z, box.high.z}) {
-        const glm::dvec3 corner = placement.to_probe({x, y, z});
-        bounds = {glm::min(bounds.low, corner), glm::max(bounds.high, corner)};
-      }
-    }
-  }
-  return bounds;
-}
-
-}  // namespace
 
 phantoms::Placement to_placement(const PlacementOptions& options) {
   return {phantoms::rotation_xyz(options.rotation_rad), options.position_m};
@@ -44,17 +23,20 @@ phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {
 }
 
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
+  const auto framing =
+      phantoms::framing(phantom, phantoms::rotation_xyz(scene.placement.rotation_rad));
   if (!scene.given.contains("placement.position_mm")) {
     // The suggestion is for the default face; another radius moves the face along z.
     const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
-    scene.placement.position_m = phantom.suggested_position_m() + glm::dvec3(0, 0, face_moved_m);
+    scene.placement.position_m = framing.position_m + glm::dvec3(0, 0, face_moved_m);
   }
-  const phantoms::Box box = placed(phantom.region_of_interest(), to_placement(scene.placement));
+  const glm::dvec3 low = scene.placement.position_m + framing.region_of_interest.low;
+  const glm::dvec3 high = scene.placement.position_m + framing.region_of_interest.high;
   if (!scene.given.contains("render.volume_of_interest.center_mm")) {
-    scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
+    scene.render.volume_of_interest.center_m = 0.5 * (low + high);
   }
   if (!scene.given.contains("render.volume_of_interest.size_mm")) {
-    scene.render.volume_of_interest.size_m = box.high - box.low;
+    scene.render.volume_of_interest.size_m = high - low;
   }
 }
 

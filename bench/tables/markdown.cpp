@@ -203,7 +203,7 @@ std::string describe_run(const TableRun& run) {
          << "^3); frames, sticks, samples and kernels are the paper's. --full runs the paper's "
             "sizes.";
   }
-  text << " plain: each step as the paper writes it, taps of the 3D kernel along the ray; fast: "
+  text << " plain: each sample and pixel by itself, taps of the 3D kernel along the ray; fast: "
           "the default, taps in the slices. Each setting: median of "
        << run.plain_repeats << " (plain) and " << run.repeats
        << " (fast) after one uncounted, all settings in turn in each repeat; a setting that "

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "base/user_error.h"
+#include "bench/pipeline/display_samples.h"
 #include "bench/pipeline/whole_volume.h"
 #include "bench/tables/paper.h"
 
@@ -34,6 +35,7 @@ hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& b
   hw::VolumeAssembly assembly(board);
   board.start();
   hw::PolarVolume volume = whole_volume(board, assembly, board_text);
+  make_displayable(volume, assembly.configuration()->source, std::nullopt, board_text);
   if (assembly.ended() && volume.missing_sticks() > 0) {
     throw UserError("--board = " + board_text + ": " + ending_of(board, assembly) + ": " +
                     std::to_string(volume.missing_sticks()) + " sticks of the volume are missing");

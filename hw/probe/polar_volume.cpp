@@ -1,6 +1,7 @@
 #include "hw/probe/polar_volume.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -49,6 +50,19 @@ void PolarVolume::place(const Stick& stick) {
   frame.motor_angle_rad[stick.index.line] = stick.motor_angle_rad;
   arrived = 1;
   scale_ = stick.scale;
+}
+
+void PolarVolume::log_compress(double dynamic_range_db) {
+  if (scale_ == SampleScale::log_compressed) return;
+  for (PolarFrame& frame : frames_) {
+    for (float& sample : frame.samples) {
+      if (!std::isfinite(sample)) continue;
+      const double amplitude = std::max(static_cast<double>(sample), 0.0);
+      const double value = 1 + 20 * std::log10(amplitude) / dynamic_range_db;  // -inf at 0
+      sample = static_cast<float>(std::clamp(value, 0.0, 1.0));
+    }
+  }
+  scale_ = SampleScale::log_compressed;
 }
 
 int PolarVolume::missing_sticks() const {

@@ -39,6 +39,11 @@ class PolarVolume {
   const AcquisitionPlan& plan() const { return plan_; }
   const std::vector<PolarFrame>& frames() const { return frames_; }
   const PolarFrame& frame(int index) const { return frames_.at(static_cast<std::size_t>(index)); }
+  /// Maps linear envelopes, 1 at full scale, to [0, 1] over the dynamic range below it, as the
+  /// scanner's log compression does: 1 + 20 log10(sample) / range. Leaves log-compressed samples,
+  /// NaN and infinities alone.
+  void log_compress(double dynamic_range_db);
+
   int missing_sticks() const;
   SampleScale scale() const { return scale_; }
   /// Index in the stream, from 0.

@@ -3,6 +3,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "hw/wire/stream_origin.h"
+#include "hw/wire/subject_hash.h"
 
 namespace wobblebench::hw {
 
@@ -10,6 +11,7 @@ namespace wobblebench::hw {
 struct Configuration {
   AcquisitionPlan plan;
   StreamOrigin source;  ///< of the samples, also in a recording
+  SubjectHash subject = {};
 };
 
 }  // namespace wobblebench::hw

@@ -104,6 +104,9 @@ void visit_configuration(ConfigurationPacket& packet, Field&& field) {
   field(128, plan.samples_per_stick);
   field(132, plan.frames_per_volume);
   field(136, plan.volumes);
+  field(148, packet.subject.phantom);
+  field(152, packet.subject.placement);
+  field(156, packet.subject.motion);
 }
 // In a configuration's payload, bytes.
 inline constexpr std::size_t kMotorModeOffset = 140;

@@ -14,6 +14,7 @@
 #include "hw/probe/clock.h"
 #include "hw/probe/stick.h"
 #include "hw/wire/stream_origin.h"
+#include "hw/wire/subject_hash.h"
 #include "hw/wire/version.h"
 
 namespace wobblebench::hw {
@@ -40,6 +41,7 @@ struct ConfigurationPacket {
   StreamOrigin source = StreamOrigin::simulated;  ///< of the samples, also in a recording
   ProbeOptions probe;
   AcquisitionOptions acquisition;
+  SubjectHash subject = {};
 };
 
 struct StickPacket {

@@ -21,7 +21,7 @@ AcquisitionPlan plan_of(const ConfigurationPacket& packet) {
 bool same_plan(const Configuration& configuration, const ConfigurationPacket& packet) {
   return configuration.plan.probe() == packet.probe &&
          configuration.plan.acquisition() == packet.acquisition &&
-         configuration.source == packet.source;
+         configuration.source == packet.source && configuration.subject == packet.subject;
 }
 
 /// The index lies in the plan and belongs to the sequence number. The stream may continue beyond
@@ -38,7 +38,7 @@ bool ends_its_volume(const AcquisitionPlan& plan, const VolumeEndPacket& packet)
 }  // namespace
 
 AuditResult StreamAudit::take(const ConfigurationPacket& packet) {
-  Configuration configuration{plan_of(packet), packet.source};
+  Configuration configuration{plan_of(packet), packet.source, packet.subject};
   const bool repeated = configuration_ && same_plan(*configuration_, packet);
   if (configuration_ && !repeated) tracker_.restart();
   AuditResult result{.missing = advance_to(packet.sequence), .rejected = {}, .accepted = !repeated};

@@ -4,22 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <glm/common.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
 
+#include "phantoms/framing.h"
 #include "phantoms/io/mesh_file.h"
 #include "phantoms/refusal.h"
-#include "phantoms/shapes/calibration.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 namespace fs = std::filesystem;
-
-// z of the front of an imported body in the frame of the default probe: 65 mm below its face.
-constexpr double kFront_m = (40 + 65) * 1e-3;
 
 void check_readable(const std::string& file, const std::string& kind) {
   if (file.empty()) throw refusal("file", quoted(file), "must be the path of " + kind);
@@ -103,17 +99,13 @@ Phantom imported_phantom(const PhantomOptions& options,
                          std::vector<Surface> surfaces,
                          const Box& bounds,
                          std::shared_ptr<const Grids> grids) {
-  // The region of interest contains the front, with a margin.
-  const double half_x = std::clamp(bounds.high.x + 5e-3, 15e-3, 60e-3);
-  const double half_y = std::clamp(bounds.high.y + 5e-3, 15e-3, 60e-3);
-  const double front = bounds.low.z - 10e-3;
-  const Box box{{-half_x, -half_y, front}, {half_x, half_y, front + kBoxDepth_m}};
+  const Framing framing = framing_of_body(bounds);
   return Phantom(options.name,
                  material_table(),
                  material_index(options.background),
                  std::move(surfaces),
-                 box,
-                 {0, 0, kFront_m - bounds.low.z},
+                 framing.region_of_interest,
+                 framing.position_m,
                  std::move(grids));
 }
 

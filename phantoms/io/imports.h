@@ -1,6 +1,6 @@
 // Phantoms from files. The origin of an imported phantom is the centre of the surfaces'
-// axis-aligned bounding box; its axes are those of the file; at the suggested position the front of
-// the box is 65 mm below the probe's face.
+// axis-aligned bounding box; its axes are those of the file; phantoms/framing.h says where it lies
+// before the probe.
 #pragma once
 
 #include "phantoms/io/memory_limit.h"

@@ -7,7 +7,7 @@
 namespace wobblebench::render {
 namespace {
 
-enum Bindings { kDepth, kQuadrants, kNearest, kLitDepth };
+enum Bindings { kDepth, kQuadrants, kNearest, kLitDepth, kColor };
 
 Defines shade_defines(const RenderOptions& options) {
   return Defines()
@@ -15,6 +15,8 @@ Defines shade_defines(const RenderOptions& options) {
       .add("BIND_QUADRANTS", kQuadrants)
       .add("BIND_NEAREST", kNearest)
       .add("BIND_LIT_DEPTH", kLitDepth)
+      .add("BIND_COLOR", kColor)
+      .add("RENDERED_BASE", options.shading.base == ShadingBase::rendered)
       .add("FAST", options.pipeline.mode == PipelineMode::fast)
       .add("TILE", kShadowTile)
       .add("NO_SURFACE", kNoDepth)
@@ -65,7 +67,7 @@ SurfaceShader::SurfaceShader(const RenderOptions& options)
   check_gl("surface shading: setting up");
 }
 
-void SurfaceShader::shade(const Texture& depth) {
+void SurfaceShader::shade(const Texture& depth, const Texture& color) {
   filter_.filter(depth);
   if (leaps_) {
     tiles_.update(filtered_depth());
@@ -73,9 +75,10 @@ void SurfaceShader::shade(const Texture& depth) {
                 {{kDepth, &filtered_depth()},
                  {kQuadrants, &tiles_.quadrants()},
                  {kNearest, &tiles_.nearest()},
-                 {kLitDepth, &tiles_.lit_depth()}});
+                 {kLitDepth, &tiles_.lit_depth()},
+                 {kColor, &color}});
   } else {
-    shade_.draw(target_, {{kDepth, &filtered_depth()}});
+    shade_.draw(target_, {{kDepth, &filtered_depth()}, {kColor, &color}});
   }
   check_gl("surface shading");
 }

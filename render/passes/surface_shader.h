@@ -13,8 +13,8 @@ class SurfaceShader {
  public:
   explicit SurfaceShader(const RenderOptions& options);
 
-  /// Shades RayCaster::depth().
-  void shade(const Texture& depth);
+  /// Shades RayCaster::depth(); with ShadingBase::rendered, RayCaster::color() on it.
+  void shade(const Texture& depth, const Texture& color);
 
   const Texture& filtered_depth() const { return filter_.filtered(); }
   /// RGB in [0, 1]; black where there is no surface.

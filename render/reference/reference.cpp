@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "render/geometry/sample.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render {
@@ -17,12 +18,23 @@ Image<Pixel> converted(const Image<From>& image) {
   return result;
 }
 
+template <class Pixel>
+void check_size(const std::string& what, const Image<Pixel>& image, const RenderOptions& options) {
+  const int size = options.ray_casting.image_size;
+  if (image.width == size && image.height == size) return;
+  throw InvalidOption(
+      "ray_casting.image_size",
+      std::to_string(size),
+      what + " is " + std::to_string(image.width) + " x " + std::to_string(image.height));
+}
+
 /// Passes 3 and 4.
 void shade_and_smooth(const Image<double>& depth_m,
+                      const Image<glm::dvec3>& rendered,
                       const RenderOptions& options,
                       Picture& picture) {
   const auto filtered = reference::filter_depth(depth_m, options.shading.depth_filter_size);
-  const auto shaded = reference::shade(filtered, options);
+  const auto shaded = reference::shade(filtered, rendered, options);
   picture.depth_m = converted<float>(depth_m);
   picture.filtered_depth_m = converted<float>(filtered);
   picture.surface = converted<glm::vec3>(reference::smooth(shaded, options.smoothing));
@@ -32,26 +44,26 @@ void shade_and_smooth(const Image<double>& depth_m,
 
 Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& options) {
   validate(options);
+  check_log_compressed(volume);
   const reference::SliceStack slices(volume, options);
   const reference::Cast cast = reference::cast_rays(slices, options);
   Picture picture;
   picture.volume = converted<glm::vec3>(cast.volume);
-  shade_and_smooth(cast.depth_m, options, picture);
+  shade_and_smooth(cast.depth_m, cast.volume, options, picture);
   return picture;
 }
 
-Picture shade_depth(const Image<float>& depth_m, const RenderOptions& options) {
+Picture shade_depth(const Image<float>& depth_m,
+                    const RenderOptions& options,
+                    const Image<glm::vec3>& rendered) {
   validate(options);
-  const int size = options.ray_casting.image_size;
-  if (depth_m.width != size || depth_m.height != size) {
-    throw InvalidOption("ray_casting.image_size",
-                        std::to_string(size),
-                        "the depth image is " + std::to_string(depth_m.width) + " x " +
-                            std::to_string(depth_m.height));
-  }
+  check_size("the depth image", depth_m, options);
   Picture picture;
-  picture.volume = Image<glm::vec3>(size, size);
-  shade_and_smooth(converted<double>(depth_m), options, picture);
+  const int size = options.ray_casting.image_size;
+  picture.volume = rendered.pixels.empty() ? Image<glm::vec3>(size, size) : rendered;
+  check_size("the volume picture", picture.volume, options);
+  shade_and_smooth(
+      converted<double>(depth_m), converted<glm::dvec3>(picture.volume), options, picture);
   return picture;
 }
 

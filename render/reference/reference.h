@@ -22,8 +22,11 @@ namespace wobblebench::render {
 /// @endcode
 Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& options);
 
-/// Passes 3 and 4 on any depth image, such as the ground truth, of image_size pixels per side;
-/// `volume` is black. Throws InvalidOption.
-Picture shade_depth(const Image<float>& depth_m, const RenderOptions& options);
+/// Passes 3 and 4 on any depth image, such as the ground truth, of image_size pixels per side.
+/// `rendered`: the volume picture, which ShadingBase::rendered shades; black if empty. Throws
+/// InvalidOption.
+Picture shade_depth(const Image<float>& depth_m,
+                    const RenderOptions& options,
+                    const Image<glm::vec3>& rendered = {});
 
 }  // namespace wobblebench::render

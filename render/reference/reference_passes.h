@@ -46,8 +46,10 @@ Cast cast_rays(const SliceStack& slices, const RenderOptions& options);
 /// Pass 3, first half: box filter over neighbours with a surface.
 Image<double> filter_depth(const Image<double>& depth_m, int filter_size);
 
-/// Pass 3, second half.
-Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& options);
+/// Pass 3, second half. `rendered`: pass 2's volume picture, read with ShadingBase::rendered only.
+Image<glm::dvec3> shade(const Image<double>& depth_m,
+                        const Image<glm::dvec3>& rendered,
+                        const RenderOptions& options);
 
 /// Pass 4.
 Image<glm::dvec3> smooth(const Image<glm::dvec3>& picture, const SmoothingOptions& options);

@@ -26,8 +26,13 @@ void for_each_neighbour(const Image<Pixel>& image, int column, int row, int size
 /// Shades the height map of a camera. Positions and directions are in the probe frame.
 class HeightMap {
  public:
-  HeightMap(const Image<double>& depth_m, const RenderOptions& options)
-      : depth_m_(depth_m), o_(options.shading), camera_(make_camera(options)) {}
+  HeightMap(const Image<double>& depth_m,
+            const Image<glm::dvec3>& rendered,
+            const RenderOptions& options)
+      : depth_m_(depth_m),
+        rendered_(rendered),
+        o_(options.shading),
+        camera_(make_camera(options)) {}
 
   glm::dvec3 shaded(int column, int row) const;
 
@@ -52,6 +57,7 @@ class HeightMap {
   double pixels_per_m(const glm::dvec3& from, const glm::dvec3& direction) const;
 
   const Image<double>& depth_m_;
+  const Image<glm::dvec3>& rendered_;
   const ShadingOptions& o_;
   Camera camera_;
 };
@@ -128,7 +134,8 @@ glm::dvec3 HeightMap::shaded(int column, int row) const {
   const glm::dvec3 surface_normal = normal(column, row);
   const Lighting light = light_at(surface, to_viewer);
   const double facing = glm::dot(surface_normal, light.direction);
-  const glm::dvec3 base = o_.base_rgb;
+  glm::dvec3 base = o_.base_rgb;
+  if (o_.base == ShadingBase::rendered) base *= rendered_.at(column, row);
   glm::dvec3 color = base * (o_.ambient + o_.diffuse * std::max(facing, 0.0));
   if (facing > 0) {
     const glm::dvec3 halfway = light.direction + to_viewer;
@@ -217,8 +224,10 @@ Image<double> filter_depth(const Image<double>& depth_m, int filter_size) {
   return filtered;
 }
 
-Image<glm::dvec3> shade(const Image<double>& depth_m, const RenderOptions& options) {
-  const HeightMap map(depth_m, options);
+Image<glm::dvec3> shade(const Image<double>& depth_m,
+                        const Image<glm::dvec3>& rendered,
+                        const RenderOptions& options) {
+  const HeightMap map(depth_m, rendered, options);
   Image<glm::dvec3> picture(depth_m.width, depth_m.height);
   parallel_rows(picture.height, [&](int row) {
     for (int column = 0; column < picture.width; ++column) {

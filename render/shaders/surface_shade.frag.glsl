@@ -5,6 +5,10 @@ uniform vec3 base_rgb;
 uniform float ambient, diffuse, specular, shininess;
 uniform float shadow_coefficient;
 
+#if RENDERED_BASE
+layout(binding = BIND_COLOR) uniform sampler2D rendered;  // pass 2's alpha-blended picture
+#endif
+
 layout(location = 0) out vec4 surface;
 
 vec3 position_at(ivec2 pixel, float z) { return view_position(vec2(pixel) + 0.5, z); }
@@ -45,7 +49,12 @@ void main() {
 #endif
   // Eq. (2): I = I_ambient + I_diffuse + I_specular.
   float facing = dot(normal, to_light);
-  vec3 color = base_rgb * (ambient + diffuse * max(facing, 0.0));
+#if RENDERED_BASE
+  vec3 base = base_rgb * texelFetch(rendered, pixel, 0).rgb;
+#else
+  vec3 base = base_rgb;
+#endif
+  vec3 color = base * (ambient + diffuse * max(facing, 0.0));
   if (facing > 0.0) {
     vec3 halfway = to_light + to_viewer;
     float along = dot(normal, halfway) / max(length(halfway), 1e-20);

@@ -31,12 +31,14 @@ VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics>
 
 }  // namespace
 
-StickSource stick_source(ProbeSimulator simulator) {
+StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject) {
   const hw::AcquisitionPlan plan = simulator.plan();
   const hw::SampleScale scale = simulator.options().output;
-  return {plan, scale, [simulator = std::move(simulator)](std::uint32_t volume) {
-            return simulator.volume(volume);
-          }};
+  return {
+      plan,
+      scale,
+      [simulator = std::move(simulator)](std::uint32_t volume) { return simulator.volume(volume); },
+      subject};
 }
 
 class SimLink::Impl {
@@ -174,7 +176,8 @@ bool SimLink::Impl::begin_volume() {
                                      .time = begin,
                                      .source = hw::StreamOrigin::simulated,
                                      .probe = plan.probe(),
-                                     .acquisition = plan.acquisition()},
+                                     .acquisition = plan.acquisition(),
+                                     .subject = source_.subject},
              bytes_);
   card_.push(bytes_, begin, false);
   inside_volume_ = true;

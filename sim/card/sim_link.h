@@ -10,6 +10,7 @@
 
 #include "hw/link/link.h"
 #include "hw/link/pace.h"
+#include "hw/wire/subject_hash.h"
 #include "sim/options.h"
 #include "sim/probe_simulator.h"
 
@@ -35,8 +36,9 @@ struct StickSource {
   hw::AcquisitionPlan plan;
   hw::SampleScale scale = hw::SampleScale::log_compressed;
   std::function<VolumeSamples(std::uint32_t)> volume;  ///< called for volumes 0, 1, … in turn
+  hw::SubjectHash subject = {};                        ///< put into each configuration
 };
-StickSource stick_source(ProbeSimulator simulator);
+StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject = {});
 
 /// Counts and times of a link, which may be read while the link writes them.
 struct SimLinkStatistics {

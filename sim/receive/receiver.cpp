@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/math/fast_math.h"
 #include "sim/math/random.h"
@@ -15,6 +16,9 @@ namespace {
 constexpr int kBlock = 64;
 /// Smallest argument of the logarithm, 380 dB below full scale: a normal number.
 constexpr float kSmallestAmplitude = 1e-19f;
+/// 600 dB: what such a gain does not lift to full scale is zero, and it is far from the largest
+/// float. Options allow 4900 dB (20 MHz, 3 dB/cm/MHz, 40 cm, full scale at -100 dB).
+constexpr double kMostGain = 1e30;
 
 /// |iq + noise| of `count` IQ samples, from sample `first` of the stick on.
 WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
@@ -64,10 +68,15 @@ void take_middle(const float* envelope, std::ptrdiff_t count, std::ptrdiff_t eac
   for (std::ptrdiff_t k = 0; k < count; ++k) samples[k] = envelope[k * each + each / 2];
 }
 
+/// Saturates at the largest float: a sample is always finite.
 WOBBLEBENCH_SIMD void apply_gain(const float* __restrict gain,
                                  int count,
                                  float* __restrict samples) {
-  for (int k = 0; k < count; ++k) samples[k] *= gain[k];
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  for (int k = 0; k < count; ++k) {
+    const float amplified = samples[k] * gain[k];
+    samples[k] = amplified < kLargest ? amplified : kLargest;
+  }
 }
 
 /// `per_octave`: change of the sample value for each doubling of the amplitude.
@@ -104,8 +113,8 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
   const int samples = plan.acquisition().samples_per_stick;
   const double full_scale = amplitude_of_db(options.full_scale_db);
   for (int k = 0; k < samples; ++k) {
-    gain_.push_back(
-        static_cast<float>(time_gain(plan, options, plan.sample_range_m(k)) / full_scale));
+    const double gain = time_gain(plan, options, plan.sample_range_m(k)) / full_scale;
+    gain_.push_back(static_cast<float>(std::min(gain, kMostGain)));
   }
   const bool log = options.output == hw::SampleScale::log_compressed;
   const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));

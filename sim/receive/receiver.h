@@ -23,7 +23,8 @@ class Receiver {
   Receiver(const hw::AcquisitionPlan& plan, const SimulationOptions& options, int oversampling);
 
   /// One stick: `iq` holds `oversampling` values for each of `samples`. Noise is a function of
-  /// `noise_key` (sim/math/random.h) and the IQ sample.
+  /// `noise_key` (sim/math/random.h) and the IQ sample. Every sample is finite: gain is limited to
+  /// 600 dB.
   void detect(std::span<const std::complex<float>> iq,
               std::uint64_t noise_key,
               std::span<float> samples);

@@ -52,6 +52,12 @@ const Refusal kRefusals[] = {
     {"threshold",
      [](RenderOptions& o) { o.ray_casting.threshold = std::nan(""); },
      "ray_casting.threshold = nan: must be within -64 and 64"},
+    {"rendered_base_without_a_picture",
+     [](RenderOptions& o) {
+       o.shading.base = ShadingBase::rendered;
+       o.ray_casting.mode = RenderMode::surface;
+     },
+     "shading.base = rendered: needs ray_casting.mode both; surface blends no picture"},
     {"transfer_order",
      [](RenderOptions& o) {
        o.ray_casting.transfer_values = {0, 0.5, 0.5, 1};

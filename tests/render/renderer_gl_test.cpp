@@ -74,6 +74,20 @@ TEST(Renderer, IsCompiledInTheBackground) {
   EXPECT_TRUE(same_bits(renderer.render().depth_m, expected.depth_m));
 }
 
+TEST(Renderer, RefusesLinearEnvelopes) {
+  const hw::AcquisitionPlan plan = testing::small_plan();
+  hw::PolarVolume linear(plan);
+  hw::Stick stick;
+  stick.samples.resize(static_cast<std::size_t>(plan.acquisition().samples_per_stick));
+  stick.scale = hw::SampleScale::linear_envelope;
+  linear.place(stick);
+  EXPECT_THROW(render_volume(gl_context(), linear, testing::small_options()),
+               std::invalid_argument);
+  EXPECT_THROW(render_reference(linear, testing::small_options()), std::invalid_argument);
+  linear.log_compress(60);
+  EXPECT_NO_THROW(render_volume(gl_context(), linear, testing::small_options()));
+}
+
 TEST(Renderer, AcceptsFramesInAnyOrder) {
   const hw::PolarVolume& volume = testing::noisy_scene();
   const RenderOptions options = testing::small_options();

@@ -172,6 +172,20 @@ const Setting kSettings[] = {
      }},
 };
 
+/// Beside the golden sheet. `paper`: every step as the paper writes it
+/// (docs/decisions/0006-defaults-of-the-probe.md).
+const Setting kBaseSettings[] = {
+    {"base_rendered", [](RenderOptions& o) { o.shading.base = ShadingBase::rendered; }},
+    {"paper",
+     [](RenderOptions& o) {
+       o.ray_casting.kernel_space = KernelSpace::ray;
+       o.ray_casting.refine_crossing = false;
+       o.shading.base = ShadingBase::rendered;
+       o.shading.base_rgb = {1, 1, 1};
+     },
+     0.05},
+};
+
 /// All settings' shaded pictures side by side, as 8-bit grey.
 Image<std::uint8_t> golden_sheet() {
   constexpr int kTile = 40, kColumns = 8;
@@ -234,6 +248,13 @@ TEST(GoldenSettings, MatchTheGoldenSheet) {
     EXPECT_LE(failing, kSettings[k].golden_share * 1600) << kSettings[k].name;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Bases,
+                         EachSetting,
+                         ::testing::Combine(::testing::ValuesIn(kBaseSettings),
+                                            ::testing::Values(PipelineMode::fast,
+                                                              PipelineMode::plain)),
+                         testing::NamedByCaseAndMode{});
 
 INSTANTIATE_TEST_SUITE_P(Settings,
                          EachSetting,

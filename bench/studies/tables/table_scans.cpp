@@ -16,6 +16,7 @@ void take_reference_settings(Scene& scene, const TableRun& run) {
                           "render.ray_casting.kernel_3d",
                           "render.ray_casting.kernel_space",
                           "render.ray_casting.mode",
+                          "render.shading.base",
                           "render.shading.depth_filter_size",
                           "render.smoothing.filter_size"}) {
     if (scene.given.contains(key)) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "render/camera.h"
 
@@ -101,6 +102,98 @@ TEST(DepthError, OfNothingFoundIsUnset) {
   EXPECT_TRUE(std::isnan(error.depth.bias_m));
   EXPECT_TRUE(std::isnan(error.normal.mean_rad));
   EXPECT_EQ(error.missed, kSize * kSize);
+}
+
+/// A camera of `size` pixels over 0.1 m.
+render::Camera camera_of(int size, render::Projection projection) {
+  render::RenderOptions options;
+  options.ray_casting.image_size = size;
+  options.view.projection = projection;
+  return render::make_camera(options);
+}
+
+/// The near side of a ball whose centre lies on the axis of the camera.
+Truth ball_truth(const render::Camera& camera, double center_m, double radius_m) {
+  const int size = camera.image_size;
+  Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
+  const hw::Ray axis = camera.ray(0.5 * size - 0.5, 0.5 * size - 0.5);
+  const glm::dvec3 center = axis.at(center_m);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const hw::Ray ray = camera.ray(column, row);
+      const double along = glm::dot(center - ray.origin, ray.direction);
+      const double off = glm::length(ray.at(along) - center);
+      if (off >= radius_m) continue;
+      const double depth_m = along - std::sqrt(radius_m * radius_m - off * off);
+      truth.depth_m.at(column, row) = static_cast<float>(depth_m);
+      truth.normal.at(column, row) = (ray.at(depth_m) - center) / radius_m;
+      truth.kind.at(column, row) = TruthKind::surface;
+    }
+  }
+  return truth;
+}
+
+TEST(SurfaceArea, OfABallIsHalfItsAreaInParallelProjection) {
+  const render::Camera camera = camera_of(512, render::Projection::parallel);
+  const double radius_m = 0.03;
+  const Truth truth = ball_truth(camera, 0.1, radius_m);
+  const DepthError error = measure_depth_error(truth.depth_m, truth, camera);
+  EXPECT_NEAR(error.surface_m2 / (2 * kPi * radius_m * radius_m), 1, 0.02) << "the rim is cut off";
+  EXPECT_EQ(error.missed_surface_percent(), 0);
+}
+
+TEST(SurfaceArea, OfABallIsItsVisibleCapInPerspective) {
+  const render::Camera camera = camera_of(512, render::Projection::perspective);
+  const double radius_m = 0.03, distance_m = camera.eye_distance_m + 0.05;
+  const Truth truth = ball_truth(camera, distance_m, radius_m);
+  const DepthError error = measure_depth_error(truth.depth_m, truth, camera);
+  const double cap_m2 = 2 * kPi * radius_m * radius_m * (1 - radius_m / distance_m);
+  EXPECT_NEAR(error.surface_m2 / cap_m2, 1, 0.02);
+}
+
+/// Archimedes: rings of equal height have equal area. Only the cap about the middle is found.
+TEST(SurfaceArea, MissedIsAShareOfTheSurfaceNotOfThePicture) {
+  const render::Camera camera = camera_of(512, render::Projection::parallel);
+  const double radius_m = 0.03;
+  const Truth truth = ball_truth(camera, 0.1, radius_m);
+  Image<float> found = truth.depth_m;
+  for (std::size_t i = 0; i < found.pixels.size(); ++i) {
+    if (truth.normal.pixels[i].z > -0.5f) found.pixels[i] = kNoSurface;  // beyond 60 degrees
+  }
+  const DepthError error = measure_depth_error(found, truth, camera);
+  EXPECT_NEAR(error.missed_surface_percent(), 50, 1.5);
+  const double ring = kPi * radius_m * radius_m * 0.25 / (0.1 * 0.1);
+  EXPECT_NEAR(error.missed_percent(), 100 * ring, 0.3);
+}
+
+TEST(SurfaceArea, OfAPlaneFollowsDistanceAndTilt) {
+  // Facing, in perspective: the picture's area, magnified.
+  const render::Camera near = camera_of(64, render::Projection::perspective);
+  const double ahead_m = 1.25 * near.eye_distance_m;
+  Truth truth{{64, 64}, {64, 64, glm::vec3(0, 0, -1)}, {64, 64, TruthKind::surface}};
+  for (int row = 0; row < 64; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      truth.depth_m.at(column, row) =
+          static_cast<float>(ahead_m / near.ray(column, row).direction.z);
+    }
+  }
+  const double area_m2 = 1.25 * 1.25 * near.width_m * near.width_m;
+  EXPECT_NEAR(measure_depth_error(truth.depth_m, truth, near).surface_m2 / area_m2, 1, 1e-6);
+  // Tilted by 60 degrees, in parallel projection: twice the picture's area.
+  const render::Camera far = camera_of(64, render::Projection::parallel);
+  truth.normal = {64, 64, glm::vec3(std::sqrt(0.75f), 0, -0.5f)};
+  EXPECT_NEAR(
+      measure_depth_error(truth.depth_m, truth, far).surface_m2 / (2 * far.width_m * far.width_m),
+      1,
+      1e-6);
+}
+
+TEST(SurfaceArea, WithoutASurfaceNothingIsInView) {
+  Truth truth = flat_truth();
+  truth.kind = {kSize, kSize, TruthKind::none};
+  const DepthError error = measure_depth_error({kSize, kSize, kNoSurface}, truth, small_camera());
+  EXPECT_FALSE(error.surface_in_view());
+  EXPECT_TRUE(std::isnan(error.missed_surface_percent()));
 }
 
 }  // namespace

@@ -200,6 +200,19 @@ INSTANTIATE_TEST_SUITE_P(Velocities,
                                          MovingSphere{"[0,0,-10]", "render.view.pitch_deg=20"},
                                          MovingSphere{"[15,-20,25]", "render.view.yaw_deg=30"}));
 
+/// A recording may be played from a later volume on.
+TEST(Truth, LaterVolumesAreThoseOfTheirOwnTime) {
+  const Stage s =
+      stage({"phantom.name=sphere", "phantom.radius_mm=18", "motion.velocity_mm_s=[0,0,5]"});
+  const auto plan = s.scene.plan();
+  const auto view = render::make_view(s.scene.render);
+  const auto depth_m = [&](std::uint32_t volume) {
+    return trace_truth(s.subject, plan, view, volume).depth_m.at(32, 32);
+  };
+  const double volume_s = 37 * 64 * 2 * 0.16 / 1540;
+  EXPECT_NEAR(depth_m(3) - depth_m(0), 3 * volume_s * 5e-3, 0.05e-3);
+}
+
 TEST(Truth, NoFastSphereIsSteppedOver) {
   // Viewed across the sweep: a ray crosses frame after frame, with the sphere displaced in each.
   const Stage s = stage({"phantom.name=sphere",

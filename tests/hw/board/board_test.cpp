@@ -249,6 +249,22 @@ TEST(Board, ImpossibleConfigurationIsReported) {
             "depth_mm = -1000: must be within 1 and 400");
 }
 
+/// The same scan of another subject: its first stick is no repetition.
+TEST(Board, AnotherSubjectStartsANewStream) {
+  const AcquisitionPlan plan = small_plan(1);
+  Bytes stream = stream_of(plan);
+  ConfigurationPacket other = configuration_of(plan, 0);
+  other.subject = {.phantom = 1, .placement = 2, .motion = 3};
+  encode(other, stream);
+  encode(test_stick(plan, 0), stream);
+  Board board(link_of(stream));
+  board.start();
+  Collected seen;
+  collect(board, seen);
+  EXPECT_EQ(seen.configurations.size(), 2U);
+  EXPECT_EQ(board.account().duplicates, 0U);
+}
+
 TEST(Board, NewConfigurationStartsANewStream) {
   const AcquisitionPlan first = small_plan(1);
   AcquisitionOptions changed = first.acquisition();

@@ -57,5 +57,22 @@ TEST(PolarVolume, RejectsInvalidSticksAndIsUnchanged) {
   EXPECT_EQ(volume.missing_sticks(), 12);
 }
 
+TEST(PolarVolume, LogCompressesLinearEnvelopes) {
+  const AcquisitionPlan plan = small_plan();
+  PolarVolume volume(plan);
+  Stick stick = test_stick(plan, 0);
+  stick.scale = SampleScale::linear_envelope;
+  // Full scale, 10 dB and 20 dB below it, below the range of 40 dB, and above full scale.
+  stick.samples = {1.0F, 0.31622777F, 0.1F, 1e-3F, 3.0F};
+  volume.place(stick);
+  volume.log_compress(40);
+  const std::vector<float>& samples = volume.frame(0).samples;
+  const float expected[] = {1, 0.75F, 0.5F, 0, 1, 0};  // the last is of a stick that is missing
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(samples[k], expected[k], 1e-6) << k;
+  EXPECT_EQ(volume.scale(), SampleScale::log_compressed);
+  volume.log_compress(40);
+  EXPECT_NEAR(volume.frame(0).samples[1], 0.75F, 1e-6) << "once only";
+}
+
 }  // namespace
 }  // namespace wobblebench::hw

@@ -77,6 +77,7 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   Perturb perturb;
   describe(packet.probe, perturb);
   describe(packet.acquisition, perturb);
+  packet.subject = {.phantom = 0x89ABCDEF, .placement = 1, .motion = 0xFFFFFFFF};
   const auto packets = decode(encoded(packet));
   ASSERT_EQ(packets.size(), 1U);
   const auto& decoded = std::get<ConfigurationPacket>(packets[0]);
@@ -86,6 +87,18 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   EXPECT_EQ(decoded.source, packet.source);
   EXPECT_TRUE(decoded.probe == packet.probe);
   EXPECT_TRUE(decoded.acquisition == packet.acquisition);
+  EXPECT_TRUE(decoded.subject == packet.subject);
+  EXPECT_TRUE(decoded.subject.stated());
+}
+
+/// As written before there was a subject, and by hardware.
+TEST(Wire, ConfigurationWithoutASubjectDoesNotStateOne) {
+  const Bytes bytes = encoded(ConfigurationPacket{});
+  for (std::size_t offset = 148; offset < 160; offset += 4) {
+    EXPECT_EQ(unsigned_at(bytes, 64 + offset, 4), 0U);
+  }
+  const auto packets = decode(bytes);
+  EXPECT_FALSE(std::get<ConfigurationPacket>(packets.at(0)).subject.stated());
 }
 
 TEST(Wire, StickKeepsEveryBitOfItsSamples) {

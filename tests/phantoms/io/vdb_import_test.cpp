@@ -14,6 +14,7 @@
 
 #include "base/units.h"
 #include "phantoms/float_grid.h"
+#include "phantoms/framing.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/support/folder_test.h"
@@ -108,6 +109,25 @@ TEST_F(VdbImport, IsCentredBelowTheProbe) {
     ASSERT_TRUE(hit_here);
     const double half = std::sqrt(400 - x * x);
     EXPECT_NEAR(hit_here->distance_m, (50 - half) * kMillimetre, 0.06 * kMillimetre * 20 / half);
+  }
+}
+
+/// Two balls: the front of the turned pair is that of the nearer one.
+TEST_F(VdbImport, TurnedItLiesWithItsFrontBelowTheProbe) {
+  const glm::dvec3 small_mm(30, -10, 40);
+  write({ball("large", 20), ball("small", 8, small_mm)});
+  const Phantom phantom = make_phantom(options());
+  // The bounding box reaches from -20 to 38, 20 and 48 mm.
+  const glm::dvec3 middle_mm(9, 0, 14);
+  for (const glm::dvec3 degrees :
+       {glm::dvec3(180, 0, 0), {0, 90, 0}, {0, -90, 0}, {25, 130, -60}}) {
+    const glm::dmat3 rotation = rotation_xyz(degrees * kDegree);
+    const double front_mm =
+        std::min((rotation * -middle_mm).z - 20, (rotation * (small_mm - middle_mm)).z - 8);
+    const Framing framing = phantoms::framing(phantom, rotation);
+    EXPECT_NEAR(framing.position_m.z, (105 - front_mm) * kMillimetre, 0.501 * kMillimetre);
+    EXPECT_NEAR(
+        framing.region_of_interest.low.z, (front_mm - 10) * kMillimetre, 0.501 * kMillimetre);
   }
 }
 

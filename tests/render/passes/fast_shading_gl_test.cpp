@@ -76,7 +76,7 @@ struct Shaded {
 Shaded shade(const Texture& depth, RenderOptions options, PipelineMode mode) {
   options.pipeline.mode = mode;
   SurfaceShader shader(options);
-  shader.shade(depth);
+  shader.shade(depth, depth);  // the base is constant
   return {shader.filtered_depth().download(), shader.surface().download()};
 }
 

@@ -168,6 +168,32 @@ Texture upload(const Image<double>& depth) {
   return texture;
 }
 
+/// A volume picture with a gradient and a grid of dark pixels.
+Image<glm::dvec3> striped_picture(int size) {
+  Image<glm::dvec3> picture(size, size);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      const double grey = (row + column) % 3 == 0 ? 0.1 : double(column + 1) / size;
+      picture.at(column, row) = {grey, 0.5 * grey, 1 - grey};
+    }
+  }
+  return picture;
+}
+
+Texture upload(const Image<glm::dvec3>& picture) {
+  Texture texture("test picture",
+                  TexelFormat::rgba32f,
+                  {picture.width, picture.height},
+                  TextureFilter::nearest);
+  std::vector<float> rgba;
+  for (const glm::dvec3& pixel : picture.pixels) {
+    for (int c = 0; c < 3; ++c) rgba.push_back(static_cast<float>(pixel[c]));
+    rgba.push_back(1);
+  }
+  texture.upload(rgba);
+  return texture;
+}
+
 struct ShadingCase {
   const char* name;
   void (*change)(RenderOptions&);
@@ -187,9 +213,10 @@ TEST_P(PassThree, ShadesLikeTheReference) {
     for (double& z : depth.pixels) z += options.view.eye_distance_m - 0.07;
   }
   SurfaceShader shader(options);
-  shader.shade(upload(depth));
+  const Image<glm::dvec3> rendered = striped_picture(96);
+  shader.shade(upload(depth), upload(rendered));
   const auto filtered = reference::filter_depth(depth, options.shading.depth_filter_size);
-  const auto shaded = reference::shade(filtered, options);
+  const auto shaded = reference::shade(filtered, rendered, options);
 
   const std::vector<float> z = shader.filtered_depth().download();
   const std::vector<float> rgba = shader.surface().download();
@@ -244,6 +271,14 @@ const ShadingCase kShadingCases[] = {
      [](RenderOptions& o) {
        o.view = {0.5, -0.4, 0.3};
      }},
+    {"rendered_base", [](RenderOptions& o) { o.shading.base = ShadingBase::rendered; }},
+    {"rendered_base_directional",
+     [](RenderOptions& o) {
+       o.shading.base = ShadingBase::rendered;
+       o.shading.base_rgb = {1, 1, 1};
+       o.shading.light = Light::directional;
+       o.shading.light_left_rad = 50 * kDegree;
+     }},
 };
 
 std::string shading_name(const ::testing::TestParamInfo<PassThree::ParamType>& info) {
@@ -270,14 +305,8 @@ TEST_P(PassFour, SmoothsLikeTheReference) {
   gl_context();
   RenderOptions options;
   options.ray_casting.image_size = 64;
-  const Image<glm::dvec3> picture = reference::shade(bumpy_depth(64), options);
-  std::vector<float> rgba;
-  for (const glm::dvec3& pixel : picture.pixels) {
-    for (int c = 0; c < 3; ++c) rgba.push_back(static_cast<float>(pixel[c]));
-    rgba.push_back(1);
-  }
-  Texture texture("test picture", TexelFormat::rgba32f, {64, 64}, TextureFilter::nearest);
-  texture.upload(rgba);
+  const Image<glm::dvec3> picture = reference::shade(bumpy_depth(64), {}, options);
+  const Texture texture = upload(picture);
   for (int size : {1, 3, 5, 9, 15}) {
     const SmoothingOptions smoothing{GetParam().filter, size, 0.1};
     Smoother smoother(smoothing, 64, GetParam().mode);

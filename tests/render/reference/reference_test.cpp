@@ -44,6 +44,30 @@ TEST(ShadeDepth, AFlatSurfaceHasTheValueOfEquation2) {
   }
 }
 
+/// Ambient and diffuse light fall on the rendered picture, the highlight on top of it.
+TEST(ShadeDepth, OnTheRenderedPictureItsPixelsAreTheBase) {
+  RenderOptions options = bare_options();
+  options.shading.base = ShadingBase::rendered;
+  options.shading.base_rgb = {1, 0.5, 0.25};
+  options.shading.light_left_rad = 20 * kDegree;
+  options.shading.light_up_rad = 0;
+  Image<glm::vec3> rendered(64, 64);
+  for (int i = 0; i < 64 * 64; ++i) {
+    rendered.pixels[static_cast<std::size_t>(i)] = glm::vec3(static_cast<float>(i % 64) / 128);
+  }
+  const Picture picture = shade_depth(Image<float>(64, 64, 0.05f), options, rendered);
+  const ShadingOptions& o = options.shading;
+  const double light = o.ambient + o.diffuse * std::cos(20 * kDegree);
+  const double highlight = o.specular * std::pow(std::cos(10 * kDegree), o.shininess);
+  for (const int column : {0, 10, 63}) {
+    const double grey = column / 128.0;
+    EXPECT_NEAR(picture.surface.at(column, 30).r, grey * light + highlight, 1e-6);
+    EXPECT_NEAR(picture.surface.at(column, 30).b, 0.25 * grey * light + highlight, 1e-6);
+  }
+  EXPECT_THROW(shade_depth(Image<float>(64, 64, 0.05f), options, Image<glm::vec3>(8, 8)),
+               InvalidOption);
+}
+
 TEST(ShadeDepth, ASlopeThatFacesTheLightIsFullyLit) {
   RenderOptions options = bare_options();
   options.shading.specular = 0;

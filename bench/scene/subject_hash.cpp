@@ -1,0 +1,72 @@
+#include "bench/scene/subject_hash.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "base/user_error.h"
+#include "hw/wire/crc32c.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+bool is_imported(const phantoms::PhantomOptions& phantom) {
+  const auto& built_in = phantoms::phantom_names();
+  return std::find(built_in.begin(), built_in.end(), phantom.name) == built_in.end();
+}
+
+std::uint32_t continued(std::uint32_t crc, const char* bytes, std::size_t count) {
+  return hw::crc32c(std::as_bytes(std::span(bytes, count)), crc);
+}
+
+std::uint32_t file_hash(const std::string& path, std::uint32_t crc) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 65536> chunk;
+  while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0) {
+    crc = continued(crc, chunk.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.eof()) return crc;
+  throw UserError("phantom.file = " + path + ": cannot be read");
+}
+
+/// Never 0, which stands for "not stated".
+std::uint32_t section_hash(const nlohmann::ordered_json& section, const std::string& file) {
+  const std::string text = section.dump();
+  std::uint32_t crc = continued(0, text.data(), text.size());
+  if (!file.empty()) crc = file_hash(file, crc);
+  return crc == 0 ? 1 : crc;
+}
+
+}  // namespace
+
+hw::SubjectHash subject_hash(const Scene& scene) {
+  auto settings = resolved(scene);
+  settings["phantom"].erase("file");
+  return {.phantom = section_hash(settings["phantom"],
+                                  is_imported(scene.phantom) ? scene.phantom.file : ""),
+          .placement = section_hash(settings["placement"], ""),
+          .motion = section_hash(settings["motion"], "")};
+}
+
+void refuse_other_subject(const Scene& scene,
+                          const hw::SubjectHash& recorded,
+                          bool placed,
+                          const std::string& source) {
+  if (!recorded.stated()) return;
+  const hw::SubjectHash here = subject_hash(scene);
+  const auto compare = [&](const char* section, std::uint32_t of_scene, std::uint32_t of_record) {
+    if (of_scene == of_record) return;
+    throw UserError(source + ": the scene's [" + section +
+                    "] is not that of the recording; give the scene and --set that it was "
+                    "recorded with (`scene` in the report.json beside it)");
+  };
+  compare("phantom", here.phantom, recorded.phantom);
+  compare("motion", here.motion, recorded.motion);
+  if (placed || scene.given.contains("placement.position_mm")) {
+    compare("placement", here.placement, recorded.placement);
+  }
+}
+
+}  // namespace wobblebench::bench

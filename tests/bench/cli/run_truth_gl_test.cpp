@@ -1,0 +1,258 @@
+// What `run` says about its truth and its samples, by running the program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "hw/wire/crc32c.h"
+#include "hw/wire/packet.h"
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::ProcessResult;
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+const Words kSphere = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
+const Words kScan = {
+    "--set", "acquisition.frames_per_volume=9", "--set", "acquisition.sticks_per_frame=16"};
+const Words kPicture = {"--set",
+                        "render.scan_conversion.slice_size=64",
+                        "--set",
+                        "render.ray_casting.image_size=64",
+                        "--set",
+                        "render.ray_casting.steps=64"};
+const Words kPlayed = {"run", "--json", "--board", "file=rec/recording.wbst"};
+
+Words with(Words words, const std::vector<Words>& more) {
+  for (const Words& part : more) words.insert(words.end(), part.begin(), part.end());
+  return words;
+}
+
+Words set(const std::string& setting) {
+  return {"--set", setting};
+}
+
+ProcessResult bench(const Words& arguments, const ScratchFolder& folder) {
+  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path());
+}
+
+/// The last line of stderr, beginning with the program's name; what was done before is progress.
+void expect_refusal(const ProcessResult& result, const std::string& words) {
+  EXPECT_EQ(result.exit_code, 2);
+  const auto line = result.err.find("wobblebench: ");
+  ASSERT_NE(line, std::string::npos) << result.err;
+  EXPECT_NE(result.err.find(words, line), std::string::npos) << result.err;
+  EXPECT_EQ(
+      std::count(result.err.begin() + static_cast<std::ptrdiff_t>(line), result.err.end(), '\n'), 1)
+      << result.err;
+}
+
+Json report_of(const ProcessResult& result) {
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return Json::parse(result.out, nullptr, /*allow_exceptions=*/false);
+}
+
+class RecordedSphere : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto result = bench(with({"record", "--out", "rec"}, {kSphere, kScan}), folder_);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  ProcessResult play(const std::vector<Words>& settings) {
+    return bench(with(kPlayed, settings), folder_);
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(RecordedSphere, IsNotScoredAgainstTheDefaultFace) {
+  expect_refusal(play({kPicture}), "the scene's [phantom] is not that of the recording");
+  EXPECT_FALSE(fs::exists(folder_.path() / "out/report.json"));
+}
+
+TEST_F(RecordedSphere, IsNotScoredElsewhereOrInMotion) {
+  expect_refusal(play({kSphere, kPicture, set("placement.rotation_deg=[10, 0, 0]")}),
+                 "the scene's [placement] is not");
+  expect_refusal(play({kSphere, kPicture, set("placement.position_mm=[1, 0, 110]")}),
+                 "the scene's [placement] is not");
+  expect_refusal(play({kSphere, kPicture, set("motion.velocity_mm_s=[0, 0, 1]")}),
+                 "the scene's [motion] is not");
+}
+
+TEST_F(RecordedSphere, IsScoredWhateverElseDiffers) {
+  const auto report = report_of(play({kSphere,
+                                      kPicture,
+                                      set("simulation.seed=5"),
+                                      set("render.view.yaw_deg=20"),
+                                      set("render.ray_casting.threshold=0.2")}));
+  EXPECT_EQ(report.at("truth"), "recorded scene");
+  EXPECT_TRUE(report.at("provenance").at("seed").is_null()) << "not the recording's";
+  const auto live = report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture}), folder_));
+  EXPECT_EQ(live.at("truth"), "simulated scene");
+  EXPECT_EQ(live.at("provenance").at("seed"), 1);
+}
+
+/// The configuration as programs wrote it before it had a subject.
+void remove_subject(const fs::path& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  std::string bytes(224, '\0');
+  file.read(bytes.data(), 224);
+  std::fill(bytes.begin() + 64 + 148, bytes.begin() + 64 + 160, '\0');
+  const auto span = std::as_bytes(std::span(bytes));
+  const auto crc = hw::crc32c(span.subspan(64), hw::crc32c(span.first(60)));
+  for (int i = 0; i < 4; ++i) bytes[60 + i] = static_cast<char>(crc >> (8 * i));
+  file.seekp(0).write(bytes.data(), 224);
+}
+
+TEST_F(RecordedSphere, WithoutASubjectItsTruthIsTakenOnTrust) {
+  remove_subject(folder_.path() / "rec/recording.wbst");
+  EXPECT_EQ(report_of(play({kSphere, kPicture})).at("truth"), "scene, on trust");
+  const auto summary =
+      bench(with({"run", "--board", "file=rec/recording.wbst"}, {kSphere, kPicture}), folder_);
+  EXPECT_EQ(summary.exit_code, 0) << summary.err;
+  EXPECT_NE(summary.out.find("taken from the scene on trust"), std::string::npos) << summary.out;
+}
+
+TEST(RunReport, NamesTheModeThatRendered) {
+  const ScratchFolder folder;
+  for (const char* mode : {"fast", "plain"}) {
+    const auto report = report_of(
+        bench(with({"run", "--json"},
+                   {kSphere, kScan, kPicture, set(std::string("render.pipeline.mode=") + mode)}),
+              folder));
+    EXPECT_EQ(report.at("render").at("mode"), mode);
+  }
+}
+
+TEST(RunReport, WithoutASurfaceInViewHasNoFigures) {
+  const ScratchFolder folder;
+  const std::vector<Words> nothing = {kSphere,
+                                      kScan,
+                                      kPicture,
+                                      set("render.volume_of_interest.center_mm=[0, 0, 60]"),
+                                      set("render.volume_of_interest.size_mm=[20, 20, 10]")};
+  const auto error = report_of(bench(with({"run", "--json"}, nothing), folder)).at("error");
+  EXPECT_TRUE(error.at("missed_percent").is_null());
+  EXPECT_TRUE(error.at("missed_surface_percent").is_null());
+  EXPECT_TRUE(error.at("false_percent").is_null());
+  EXPECT_TRUE(error.at("depth_mm").at("bias").is_null());
+  EXPECT_EQ(error.at("surface_percent"), 0);
+  const auto summary = bench(with({"run"}, nothing), folder);
+  EXPECT_EQ(summary.exit_code, 0);
+  EXPECT_NE(summary.out.find("no surface in view"), std::string::npos) << summary.out;
+}
+
+TEST(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
+  const ScratchFolder folder;
+  // Nothing is found: all of the surface is missed, and less of the picture.
+  const auto error =
+      report_of(bench(with({"run", "--json"},
+                           {kSphere, kScan, kPicture, set("render.ray_casting.threshold=60")}),
+                      folder))
+          .at("error");
+  EXPECT_EQ(error.at("missed_surface_percent"), 100);
+  EXPECT_EQ(error.at("missed_percent"), error.at("surface_percent"));
+  EXPECT_LT(error.at("missed_percent").get<double>(), 90);
+}
+
+/// Log-compressed on arrival, live and from a recording.
+TEST(RunReport, RendersLinearEnvelopesAsTheirLogCompression) {
+  const ScratchFolder folder;
+  const Words linear = set("simulation.output=linear");
+  const auto log = report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture}), folder));
+  const auto live =
+      report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture, linear}), folder));
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSphere, kScan, linear}), folder).exit_code, 0);
+  const auto played = report_of(bench(with(kPlayed, {kSphere, kPicture}), folder));
+  for (const auto& report : {live, played}) {
+    EXPECT_EQ(report.at("board").at("samples").at("scale"), "linear");
+    EXPECT_EQ(report.at("board").at("samples").at("log_compressed_over_db"), 60);
+    const auto bias = [](const Json& of) { return of.at("error").at("depth_mm").at("bias"); };
+    EXPECT_NEAR(bias(report).get<double>(), bias(log).get<double>(), 1e-3);
+  }
+  EXPECT_EQ(log.at("board").at("samples").at("scale"), "log");
+}
+
+/// A recording of constant sticks written by hand.
+void write_recording(const fs::path& path, hw::Stick stick, hw::StreamOrigin source) {
+  const hw::AcquisitionPlan plan(
+      {}, {.sticks_per_frame = 16, .samples_per_stick = 64, .frames_per_volume = 9});
+  std::vector<std::byte> bytes;
+  encode(
+      hw::ConfigurationPacket{
+          .source = source, .probe = plan.probe(), .acquisition = plan.acquisition()},
+      bytes);
+  for (std::uint64_t sequence = 0; sequence < 9 * 16; ++sequence) {
+    stick.sequence = sequence;
+    stick.index = plan.index(sequence);
+    stick.time = plan.stick_time(sequence);
+    stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+    encode(stick, bytes);
+  }
+  encode(hw::VolumeEndPacket{.sequence = 9 * 16, .volume = 0, .time = plan.volume_end_time(0)},
+         bytes);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
+TEST(RunSamples, OfAnotherScaleAreRefused) {
+  const ScratchFolder folder;
+  fs::create_directory(folder.path() / "rec");
+  hw::Stick stick;
+  stick.samples.assign(64, 200.0f);
+  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::simulated);
+  const auto bytes = bench(with(kPlayed, {kSphere, kPicture}), folder);
+  EXPECT_EQ(bytes.exit_code, 2);
+  EXPECT_NE(bytes.err.find("its samples go from 200 to 200, 100 % of them out of range"),
+            std::string::npos)
+      << bytes.err;
+  stick.samples.assign(64, 0.5f);
+  stick.scale = hw::SampleScale::linear_envelope;
+  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::hardware);
+  const auto linear = bench(with(kPlayed, {kSphere, kPicture}), folder);
+  EXPECT_EQ(linear.exit_code, 2);
+  EXPECT_NE(linear.err.find("linear envelopes of unknown full scale"), std::string::npos)
+      << linear.err;
+}
+
+TEST(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
+  const ScratchFolder folder;
+  fs::create_directory(folder.path() / "rec");
+  hw::Stick stick;
+  stick.samples.assign(64, 0.25f);
+  write_recording(folder.path() / "rec/recording.wbst", stick, hw::StreamOrigin::simulated);
+  // One sample of one stick: of 9216, 0.01 %.
+  std::fstream file(folder.path() / "rec/recording.wbst",
+                    std::ios::in | std::ios::out | std::ios::binary);
+  std::string packet(64 + 256, '\0');
+  file.seekg(224).read(packet.data(), static_cast<std::streamsize>(packet.size()));
+  const float outlier = 3;
+  std::memcpy(packet.data() + 64 + 40, &outlier, 4);
+  const auto span = std::as_bytes(std::span(packet));
+  const auto crc = hw::crc32c(span.subspan(64), hw::crc32c(span.first(60)));
+  for (int i = 0; i < 4; ++i) packet[60 + i] = static_cast<char>(crc >> (8 * i));
+  file.seekp(224).write(packet.data(), static_cast<std::streamsize>(packet.size()));
+  file.close();
+  const auto report = report_of(bench(with(kPlayed, {kSphere, kPicture}), folder));
+  EXPECT_EQ(report.at("board").at("samples").at("out_of_range"), 1);
+  EXPECT_EQ(report.at("board").at("samples").at("most"), 3);
+  const auto summary =
+      bench(with({"run", "--board", "file=rec/recording.wbst"}, {kSphere, kPicture}), folder);
+  EXPECT_NE(summary.out.find("1 of 9216 out of range and clamped: they go from 0.25 to 3"),
+            std::string::npos)
+      << summary.out;
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

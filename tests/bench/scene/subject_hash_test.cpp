@@ -1,0 +1,151 @@
+// What decides the truth changes the hash of the subject, and nothing else does.
+#include "bench/scene/subject_hash.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <type_traits>
+
+#include "base/user_error.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+/// Changes the field of this number and no other.
+class ChangeOne {
+ public:
+  explicit ChangeOne(int number) : number_(number) {}
+
+  void real(std::string_view key, double& value, double unit, double, double) {
+    if (chosen(key)) value += 1e-3 * unit;
+  }
+  void reals(std::string_view key, std::vector<double>& values, double unit, double, double) {
+    if (chosen(key)) values.push_back(unit);
+  }
+  void vec3(std::string_view key, glm::dvec3& values, double unit, double, double) {
+    if (chosen(key)) values.z += 1e-3 * unit;
+  }
+  void integer(std::string_view key, int& value, int, int) {
+    if (chosen(key)) ++value;
+  }
+  void seed(std::string_view key, std::uint64_t& value) {
+    if (chosen(key)) ++value;
+  }
+  void flag(std::string_view key, bool& value) {
+    if (chosen(key)) value = !value;
+  }
+  template <class Enum>
+  void choice(std::string_view key,
+              Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    if (chosen(key))
+      value = value == names.begin()->second ? (names.end() - 1)->second : names.begin()->second;
+  }
+  void text(std::string_view key, std::string& value) {
+    if (chosen(key)) value += "x";
+  }
+  void texts(std::string_view key, std::vector<std::string>& values) {
+    if (chosen(key)) values.emplace_back("x");
+  }
+  void constant(std::string_view, std::string_view) {}
+
+  const std::string& changed() const { return changed_; }
+
+ private:
+  bool chosen(std::string_view key) {
+    if (next_++ != number_) return false;
+    changed_ = key;
+    return true;
+  }
+  int number_;
+  int next_ = 0;
+  std::string changed_;
+};
+
+/// Calls check(section, key, hash with that key changed) for each key of a scene.
+template <class Check>
+void for_each_changed_key(const Check& check) {
+  std::vector<std::string> sections;
+  Scene scene;
+  for_each_section(scene, [&](const std::string& name, auto&) { sections.push_back(name); });
+  for (const std::string& wanted : sections) {
+    for (int number = 0;; ++number) {
+      Scene other;
+      ChangeOne change(number);
+      for_each_section(other, [&](const std::string& name, auto& options) {
+        if (name == wanted) describe(options, change);
+      });
+      if (change.changed().empty()) break;
+      check(wanted, change.changed(), subject_hash(other));
+    }
+  }
+}
+
+TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
+  const hw::SubjectHash before = subject_hash(Scene{});
+  EXPECT_TRUE(before.stated());
+  int keys = 0;
+  for_each_changed_key([&](const std::string& section, const std::string& key, const auto& hash) {
+    SCOPED_TRACE(section + "." + key);
+    ++keys;
+    // The path of a file says nothing about its contents.
+    EXPECT_EQ(hash.phantom != before.phantom, section == "phantom" && key != "file");
+    EXPECT_EQ(hash.placement != before.placement, section == "placement");
+    EXPECT_EQ(hash.motion != before.motion, section == "motion");
+  });
+  EXPECT_GT(keys, 80);
+}
+
+class ImportedSubject : public testing_support::FolderTest {
+ protected:
+  Scene scene_of(const std::string& name, const std::string& contents) {
+    std::ofstream(file(name)) << contents;
+    Scene scene;
+    scene.phantom.name = "mesh";
+    scene.phantom.file = file(name).string();
+    return scene;
+  }
+};
+
+TEST_F(ImportedSubject, IsTheFilesBytesNotItsName) {
+  const auto hash = subject_hash(scene_of("a.obj", "v 1 2 3"));
+  EXPECT_EQ(subject_hash(scene_of("b.obj", "v 1 2 3")), hash);
+  EXPECT_NE(subject_hash(scene_of("a.obj", "v 1 2 4")).phantom, hash.phantom);
+  const std::string large(200000, 'x');
+  EXPECT_NE(subject_hash(scene_of("c.obj", large)), subject_hash(scene_of("d.obj", large + "y")));
+  Scene missing;
+  missing.phantom.name = "mesh";
+  missing.phantom.file = file("none.obj").string();
+  EXPECT_THROW(subject_hash(missing), UserError);
+}
+
+std::string refusal(const Scene& scene, const hw::SubjectHash& recorded, bool placed) {
+  try {
+    refuse_other_subject(scene, recorded, placed, "--board file=x");
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(OtherSubject, IsRefusedByTheSectionThatDiffers) {
+  const hw::SubjectHash recorded = subject_hash(Scene{});
+  EXPECT_EQ(refusal(Scene{}, recorded, true), "");
+  Scene face;
+  face.phantom.gestational_age_weeks = 24;
+  EXPECT_TRUE(refusal(face, recorded, false).starts_with("--board file=x: the scene's [phantom] "));
+  EXPECT_EQ(refusal(face, hw::SubjectHash{}, true), "") << "the recording does not say";
+  Scene moving;
+  moving.motion.velocity_m_s = {0, 0, 1e-3};
+  EXPECT_TRUE(refusal(moving, recorded, false).find("[motion]") != std::string::npos);
+  Scene beside;
+  beside.placement.position_m.x = 1e-3;
+  EXPECT_EQ(refusal(beside, recorded, false), "") << "not known before the phantom is built";
+  EXPECT_TRUE(refusal(beside, recorded, true).find("[placement]") != std::string::npos);
+  beside.given.insert("placement.position_mm");
+  EXPECT_TRUE(refusal(beside, recorded, false).find("[placement]") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
