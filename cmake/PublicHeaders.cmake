@@ -12,7 +12,7 @@ set(public_headers
   render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers
   hw/link/faults.h hw/link/pace.h
-  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h hw/wire/version.h
+  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h hw/wire/unreadable_stream.h hw/wire/version.h
   render/gl/texel_format.h render/gl/texture_fetch.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -36,8 +37,10 @@ class Recorder::Impl {
            progress_.volumes >= static_cast<std::uint64_t>(options_.volumes);
   }
   /// Returns the number of leading bytes of the chunk that belong to the recording: all, unless the
-  /// last volume ends within.
+  /// last volume ends within, or the stream is unreadable from a packet on.
   std::size_t audit_chunk(std::span<const std::byte> chunk);
+  /// Takes the next packet of framer_; false: there is none, or the last volume has ended.
+  bool audit_next();
   /// True if the packet ends a volume.
   bool audit_packet(const Packet& packet);
 
@@ -46,7 +49,10 @@ class Recorder::Impl {
   const RecorderOptions options_;
   PacketFramer framer_;
   StreamAudit audit_;
-  std::uint64_t fed_ = 0;  ///< bytes given to framer_
+  std::uint64_t fed_ = 0;            ///< bytes given to framer_
+  std::uint64_t packet_offset_ = 0;  ///< of the last packet, in the stream
+  std::uint64_t packet_end_ = 0;
+  std::exception_ptr unreadable_;
   RecordingProgress progress_;
 };
 
@@ -77,6 +83,7 @@ RecordingEnd Recorder::Impl::run(
     sink_(received.first(recorded));
     progress_.bytes += recorded;
     if (after_volume && progress_.volumes > volumes) after_volume(progress_);
+    if (unreadable_) std::rethrow_exception(unreadable_);
     if (has_all_volumes()) return RecordingEnd::volumes;
     if (result.status == ReadStatus::end_of_stream) return RecordingEnd::end_of_stream;
     if (result.status == ReadStatus::lost) return RecordingEnd::lost;
@@ -87,23 +94,37 @@ RecordingEnd Recorder::Impl::run(
 std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk) {
   framer_.feed(chunk);
   const std::uint64_t before = std::exchange(fed_, fed_ + chunk.size());
-  while (const auto frame = framer_.next()) {
-    if (packet_version(frame->bytes) != kWireVersion) {
-      throw UnsupportedWireVersion(packet_version(frame->bytes));
+  std::uint64_t end = fed_;
+  try {
+    while (audit_next()) {
     }
-    const auto packet = is_known_kind(frame->bytes) ? parse_packet(frame->bytes) : std::nullopt;
-    if (!packet) {
-      if (is_known_kind(frame->bytes)) framer_.reject_last();
-      continue;
-    }
-    if (!audit_packet(*packet)) continue;
-    ++progress_.volumes;
-    if (has_all_volumes()) {
-      return static_cast<std::size_t>(frame->offset + frame->bytes.size() - before);
-    }
+    check_skipped(framer_.skipped_in_a_row());
+    if (has_all_volumes()) end = packet_end_;
+  } catch (const UnreadableStream&) {
+    unreadable_ = std::current_exception();
+    end = packet_offset_;
   }
-  progress_.damage = framer_.damage();
-  return chunk.size();
+  if (!has_all_volumes()) progress_.damage = framer_.damage();
+  return static_cast<std::size_t>(std::max(end, before) - before);
+}
+
+bool Recorder::Impl::audit_next() {
+  const auto frame = framer_.next();
+  if (!frame) return false;
+  packet_offset_ = frame->offset;
+  packet_end_ = frame->offset + frame->bytes.size();
+  if (packet_version(frame->bytes) != kWireVersion) {
+    throw UnsupportedWireVersion(packet_version(frame->bytes));
+  }
+  if (!is_known_kind(frame->bytes)) return true;
+  const auto packet = parse_packet(frame->bytes);
+  if (!packet) {
+    framer_.reject_last();
+  } else if (audit_packet(*packet)) {
+    ++progress_.volumes;
+    return !has_all_volumes();
+  }
+  return true;
 }
 
 bool Recorder::Impl::audit_packet(const Packet& packet) {
