@@ -26,6 +26,7 @@ struct Arguments {
   OutputArguments output;
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+  bool fail_on_loss = false;
 };
 
 /// Set by a signal handler, which can reach nothing but a global variable.
@@ -58,8 +59,26 @@ class RecordingProgressLine {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// Records to the sink; a failure of the disk is reported with the number of whole volumes written.
-hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
+std::string whole_volumes(const hw::Recorder& recorder) {
+  return std::to_string(recorder.progress().volumes) +
+         " whole volumes, which `inspect --salvage` copies";
+}
+
+/// Why a stream cannot be recorded any further. Keeps what came before it, if a packet did.
+std::runtime_error unreadable(const std::string& why,
+                              const hw::Recorder& recorder,
+                              RecordingSink& sink) {
+  const hw::RecordingProgress& progress = recorder.progress();
+  if (progress.account.emitted > 0 || progress.configuration) {
+    return std::runtime_error(why + "; " + sink.partial().string() + " holds " +
+                              whole_volumes(recorder));
+  }
+  sink.discard();
+  return std::runtime_error(why);
+}
+
+/// Records to the sink; a failure is reported with the number of whole volumes written.
+hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink, const std::string& board) {
   RecordingProgressLine line;
   try {
     return recorder.run([] { return stop_requested != 0; },
@@ -67,10 +86,10 @@ hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
                           sink.sync();
                           line.show(progress);
                         });
+  } catch (const hw::UnreadableStream& error) {
+    throw unreadable("--board = " + board + ": " + error.what(), recorder, sink);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string(error.what()) + "; it holds " +
-                             std::to_string(recorder.progress().volumes) +
-                             " whole volumes, which `inspect --salvage` copies");
+    throw std::runtime_error(std::string(error.what()) + "; it holds " + whole_volumes(recorder));
   }
 }
 
@@ -88,7 +107,7 @@ int record_board(const Arguments& arguments) {
   std::signal(SIGTERM, on_signal);
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
-  const hw::RecordingEnd end = record(recorder, sink);
+  const hw::RecordingEnd end = record(recorder, sink, arguments.board);
   const hw::RecordingProgress& progress = recorder.progress();
   if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
   sink.finish();
@@ -97,8 +116,13 @@ int record_board(const Arguments& arguments) {
   out.write_text("report.json", report);
   out.commit();
   std::cout << (arguments.output.json ? report : record_summary(progress, end, sink.path()));
-  if (end != hw::RecordingEnd::lost) return 0;
-  std::cerr << "wobblebench: --board = " << arguments.board << ": " << link->loss() << "\n";
+  if (end == hw::RecordingEnd::lost) {
+    std::cerr << "wobblebench: --board = " << arguments.board << ": " << link->loss() << "\n";
+    return 1;
+  }
+  if (!arguments.fail_on_loss || progress.account.lost.total() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << progress.account.lost.total() << " of "
+            << progress.account.emitted << " sticks were lost\n";
   return 1;
 }
 
@@ -116,6 +140,10 @@ Command add_record_command(CLI::App& app) {
               "Stop after so many; 0: at the end of the stream, or at Ctrl-C",
               0,
               1000);
+  add_flag(command,
+           "--fail-on-loss",
+           arguments->fail_on_loss,
+           "Exit code 1 if sticks were lost; the recording is kept all the same");
   return {&command, [arguments] { return record_board(*arguments); }};
 }
 

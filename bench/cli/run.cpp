@@ -1,6 +1,7 @@
 // The main job: acquire, render, compare with the truth, write.
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
@@ -20,11 +21,37 @@ struct Arguments {
   OutputArguments output;
   std::string board = "sim";
   std::string gl = "osmesa";
+  bool fail_on_loss = false;
 };
+
+/// The scene's phantom, placed, where the samples are of it; none: nobody knows what they are of.
+std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
+                                                     hw::StreamOrigin source,
+                                                     Progress& progress) {
+  if (source != hw::StreamOrigin::simulated) {
+    complete_from_plan(scene);
+    return {};
+  }
+  const auto phantom = progress.step("phantom", [&] { return make_phantom(scene.phantom); });
+  complete_from_phantom(scene, phantom);
+  return scene.place(phantom);
+}
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
   renderer.add_volume(volume);
   return renderer.render();
+}
+
+/// The exit code, with a line on stderr unless it is 0.
+int verdict(const RunResult& result, const Arguments& arguments) {
+  if (!result.acquisition.ending.empty()) {
+    std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result)
+              << "\n";
+    return 1;
+  }
+  if (!arguments.fail_on_loss || result.acquisition.volume.missing_sticks() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << loss_text(result) << "\n";
+  return 1;
 }
 
 int run(const Arguments& arguments) {
@@ -35,15 +62,13 @@ int run(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   Progress progress;
 
-  board.adopt_plan(scene);
-  const auto phantom = progress.step("phantom", [&] { return make_phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  const auto subject = scene.place(phantom);
+  const auto subject = place_subject(scene, board.adopt_plan(scene), progress);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
   render::Renderer renderer(*context, plan, scene.render);
 
-  auto acquisition = progress.step("acquire", [&] { return board.acquire(scene, subject); });
+  auto acquisition = progress.step(
+      "acquire", [&] { return subject ? board.acquire(scene, *subject) : board.acquire(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
   RunResult result{std::move(acquisition),
@@ -52,12 +77,12 @@ int run(const Arguments& arguments) {
                    context->renderer_string(),
                    std::nullopt};
 
-  if (result.acquisition.source == hw::StreamOrigin::simulated) {
-    auto truth = progress.step("truth", [&] { return trace_truth(subject, plan, view); });
+  if (subject && result.acquisition.source == hw::StreamOrigin::simulated) {
+    auto truth = progress.step("truth", [&] { return trace_truth(*subject, plan, view); });
     auto error = progress.step(
         "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
     const auto registration = progress.step(
-        "register", [&] { return register_surface(result.picture.depth_m, subject, plan, view); });
+        "register", [&] { return register_surface(result.picture.depth_m, *subject, plan, view); });
     result.comparison = {std::move(truth), std::move(error), registration};
   }
 
@@ -66,9 +91,7 @@ int run(const Arguments& arguments) {
   out.write_text("report.json", report);
   out.commit();
   std::cout << (arguments.output.json ? report : run_summary(result, scene, out.directory()));
-  if (result.acquisition.ending.empty()) return 0;
-  std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result) << "\n";
-  return 1;
+  return verdict(result, arguments);
 }
 
 }  // namespace
@@ -81,6 +104,10 @@ Command add_run_command(CLI::App& app) {
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
+  add_flag(command,
+           "--fail-on-loss",
+           arguments->fail_on_loss,
+           "Exit code 1 if sticks of the volume were lost; results are written all the same");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

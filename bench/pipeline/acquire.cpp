@@ -33,8 +33,8 @@ void BoardConnection::open() {
   assembly_.emplace(*board_);
 }
 
-void BoardConnection::adopt_plan(Scene& scene) {
-  if (is_simulated(arguments_)) return;
+hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
+  if (is_simulated(arguments_)) return hw::StreamOrigin::simulated;
   board_->start();
   if (!assembly_->wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
     throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
@@ -42,9 +42,11 @@ void BoardConnection::adopt_plan(Scene& scene) {
   // Sticks that a source at its own pace sends until acquire() are missed, and counted.
   board_->stop();
   bench::adopt_plan(scene, assembly_->configuration()->plan, "--board " + arguments_.text);
+  return assembly_->configuration()->source;
 }
 
-void BoardConnection::simulate(const Scene& scene, const phantoms::PlacedPhantom& subject) {
+sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
+                                               const phantoms::PlacedPhantom& subject) {
   if (scene.acquisition.volumes != 1) {
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
@@ -54,18 +56,29 @@ void BoardConnection::simulate(const Scene& scene, const phantoms::PlacedPhantom
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
                                .once_ms = simulator.once_ms()};
-  const auto sticks = [&] { return sim::stick_source(std::move(simulator)); };
-  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
-  assembly_.emplace(*board_);
+  return simulator;
 }
 
 Acquisition BoardConnection::acquire(const Scene& scene, const phantoms::PlacedPhantom& subject) {
-  const auto before = hw::HostClock::now();
-  if (is_simulated(arguments_)) simulate(scene, subject);
-  const auto start = simulated_ ? hw::HostClock::now() : before;
+  if (!is_simulated(arguments_)) return acquire();
+  sim::ProbeSimulator made = simulator(scene, subject);
+  // The link computes its volume from here on.
+  const auto start = hw::HostClock::now();
+  const auto sticks = [&] { return sim::stick_source(std::move(made)); };
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
+  assembly_.emplace(*board_);
+  return receive(start);
+}
+
+Acquisition BoardConnection::acquire() {
+  const auto start = hw::HostClock::now();
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
   if (board_->state() == hw::BoardState::lost) open();
+  return receive(start);
+}
+
+Acquisition BoardConnection::receive(hw::HostTime start) {
   board_->start();
   hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
   const auto delivered = hw::HostClock::now();

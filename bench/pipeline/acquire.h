@@ -35,8 +35,9 @@ struct Acquisition {
   hw::LinkCapabilities link;
   hw::StreamOrigin source;                   ///< of the samples
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
-  double transport_ms = 0;                   ///< encode, link, decode, ring, assembly
-  std::string ending;                        ///< why the stream broke off; empty: it did not
+  /// Encode, link, decode, ring, assembly: all of the time to the last stick but the simulator's.
+  double transport_ms = 0;
+  std::string ending;  ///< why the stream broke off; empty: it did not
 };
 
 /// One board for one volume.
@@ -46,17 +47,20 @@ class BoardConnection {
   explicit BoardConnection(const BoardArguments& arguments);
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
-  /// Throws UserError where the scene was given other values, std::runtime_error if no
-  /// configuration comes.
-  void adopt_plan(Scene& scene);
+  /// Returns where the samples come from. Throws UserError where the scene was given other values,
+  /// std::runtime_error if no configuration comes.
+  hw::StreamOrigin adopt_plan(Scene& scene);
 
   /// The first volume whose beginning was not missed. Throws UserError for a simulated scene of
   /// several volumes, std::runtime_error if no volume comes.
   [[nodiscard]] Acquisition acquire(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  /// The same, of a recording or a card.
+  [[nodiscard]] Acquisition acquire();
 
  private:
   void open();
-  void simulate(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  sim::ProbeSimulator simulator(const Scene& scene, const phantoms::PlacedPhantom& subject);
+  Acquisition receive(hw::HostTime start);
   std::string ending();
 
   BoardArguments arguments_;

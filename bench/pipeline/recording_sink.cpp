@@ -52,4 +52,10 @@ void RecordingSink::finish() {
   }
 }
 
+void RecordingSink::discard() {
+  file_.close();
+  std::error_code ignored;
+  std::filesystem::remove(partial_, ignored);
+}
+
 }  // namespace wobblebench::bench

@@ -11,7 +11,8 @@ namespace wobblebench::bench {
 
 /// Writes PATH.partial, which finish() renames to PATH. Bytes are in the kernel when write()
 /// returns, and on the disk when sync() does: after a kill PATH.partial holds all that was written,
-/// after a power failure all that was synced. Never deleted: a recording cannot be repeated.
+/// after a power failure all that was synced. Deleted only by discard(): a recording cannot be
+/// repeated.
 class RecordingSink {
  public:
   /// Throws UserError where the file cannot be created.
@@ -21,6 +22,8 @@ class RecordingSink {
   void write(std::span<const std::byte> bytes);
   void sync();
   void finish();
+  /// Removes the partial file, which holds no packet.
+  void discard();
 
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& partial() const { return partial_; }

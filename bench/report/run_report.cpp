@@ -81,8 +81,16 @@ std::string board_line(const hw::BoardAccount& account) {
   return line + "\n";
 }
 
-std::string error_line(const std::optional<Comparison>& comparison, bool surface_sought) {
-  if (!comparison) return "depth error unknown: nobody knows what the board looked at\n";
+/// Why there is nothing to compare with; empty: there is.
+std::string no_truth(const RunResult& result) {
+  if (result.comparison) return "";
+  return "samples from " + std::string(hw::to_string(result.acquisition.source)) +
+         ": what they are of is not known";
+}
+
+std::string error_line(const RunResult& result, bool surface_sought) {
+  const auto& comparison = result.comparison;
+  if (!comparison) return "truth       none; " + no_truth(result) + "\n";
   const DepthError& raw = comparison->error.raw;
   const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
   return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
@@ -108,6 +116,12 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
     report["error"] = error_json(raw, filtered, shaded, computes_surface(scene));
     report["fit"]["registration"] = registration_json(comparison->registration);
   }
+  report["no_truth_because"] = result.comparison ? Json(nullptr) : Json(no_truth(result));
+  if (!result.comparison) {
+    for (const char* unused : {"phantom", "placement", "motion", "simulation"}) {
+      report["scene"][unused] = nullptr;
+    }
+  }
   report["wall_ms"] = wall_json(times);
   return report_text(report);
 }
@@ -117,8 +131,8 @@ std::string run_summary(const RunResult& result,
                         const std::filesystem::path& directory) {
   return volume_line(result.acquisition, scene) + board_line(result.acquisition.account) +
          "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
-         result.gl_renderer + "\n" + error_line(result.comparison, computes_surface(scene)) +
-         "results     " + directory.string() + "\n";
+         result.gl_renderer + "\n" + error_line(result, computes_surface(scene)) + "results     " +
+         directory.string() + "\n";
 }
 
 std::string ending_text(const RunResult& result) {
@@ -136,6 +150,12 @@ void stage_run_images(OutputFolder& out, const RunResult& result) {
   if (!result.comparison) return;
   write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
   write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}});
+}
+
+std::string loss_text(const RunResult& result) {
+  const hw::PolarVolume& volume = result.acquisition.volume;
+  return std::to_string(volume.missing_sticks()) + " of " +
+         std::to_string(volume.plan().sticks_per_volume()) + " sticks of the volume were lost";
 }
 
 }  // namespace wobblebench::bench

@@ -38,7 +38,8 @@ class Recorder::Impl {
   }
   /// Returns the number of leading bytes of the chunk that belong to the recording: all, unless the
   /// last volume ends within, or the stream is unreadable from a packet on.
-  std::size_t audit_chunk(std::span<const std::byte> chunk);
+  /// `last`: no more bytes follow.
+  std::size_t audit_chunk(std::span<const std::byte> chunk, bool last);
   /// Takes the next packet of framer_; false: there is none, or the last volume has ended.
   bool audit_next();
   /// True if the packet ends a volume.
@@ -79,7 +80,9 @@ RecordingEnd Recorder::Impl::run(
     const ReadResult result = link_.read(chunk, HostClock::now() + kStopPollInterval);
     const auto received = std::span(chunk).first(result.bytes);
     const std::uint64_t volumes = progress_.volumes;
-    const std::size_t recorded = audit_chunk(received);
+    const bool over =
+        result.status == ReadStatus::end_of_stream || result.status == ReadStatus::lost;
+    const std::size_t recorded = audit_chunk(received, over);
     sink_(received.first(recorded));
     progress_.bytes += recorded;
     if (after_volume && progress_.volumes > volumes) after_volume(progress_);
@@ -91,8 +94,9 @@ RecordingEnd Recorder::Impl::run(
   }
 }
 
-std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk) {
+std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk, bool last) {
   framer_.feed(chunk);
+  if (last) framer_.finish();
   const std::uint64_t before = std::exchange(fed_, fed_ + chunk.size());
   std::uint64_t end = fed_;
   try {

@@ -39,6 +39,8 @@ SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds) {
     all.steps += result.steps;
     all.sticks += result.sticks_emitted;
     add(all.account, result.account);
+    all.bytes_recorded += result.bytes_recorded;
+    all.sticks_salvaged += result.sticks_salvaged;
     if (!result.failure.empty()) all.failed.push_back(std::move(result));
   }
   all.hash = hash.value();
