@@ -8,6 +8,19 @@ namespace wobblebench::hw {
 
 /// A later version of the format, a configuration that is not possible, numbers that cannot be
 /// counted, or no packet at all. What came before stays valid. what() is one line.
+///
+/// @code
+/// #include "hw/recording/recorder.h"
+/// const auto record = [](hw::Link& link, const hw::Recorder::Sink& sink) {
+///   hw::Recorder recorder(link, sink);
+///   try {
+///     return recorder.run([] { return false; });
+///   } catch (const hw::UnreadableStream&) {
+///     return hw::RecordingEnd::lost;  // the sink has all that came before
+///   }
+/// };
+/// static_cast<void>(record);
+/// @endcode
 class UnreadableStream : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -19,7 +19,8 @@ namespace wobblebench::bench {
 struct FoundPacket {
   hw::PacketKind kind;
   std::uint64_t sequence;
-  std::size_t end;  ///< offset after its last byte
+  std::size_t begin;  ///< offset of its first byte
+  std::size_t end;    ///< offset after its last byte
 };
 
 /// Each check throws RuleViolation.
@@ -33,7 +34,8 @@ class RecordingOracle {
 
   /// `kept`: what the sink got of `received`, the bytes that all reads of the link returned but one
   /// that the recorder was killed in. It is their beginning, with each whole packet of them; where
-  /// the recording ended by itself, all of them, or up to the last of `volumes` volume ends.
+  /// the recording ended by itself, all of them, or up to the last of `volumes` volume ends (beyond
+  /// it only where damage hid the end from the recorder for a packet's length).
   void check_kept(Bytes received, Bytes kept, bool killed, int volumes) const;
   /// The recorder's account, of all that was received.
   void check_account(Bytes received, const hw::RecordingProgress& progress) const;
