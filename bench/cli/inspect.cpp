@@ -46,8 +46,6 @@ int inspect(const Arguments& arguments) {
     return contents.damaged() ? 1 : 0;
   } catch (const hw::LinkOpenError& error) {
     throw UserError(error.what());
-  } catch (const hw::UnsupportedWireVersion& error) {
-    throw UserError(arguments.recording.string() + ": " + error.what());
   }
 }
 

@@ -34,6 +34,7 @@ struct Arguments {
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
   bool replace = false;
+  bool fail_on_loss = false;
 };
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
@@ -96,9 +97,13 @@ class RecordingProgressLine {
   std::chrono::steady_clock::time_point next_{};
 };
 
+std::string whole_volumes(const hw::RecordingProgress& progress) {
+  return std::to_string(progress.volumes) + " whole volumes, which `inspect --salvage` copies";
+}
+
 /// Records to the sink. A failure leaves a partial file that can be salvaged, and says so; without
 /// a configuration there is nothing to salvage.
-hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
+hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink, const std::string& board) {
   RecordingProgressLine line;
   const hw::RecordingProgress& progress = recorder.progress();
   try {
@@ -111,11 +116,13 @@ hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
     if (progress.configuration) sink.finish(progress.whole_bytes);
     return end;
   } catch (const std::exception& error) {
-    if (!progress.configuration) throw;
+    std::string why = error.what();
+    if (dynamic_cast<const hw::UnreadableStream*>(&error) != nullptr) {
+      why = "--board = " + board + ": " + why;
+    }
+    if (!progress.configuration) throw std::runtime_error(why + "; nothing is recorded");
     sink.keep();
-    throw std::runtime_error(std::string(error.what()) + "; it holds " +
-                             std::to_string(progress.volumes) +
-                             " whole volumes, which `inspect --salvage` copies");
+    throw std::runtime_error(why + "; " + sink.path().string() + " holds " + whole_volumes(progress));
   }
 }
 
@@ -137,7 +144,7 @@ int record_board(const Arguments& arguments) {
   stop_in_order();
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
-  const hw::RecordingEnd end = record(recorder, sink);
+  const hw::RecordingEnd end = record(recorder, sink, arguments.board);
 
   const hw::RecordingProgress& progress = recorder.progress();
   const std::string loss = end == hw::RecordingEnd::lost ? link->loss() : "";
@@ -156,8 +163,13 @@ int record_board(const Arguments& arguments) {
   }
   const fs::path recording = out.directory() / kRecordingName;
   std::cout << (arguments.output.json ? report : record_summary(progress, end, recording));
-  if (end != hw::RecordingEnd::lost) return 0;
-  std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
+  if (end == hw::RecordingEnd::lost) {
+    std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
+    return 1;
+  }
+  if (!arguments.fail_on_loss || progress.account.lost.total() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << progress.account.lost.total() << " of "
+            << progress.account.emitted << " sticks were lost\n";
   return 1;
 }
 
@@ -177,6 +189,10 @@ Command add_record_command(CLI::App& app) {
               0,
               1000);
   add_flag(command, "--replace", arguments->replace, "Replace a recording that is in DIR");
+  add_flag(command,
+           "--fail-on-loss",
+           arguments->fail_on_loss,
+           "Exit code 1 if sticks were lost; the recording is kept all the same");
   return {&command, [arguments] { return record_board(*arguments); }};
 }
 

@@ -1,6 +1,7 @@
 // The main job: acquire, render, compare with the truth, write.
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
@@ -25,11 +26,38 @@ struct Arguments {
   std::string board = "sim";
   std::string gl = "auto";
   bool register_surface = false;
+  bool fail_on_loss = false;
 };
+
+/// The scene's phantom, placed, where the samples are of it; none: nobody knows what they are of.
+std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
+                                                     hw::StreamOrigin source,
+                                                     PhantomCache& cache,
+                                                     Progress& progress) {
+  if (source != hw::StreamOrigin::simulated) {
+    complete_from_plan(scene);
+    return {};
+  }
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+  complete_from_phantom(scene, phantom);
+  return scene.place(phantom);
+}
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
   renderer.add_volume(volume);
   return renderer.render();
+}
+
+/// The exit code, with a line on stderr unless it is 0.
+int verdict(const RunResult& result, const Arguments& arguments) {
+  if (!result.acquisition.ending.empty()) {
+    std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result)
+              << "\n";
+    return 1;
+  }
+  if (!arguments.fail_on_loss || result.acquisition.volume.missing_sticks() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << loss_text(result) << "\n";
+  return 1;
 }
 
 int run(const Arguments& arguments) {
@@ -41,18 +69,16 @@ int run(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   Progress progress;
 
-  board.adopt_plan(scene);
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  const auto subject = scene.place(phantom);
+  const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
   render::Renderer renderer(*context, plan, scene.render);
   auto compiled = renderer.compile_in_background();
 
-  auto acquisition =
-      progress.step("acquire", [&] { return board.acquire(scene, subject, cache.tissue_maps()); });
+  auto acquisition = progress.step("acquire", [&] {
+    return subject ? board.acquire(scene, *subject, cache.tissue_maps()) : board.acquire(scene);
+  });
   progress.step("shaders", [&] { compiled.get(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
@@ -63,16 +89,16 @@ int run(const Arguments& arguments) {
                    std::nullopt,
                    cache.kept()};
 
-  if (result.acquisition.source == hw::StreamOrigin::simulated) {
+  if (subject && result.acquisition.source == hw::StreamOrigin::simulated) {
     const std::uint32_t volume = result.acquisition.volume.volume_index();
-    auto truth = progress.step("truth", [&] { return trace_truth(subject, plan, view, volume); });
+    auto truth = progress.step("truth", [&] { return trace_truth(*subject, plan, view, volume); });
     auto error = progress.step(
         "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
     result.comparison = {std::move(truth), std::move(error), std::nullopt};
     if (arguments.register_surface) {
       result.comparison->registration = progress.step("register", [&] {
         return register_surface(
-            result.picture.depth_m, subject, plan, view, {}, kRegistrationPoints, volume);
+            result.picture.depth_m, *subject, plan, view, {}, kRegistrationPoints, volume);
       });
     }
   }
@@ -82,9 +108,7 @@ int run(const Arguments& arguments) {
   out.write_text("report.json", report);
   out.commit();
   std::cout << (arguments.output.json ? report : run_summary(result, scene, out.directory()));
-  if (result.acquisition.ending.empty()) return 0;
-  std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result) << "\n";
-  return 1;
+  return verdict(result, arguments);
 }
 
 }  // namespace
@@ -102,6 +126,10 @@ Command add_run_command(CLI::App& app) {
            "--register",
            arguments->register_surface,
            "Fit pose, range scale and bias that lay the found surface onto the true one");
+  add_flag(command,
+           "--fail-on-loss",
+           arguments->fail_on_loss,
+           "Exit code 1 if sticks of the volume were lost; results are written all the same");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -34,8 +34,8 @@ void BoardConnection::open() {
   assembly_.emplace(*board_);
 }
 
-void BoardConnection::adopt_plan(Scene& scene) {
-  if (is_simulated(arguments_)) return;
+hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
+  if (is_simulated(arguments_)) return hw::StreamOrigin::simulated;
   board_->start();
   if (!assembly_->wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
     throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
@@ -45,11 +45,12 @@ void BoardConnection::adopt_plan(Scene& scene) {
   const std::string source = "--board " + arguments_.text;
   bench::adopt_plan(scene, assembly_->configuration()->plan, source);
   refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/false, source);
+  return assembly_->configuration()->source;
 }
 
-void BoardConnection::simulate(const Scene& scene,
-                               const phantoms::PlacedPhantom& subject,
-                               const sim::TissueMapSource& maps) {
+sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
+                                               const phantoms::PlacedPhantom& subject,
+                                               const sim::TissueMapSource& maps) {
   if (scene.acquisition.volumes != 1) {
     throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
                     ": must be 1; this command renders one volume");
@@ -59,27 +60,37 @@ void BoardConnection::simulate(const Scene& scene,
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
                                .once_ms = simulator.once_ms()};
-  const auto sticks = [&] { return sim::stick_source(std::move(simulator), subject_hash(scene)); };
-  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
-  assembly_.emplace(*board_);
+  return simulator;
 }
 
 Acquisition BoardConnection::acquire(const Scene& scene,
                                      const phantoms::PlacedPhantom& subject,
                                      const sim::TissueMapSource& maps) {
-  const auto before = hw::HostClock::now();
-  if (is_simulated(arguments_)) {
-    simulate(scene, subject, maps);
-  } else if (assembly_->configuration()) {
-    refuse_other_subject(scene,
-                         assembly_->configuration()->subject,
-                         /*placed=*/true,
-                         "--board " + arguments_.text);
+  if (!is_simulated(arguments_)) {
+    if (assembly_->configuration()) {
+      const std::string source = "--board " + arguments_.text;
+      refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/true, source);
+    }
+    return acquire(scene);
   }
-  const auto start = simulated_ ? hw::HostClock::now() : before;
+  sim::ProbeSimulator made = simulator(scene, subject, maps);
+  // The link computes its volume from here on.
+  const auto start = hw::HostClock::now();
+  const auto sticks = [&] { return sim::stick_source(std::move(made), subject_hash(scene)); };
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
+  assembly_.emplace(*board_);
+  return receive(scene, start);
+}
+
+Acquisition BoardConnection::acquire(const Scene& scene) {
+  const auto start = hw::HostClock::now();
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
   if (board_->state() == hw::BoardState::lost) open();
+  return receive(scene, start);
+}
+
+Acquisition BoardConnection::receive(const Scene& scene, hw::HostTime start) {
   board_->start();
   hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
   const auto delivered = hw::HostClock::now();

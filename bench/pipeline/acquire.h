@@ -39,8 +39,9 @@ struct Acquisition {
   hw::StreamOrigin source;                   ///< of the samples
   hw::SubjectHash subject;                   ///< what they are of, if the stream says so
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
-  double transport_ms = 0;                   ///< encode, link, decode, ring, assembly
-  std::string ending;                        ///< why the stream broke off; empty: it did not
+  /// Encode, link, decode, ring, assembly: all of the time to the last stick but the simulator's.
+  double transport_ms = 0;
+  std::string ending;  ///< why the stream broke off; empty: it did not
 };
 
 /// One board for one volume.
@@ -50,9 +51,9 @@ class BoardConnection {
   explicit BoardConnection(const BoardArguments& arguments);
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
-  /// Throws UserError where the scene was given other values or is of another subject,
-  /// std::runtime_error if no configuration comes.
-  void adopt_plan(Scene& scene);
+  /// Returns where the samples come from. Throws UserError where the scene was given other values or
+  /// is of another subject, std::runtime_error if no configuration comes.
+  hw::StreamOrigin adopt_plan(Scene& scene);
 
   /// The first volume whose beginning was not missed. `maps`: as sim::ProbeSimulator takes them.
   /// Throws UserError for a simulated scene of several volumes, a recording of a subject at another
@@ -61,12 +62,15 @@ class BoardConnection {
   [[nodiscard]] Acquisition acquire(const Scene& scene,
                                     const phantoms::PlacedPhantom& subject,
                                     const sim::TissueMapSource& maps = {});
+  /// The same, of a recording or a card whose subject is not known.
+  [[nodiscard]] Acquisition acquire(const Scene& scene);
 
  private:
   void open();
-  void simulate(const Scene& scene,
-                const phantoms::PlacedPhantom& subject,
-                const sim::TissueMapSource& maps);
+  sim::ProbeSimulator simulator(const Scene& scene,
+                                const phantoms::PlacedPhantom& subject,
+                                const sim::TissueMapSource& maps);
+  Acquisition receive(const Scene& scene, hw::HostTime start);
   std::string ending();
 
   BoardArguments arguments_;

@@ -49,6 +49,8 @@ std::string fault_simulation_report(const SeedRangeResult& all) {
                          {"emitted", all.account.emitted},
                          {"delivered", all.account.delivered},
                          {"lost", lost},
+                         {"bytes_recorded", all.bytes_recorded},
+                         {"sticks_salvaged", all.sticks_salvaged},
                          {"device_time_s", all.device_time_s},
                          {"wall_s", all.wall_s},
                          {"times_real_time", all.device_time_s / all.wall_s},
@@ -66,6 +68,8 @@ std::string fault_simulation_summary(const SeedRangeResult& all) {
        << "account     " << all.account.emitted << " emitted, " << all.account.delivered
        << " delivered; lost: " << lost.ring_full << " ring_full, " << lost.link << " link, "
        << lost.corrupt << " corrupt, " << lost.out_of_order << " out_of_order\n"
+       << "recordings  " << all.bytes_recorded << " bytes recorded, killed anywhere, "
+       << all.sticks_salvaged << " sticks salvaged\n"
        << "time        " << std::setprecision(4) << all.device_time_s << " s of device time in "
        << all.wall_s << " s: " << all.device_time_s / all.wall_s << " times real time, "
        << all.acquired_s / all.wall_s << " times the sticks' own acquisition\n"

@@ -27,9 +27,25 @@ std::string count(std::uint64_t number, const std::string& what) {
   return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
 }
 
+std::string unreadable_text(const hw::RecordingContents& contents) {
+  const hw::UnreadablePlace& place = contents.unreadable.value();
+  return "from byte " + std::to_string(place.offset) + " on, " +
+         count(contents.bytes - place.offset, "byte") + ": " + place.reason;
+}
+
+Json unreadable_json(const hw::RecordingContents& contents) {
+  if (!contents.unreadable) return nullptr;
+  const auto& [offset, reason] = *contents.unreadable;
+  return {{"offset", offset}, {"bytes", contents.bytes - offset}, {"reason", reason}};
+}
+
 Json checks_json(const hw::RecordingContents& contents) {
+  const auto& unreadable = contents.unreadable;
   return Json::array(
-      {check_json("recording.bytes",
+      {check_json("recording.readable",
+                  !unreadable,
+                  unreadable ? unreadable_text(contents) : "to its end"),
+       check_json("recording.bytes",
                   contents.damage.regions == 0,
                   count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
                       count(contents.damage.regions, "place")),
@@ -38,7 +54,7 @@ Json checks_json(const hw::RecordingContents& contents) {
                   count(contents.configurations, "configuration")),
        check_json("recording.consistent",
                   contents.contradictions == 0,
-                  count(contents.contradictions, "stick") + " contradict the configuration")});
+                  count(contents.contradictions, "packet") + " contradict the configuration")});
 }
 
 /// Null where the recording does not say what it is of.
@@ -74,6 +90,7 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
           {"one_plan", contents.one_plan},
           {"before_configuration", contents.unconfigured},
           {"contradictions", contents.contradictions},
+          {"unreadable", unreadable_json(contents)},
           {"damage", places},
           {"gaps", gaps},
           {"volumes", volumes}};
@@ -113,6 +130,7 @@ void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
     text << "            at byte " << contents.damaged_regions[i].offset << ": "
          << count(contents.damaged_regions[i].bytes, "byte") << "\n";
   }
+  if (contents.unreadable) text << "unreadable  " << unreadable_text(contents) << "\n";
   text << "missing     " << count(contents.account.lost.total(), "stick") << "\n";
   for (std::size_t i = 0; i < std::min(kMostListed, contents.gaps.size()); ++i) {
     const hw::Gap& gap = contents.gaps[i];

@@ -127,8 +127,16 @@ std::string nothing_in_view(const DepthError& raw, bool surface_sought) {
   return line + "\n";
 }
 
-std::string error_line(const std::optional<Comparison>& comparison, bool surface_sought) {
-  if (!comparison) return "depth error unknown: nobody knows what the board looked at\n";
+/// Why there is nothing to compare with; empty: there is.
+std::string no_truth(const RunResult& result) {
+  if (result.comparison) return "";
+  return "samples from " + std::string(hw::to_string(result.acquisition.source)) +
+         ": what they are of is not known";
+}
+
+std::string error_line(const RunResult& result, bool surface_sought) {
+  const auto& comparison = result.comparison;
+  if (!comparison) return "truth       none; " + no_truth(result) + "\n";
   const DepthError& raw = comparison->error.raw;
   if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
   const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
@@ -160,6 +168,12 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
     }
   }
+  report["no_truth_because"] = result.comparison ? Json(nullptr) : Json(no_truth(result));
+  if (!result.comparison) {
+    for (const char* unused : {"phantom", "placement", "motion", "simulation"}) {
+      report["scene"][unused] = nullptr;
+    }
+  }
   report["cached"] = {{"phantom", result.kept.phantom}, {"tissue_map", result.kept.tissue_map}};
   report["wall_ms"] = wall_json(times);
   return report_text(report);
@@ -171,7 +185,7 @@ std::string run_summary(const RunResult& result,
   return volume_line(result, scene) + board_line(result.acquisition.account) +
          "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
          result.gl_renderer + "\n" + samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result.comparison, computes_surface(scene)) + "results     " +
+         error_line(result, computes_surface(scene)) + "results     " +
          directory.string() + "\n";
 }
 
@@ -190,6 +204,12 @@ void stage_run_images(OutputFolder& out, const RunResult& result) {
   if (!result.comparison) return;
   write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
   write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}});
+}
+
+std::string loss_text(const RunResult& result) {
+  const hw::PolarVolume& volume = result.acquisition.volume;
+  return std::to_string(volume.missing_sticks()) + " of " +
+         std::to_string(volume.plan().sticks_per_volume()) + " sticks of the volume were lost";
 }
 
 }  // namespace wobblebench::bench

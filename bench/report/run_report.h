@@ -22,6 +22,9 @@ std::string run_summary(const RunResult& result,
 /// Why the stream broke off, and how many sticks the volume lacks.
 std::string ending_text(const RunResult& result);
 
+/// How many sticks of how many the volume lacks.
+std::string loss_text(const RunResult& result);
+
 /// Stages the surface and volume images and the depth maps, found and true, in mm.
 void stage_run_images(OutputFolder& out, const RunResult& result);
 

@@ -74,6 +74,10 @@ Scene load_scene(const std::filesystem::path& path, const std::vector<std::strin
 /// Sets placement and volume of interest from the phantom, where they were not given.
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
 
+/// Sets the volume of interest to the box around the scanned sector, where it was not given: for
+/// samples whose subject is not known.
+void complete_from_plan(Scene& scene);
+
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "base/options.h"
 
@@ -43,12 +46,26 @@ std::uint64_t AcquisitionPlan::first_sequence(std::uint32_t volume) const {
 std::uint64_t AcquisitionPlan::sequence(const StickIndex& index) const {
   const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
   const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
+  if (index.frame >= frames || index.line >= lines) {
+    throw std::out_of_range("frame " + std::to_string(index.frame) + ", line " +
+                            std::to_string(index.line) + " of a plan of " + std::to_string(frames) +
+                            " frames of " + std::to_string(lines) + " sticks");
+  }
   const bool back = sweep_direction(index.volume) < 0;
   const std::uint64_t order = back ? frames - 1 - index.frame : index.frame;
   return (index.volume * frames + order) * lines + index.line;
 }
 
+bool AcquisitionPlan::has_stick(std::uint64_t sequence) const {
+  return sequence / static_cast<std::uint64_t>(sticks_per_volume()) <=
+         std::numeric_limits<std::uint32_t>::max();
+}
+
 StickIndex AcquisitionPlan::index(std::uint64_t sequence) const {
+  if (!has_stick(sequence)) {
+    throw std::out_of_range("stick " + std::to_string(sequence) +
+                            ": its volume has no number below 2^32");
+  }
   const auto frames = static_cast<std::uint64_t>(acquisition_.frames_per_volume);
   const auto lines = static_cast<std::uint64_t>(acquisition_.sticks_per_frame);
   const auto volume = static_cast<std::uint32_t>(sequence / lines / frames);

@@ -94,10 +94,13 @@ class AcquisitionPlan {
   /// +1: the motor angle increases over this volume; -1: it decreases (odd volumes of alternating).
   int sweep_direction(std::uint32_t volume) const;
   /// Index of the stick in the stream, from 0: (volume F + f) L + line, where f is the frame, or
-  /// F - 1 - frame where the volume sweeps back.
+  /// F - 1 - frame where the volume sweeps back. Throws std::out_of_range for a frame or line that
+  /// the plan does not have.
   std::uint64_t sequence(const StickIndex& index) const;
-  /// Inverse of sequence().
+  /// Inverse of sequence(). Throws std::out_of_range unless has_stick().
   StickIndex index(std::uint64_t sequence) const;
+  /// False beyond the last stick of volume 2^32 - 1, the last that can be numbered.
+  bool has_stick(std::uint64_t sequence) const;
   /// Sequence number of the volume's first stick.
   std::uint64_t first_sequence(std::uint32_t volume) const;
   /// The stick of the frame and the line nearest in angle to `point`.
@@ -105,8 +108,8 @@ class AcquisitionPlan {
 
   double stick_period_s() const;
   /// Transmit time of the stick: its sequence number times the period, and a fly-back for each
-  /// earlier volume, rounded once to a nanosecond, so that no error accumulates. Saturates at the
-  /// end of the device clock (292 years).
+  /// earlier volume, rounded once to a nanosecond, so that no error accumulates. For any number:
+  /// saturates at the end of the device clock (292 years).
   DeviceTime stick_time(std::uint64_t sequence) const;
   /// End of the volume's last stick, before any fly-back.
   DeviceTime volume_end_time(std::uint32_t volume) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,13 +35,14 @@ class FileLink::Impl {
   ReadResult read(std::span<std::byte> buffer, HostTime deadline);
 
   InterruptibleWait wait;
-  std::string loss;  ///< empty: as Link::loss()
+  bool resumed = false;  ///< since the last read
+  std::string loss;      ///< empty: as Link::loss()
 
  private:
   /// Length of a loop's repetition, or of all turns so far.
   struct LoopLength {
     std::uint64_t sticks = 0;
-    std::uint32_t volumes = 0;
+    std::uint64_t volumes = 0;
   };
   struct Epoch {
     HostTime host;
@@ -49,9 +51,12 @@ class FileLink::Impl {
 
   std::uint64_t find_volume(std::uint32_t volume) const;
   LoopLength measure_repetition();
+  void skip_pause();
   ReadResult read_raw(std::span<std::byte> buffer);
   ReadResult read_packets(std::span<std::byte> buffer, HostTime deadline);
   bool take_packet();
+  PacketStamp continued(const PacketStamp& stamp) const;
+  void take_rest();
   void take_end();
   HostTime due(DeviceTime time);
 
@@ -67,6 +72,7 @@ class FileLink::Impl {
   std::vector<std::byte> packet_;
   std::size_t delivered_ = 0;  ///< bytes of packet_
   HostTime packet_due_{};
+  HostTime last_read_{};        ///< its end
   std::optional<Epoch> epoch_;  ///< of the first packet
 };
 
@@ -85,6 +91,7 @@ void FileLink::cancel() {
 
 void FileLink::resume() {
   impl_->wait.resume();
+  impl_->resumed = true;
 }
 
 void FileLink::close() {
@@ -113,18 +120,24 @@ FileLink::Impl::Impl(const std::filesystem::path& path, const FileLinkOptions& o
 std::uint64_t FileLink::Impl::find_volume(std::uint32_t volume) const {
   RecordingReader reader(file_);
   std::optional<std::uint32_t> last;
-  while (const auto recorded = reader.next()) {
-    if (!recorded->packet) continue;
-    const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
-    if (packet == nullptr) continue;
-    if (packet->volume == volume) return recorded->offset;
-    last = packet->volume;
+  std::string unreadable;
+  try {
+    while (const auto recorded = reader.next()) {
+      if (!recorded->packet) continue;
+      const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
+      if (packet == nullptr) continue;
+      if (packet->volume == volume) return recorded->offset;
+      last = packet->volume;
+    }
+  } catch (const UnreadableStream& error) {
+    unreadable = "; from byte " + std::to_string(reader.offset()) + " on: " + error.what();
   }
   throw InvalidOption(
       "start_volume",
       std::to_string(volume),
       "no volume of " + file_.path().string() +
-          (last ? ", whose last is " + std::to_string(*last) : ", which holds no configuration"));
+          (last ? ", whose last is " + std::to_string(*last) : ", which holds no configuration") +
+          unreadable);
 }
 
 FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
@@ -134,22 +147,23 @@ FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
   RecordingReader reader(file_, start_);
   std::optional<ConfigurationPacket> first;
   std::uint32_t last = 0;
-  while (const auto recorded = reader.next()) {
-    if (!recorded->packet) continue;
-    if (const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet)) {
+  const auto unreadable = for_each_packet(reader, [&](const RecordedPacket& recorded) {
+    if (!recorded.packet) return;
+    if (const auto* packet = std::get_if<ConfigurationPacket>(&*recorded.packet)) {
       if (!first) first = *packet;
       if (!(first->probe == packet->probe) || !(first->acquisition == packet->acquisition)) {
         refuse("it holds several acquisitions");
       }
       last = std::max(last, packet->volume);
-    } else if (const auto* stick = std::get_if<StickPacket>(&*recorded->packet)) {
+    } else if (const auto* stick = std::get_if<StickPacket>(&*recorded.packet)) {
       last = std::max(last, stick->stick.index.volume);
     }
-  }
+  });
+  if (unreadable) refuse(unreadable->reason);
   if (!first) refuse("it holds no configuration");
   plan_.emplace(first->probe, first->acquisition);
   LoopLength repetition;
-  repetition.volumes = last - std::min(last, first->volume) + 1;
+  repetition.volumes = std::uint64_t{last} - std::min(last, first->volume) + 1;
   if (first->acquisition.motor == MotorMode::alternating && repetition.volumes % 2 != 0) {
     refuse("the motor alternates, and it holds an odd number of volumes");
   }
@@ -160,12 +174,23 @@ FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
 ReadResult FileLink::Impl::read(std::span<std::byte> buffer, HostTime deadline) {
   if (const auto interrupted = wait.interrupted()) return {0, *interrupted};
   try {
-    const bool unchanged = options_.pace == Pace::asap && !options_.loop;
-    return unchanged ? read_raw(buffer) : read_packets(buffer, deadline);
+    if (options_.pace == Pace::asap && !options_.loop) return read_raw(buffer);
+    skip_pause();
+    const ReadResult result = read_packets(buffer, deadline);
+    last_read_ = HostClock::now();
+    return result;
   } catch (const std::exception& error) {
     loss = error.what();
     return {0, ReadStatus::lost};
   }
+}
+
+/// Stops the clock from the last read before cancel() to the first one after resume().
+void FileLink::Impl::skip_pause() {
+  if (!std::exchange(resumed, false) || !epoch_) return;
+  const auto pause = HostClock::now() - last_read_;
+  epoch_->host += pause;
+  packet_due_ += pause;
 }
 
 ReadResult FileLink::Impl::read_raw(std::span<std::byte> buffer) {
@@ -200,7 +225,13 @@ bool FileLink::Impl::take_packet() {
   if (!reader_) return false;
   delivered_ = 0;
   packet_.clear();
-  const auto recorded = reader_->next();
+  std::optional<RecordedPacket> recorded;
+  try {
+    recorded = reader_->next();
+  } catch (const UnreadableStream&) {
+    take_rest();
+    return true;
+  }
   if (!recorded) {
     take_end();
     return true;
@@ -210,14 +241,30 @@ bool FileLink::Impl::take_packet() {
   packet_.assign(recorded->bytes.begin(), recorded->bytes.end());
   PacketStamp stamp = packet_stamp(packet_);
   if (options_.loop) {
-    stamp.sequence += done_.sticks;
-    stamp.volume += done_.volumes;
-    // Computed from the start each time, so that rounding does not accumulate.
-    stamp.time = saturated_sum(stamp.time, plan_->stick_time(done_.sticks).time_since_epoch());
+    stamp = continued(stamp);
     restamp(packet_, stamp);
   }
   packet_due_ = due(stamp.time);
   return true;
+}
+
+/// The stamp in the current repetition of a loop. Throws std::runtime_error where a number ends.
+PacketStamp FileLink::Impl::continued(const PacketStamp& stamp) const {
+  const bool has_volume = done_.volumes <= std::numeric_limits<std::uint32_t>::max() - stamp.volume;
+  if (!has_volume || done_.sticks > std::numeric_limits<std::uint64_t>::max() - stamp.sequence) {
+    throw std::runtime_error("the loop has come to the last number of a volume");
+  }
+  return {stamp.sequence + done_.sticks,
+          static_cast<std::uint32_t>(stamp.volume + done_.volumes),
+          // Computed from the start each time, so that rounding does not accumulate.
+          saturated_sum(stamp.time, plan_->stick_time(done_.sticks).time_since_epoch())};
+}
+
+/// Leaves the packets from an unreadable one on to the reader, as they are.
+void FileLink::Impl::take_rest() {
+  offset_ = reader_->end();
+  raw_left_ = file_.bytes() - offset_;
+  reader_.reset();
 }
 
 /// Reads the extent of the damage at the end, and starts the next repetition of a loop.

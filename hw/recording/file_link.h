@@ -27,7 +27,8 @@ void describe(O& o, Visitor& v) {
 }
 
 /// Delivers the file's bytes unchanged, damage included; in a loop, packets get new stamps. Waits
-/// for its reader at either pace.
+/// for its reader at either pace: in real time its clock starts with the first read, and stands
+/// from cancel() to the first read after resume().
 ///
 /// @code
 /// #include "hw/board/board.h"

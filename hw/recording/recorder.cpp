@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -38,9 +39,11 @@ class Recorder::Impl {
            progress_.volumes >= static_cast<std::uint64_t>(options_.volumes);
   }
   /// Returns the number of leading bytes of the chunk that belong to the recording: all, unless the
-  /// last volume ends within.
-  std::size_t audit_chunk(std::span<const std::byte> chunk);
-  void audit_packets();
+  /// last volume ends within, or the stream is unreadable from a packet on.
+  /// `last`: no more bytes follow.
+  std::size_t audit_chunk(std::span<const std::byte> chunk, bool last);
+  /// Takes the next packet of framer_; false: there is none, or the last volume has ended.
+  bool audit_next();
   /// True if the packet ends a volume.
   bool audit_packet(const Packet& packet);
 
@@ -49,7 +52,10 @@ class Recorder::Impl {
   const RecorderOptions options_;
   PacketFramer framer_;
   StreamAudit audit_;
-  std::uint64_t fed_ = 0;  ///< bytes given to framer_
+  std::uint64_t fed_ = 0;            ///< bytes given to framer_
+  std::uint64_t packet_offset_ = 0;  ///< of the last packet, in the stream
+  std::uint64_t packet_end_ = 0;
+  std::exception_ptr unreadable_;
   RecordingProgress progress_;
 };
 
@@ -71,10 +77,8 @@ RecordingEnd Recorder::Impl::run(
     const std::function<bool()>& stop_requested,
     const std::function<void(const RecordingProgress&)>& after_volume) {
   const RecordingEnd end = read_link(stop_requested, after_volume);
-  if (end == RecordingEnd::volumes) return end;
-  // A damaged length may have hidden whole packets behind it.
-  framer_.finish();
-  audit_packets();
+  // A damaged length may hide whole packets that are there.
+  if (end == RecordingEnd::stop_requested) static_cast<void>(audit_chunk({}, true));
   return end;
 }
 
@@ -87,10 +91,13 @@ RecordingEnd Recorder::Impl::read_link(
     const ReadResult result = link_.read(chunk, HostClock::now() + kStopPollInterval);
     const auto received = std::span(chunk).first(result.bytes);
     const std::uint64_t volumes = progress_.volumes;
-    const std::size_t recorded = audit_chunk(received);
+    const bool over =
+        result.status == ReadStatus::end_of_stream || result.status == ReadStatus::lost;
+    const std::size_t recorded = audit_chunk(received, over);
     sink_(received.first(recorded));
     progress_.bytes += recorded;
     if (after_volume && progress_.volumes > volumes) after_volume(progress_);
+    if (unreadable_) std::rethrow_exception(unreadable_);
     if (has_all_volumes()) return RecordingEnd::volumes;
     if (result.status == ReadStatus::end_of_stream) return RecordingEnd::end_of_stream;
     if (result.status == ReadStatus::lost) return RecordingEnd::lost;
@@ -98,30 +105,42 @@ RecordingEnd Recorder::Impl::read_link(
   }
 }
 
-std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk) {
+std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk, bool last) {
   framer_.feed(chunk);
+  if (last) framer_.finish();
   const std::uint64_t before = std::exchange(fed_, fed_ + chunk.size());
-  audit_packets();
-  return has_all_volumes() ? static_cast<std::size_t>(progress_.whole_bytes - before)
-                           : chunk.size();
+  std::uint64_t end = fed_;
+  try {
+    while (audit_next()) {
+    }
+    check_skipped(framer_.skipped_in_a_row());
+    if (has_all_volumes()) end = packet_end_;
+  } catch (const UnreadableStream&) {
+    unreadable_ = std::current_exception();
+    end = packet_offset_;
+  }
+  if (!has_all_volumes()) progress_.damage = framer_.damage();
+  return static_cast<std::size_t>(std::max(end, before) - before);
 }
 
-void Recorder::Impl::audit_packets() {
-  while (const auto frame = framer_.next()) {
-    if (packet_version(frame->bytes) != kWireVersion) {
-      throw UnsupportedWireVersion(packet_version(frame->bytes));
-    }
-    const auto packet = is_known_kind(frame->bytes) ? parse_packet(frame->bytes) : std::nullopt;
-    if (!packet && is_known_kind(frame->bytes)) {
-      framer_.reject_last();
-      continue;
-    }
-    progress_.whole_bytes = frame->offset + frame->bytes.size();
-    if (!packet || !audit_packet(*packet)) continue;
-    ++progress_.volumes;
-    if (has_all_volumes()) return;
+bool Recorder::Impl::audit_next() {
+  const auto frame = framer_.next();
+  if (!frame) return false;
+  packet_offset_ = frame->offset;
+  packet_end_ = frame->offset + frame->bytes.size();
+  if (packet_version(frame->bytes) != kWireVersion) {
+    throw UnsupportedWireVersion(packet_version(frame->bytes));
   }
-  progress_.damage = framer_.damage();
+  const auto packet = is_known_kind(frame->bytes) ? parse_packet(frame->bytes) : std::nullopt;
+  if (!packet && is_known_kind(frame->bytes)) {
+    framer_.reject_last();
+    return true;
+  }
+  const bool ends_volume = packet && audit_packet(*packet);
+  progress_.whole_bytes = packet_end_;
+  if (!ends_volume) return true;
+  ++progress_.volumes;
+  return !has_all_volumes();
 }
 
 bool Recorder::Impl::audit_packet(const Packet& packet) {

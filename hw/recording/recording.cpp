@@ -20,9 +20,10 @@ class Inspection {
  public:
   explicit Inspection(RecordingContents& contents) : contents_(contents) {}
 
-  void damage(const DamagedRegion& region) {
+  void damage_before(std::uint64_t offset, std::uint64_t bytes) {
+    if (bytes == 0) return;
     audit_.note_damage();
-    append_fault(contents_.damaged_regions, region);
+    append_fault(contents_.damaged_regions, {offset - bytes, bytes});
   }
 
   void take(const Packet& packet) {
@@ -33,8 +34,8 @@ class Inspection {
 
  private:
   void take_kind(const ConfigurationPacket& packet) {
-    ++contents_.configurations;
     const AuditResult result = audit_.take(packet);
+    ++contents_.configurations;
     note(result);
     if (result.accepted && contents_.configuration) contents_.one_plan = false;
     if (!contents_.configuration) contents_.configuration = audit_.configuration();
@@ -42,7 +43,6 @@ class Inspection {
 
   void take_kind(const StickPacket& packet) {
     ++contents_.sticks;
-    const std::uint64_t skipped_before = late_or_repeated();
     const AuditResult result = audit_.take(packet.stick);
     note(result);
     if (result.accepted) {
@@ -50,9 +50,6 @@ class Inspection {
       ++volume(packet.stick.index.volume).sticks;
     } else if (!audit_.configuration()) {
       ++contents_.unconfigured;
-    } else if (late_or_repeated() == skipped_before) {
-      // Neither next, late nor repeated: it contradicts the plan.
-      ++contents_.contradictions;
     }
   }
 
@@ -66,10 +63,7 @@ class Inspection {
   void note(const AuditResult& result) {
     if (result.missing) append_fault(contents_.gaps, *result.missing);
     if (result.rejected) append_fault(contents_.gaps, *result.rejected);
-  }
-
-  std::uint64_t late_or_repeated() const {
-    return audit_.account().lost.out_of_order + audit_.account().duplicates;
+    if (result.contradicts) ++contents_.contradictions;
   }
 
   RecordedVolume& volume(std::uint32_t index) {
@@ -101,23 +95,20 @@ RecordingContents inspect_recording(const std::filesystem::path& path,
   Inspection inspection(contents);
   RecordingReader reader(file);
   std::uint64_t next_progress = kProgressBytes;
-  while (const auto recorded = reader.next()) {
-    if (recorded->damage_before > 0) {
-      inspection.damage({recorded->offset - recorded->damage_before, recorded->damage_before});
-    }
-    if (recorded->packet) {
-      inspection.take(*recorded->packet);
+  contents.unreadable = for_each_packet(reader, [&](const RecordedPacket& recorded) {
+    inspection.damage_before(recorded.offset, recorded.damage_before);
+    if (recorded.packet) {
+      inspection.take(*recorded.packet);
     } else {
       ++contents.other_packets;
     }
-    if (progress && recorded->offset >= next_progress) {
-      progress(recorded->offset);
+    if (progress && recorded.offset >= next_progress) {
+      progress(recorded.offset);
       next_progress += kProgressBytes;
     }
-  }
-  if (reader.damage_at_end() > 0) {
-    inspection.damage({file.bytes() - reader.damage_at_end(), reader.damage_at_end()});
-  }
+  });
+  const std::uint64_t end = contents.unreadable ? contents.unreadable->offset : file.bytes();
+  inspection.damage_before(end, end - std::min(end, reader.end()));
   contents.damage = reader.damage();
   inspection.finish();
   return contents;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hw/wire/account.h"
@@ -19,6 +20,12 @@ namespace wobblebench::hw {
 struct DamagedRegion {
   std::uint64_t offset = 0;  ///< in the file
   std::uint64_t bytes = 0;
+};
+
+/// Where a recording ends before its bytes do.
+struct UnreadablePlace {
+  std::uint64_t offset = 0;  ///< in the file, of the packet
+  std::string reason;        ///< one line
 };
 
 struct RecordedVolume {
@@ -38,24 +45,26 @@ struct RecordingContents {
   bool one_plan = true;
   BoardAccount account;
   WireDamage damage;
-  std::uint64_t contradictions = 0;            ///< intact sticks that contradict the configuration
+  std::uint64_t contradictions = 0;            ///< intact packets that contradict the configuration
   std::uint64_t unconfigured = 0;              ///< intact sticks before the first configuration
+  std::optional<UnreadablePlace> unreadable;   ///< all else is of the bytes before
   std::vector<DamagedRegion> damaged_regions;  ///< the first kListedFaults
   std::vector<Gap> gaps;                       ///< the first kListedFaults
   std::vector<RecordedVolume> volumes;
 
   static constexpr std::size_t kListedFaults = 4096;
 
-  /// Bytes were lost or changed after the link sent them, or the source's sticks contradict its
-  /// configuration.
-  bool damaged() const { return damage.regions > 0 || contradictions > 0 || !configuration; }
+  /// Bytes were lost or changed after the link sent them, the source contradicts its configuration,
+  /// or the stream cannot be read to its end.
+  bool damaged() const {
+    return damage.regions > 0 || contradictions > 0 || !configuration || unreadable;
+  }
   /// No stick is missing, and every volume is closed.
   bool complete() const;
 };
 
 /// Reads the whole file. `progress`, if given, is called every 16 MiB with the bytes read so far.
-/// Throws LinkOpenError, UnsupportedWireVersion, and std::runtime_error "PATH: cannot be read:
-/// reason".
+/// Throws LinkOpenError, and std::runtime_error "PATH: cannot be read: reason".
 ///
 /// @code
 /// const hw::RecordingContents contents = hw::inspect_recording("scan.wbst");
@@ -70,7 +79,8 @@ RecordingContents inspect_recording(const std::filesystem::path& path,
 
 /// Copies the intact packets to `sink`, as a stream without damage: sticks in order, a
 /// configuration before the first of each volume (also where its own was damaged), volume ends.
-/// What is missing stays missing. Throws as inspect_recording(), and what `sink` throws.
+/// What is missing stays missing; nothing is taken from an unreadable place on. Throws as
+/// inspect_recording(), and what `sink` throws.
 void salvage_recording(const std::filesystem::path& path,
                        const std::function<void(std::span<const std::byte>)>& sink);
 

@@ -17,6 +17,7 @@ std::optional<PacketFrame> RecordingReader::next_frame() {
 std::optional<RecordedPacket> RecordingReader::next() {
   while (const auto frame = next_frame()) {
     RecordedPacket recorded{.bytes = frame->bytes, .offset = start_ + frame->offset};
+    offset_ = recorded.offset;
     if (packet_version(frame->bytes) != kWireVersion) {
       throw UnsupportedWireVersion(packet_version(frame->bytes));
     }

@@ -4,8 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "hw/recording/recording.h"
 #include "hw/recording/recording_file.h"
 #include "hw/wire/decoder.h"
+#include "hw/wire/unreadable_stream.h"
 
 namespace wobblebench::hw {
 
@@ -28,6 +30,10 @@ class RecordingReader {
 
   /// Bytes after the last packet that belong to none; valid once next() returned none.
   std::uint64_t damage_at_end() const { return read_ - end_; }
+  /// File offset of the packet that next() came to last, also where it threw.
+  std::uint64_t offset() const { return offset_; }
+  /// File offset of the end of the last packet that it returned.
+  std::uint64_t end() const { return end_; }
   const WireDamage& damage() const { return framer_.damage(); }
 
  private:
@@ -39,7 +45,20 @@ class RecordingReader {
   std::uint64_t start_;  ///< file offset of the first byte read
   std::uint64_t read_;   ///< file offset of the next byte to read
   std::uint64_t end_;    ///< file offset of the end of the last packet
+  std::uint64_t offset_ = 0;
   bool finished_ = false;
 };
+
+/// Calls take() for each packet that follows, until one from which on nothing can be interpreted,
+/// and returns that place. `take` may throw UnreadableStream, as StreamAudit does.
+template <class Take>
+std::optional<UnreadablePlace> for_each_packet(RecordingReader& reader, Take&& take) {
+  try {
+    while (const auto recorded = reader.next()) take(*recorded);
+  } catch (const UnreadableStream& error) {
+    return UnreadablePlace{reader.offset(), error.what()};
+  }
+  return {};
+}
 
 }  // namespace wobblebench::hw

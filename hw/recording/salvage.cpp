@@ -8,13 +8,19 @@
 namespace wobblebench::hw {
 namespace {
 
-/// The first configuration of a recording, at any offset.
+/// The first configuration of a recording, at any offset before an unreadable place.
 std::optional<ConfigurationPacket> first_configuration(const RecordingFile& file) {
   RecordingReader reader(file);
-  while (const auto recorded = reader.next()) {
-    if (!recorded->packet) continue;
-    const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
-    if (packet != nullptr) return *packet;
+  try {
+    while (const auto recorded = reader.next()) {
+      if (!recorded->packet) continue;
+      const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet);
+      if (packet == nullptr) continue;
+      StreamAudit().take(*packet);  // throws if it is not possible
+      return *packet;
+    }
+  } catch (const UnreadableStream&) {
+    // Nothing that follows can be interpreted.
   }
   return {};
 }
@@ -30,13 +36,7 @@ class Salvage {
 
   void take(const Packet& packet, std::span<const std::byte> bytes) {
     if (const auto* configuration = std::get_if<ConfigurationPacket>(&packet)) {
-      start_audit(configuration->sequence, configuration->volume, configuration->time);
-      if (!audit_.take(*configuration).accepted && configured_volume_ == configuration->volume) {
-        return;
-      }
-      configuration_ = *configuration;
-      configured_volume_ = configuration->volume;
-      sink_(bytes);
+      take_configuration(*configuration, bytes);
     } else if (const auto* stick = std::get_if<StickPacket>(&packet)) {
       take_stick(stick->stick, bytes);
     } else {
@@ -58,6 +58,17 @@ class Salvage {
     packet.volume = volume;
     packet.time = time;
     audit_.take(packet);
+  }
+
+  void take_configuration(const ConfigurationPacket& packet, std::span<const std::byte> bytes) {
+    start_audit(packet.sequence, packet.volume, packet.time);
+    const AuditResult result = audit_.take(packet);
+    if (!result.accepted && (result.contradicts || configured_volume_ == packet.volume)) return;
+    configuration_ = packet;
+    configured_volume_.reset();
+    if (result.contradicts) return;  // The next stick's number is written instead of its own.
+    configured_volume_ = packet.volume;
+    sink_(bytes);
   }
 
   void take_stick(const Stick& stick, std::span<const std::byte> bytes) {
@@ -97,10 +108,10 @@ void salvage_recording(const std::filesystem::path& path,
   }
   Salvage salvage(*configuration, sink);
   RecordingReader reader(file);
-  while (const auto recorded = reader.next()) {
-    if (recorded->damage_before > 0) salvage.damage();
-    if (recorded->packet) salvage.take(*recorded->packet, recorded->bytes);
-  }
+  for_each_packet(reader, [&](const RecordedPacket& recorded) {
+    if (recorded.damage_before > 0) salvage.damage();
+    if (recorded.packet) salvage.take(*recorded.packet, recorded.bytes);
+  });
 }
 
 }  // namespace wobblebench::hw

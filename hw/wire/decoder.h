@@ -29,6 +29,8 @@ class Decoder {
   [[nodiscard]] std::optional<Packet> next();
 
   const WireDamage& damage() const { return framer_.damage(); }
+  /// Bytes skipped since the last packet.
+  std::uint64_t skipped_in_a_row() const { return framer_.skipped_in_a_row(); }
   /// Bytes fed that are neither decoded nor skipped yet.
   std::size_t pending_bytes() const { return framer_.pending_bytes(); }
 

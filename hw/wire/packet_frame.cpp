@@ -124,8 +124,12 @@ std::optional<std::size_t> PacketFramer::front_packet_bytes() const {
 }
 
 void PacketFramer::note_damage(std::size_t bytes) {
-  if (in_sync_) ++damage_.regions;
+  if (in_sync_) {
+    ++damage_.regions;
+    skipped_ = 0;
+  }
   in_sync_ = false;
+  skipped_ += bytes;
   damage_.bytes_skipped += bytes;
 }
 

@@ -52,6 +52,8 @@ class PacketFramer {
   void reject_last();
 
   const WireDamage& damage() const { return damage_; }
+  /// Bytes skipped since the last packet.
+  std::uint64_t skipped_in_a_row() const { return in_sync_ ? 0 : skipped_; }
   /// Bytes fed that belong to no frame and are not skipped yet.
   std::size_t pending_bytes() const { return buffer_.size() - read_; }
 
@@ -68,6 +70,7 @@ class PacketFramer {
   std::size_t last_bytes_ = 0;  ///< size of the frame returned last
   bool was_in_sync_ = true;     ///< before that frame
   bool in_sync_ = true;         ///< the last byte consumed ended a frame
+  std::uint64_t skipped_ = 0;   ///< since the last packet; valid unless in_sync_
   bool finished_ = false;
   WireDamage damage_;
 };

@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
+
+#include "hw/wire/unreadable_stream.h"
 
 namespace wobblebench::hw {
 namespace {
@@ -29,6 +32,9 @@ std::optional<Gap> SequenceTracker::advance_to(std::uint64_t sequence, bool afte
   if (!next_) next_ = sequence;
   if (sequence <= *next_) return {};
   const Gap gap{*next_, sequence - *next_, after_damage ? LossCause::corrupt : LossCause::link};
+  if (gap.count >= std::numeric_limits<std::uint64_t>::max() - account_.emitted) {
+    throw UnreadableStream("its sequence numbers say that 2^64 sticks were emitted");
+  }
   account_.emitted += gap.count;
   counter(gap.cause) += gap.count;
   next_ = sequence;

@@ -14,6 +14,7 @@ class SequenceTracker {
  public:
   /// The stream says that stick `sequence` comes next. What is missing before it is counted as lost
   /// and returned; cause: corrupt if there was damage since the last call that advanced, else link.
+  /// Throws UnreadableStream for more sticks than can be counted.
   std::optional<Gap> advance_to(std::uint64_t sequence, bool after_damage);
 
   /// True if the stick is the next one. If not, it is late or repeated and counted as such: one

@@ -20,6 +20,9 @@ struct AuditResult {
   /// A configuration: it is new. A stick: it is the next one; call deliver() or lose() before the
   /// next packet. A volume's end: it ends a volume of which a stick was emitted.
   bool accepted = false;
+  /// Of the packet's number, index and sample count some are not the plan's. Of a configuration the
+  /// plan is taken all the same.
+  bool contradicts = false;
 };
 
 /// Takes the packets of one stream in the order of arrival. Not thread-safe.
@@ -28,7 +31,8 @@ class StreamAudit {
   /// The decoder skipped bytes: sticks found missing next are corrupt.
   void note_damage() { after_damage_ = true; }
 
-  /// Throws std::runtime_error "the device's configuration is not possible: …".
+  // Each throws UnreadableStream: "the device's configuration is not possible: …", or as
+  // SequenceTracker::advance_to().
   AuditResult take(const ConfigurationPacket& packet);
   AuditResult take(const Stick& stick);
   AuditResult take(const VolumeEndPacket& packet);
@@ -43,6 +47,7 @@ class StreamAudit {
   bool inside_volume() const { return inside_volume_; }
 
  private:
+  AuditResult contradiction();
   std::optional<Gap> advance_to(std::uint64_t sequence);
 
   SequenceTracker tracker_;

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
+
+#include "hw/wire/unreadable_stream.h"
 
 namespace wobblebench::hw {
 
@@ -19,11 +20,11 @@ inline constexpr std::uint16_t kWireVersion = 1;
 ///   if (error.version() > hw::kWireVersion) return;
 /// }
 /// @endcode
-class UnsupportedWireVersion : public std::runtime_error {
+class UnsupportedWireVersion : public UnreadableStream {
  public:
   explicit UnsupportedWireVersion(std::uint16_t version)
-      : std::runtime_error("wire format version " + std::to_string(version) +
-                           ": this program reads version " + std::to_string(kWireVersion)),
+      : UnreadableStream("wire format version " + std::to_string(version) +
+                         ": this program reads version " + std::to_string(kWireVersion)),
         version_(version) {}
   std::uint16_t version() const { return version_; }
 

@@ -4,7 +4,9 @@
 #include <optional>
 
 #include "bench/checks/fault_simulation/oracle.h"
+#include "bench/checks/fault_simulation/recording_simulation.h"
 #include "bench/checks/fault_simulation/scenario.h"
+#include "bench/checks/fault_simulation/virtual_time.h"
 #include "bench/pipeline/synthetic_sticks.h"
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
@@ -16,15 +18,6 @@ namespace {
 
 /// Far more than any scenario takes; only one that hangs reaches it.
 constexpr std::uint64_t kMostSteps = 2'000'000;
-
-class VirtualTime : public hw::HostTimeSource {
- public:
-  hw::HostTime now() const override { return now_; }
-  void advance(hw::HostClock::duration duration) { now_ += duration; }
-
- private:
-  hw::HostTime now_{};
-};
 
 enum class Actor { device, board, program, interruption };
 
@@ -142,7 +135,17 @@ FaultSimulationResult simulate_faults(std::uint64_t seed,
                                       const std::function<void(const std::string&)>& trace) {
   const Scenario scenario = draw_scenario(seed);
   if (trace) trace(scenario.text());
-  return Simulation(scenario, trace).run();
+  FaultSimulationResult result = Simulation(scenario, trace).run();
+  if (!result.failure.empty()) return result;
+  const RecordingSimulationResult recorded = simulate_recording(scenario, trace);
+  EventHash hash;
+  hash.add(result.hash);
+  hash.add(recorded.hash);
+  result.hash = hash.value();
+  result.bytes_recorded = recorded.bytes_recorded;
+  result.sticks_salvaged = recorded.sticks_salvaged;
+  result.failure = recorded.failure;
+  return result;
 }
 
 }  // namespace wobblebench::bench

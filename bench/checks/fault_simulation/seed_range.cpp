@@ -32,6 +32,8 @@ void add(SeedRangeResult& all, EventHash& hash, FaultSimulationResult&& result) 
   all.steps += result.steps;
   all.sticks += result.sticks_emitted;
   add(all.account, result.account);
+  all.bytes_recorded += result.bytes_recorded;
+  all.sticks_salvaged += result.sticks_salvaged;
   if (!result.failure.empty()) all.failed.push_back(std::move(result));
 }
 

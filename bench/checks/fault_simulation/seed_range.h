@@ -21,6 +21,8 @@ struct SeedRangeResult {
   std::uint64_t steps = 0;
   std::uint64_t sticks = 0;
   hw::BoardAccount account;
+  std::uint64_t bytes_recorded = 0;
+  std::uint64_t sticks_salvaged = 0;
 };
 
 /// `seeds` simulations, from `first_seed` on, on all threads.

@@ -13,6 +13,7 @@ namespace {
 
 TEST(FaultSimulation, AThousandSeedsKeepTheRulesAndRepeatExactly) {
   hw::BoardAccount account;
+  std::uint64_t salvaged = 0, recorded = 0;
   for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
     const FaultSimulationResult result = simulate_faults(seed);
     ASSERT_EQ(result.failure, "") << "wobblebench rehearse --seeds 1 --trace --first-seed " << seed;
@@ -23,6 +24,8 @@ TEST(FaultSimulation, AThousandSeedsKeepTheRulesAndRepeatExactly) {
     account.lost.corrupt += result.account.lost.corrupt;
     account.lost.out_of_order += result.account.lost.out_of_order;
     account.duplicates += result.account.duplicates;
+    salvaged += result.sticks_salvaged;
+    recorded += result.bytes_recorded;
   }
   // Every kind of loss has to occur, or the rules were not tested.
   EXPECT_GT(account.delivered, 50000U);
@@ -31,6 +34,8 @@ TEST(FaultSimulation, AThousandSeedsKeepTheRulesAndRepeatExactly) {
   EXPECT_GT(account.lost.corrupt, 500U);
   EXPECT_GT(account.lost.out_of_order, 500U);
   EXPECT_GT(account.duplicates, 500U);
+  EXPECT_GT(salvaged, 20000U);
+  EXPECT_GT(recorded, 5000000U);
 }
 
 TEST(FaultSimulation, AnotherSeedGivesAnotherHash) {

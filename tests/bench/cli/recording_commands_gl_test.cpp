@@ -2,13 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 
+#include "base/units.h"
+#include "hw/wire/decoder.h"
+#include "hw/wire/packet.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {
@@ -168,6 +173,124 @@ TEST_F(WithRecording, UnpluggedDuringAVolumeItRendersWhatArrivedAndFails) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("the device is gone (a fault, at packet 100)"), std::string::npos);
   EXPECT_TRUE(fs::exists(folder_.path() / "out/surface.png"));
+}
+
+TEST_F(WithRecording, WithFailOnLossLostSticksFail) {
+  const std::string board = "file=rec/recording.wbst,faults=drop:0.05+seed:2";
+  const auto run = bench(
+      with({"run", "--board", board, "--fail-on-loss", "--json"}, {kPhantom, kPicture}), folder_);
+  EXPECT_EQ(run.exit_code, 1);
+  const auto missing = nlohmann::json::parse(run.out).at("board").at("missing_sticks").get<int>();
+  EXPECT_GT(missing, 0);
+  EXPECT_NE(run.err.find("wobblebench: --fail-on-loss: " + std::to_string(missing) +
+                         " of 144 sticks of the volume were lost\n"),
+            std::string::npos)
+      << run.err;
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/surface.png"));
+  const auto record =
+      bench({"record", "--board", board, "--fail-on-loss", "--out", "again", "--json"}, folder_);
+  EXPECT_EQ(record.exit_code, 1);
+  const auto lost = nlohmann::json::parse(record.out).at("board").at("lost").at("link").get<int>();
+  EXPECT_NE(record.err.find("wobblebench: --fail-on-loss: " + std::to_string(lost) +
+                            " of 432 sticks were lost\n"),
+            std::string::npos)
+      << record.err;
+  EXPECT_TRUE(fs::exists(folder_.path() / "again/recording.wbst"));
+  const auto whole =
+      bench({"record", "--board", "file=rec/recording.wbst", "--fail-on-loss"}, folder_);
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+}
+
+/// The recording with the configurations that `change` makes of its own.
+template <class Change>
+std::string reconfigured(const std::string& recording, const Change& change) {
+  hw::Decoder decoder;
+  decoder.feed(std::as_bytes(std::span(recording)));
+  std::vector<std::byte> bytes;
+  while (auto packet = decoder.next()) {
+    if (auto* configuration = std::get_if<hw::ConfigurationPacket>(&*packet)) {
+      change(*configuration);
+      hw::encode(*configuration, bytes);
+    } else if (const auto* stick = std::get_if<hw::StickPacket>(&*packet)) {
+      hw::encode(stick->stick, bytes);
+    } else {
+      hw::encode(std::get<hw::VolumeEndPacket>(*packet), bytes);
+    }
+  }
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+TEST_F(WithRecording, ARecordingFromHardwareHasNoPhantomAndNoTruth) {
+  folder_.write("card.wbst",
+                reconfigured(bytes_of(folder_.path() / "rec/recording.wbst"),
+                             [](auto& packet) { packet.source = hw::StreamOrigin::hardware; }));
+  const auto result =
+      bench(with({"run", "--board", "file=card.wbst", "--json"}, {kPicture}), folder_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err.find("phantom"), std::string::npos) << result.err;
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_TRUE(report.at("error").is_null());
+  EXPECT_EQ(report.at("no_truth_because"), "samples from hardware: what they are of is not known");
+  EXPECT_TRUE(report.at("scene").at("phantom").is_null());
+  const auto& box = report.at("scene").at("render").at("volume_of_interest");
+  EXPECT_NEAR(box.at("size_mm").at(0).get<double>(), 400 * std::sin(38.5 * kDegree), 1e-6);
+  EXPECT_EQ(folder_.files("out"), (Words{"depth.exr", "report.json", "surface.png", "volume.png"}));
+  const auto summary = bench(with({"run",
+                                   "--board",
+                                   "file=card.wbst",
+                                   "--set",
+                                   "render.volume_of_interest.size_mm=[80,80,80]"},
+                                  {kPicture}),
+                             folder_);
+  EXPECT_NE(summary.out.find("truth       none; samples from hardware"), std::string::npos)
+      << summary.out;
+}
+
+TEST_F(WithRecording, AnImpossibleConfigurationKeepsWhatIsBefore) {
+  int configurations = 0;
+  folder_.write("bad.wbst",
+                reconfigured(bytes_of(folder_.path() / "rec/recording.wbst"), [&](auto& packet) {
+                  if (++configurations == 3) packet.acquisition.depth_m = -1;
+                }));
+  const auto inspected = bench({"inspect", "bad.wbst", "--salvage", "s.wbst", "--json"}, folder_);
+  EXPECT_EQ(inspected.exit_code, 1) << inspected.err;
+  const auto report = nlohmann::json::parse(inspected.out);
+  const auto size = fs::file_size(folder_.path() / "bad.wbst");
+  const auto& unreadable = report.at("recording").at("unreadable");
+  EXPECT_EQ(unreadable.at("offset"), size / 3 * 2);
+  EXPECT_EQ(unreadable.at("bytes"), size / 3);
+  EXPECT_EQ(report.at("board").at("delivered"), 2 * 9 * 16);
+  EXPECT_NE(bench({"inspect", "bad.wbst"}, folder_).out.find("unreadable  from byte"),
+            std::string::npos);
+  EXPECT_EQ(bench({"inspect", "s.wbst"}, folder_).exit_code, 0);
+  EXPECT_EQ(fs::file_size(folder_.path() / "s.wbst"), size / 3 * 2);
+  const auto run = bench(
+      with({"run", "--board", "file=bad.wbst,start_volume=1"}, {kPhantom, kPicture}), folder_);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto record = bench({"record", "--board", "file=bad.wbst", "--out", "again"}, folder_);
+  EXPECT_EQ(record.exit_code, 1);
+  EXPECT_NE(record.err.find("is not possible: depth_mm = -1000: must be within 1 and 400; "),
+            std::string::npos)
+      << record.err;
+  EXPECT_NE(record.err.find("holds 2 whole volumes"), std::string::npos) << record.err;
+  EXPECT_EQ(fs::file_size(folder_.path() / "again/recording.wbst.partial"), size / 3 * 2);
+}
+
+TEST(Recording, ADeviceThatSendsNoPacketIsGivenUpAndNothingKept) {
+  const ScratchFolder folder;
+  const std::string line =
+      "--board = xdma=/dev/urandom,end_of_packet=false: no sound packet in 64 MiB: this is no "
+      "stream "
+      "of the wire format\n";
+  const auto record = bench(
+      {"record", "--board", "xdma=/dev/urandom,end_of_packet=false", "--volumes", "1"}, folder);
+  EXPECT_EQ(record.exit_code, 1);
+  EXPECT_EQ(record.err, "wobblebench: " + line);
+  EXPECT_TRUE(folder.files("out").empty());
+  const auto run = bench({"run", "--board", "xdma=/dev/urandom,end_of_packet=false"}, folder);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("no sound packet in 64 MiB"), std::string::npos) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
 }
 
 struct BadBoard {

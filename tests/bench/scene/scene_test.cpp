@@ -377,5 +377,34 @@ TEST_F(SceneFile, ResolvedSceneReadsBackAsItself) {
   EXPECT_EQ(resolved(load_scene({}, settings)), json);
 }
 
+/// On the face, at the edges and in the middle of the sector: docs/units.md.
+TEST_F(SceneFile, WithoutAPhantomTheVolumeOfInterestIsTheScannedSector) {
+  Scene scene = load_scene({}, {});
+  complete_from_plan(scene);
+  const double a = 0.04, b = 0.04 - 0.027, end = 0.04 + 0.16;
+  const double half_sector = 38.5 * kDegree, half_fan = 30.5 * kDegree;
+  const double low_z = b + (a * std::cos(half_sector) - b) * std::cos(half_fan);
+  const auto& box = scene.render.volume_of_interest;
+  EXPECT_NEAR(box.size_m.x, 2 * end * std::sin(half_sector), 1e-12);
+  EXPECT_NEAR(box.size_m.y, 2 * (end - b) * std::sin(half_fan), 1e-12);
+  EXPECT_NEAR(box.size_m.z, end - low_z, 1e-12);
+  EXPECT_NEAR(box.center_m.x, 0, 1e-12);
+  EXPECT_NEAR(box.center_m.y, 0, 1e-12);
+  EXPECT_NEAR(box.center_m.z, 0.5 * (end + low_z), 1e-12);
+}
+
+TEST_F(SceneFile, AVolumeOfInterestThatWasGivenStaysAndTheWidestIsAllowed) {
+  Scene scene = load_scene({},
+                           {"render.volume_of_interest.size_mm=[50,60,70]",
+                            "probe.radius_mm=200",
+                            "acquisition.depth_mm=400",
+                            "acquisition.sector_deg=170"});
+  complete_from_plan(scene);
+  EXPECT_EQ(scene.render.volume_of_interest.size_m, glm::dvec3(0.05, 0.06, 0.07));
+  scene.given.clear();
+  complete_from_plan(scene);
+  EXPECT_NO_THROW(render::validate(scene.render));
+}
+
 }  // namespace
 }  // namespace wobblebench::bench

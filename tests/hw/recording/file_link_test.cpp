@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
+#include <thread>
 
 #include "base/options.h"
 #include "hw/wire/decoder.h"
@@ -42,6 +44,40 @@ TEST_F(FileLinks, RealtimeLastsAsLongAsTheAcquisition) {
   all_bytes(link, 65536);
   EXPECT_GE(HostClock::now() - start,
             plan.volume_end_time(19).time_since_epoch() - std::chrono::milliseconds(1));
+}
+
+/// What follows takes as long as if there had been no pause.
+TEST_F(FileLinks, RealtimeStandsWhileCancelled) {
+  const AcquisitionPlan plan = small_plan(100);
+  FileLink link(write(stream_of(plan)), {.pace = Pace::realtime});
+  std::vector<std::byte> first(100);
+  ASSERT_EQ(link.read(first, patience()).status, ReadStatus::ok);
+  link.cancel();
+  ASSERT_EQ(link.read(first, patience()).status, ReadStatus::cancelled);
+  std::this_thread::sleep_for(plan.volume_end_time(99).time_since_epoch());
+  link.resume();
+  const auto start = HostClock::now();
+  all_bytes(link, 65536);
+  EXPECT_GE(HostClock::now() - start,
+            plan.stick_time(99 * 12).time_since_epoch() - std::chrono::milliseconds(1));
+}
+
+/// The first repetition has the last number of a volume.
+TEST_F(FileLinks, LoopEndsWhereAVolumesNumberWouldWrap) {
+  AcquisitionPlan plan = small_plan(1);
+  const std::uint32_t last = std::numeric_limits<std::uint32_t>::max();
+  Bytes stream;
+  encode(configuration_of(plan, last), stream);
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    encode(test_stick(plan, plan.first_sequence(last) + i), stream);
+  }
+  Board board(std::make_unique<FileLink>(write(stream), FileLinkOptions{.loop = true}));
+  board.start();
+  Collected seen;
+  const Event end = collect(board, seen);
+  EXPECT_EQ(seen.sticks.size(), 12U);
+  ASSERT_TRUE(std::holds_alternative<DeviceLost>(end));
+  EXPECT_EQ(std::get<DeviceLost>(end).reason, "the loop has come to the last number of a volume");
 }
 
 TEST_F(FileLinks, StartAtAVolume) {

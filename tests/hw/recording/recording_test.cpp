@@ -246,6 +246,31 @@ TEST_F(Recordings, BoundedRecordingEndsWithItsLastVolume) {
   }
 }
 
+/// Damage that looks like a long packet hides the end of the volume until its bytes have come.
+TEST_F(Recordings, BoundedRecordingSurvivesAnEndThatIsSeenLate) {
+  const AcquisitionPlan plan = small_plan(100);
+  auto packets = packets_of(plan);
+  Bytes false_header(packets[1].begin(), packets[1].begin() + 64);
+  false_header[6] = std::byte{99};
+  false_header[8] = std::byte{0};
+  false_header[9] = std::byte{0xFF};
+  packets[12].insert(packets[12].end(), false_header.begin(), false_header.end());
+  const Bytes stream = join(packets);
+  for (const std::uint64_t chunks : {1, 2, 3}) {
+    MemoryLink link(stream, {.chunk_seed = chunks});
+    Bytes written;
+    Recorder recorder(
+        link,
+        [&](auto bytes) { written.insert(written.end(), bytes.begin(), bytes.end()); },
+        {.volumes = 1});
+    EXPECT_EQ(recorder.run([] { return false; }), RecordingEnd::volumes);
+    EXPECT_LT(written.size(), 75000U);
+    ASSERT_LE(written.size(), stream.size());
+    EXPECT_TRUE(std::equal(written.begin(), written.end(), stream.begin()));
+    EXPECT_EQ(recorder.progress().account.delivered, 12U);
+  }
+}
+
 TEST_F(Recordings, ExceptionOfTheSinkEndsTheRecording) {
   const AcquisitionPlan plan = small_plan(4);
   MemoryLink link(stream_of(plan), {.chunk_seed = 1});

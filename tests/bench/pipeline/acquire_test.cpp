@@ -1,0 +1,64 @@
+// Acquisition through a board: the times that it reports, and when a recording's clock starts.
+#include "bench/pipeline/acquire.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <thread>
+
+#include "bench/pipeline/synthetic_sticks.h"
+#include "hw/recording/recorder.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+class Acquiring : public testing_support::FolderTest {
+ protected:
+  std::filesystem::path record(const hw::AcquisitionPlan& plan) const {
+    const auto path = file("r.wbst");
+    std::ofstream stream(path, std::ios::binary);
+    sim::SimLink link(synthetic_sticks(plan, 1));
+    hw::Recorder recorder(link, [&](auto bytes) {
+      stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
+    });
+    static_cast<void>(recorder.run([] { return false; }));
+    return path;
+  }
+};
+
+/// Between the plan and the volume lies whatever the program does first, for as long as it takes.
+TEST_F(Acquiring, ARecordingInRealTimeTakesItsTimeHoweverLateItIsAskedFor) {
+  hw::AcquisitionOptions options;
+  options.frames_per_volume = 12;
+  options.samples_per_stick = 16;
+  const hw::AcquisitionPlan plan({}, options);
+  BoardConnection board(parse_board("file=" + record(plan).string() + ",pace=realtime"));
+  Scene scene = load_scene({}, {});
+  EXPECT_EQ(board.adopt_plan(scene), hw::StreamOrigin::simulated);
+  std::this_thread::sleep_for(2 * plan.volume_duration());
+  const auto asked = hw::HostClock::now();
+  const Acquisition acquisition = board.acquire();
+  EXPECT_EQ(acquisition.volume.missing_sticks(), 0);
+  const auto waited = hw::HostClock::now() - asked;
+  // Sticks that came before the board was stopped need not come again.
+  EXPECT_GE(waited, plan.volume_duration() * 3 / 4);
+  EXPECT_GE(acquisition.transport_ms, 0.75 * hw::to_milliseconds(plan.volume_duration()));
+}
+
+TEST_F(Acquiring, TheTransportOfASimulatedVolumeIsNeverNegative) {
+  Scene scene = load_scene({},
+                           {"phantom.name=sphere",
+                            "phantom.voxel_mm=2",
+                            "acquisition.frames_per_volume=2",
+                            "acquisition.sticks_per_frame=64",
+                            "acquisition.samples_per_stick=512"});
+  const auto phantom = make_phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_GE(acquire_simulated(scene, phantom).transport_ms, 0) << i;
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
