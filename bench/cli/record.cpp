@@ -1,19 +1,17 @@
 // Writes what a board sends to a file.
-#include <unistd.h>
-
-#include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/record_report.h"
 #include "hw/recording/recorder.h"
 
@@ -37,36 +35,26 @@ void on_signal(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-/// The progress of a recording on stderr: one line rewritten on a terminal, a line every few
-/// seconds in a log.
-class RecordingProgressLine {
- public:
-  void show(const hw::RecordingProgress& progress) {
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    const auto now = std::chrono::steady_clock::now();
-    if (!terminal && now < next_) return;
-    next_ = now + std::chrono::seconds(5);
-    std::fprintf(stderr,
-                 "%llu volumes, %.1f MB, %llu sticks lost%s",
-                 static_cast<unsigned long long>(progress.volumes),
-                 static_cast<double>(progress.bytes) / 1e6,
-                 static_cast<unsigned long long>(progress.account.lost.total()),
-                 terminal ? "   \r" : "\n");
-  }
-
- private:
-  std::chrono::steady_clock::time_point next_{};
-};
+std::string progress_text(const hw::RecordingProgress& recorded) {
+  return std::to_string(recorded.volumes) + " volumes, " +
+         fixed(static_cast<double>(recorded.bytes) / 1e6, 1) + " MB, " +
+         std::to_string(recorded.account.lost.total()) + " sticks lost";
+}
 
 /// Records to the sink; a failure of the disk is reported with the number of whole volumes written.
-hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink) {
-  RecordingProgressLine line;
+hw::RecordingEnd record(hw::Recorder& recorder,
+                        RecordingSink& sink,
+                        int volumes,
+                        Progress& progress) {
   try {
-    return recorder.run([] { return stop_requested != 0; },
-                        [&](const hw::RecordingProgress& progress) {
-                          sink.sync();
-                          line.show(progress);
-                        });
+    return progress.step("record", [&](const PartDone& done) {
+      return recorder.run([] { return stop_requested != 0; },
+                          [&](const hw::RecordingProgress& recorded) {
+                            sink.sync();
+                            progress.note(progress_text(recorded));
+                            if (volumes > 0) done(recorded.volumes, std::size_t(volumes));
+                          });
+    });
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string(error.what()) + "; it holds " +
                              std::to_string(recorder.progress().volumes) +
@@ -80,23 +68,27 @@ int record_board(const Arguments& arguments) {
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
+  // What does not exist is refused before the folder is made; what takes long comes after it.
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
   OutputFolder out(arguments.output.folder);
-  const auto link =
-      open_board_link(board, is_simulated(board) ? simulated_sticks(scene) : MakeSticks{});
+  Progress progress;
+  if (is_simulated(board)) {
+    link = progress.step("open", [&] { return open_board_link(board, simulated_sticks(scene)); });
+  }
   RecordingSink sink(out.directory() / kRecordingName);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
-  const hw::RecordingEnd end = record(recorder, sink);
-  const hw::RecordingProgress& progress = recorder.progress();
-  if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
+  const hw::RecordingEnd end = record(recorder, sink, arguments.volumes, progress);
+  const hw::RecordingProgress& recorded = recorder.progress();
+  if (!recorded.account.balanced()) throw std::logic_error("recording: account is not balanced");
   sink.finish();
 
-  const std::string report = record_report(progress, end, link->capabilities(), std::move(scene));
+  const std::string report = record_report(recorded, end, link->capabilities(), std::move(scene));
   out.write_text("report.json", report);
   out.commit();
-  std::cout << (arguments.output.json ? report : record_summary(progress, end, sink.path()));
+  std::cout << (arguments.output.json ? report : record_summary(recorded, end, sink.path()));
   if (end != hw::RecordingEnd::lost) return 0;
   std::cerr << "wobblebench: --board = " << arguments.board << ": " << link->loss() << "\n";
   return 1;

@@ -33,7 +33,13 @@ int run(const Arguments& arguments) {
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  Progress progress({{"phantom", 40},
+                     {"acquire", 25},
+                     {"render", 5},
+                     {"truth", 3},
+                     {"compare", 5},
+                     {"register", 20},
+                     {"write", 2}});
 
   board.adopt_plan(scene);
   const auto phantom = progress.step("phantom", [&] { return make_phantom(scene.phantom); });

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <chrono>
 #include <utility>
 
@@ -23,11 +24,14 @@ void add(hw::BoardAccount& sum, const hw::BoardAccount& account) {
 
 }  // namespace
 
-SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds) {
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<FaultSimulationResult> results(static_cast<std::size_t>(seeds));
+  std::atomic<std::size_t> finished = 0;
   tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t i) {
     results[i] = simulate_faults(first_seed + i);
+    const std::size_t count = ++finished;
+    if (done) done(count, results.size());
   });
   SeedRangeResult all{.first_seed = first_seed, .seeds = seeds};
   all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

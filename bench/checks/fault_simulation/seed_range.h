@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/part_done.h"
 #include "bench/checks/fault_simulation/fault_simulation.h"
 #include "hw/wire/account.h"
 
@@ -23,7 +24,7 @@ struct SeedRangeResult {
   hw::BoardAccount account;
 };
 
-/// `seeds` simulations, from `first_seed` on, on all threads.
-SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds);
+/// `seeds` simulations, from `first_seed` on, on all threads, each of which calls `done`.
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done = {});
 
 }  // namespace wobblebench::bench

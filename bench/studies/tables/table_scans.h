@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/part_done.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
 #include "bench/tables/variant.h"
@@ -18,6 +19,7 @@ void take_reference_settings(Scene& scene, const TableRun& run);
 /// Scans the phantom once for each number of frames, all over the scene's fan. Throws UserError.
 TableVolumes scan_table_volumes(const Scene& scene,
                                 const phantoms::Phantom& phantom,
-                                const BoardArguments& board);
+                                const BoardArguments& board,
+                                const PartDone& done = {});
 
 }  // namespace wobblebench::bench
