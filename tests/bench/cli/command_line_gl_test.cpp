@@ -169,7 +169,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"unknown_option", {"run", "--colour"}, ""},
         BadInput{"unknown_command", {"paint"}, ""},
         BadInput{"no_command", {}, ""},
-        BadInput{"repeats_of_none", {"tables", "--repeats", "0"}, "--repeats: "},
+        BadInput{"repeats_of_none",
+                 {"tables", "--repeats", "0"},
+                 "--repeats = 0: must be a whole number from 1 to 100"},
         BadInput{
             "unknown_gl", {"run", "--gl", "glide"}, "--gl: glide not in {osmesa,egl,egl-device}"},
         BadInput{"unknown_gl_of_tables",
