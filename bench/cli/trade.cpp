@@ -108,7 +108,7 @@ std::vector<RungError> measure_errors(const Scene& scene,
   return errors;
 }
 
-/// Of the steps of measure(), on two cores.
+/// Of the steps of measure(), estimated.
 std::vector<PlannedStep> usual_shares(int repeats) {
   return {{"memory", 50},
           {"phantom", 4},

@@ -41,6 +41,7 @@ Pipe open_pipe() {
   // A signal ends the fork without clean-up, which is the parent's task.
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGHUP, SIG_DFL);
   const auto fail = [&](const std::exception& error, int code) {
     // The exit code says that it failed, even where the reason is lost.
     static_cast<void>(!::write(message_to, error.what(), std::strlen(error.what())));

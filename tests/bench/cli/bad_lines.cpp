@@ -296,8 +296,7 @@ class BadLines::Impl {
     return value_of("RECORDING", no_files(), "no recording");
   }
   std::optional<BadLine> wrong_place_of_salvage() {
-    return value_of(
-        "--salvage", {"", "folder", "whole.wbst", "none/new.wbst", "whole.wbst/new"}, "no place");
+    return value_of("--salvage", {"", "folder", "whole.wbst", "whole.wbst/new"}, "no place");
   }
   std::optional<BadLine> wrong_place_of_stand_in() {
     return value_of("FOLDER", {"none", "whole.wbst", "", "fifo", "loop"}, "no folder");
