@@ -161,6 +161,40 @@ TEST(Answers, WhatCannotBeOpenedIsRefusedBeforeAFolderIsMade) {
   }
 }
 
+TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {
+  const ScratchFolder folder;
+  folder.write("bad.stl", "solid x\nendsolid x\n");
+  const Words mesh = {"--out",
+                      "new/deep",
+                      "--set",
+                      "phantom.name=mesh",
+                      "--set",
+                      "phantom.file=bad.stl",
+                      "--set",
+                      "phantom.unit_mm=1"};
+  for (const char* const command : {"phantom", "record", "run", "tables", "conformance", "trade"}) {
+    const auto result = bench(with({command}, mesh), folder);
+    EXPECT_EQ(result.exit_code, 2) << command;
+    EXPECT_EQ(lines_in(result.err), 1) << result.err;
+    EXPECT_EQ(folder.files(), Words{"bad.stl"}) << command;
+    fs::remove_all(folder.path() / "new");
+  }
+}
+
+TEST(Answers, AnInterruptedRunLeavesNoNewFolder) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ScratchFolder folder;
+    const auto result =
+        run_process(WOBBLEBENCH_PROGRAM,
+                    {"run", "--out", "new/deep"},
+                    folder.path(),
+                    {.interrupt_when = [&] { return fs::exists(folder.path() / "new/deep"); },
+                     .signal = signal});
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+    EXPECT_TRUE(folder.files().empty());
+  }
+}
+
 TEST(Answers, ALongCommandSaysHowLongItWillStillTake) {
   const ScratchFolder folder;
   const auto result = shell(WOBBLEBENCH_PROGRAM,
