@@ -1,4 +1,4 @@
-# Writes OUTPUT, a header with the commit that is being built. Run at every build; the file changes,
+# Writes OUTPUT, a header with VERSION and the commit that is being built. Run at every build; the file changes,
 # and with it what includes it, only when the commit does.
 execute_process(COMMAND git describe --always --dirty --abbrev=12 --exclude=*
   WORKING_DIRECTORY "${SOURCE_DIR}" OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE
@@ -6,7 +6,8 @@ execute_process(COMMAND git describe --always --dirty --abbrev=12 --exclude=*
 if(failed)
   set(commit "unknown")
 endif()
-set(text "#pragma once\ninline constexpr char kBuildCommit[] = \"${commit}\";\n")
+string(CONCAT text "#pragma once\n" "inline constexpr char kBuildVersion[] = \"${VERSION}\";\n"
+  "inline constexpr char kBuildCommit[] = \"${commit}\";\n")
 set(before "")
 if(EXISTS "${OUTPUT}")
   file(READ "${OUTPUT}" before)

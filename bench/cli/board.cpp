@@ -25,13 +25,17 @@ struct Arguments {
 
 int measure_board(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
-  Progress progress;
-  const auto throughput =
-      progress.step("throughput", [&] { return measure_throughput(kVolumes, arguments.repeats); });
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  const auto cancels = progress.step("cancels", [&] {
-    return std::vector{measure_cancels(kCancels, 0), measure_cancels(kCancels, cores)};
+  Progress progress(
+      {{"throughput", 2.0 + arguments.repeats}, {"idle cancels", 20}, {"cancels", 30}});
+  const auto throughput = progress.step("throughput", [&](const PartDone& done) {
+    return measure_throughput(kVolumes, arguments.repeats, done);
   });
+  const auto idle = progress.step(
+      "idle cancels", [&](const PartDone& done) { return measure_cancels(kCancels, 0, done); });
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  const auto loaded = progress.step(
+      "cancels", [&](const PartDone& done) { return measure_cancels(kCancels, cores, done); });
+  const std::vector<CancelTimes> cancels = {idle, loaded};
   const Provenance provenance = provenance_of_this_machine();
   const std::string markdown = board_speed_markdown(throughput, cancels, provenance);
   const std::string report = board_speed_report(throughput, cancels, provenance);

@@ -1,20 +1,16 @@
-// The commands of the program: one .cpp file each, which declares its own options.
+// The commands of wobblebench: one .cpp file each, which declares its own options.
 #pragma once
 
-#include <functional>
+#include <vector>
 
-namespace CLI {
-class App;
-}
+#include "bench/cli/program.h"
 
 namespace wobblebench::bench {
 
-/// A subcommand. Parsing fills in its options; `run` then executes it and returns the exit code.
-/// Errors in the user's input are thrown as UserError.
-struct Command {
-  CLI::App* subcommand;
-  std::function<int()> run;
-};
+/// All of them, in the order of --help.
+std::vector<Command> add_commands(CLI::App& app);
+/// What main() runs.
+Program wobblebench_program();
 
 /// Each adds its subcommand with its options to `app`.
 Command add_run_command(CLI::App& app);

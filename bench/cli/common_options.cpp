@@ -1,6 +1,11 @@
 #include "bench/cli/common_options.h"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <functional>
+#include <limits>
+
+#include "base/user_error.h"
 
 #include "render/gl/context.h"
 
@@ -8,9 +13,42 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// An unset variable of a script gives an empty argument, which does not mean the defaults.
-std::string refuse_empty(const std::string& path) {
-  return path.empty() ? "is empty; must be a TOML file" : "";
+CLI::Option& add_value(CLI::App& command,
+                       const std::string& name,
+                       const std::string& type,
+                       const std::string& help,
+                       const std::function<void(const std::string&)>& take) {
+  return *command.add_option_function<std::string>(name, take, help)->type_name(type);
+}
+
+UserError refusal(const std::string& name, const std::string& value, const std::string& allowed) {
+  return UserError(name + " = " + value + ": " + allowed);
+}
+
+/// Decimal digits alone, behind a minus sign where `Number` has one.
+template <class Number>
+Number whole_number(const std::string& name, const std::string& text, Number min, Number max) {
+  Number number{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || number < min || number > max) {
+    throw refusal(
+        name,
+        text,
+        "must be a whole number from " + std::to_string(min) + " to " + std::to_string(max));
+  }
+  return number;
+}
+
+CLI::Option& add_path_option(CLI::App& command,
+                             const std::string& name,
+                             const std::string& type,
+                             std::filesystem::path& path,
+                             const std::string& help) {
+  return add_value(command, name, type, help, [name, &path](const std::string& text) {
+    if (text.empty()) throw UserError(name + ": is empty; must be a path");
+    path = text;
+  });
 }
 
 }  // namespace
@@ -23,54 +61,67 @@ void add_path(CLI::App& command,
               const std::string& name,
               std::filesystem::path& path,
               const std::string& help) {
-  command.add_option(name, path, help);
+  add_path_option(command, name, "FILE", path, help);
 }
 
 void add_required_path(CLI::App& command,
                        const std::string& name,
                        std::filesystem::path& path,
                        const std::string& help) {
-  command.add_option(name, path, help)->required();
+  add_path_option(command, name, "", path, help).required();
 }
 
 void add_text(CLI::App& command,
               const std::string& name,
               std::string& text,
               const std::string& help) {
-  command.add_option(name, text, help);
+  add_value(command, name, "TEXT", help, [&text](const std::string& value) { text = value; });
 }
 
 void add_list(CLI::App& command,
               const std::string& name,
               std::vector<std::string>& values,
               const std::string& help) {
-  CLI::Option* option = command.add_option(name, values, help)->allow_extra_args(false);
-  if (!values.empty()) option->capture_default_str();
+  const auto take = [&values](const CLI::results_t& given) {
+    values = given;
+    return true;
+  };
+  CLI::Option* option = command.add_option(name, take, help);
+  option->type_name("TEXT")
+      ->expected(1, CLI::detail::expected_max_vector_size)
+      ->allow_extra_args(false);
+  if (!values.empty()) option->default_str("[" + CLI::detail::join(values) + "]");
 }
 
 void add_flag(CLI::App& command, const std::string& name, bool& flag, const std::string& help) {
-  command.add_flag(name, flag, help);
+  command.add_flag(name, flag, help)->disable_flag_override();
 }
 
 void add_seed(CLI::App& command,
               const std::string& name,
               std::uint64_t& seed,
               const std::string& help) {
-  command.add_option(name, seed, help)->capture_default_str();
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+  add_value(command, name, "INT", help, [name, &seed](const std::string& text) {
+    seed = whole_number<std::uint64_t>(name, text, 0, kMost);
+  }).default_str(std::to_string(seed));
 }
 
-void add_integer(CLI::App& command,
-                 const std::string& name,
-                 int& value,
-                 const std::string& help,
-                 int min,
-                 int max) {
-  command.add_option(name, value, help)->check(CLI::Range(min, max))->capture_default_str();
+CLI::Option& add_integer(CLI::App& command,
+                         const std::string& name,
+                         int& value,
+                         const std::string& help,
+                         int min,
+                         int max) {
+  const std::string type = "INT in [" + std::to_string(min) + ", " + std::to_string(max) + "]";
+  return *add_value(command, name, type, help, [=, &value](const std::string& text) {
+            value = whole_number<int>(name, text, min, max);
+          }).default_str(std::to_string(value));
 }
 
 void add_scene_options(CLI::App& command, SceneArguments& scene) {
-  command.add_option("SCENE", scene.file, "TOML file that names what differs from the defaults")
-      ->check(refuse_empty);
+  add_path_option(
+      command, "SCENE", "", scene.file, "TOML file that names what differs from the defaults");
   add_list(command, "--set", scene.settings, "Override one option: section.key=value (repeatable)");
 }
 
@@ -85,24 +136,30 @@ void add_cache_options(CLI::App& command, CacheArguments& cache) {
 }
 
 void add_output_options(CLI::App& command, OutputArguments& output) {
-  command.add_option("--out", output.folder, "Folder for the results")->capture_default_str();
+  add_path_option(command, "--out", "FOLDER", output.folder, "Folder for the results")
+      .default_str(output.folder.string());
   add_flag(command, "--json", output.json, "Print report.json on stdout");
 }
 
 void add_board_option(CLI::App& command, std::string& board) {
-  command
-      .add_option("--board",
-                  board,
-                  "Where sticks come from: sim, file=RECORDING or xdma=DEVICE, then ,key=value …")
-      ->capture_default_str();
+  add_value(command,
+            "--board",
+            "TEXT",
+            "Where sticks come from: sim, file=RECORDING or xdma=DEVICE, then ,key=value …",
+            [&board](const std::string& text) { board = text; })
+      .default_str(board);
 }
 
 void add_gl_option(CLI::App& command, std::string& backend) {
   std::vector<std::string> names = render::context_backends();
   names.insert(names.begin(), "auto");
-  command.add_option("--gl", backend, "Where OpenGL comes from; auto: the first that is here")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
+  add_value(command,
+            "--gl",
+            "TEXT",
+            "Where OpenGL comes from; auto: the first that is here",
+            [&backend](const std::string& text) { backend = text; })
+      .check(CLI::IsMember(names))
+      ->default_str(backend);
 }
 
 void add_repeats_option(CLI::App& command, int& repeats) {

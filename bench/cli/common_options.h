@@ -1,6 +1,7 @@
 // Options of commands: those that several commands take, with the same text everywhere, and one
 // function for each type of option. CLI11's templates take seconds to compile in each file that
-// calls them; they are instantiated in common_options.cpp alone.
+// calls them; they are instantiated in common_options.cpp alone, and for texts alone: CLI11 reads
+// "-1" as an unsigned number, "010" as 8, "true" as 1 and "{}" as an empty list.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace wobblebench::bench {
 
@@ -34,7 +36,9 @@ struct CacheArguments {
 CLI::App& add_subcommand(CLI::App& app, const std::string& name, const std::string& description);
 
 /// One option each, bound to the variable. Numbers show their default, lists too unless it is
-/// empty; a list takes one value each time that the option is given.
+/// empty; a list takes one value each time that the option is given. A path must not be empty: an
+/// unset variable of a script does not mean the default. Numbers are decimal. Values that are not
+/// allowed are thrown as UserError "NAME = VALUE: what is allowed" while the line is parsed.
 void add_path(CLI::App& command,
               const std::string& name,
               std::filesystem::path& path,
@@ -56,12 +60,12 @@ void add_seed(CLI::App& command,
               const std::string& name,
               std::uint64_t& seed,
               const std::string& help);
-void add_integer(CLI::App& command,
-                 const std::string& name,
-                 int& value,
-                 const std::string& help,
-                 int min,
-                 int max);
+CLI::Option& add_integer(CLI::App& command,
+                         const std::string& name,
+                         int& value,
+                         const std::string& help,
+                         int min,
+                         int max);
 
 /// SCENE and --set.
 void add_scene_options(CLI::App& command, SceneArguments& scene);

@@ -22,32 +22,62 @@ struct Arguments {
   bool broken = false;
 };
 
+// Names of the steps.
+constexpr const char* kBroken = "broken boards";
+std::string opening(const BoardArguments& board) {
+  return "open " + board.text;
+}
+std::string faulty_name(const BoardArguments& board, const std::string& faults) {
+  return board.text + " with " + faults;
+}
+
+std::vector<PlannedStep> planned_steps(const std::vector<BoardArguments>& boards,
+                                       const Arguments& arguments) {
+  std::vector<PlannedStep> steps;
+  for (const BoardArguments& board : boards) {
+    steps.push_back({opening(board), is_simulated(board) ? 10.0 : 0.1});
+    steps.push_back({board.text, 1});
+    if (!arguments.each_fault) continue;
+    for (const std::string& faults : each_fault()) steps.push_back({faulty_name(board, faults), 1});
+  }
+  if (arguments.broken) steps.push_back({kBroken, 15});
+  return steps;
+}
+
 /// The suite on the board as it is and, where asked for, with each kind of fault.
 std::vector<SuiteRun> check_board(const BoardArguments& board,
                                   const Scene& scene,
                                   bool with_each_fault,
                                   Progress& progress) {
   const ConformanceFixture fixture =
-      progress.step("open " + board.text, [&] { return fixture_of(board, scene); });
+      progress.step(opening(board), [&] { return fixture_of(board, scene); });
   std::vector<SuiteRun> runs;
-  runs.push_back(
-      {board.text, "", progress.step(board.text, [&] { return run_conformance(fixture); })});
+  runs.push_back({board.text, "", progress.step(board.text, [&](const PartDone& done) {
+                    return run_conformance(fixture, done);
+                  })});
   if (!with_each_fault) return runs;
   for (const std::string& faults : each_fault()) {
     const ConformanceFixture faulty = with_faults(fixture, faults);
-    runs.push_back({board.text, faults, progress.step(board.text + " with " + faults, [&] {
-                      return run_conformance(faulty);
-                    })});
+    runs.push_back(
+        {board.text, faults, progress.step(faulty_name(board, faults), [&](const PartDone& done) {
+           return run_conformance(faulty, done);
+         })});
   }
   return runs;
 }
 
 int check_boards(const Arguments& arguments) {
-  OutputFolder out(arguments.output.folder);
-  Progress progress;
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   std::vector<BoardArguments> boards;
-  for (const std::string& text : arguments.boards) boards.push_back(parse_board(text));
+  for (const std::string& text : arguments.boards) {
+    boards.push_back(parse_board(text));
+    // What cannot be opened is refused before the folder is made; what is made for the checks takes
+    // long, and comes after it.
+    const bool made = is_simulated(boards.back()) || boards.back().link.value.ends_with("stand-in");
+    if (!made) open_outside_link(boards.back());
+  }
+  OutputFolder out(arguments.output.folder);
+  Progress progress(planned_steps(boards, arguments));
 
   ConformanceFindings findings;
   for (const BoardArguments& board : boards) {
@@ -55,7 +85,8 @@ int check_boards(const Arguments& arguments) {
     findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
   }
   if (arguments.broken) {
-    findings.defects = progress.step("broken boards", [] { return check_defects(); });
+    findings.defects =
+        progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
   }
 
   const std::string report = conformance_report(findings, scene, progress.steps());

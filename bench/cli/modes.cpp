@@ -41,12 +41,13 @@ std::vector<std::string> phantoms_of(const Scene& scene) {
 Rows measure_phantom(Scene scene,
                      const std::string& name,
                      PhantomCache& cache,
-                     render::GlContext& context) {
+                     render::GlContext& context,
+                     const PartDone& done) {
   scene.phantom.name = name;
   const auto phantom = cache.phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
   const Acquisition acquisition = acquire_simulated(scene, phantom, cache.tissue_maps());
-  return measure_mode_agreement(name, acquisition.volume, scene.render, context);
+  return measure_mode_agreement(name, acquisition.volume, scene.render, context, done);
 }
 
 void refuse_compared_settings(const Scene& scene) {
@@ -74,12 +75,15 @@ int compare_modes(const Arguments& arguments) {
   refuse_compared_settings(scene);
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  const auto names = phantoms_of(scene);
+  std::vector<PlannedStep> steps;
+  for (const std::string& name : names) steps.push_back({name, name == "fetal_face" ? 3.0 : 1.0});
+  Progress progress(steps);
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   Rows rows;
-  for (const std::string& name : phantoms_of(scene)) {
-    const Rows more =
-        progress.step(name, [&] { return measure_phantom(scene, name, cache, *context); });
+  for (const std::string& name : names) {
+    const Rows more = progress.step(
+        name, [&](const PartDone& done) { return measure_phantom(scene, name, cache, *context, done); });
     rows.insert(rows.end(), more.begin(), more.end());
   }
   const Provenance provenance = provenance_of(*context, scene);

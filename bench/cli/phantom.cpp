@@ -22,7 +22,7 @@ struct Arguments {
 int write_phantom(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  Progress progress({{"phantom", 10}, {"write", 1}});
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
@@ -31,11 +31,8 @@ int write_phantom(const Arguments& arguments) {
   const std::string report = phantom_report(phantom, scene);
   out.write_text("report.json", report);
   out.commit();
-  if (arguments.output.json) {
-    std::cout << report;
-  } else {
-    std::cout << phantom_summary(phantom) << (out.directory() / "phantom.vdb").string() << "\n";
-  }
+  std::cout << (arguments.output.json ? report
+                                      : phantom_summary(phantom, out.directory() / "phantom.vdb"));
   return 0;
 }
 

@@ -1,15 +1,12 @@
 // Writes what a board sends to a file.
-#include <unistd.h>
-
 #include <array>
-#include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
@@ -18,6 +15,7 @@
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 #include "bench/report/record_report.h"
 #include "hw/recording/recorder.h"
 
@@ -76,53 +74,45 @@ fs::path new_partial(const OutputFolder& out, bool replace) {
   return partial;
 }
 
-/// The progress of a recording on stderr: one line rewritten on a terminal, a line every few
-/// seconds in a log.
-class RecordingProgressLine {
- public:
-  void show(const hw::RecordingProgress& progress) {
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    const auto now = std::chrono::steady_clock::now();
-    if (!terminal && now < next_) return;
-    next_ = now + std::chrono::seconds(5);
-    std::fprintf(stderr,
-                 "%llu volumes, %.1f MB, %llu sticks lost%s",
-                 static_cast<unsigned long long>(progress.volumes),
-                 static_cast<double>(progress.bytes) / 1e6,
-                 static_cast<unsigned long long>(progress.account.lost.total()),
-                 terminal ? "   \r" : "\n");
-  }
+std::string progress_text(const hw::RecordingProgress& recorded) {
+  return std::to_string(recorded.volumes) + " volumes, " +
+         fixed(static_cast<double>(recorded.bytes) / 1e6, 1) + " MB, " +
+         std::to_string(recorded.account.lost.total()) + " sticks lost";
+}
 
- private:
-  std::chrono::steady_clock::time_point next_{};
-};
-
-std::string whole_volumes(const hw::RecordingProgress& progress) {
-  return std::to_string(progress.volumes) + " whole volumes, which `inspect --salvage` copies";
+hw::RecordingEnd run(hw::Recorder& recorder, RecordingSink& sink, int volumes, Progress& progress) {
+  return progress.step("record", [&](const PartDone& done) {
+    return recorder.run([] { return stop_requested != 0; },
+                        [&](const hw::RecordingProgress& recorded) {
+                          sink.sync();
+                          progress.note(progress_text(recorded));
+                          if (volumes > 0) done(recorded.volumes, std::size_t(volumes));
+                        });
+  });
 }
 
 /// Records to the sink. A failure leaves a partial file that can be salvaged, and says so; without
 /// a configuration there is nothing to salvage.
-hw::RecordingEnd record(hw::Recorder& recorder, RecordingSink& sink, const std::string& board) {
-  RecordingProgressLine line;
-  const hw::RecordingProgress& progress = recorder.progress();
+hw::RecordingEnd record(hw::Recorder& recorder,
+                        RecordingSink& sink,
+                        const Arguments& arguments,
+                        Progress& progress) {
+  const hw::RecordingProgress& recorded = recorder.progress();
   try {
-    const auto end = recorder.run([] { return stop_requested != 0; },
-                                  [&](const hw::RecordingProgress& volume) {
-                                    sink.sync();
-                                    line.show(volume);
-                                  });
-    if (!progress.account.balanced()) throw std::logic_error("recording: account is not balanced");
-    if (progress.configuration) sink.finish(progress.whole_bytes);
+    const auto end = run(recorder, sink, arguments.volumes, progress);
+    if (!recorded.account.balanced()) throw std::logic_error("recording: account is not balanced");
+    if (recorded.configuration) sink.finish(recorded.whole_bytes);
     return end;
   } catch (const std::exception& error) {
     std::string why = error.what();
     if (dynamic_cast<const hw::UnreadableStream*>(&error) != nullptr) {
-      why = "--board = " + board + ": " + why;
+      why = "--board = " + arguments.board + ": " + why;
     }
-    if (!progress.configuration) throw std::runtime_error(why + "; nothing is recorded");
+    if (!recorded.configuration) throw std::runtime_error(why + "; nothing is recorded");
     sink.keep();
-    throw std::runtime_error(why + "; " + sink.path().string() + " holds " + whole_volumes(progress));
+    throw std::runtime_error(why + "; " + sink.path().string() + " holds " +
+                             std::to_string(recorded.volumes) +
+                             " whole volumes, which `inspect --salvage` copies");
   }
 }
 
@@ -132,28 +122,32 @@ int record_board(const Arguments& arguments) {
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
+  // What does not exist is refused before the folder is made; what takes long comes after it.
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
   OutputFolder out(arguments.output.folder);
   const fs::path partial = new_partial(out, arguments.replace);
-  if (!is_simulated(board)) out.refuse_input(board.link.value, kRecordingName);
-  const auto link = open_board_link(
-      board,
-      is_simulated(board)
-          ? simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes()))
-          : MakeSticks{});
+  if (link) out.refuse_input(board.link.value, kRecordingName);
+  Progress progress;
+  if (!link) {
+    link = progress.step("open", [&] {
+      return open_board_link(
+          board, simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes())));
+    });
+  }
   RecordingSink sink(partial);
   stop_in_order();
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
-  const hw::RecordingEnd end = record(recorder, sink, arguments.board);
+  const hw::RecordingEnd end = record(recorder, sink, arguments, progress);
 
-  const hw::RecordingProgress& progress = recorder.progress();
+  const hw::RecordingProgress& recorded = recorder.progress();
   const std::string loss = end == hw::RecordingEnd::lost ? link->loss() : "";
-  if (!progress.configuration) {
+  if (!recorded.configuration) {
     throw std::runtime_error("--board = " + arguments.board + ": " +
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
-  const std::string report = record_report(progress, end, link->capabilities(), std::move(scene));
+  const std::string report = record_report(recorded, end, link->capabilities(), std::move(scene));
   try {
     out.adopt(partial, kRecordingName);
     out.write_text("report.json", report);
@@ -162,14 +156,14 @@ int record_board(const Arguments& arguments) {
     throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
   }
   const fs::path recording = out.directory() / kRecordingName;
-  std::cout << (arguments.output.json ? report : record_summary(progress, end, recording));
+  std::cout << (arguments.output.json ? report : record_summary(recorded, end, recording));
   if (end == hw::RecordingEnd::lost) {
     std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
     return 1;
   }
-  if (!arguments.fail_on_loss || progress.account.lost.total() == 0) return 0;
-  std::cerr << "wobblebench: --fail-on-loss: " << progress.account.lost.total() << " of "
-            << progress.account.emitted << " sticks were lost\n";
+  if (!arguments.fail_on_loss || recorded.account.lost.total() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << recorded.account.lost.total() << " of "
+            << recorded.account.emitted << " sticks were lost\n";
   return 1;
 }
 

@@ -8,6 +8,7 @@
 #include "bench/cli/common_options.h"
 #include "bench/report/fault_simulation_report.h"
 #include "bench/report/output_folder.h"
+#include "bench/report/progress.h"
 
 namespace wobblebench::bench {
 
@@ -30,7 +31,10 @@ void print_trace(std::uint64_t first_seed, int seeds) {
 int simulate(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
-  const SeedRangeResult all = simulate_seeds(arguments.first_seed, arguments.seeds);
+  Progress progress;
+  const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
+    return simulate_seeds(arguments.first_seed, arguments.seeds, done);
+  });
   const std::string report = fault_simulation_report(all);
   out.write_text("report.json", report);
   out.commit();

@@ -67,7 +67,14 @@ int run(const Arguments& arguments) {
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  Progress progress({{"phantom", 40},
+                     {"acquire", 25},
+                     {"shaders", 1},
+                     {"render", 5},
+                     {"truth", 3},
+                     {"compare", 5},
+                     {"register", arguments.register_surface ? 20.0 : 0.0},
+                     {"write", 2}});
 
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
@@ -89,7 +96,7 @@ int run(const Arguments& arguments) {
                    std::nullopt,
                    cache.kept()};
 
-  if (subject && result.acquisition.source == hw::StreamOrigin::simulated) {
+  if (subject) {
     const std::uint32_t volume = result.acquisition.volume.volume_index();
     auto truth = progress.step("truth", [&] { return trace_truth(*subject, plan, view, volume); });
     auto error = progress.step(

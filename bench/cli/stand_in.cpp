@@ -10,6 +10,7 @@
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
+#include "bench/report/progress.h"
 #include "hw/emulator/xdma_emulator.h"
 
 namespace wobblebench::bench {
@@ -57,7 +58,7 @@ int emulate_card(const Arguments& arguments) {
           : MakeSticks{};
   // Opened once and closed, so that a link that cannot be opened fails here and not at the first
   // read.
-  open_board_link(board, sticks);
+  Progress().step("open", [&] { open_board_link(board, sticks); });
   const InterruptSignals signals;
   const hw::XdmaEmulator card(arguments.folder, [&] { return open_board_link(board, sticks); });
   std::cout << "stand-in    " << card.path().string() << ", until Ctrl-C" << std::endl;

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bench/cli/common_options.h"
+
 namespace wobblebench::bench {
 
 TableRun TableArguments::run() const {
@@ -12,20 +14,23 @@ TableRun TableArguments::run() const {
 }
 
 void add_table_options(CLI::App& command, TableArguments& arguments) {
-  auto* full = command.add_flag(
-      "--full", arguments.full, "The paper's sizes; otherwise half of them a side");
-  command.add_option("--divisor", arguments.divisor, "Sides are the paper's over this")
-      ->check(CLI::IsMember({1, 2, 4, 8}))
-      ->capture_default_str()
-      ->excludes(full);
-  command.add_option("--repeats", arguments.repeats, "Counted runs of each setting, fast pipeline")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command
-      .add_option("--plain-repeats",
-                  arguments.plain_repeats,
-                  "Likewise, plain pipeline; default: 1 with the paper's sizes, else as --repeats")
-      ->check(CLI::Range(1, 100));
+  add_flag(command, "--full", arguments.full, "The paper's sizes; otherwise half of them a side");
+  add_integer(command,
+              "--divisor",
+              arguments.divisor,
+              "Sides are the paper's over this: 1, 2, 4 or 8",
+              1,
+              8)
+      .check(CLI::IsMember({"1", "2", "4", "8"}))
+      ->excludes("--full");
+  add_repeats_option(command, arguments.repeats);
+  add_integer(command,
+              "--plain-repeats",
+              arguments.plain_repeats,
+              "Likewise, plain pipeline; default: 1 with the paper's sizes, else as --repeats",
+              1,
+              100)
+      .default_str("");
 }
 
 }  // namespace wobblebench::bench

@@ -37,13 +37,17 @@ TableVolumes simulate(Scene& scene,
                       Progress& progress) {
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
-  return progress.step(
-      "scans", [&] { return scan_table_volumes(scene, phantom, board, cache.tissue_maps()); });
+  return progress.step("scans", [&](const PartDone& done) {
+    return scan_table_volumes(scene, phantom, board, cache.tissue_maps(), done);
+  });
 }
 
-TableVolumes play(Scene& scene, const BoardArguments& board, Progress& progress) {
-  auto volumes = progress.step(
-      "volume", [&] { return recorded_volumes(open_outside_link(board), board.text); });
+TableVolumes play(Scene& scene,
+                  const BoardArguments& board,
+                  std::unique_ptr<hw::Link> link,
+                  Progress& progress) {
+  auto volumes =
+      progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
   adopt_plan(scene, volumes.by_frames.at(reference_row().frames).plan(), "--board " + board.text);
   return volumes;
 }
@@ -75,14 +79,16 @@ int measure(const Arguments& arguments) {
   take_reference_settings(scene, run);
   // Made before the echoes: where this machine lacks the GL, the command fails early.
   const auto context = render::make_context(arguments.gl);
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  Progress progress({{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}});
   const TableVolumes volumes =
-      is_simulated(board)
-          ? simulate(scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress)
-          : play(scene, board, progress);
-  const TableResults results =
-      progress.step("tables", [&] { return measure_tables(volumes, scene.render, *context, run); });
+      link ? play(scene, board, std::move(link), progress)
+           : simulate(
+                 scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress);
+  const TableResults results = progress.step("tables", [&](const PartDone& done) {
+    return measure_tables(volumes, scene.render, *context, run, done);
+  });
 
   Provenance provenance = provenance_of(*context, volumes);
   provenance.seed = scene.simulation.seed;

@@ -41,11 +41,13 @@ TradeScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
   return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
 }
 
-/// In processes of their own, before this one starts its threads.
-std::vector<MemoryPeak> measure_memory(const Scene& scene) {
+/// In processes of their own, before this one works on other threads.
+std::vector<MemoryPeak> measure_memory(const Scene& scene, const PartDone& done) {
   std::vector<MemoryPeak> peaks;
+  PartCount parts(1 + 2 * volume_rungs().size(), done);
   const auto add = [&](const std::string& what, const auto& body) {
     peaks.push_back({what, peak_memory_bytes(body)});
+    parts.finish_one();
   };
   add("phantom alone", [&] { phantoms::make_phantom(scene.phantom); });
   for (const sim::Rung rung : volume_rungs()) {
@@ -76,21 +78,29 @@ std::vector<RungFrame> middle_frames(const TradeScene& scene) {
   return panels;
 }
 
+/// The scene with another phantom in place of its own.
+TradeScene body_in(Scene scene, const std::string& name) {
+  scene.phantom = {.name = name};
+  if (name == "plane") scene.phantom.tilt_y_rad = 10 * kDegree;
+  scene.given.clear();
+  return scene_of(scene, phantoms::make_phantom(scene.phantom));
+}
+
 /// The scene's own phantom, and two whose truth has a closed form.
 std::vector<RungError> measure_errors(const Scene& scene,
                                       const TradeScene& subject,
-                                      const std::vector<std::uint64_t>& seeds) {
+                                      const std::vector<std::uint64_t>& seeds,
+                                      const PartDone& done) {
+  PartCount parts(4, done);
   std::vector<RungError> errors =
       measure_rung_errors(scene.phantom.name, subject, volume_rungs(), seeds);
+  parts.finish_one();
   for (const std::string name : {"sphere", "plane"}) {
-    if (name == scene.phantom.name) continue;
-    Scene other = scene;
-    other.phantom = {.name = name};
-    if (name == "plane") other.phantom.tilt_y_rad = 10 * kDegree;
-    other.given.clear();
-    const auto more = measure_rung_errors(
-        name, scene_of(other, phantoms::make_phantom(other.phantom)), volume_rungs(), seeds);
-    errors.insert(errors.end(), more.begin(), more.end());
+    if (name != scene.phantom.name) {
+      const auto more = measure_rung_errors(name, body_in(scene, name), volume_rungs(), seeds);
+      errors.insert(errors.end(), more.begin(), more.end());
+    }
+    parts.finish_one();
   }
   const auto small = measure_rung_errors(
       "sheet", small_sheet(scene.simulation), {sim::Rung::scatterers, sim::Rung::reference}, seeds);
@@ -98,28 +108,46 @@ std::vector<RungError> measure_errors(const Scene& scene,
   return errors;
 }
 
+/// Of the steps of measure(), estimated.
+std::vector<PlannedStep> usual_shares(int repeats) {
+  return {{"memory", 50},
+          {"phantom", 4},
+          {"times", 6.0 + 6.0 * repeats},
+          {"stages", 4},
+          {"growth", 60},
+          {"errors", 15},
+          {"reference", 20},
+          {"frames", 6}};
+}
+
 RungTradeResults measure(const Scene& scene, int repeats, Progress& progress) {
   RungTradeResults results;
   results.phantom = scene.phantom.name;
   results.repeats = repeats;
   results.seeds = seeds_from(scene.simulation.seed, kSeeds);
-  results.memory = progress.step("memory", [&] { return measure_memory(scene); });
+  results.memory =
+      progress.step("memory", [&](const PartDone& done) { return measure_memory(scene, done); });
   const auto subject = progress.step(
       "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
   results.sound_ms = hw::to_milliseconds(subject.plan.volume_duration());
   results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
                     subject.plan.acquisition().samples_per_stick;
-  results.times =
-      progress.step("times", [&] { return measure_times(subject, volume_rungs(), repeats); });
-  progress.step("stages", [&] {
+  results.times = progress.step("times", [&](const PartDone& done) {
+    return measure_times(subject, volume_rungs(), repeats, done);
+  });
+  progress.step("stages", [&](const PartDone& done) {
+    PartCount parts(volume_rungs().size(), done);
     for (const sim::Rung rung : volume_rungs()) {
       results.stages.push_back(measure_stages(subject, rung));
+      parts.finish_one();
     }
   });
-  results.growth =
-      progress.step("growth", [&] { return measure_growth(volume_rungs(), scene.simulation, {}); });
-  results.errors =
-      progress.step("errors", [&] { return measure_errors(scene, subject, results.seeds); });
+  results.growth = progress.step("growth", [&](const PartDone& done) {
+    return measure_growth(volume_rungs(), scene.simulation, {}, done);
+  });
+  results.errors = progress.step("errors", [&](const PartDone& done) {
+    return measure_errors(scene, subject, results.seeds, done);
+  });
   progress.step("reference", [&] {
     const auto small = small_sheet(scene.simulation);
     results.small_scatterers = measure_volume(small, sim::Rung::scatterers, kSmallRepeats);
@@ -144,7 +172,7 @@ int trade(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   refuse_compared_settings(scene);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  Progress progress(usual_shares(arguments.repeats));
   const RungTradeResults results = measure(scene, arguments.repeats, progress);
 
   Provenance provenance = provenance_of_this_machine();

@@ -23,6 +23,12 @@ struct Arguments {
   std::string figure_path;           ///< before the figures' names in the links of validation.md
 };
 
+std::string study_names() {
+  std::string list;
+  for (const auto& study : validation_studies()) list += (list.empty() ? "" : ", ") + study.id;
+  return list;
+}
+
 /// All of them, or those that were named, in the document's order.
 std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
   const auto& all = validation_studies();
@@ -30,9 +36,7 @@ std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
     const bool known =
         std::any_of(all.begin(), all.end(), [&](const auto& study) { return study.id == name; });
     if (known) continue;
-    std::string list;
-    for (const auto& study : all) list += (list.empty() ? "" : ", ") + study.id;
-    throw UserError("--study = " + name + ": must be one of " + list);
+    throw UserError("--study = " + name + ": must be one of " + study_names());
   }
   std::vector<NamedStudy> studies;
   std::copy_if(all.begin(), all.end(), std::back_inserter(studies), [&](const auto& study) {
@@ -62,7 +66,9 @@ Json report_of(const std::vector<StudyReport>& reports,
 int validate(const Arguments& arguments) {
   const auto studies = chosen(arguments.studies);
   OutputFolder out(arguments.output.folder);
-  Progress progress;
+  std::vector<PlannedStep> steps;
+  for (const auto& study : studies) steps.push_back({study.id, study.usual_s});
+  Progress progress(steps);
   std::vector<StudyReport> reports;
   for (const auto& study : studies) {
     reports.push_back(progress.step(study.id, [&] { return run_study(study); }));
@@ -95,7 +101,10 @@ Command add_validate_command(CLI::App& app) {
   CLI::App& command = add_subcommand(
       app, "validate", "The simulated probe's physics against closed forms and publications");
   add_output_options(command, arguments->output);
-  add_list(command, "--study", arguments->studies, "One study instead of all (repeatable)");
+  add_list(command,
+           "--study",
+           arguments->studies,
+           "One study instead of all (repeatable): " + study_names());
   add_text(command,
            "--figure-path",
            arguments->figure_path,

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "bench/report/report.h"
 #include "phantoms/grids.h"
@@ -24,11 +25,15 @@ double in_mb(std::uint64_t bytes) {
   return std::round(static_cast<double>(bytes) / 1e4) / 100;
 }
 
+const std::string& material_name(const phantoms::Phantom& phantom, phantoms::MaterialIndex index) {
+  return phantom.materials().at(static_cast<std::size_t>(index)).name;
+}
+
 Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
   const auto& surface = phantom.surfaces()[index];
   const auto grid = phantoms::grid_memory(phantom, index);
   return {{"name", surface.name},
-          {"inside", phantom.materials().at(static_cast<std::size_t>(surface.inside)).name},
+          {"inside", material_name(phantom, surface.inside)},
           {"target", surface.is_target},
           {"voxel_mm", in_mm(grid.voxel_m)},
           {"voxels", grid.voxels},
@@ -63,6 +68,13 @@ Json joint_json(const std::optional<phantoms::Joint>& joint) {
           {"outer_mm", in_mm(joint->outer_m)}};
 }
 
+/// "(x, y, z)", mm.
+std::string corner_text(const glm::dvec3& point_m) {
+  std::ostringstream text;
+  text << "(" << in_mm(point_m.x) << ", " << in_mm(point_m.y) << ", " << in_mm(point_m.z) << ")";
+  return text.str();
+}
+
 Json phantom_json(const phantoms::Phantom& phantom) {
   Json surfaces = Json::array();
   std::uint64_t voxels = 0, bytes = 0;
@@ -72,9 +84,8 @@ Json phantom_json(const phantoms::Phantom& phantom) {
     bytes += grid.bytes;
     surfaces.push_back(surface_json(phantom, i));
   }
-  const auto background = static_cast<std::size_t>(phantom.background());
   return {{"name", phantom.name()},
-          {"background", phantom.materials().at(background).name},
+          {"background", material_name(phantom, phantom.background())},
           {"surfaces", surfaces},
           {"voxels", voxels},
           {"memory_mb", in_mb(bytes)},
@@ -94,8 +105,23 @@ std::string phantom_report(const phantoms::Phantom& phantom, const Scene& scene)
   return report_text(report);
 }
 
-std::string phantom_summary(const phantoms::Phantom& phantom) {
-  return report_text(phantom_json(phantom));
+std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << "phantom     " << phantom.name() << " in " << material_name(phantom, phantom.background())
+       << (phantom.joint() ? ", with a joint" : "") << "\n";
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto& surface = phantom.surfaces()[i];
+    const auto grid = phantoms::grid_memory(phantom, i);
+    text << "surface     " << surface.name << ": " << material_name(phantom, surface.inside)
+         << " within, " << grid.voxels << " voxels of " << in_mm(grid.voxel_m) << " mm, "
+         << in_mb(grid.bytes) << " MB" << (surface.is_target ? ", a target" : "") << "\n";
+  }
+  const auto& box = phantom.region_of_interest();
+  text << "interest    " << corner_text(box.low) << " to " << corner_text(box.high) << " mm\n"
+       << "position    " << corner_text(phantom.suggested_position_m())
+       << " mm in front of the probe, unless the scene says otherwise\n"
+       << "results     " << file.string() << "\n";
+  return text.str();
 }
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,7 @@
 // Report and summary of the command `phantom`.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "bench/scene/scene.h"
@@ -11,7 +12,7 @@ namespace wobblebench::bench {
 /// The text of report.json.
 std::string phantom_report(const phantoms::Phantom& phantom, const Scene& scene);
 
-/// Surfaces with the sizes of their grids, materials, region of interest, joint; as JSON.
-std::string phantom_summary(const phantoms::Phantom& phantom);
+/// Surfaces with the sizes of their grids, region of interest, joint; `file`: where it was written.
+std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesystem::path& file);
 
 }  // namespace wobblebench::bench

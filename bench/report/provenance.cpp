@@ -38,6 +38,10 @@ Provenance provenance_of_this_machine() {
   return result;
 }
 
+std::string version_line(const std::string& program) {
+  return program + " " + kBuildVersion + ", commit " + kBuildCommit;
+}
+
 nlohmann::ordered_json to_json(const Provenance& p) {
   const bool seeded = p.board.empty() || p.board == "simulated";
   return {{"commit", p.commit},

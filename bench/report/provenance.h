@@ -21,6 +21,9 @@ struct Provenance {
 /// Commit, host, CPU and threads; the caller fills in the rest.
 Provenance provenance_of_this_machine();
 
+/// "PROGRAM 0.1.0, commit 0123456789ab".
+std::string version_line(const std::string& program);
+
 nlohmann::ordered_json to_json(const Provenance& provenance);
 
 }  // namespace wobblebench::bench

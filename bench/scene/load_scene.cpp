@@ -98,6 +98,10 @@ void apply_setting(toml::table& scene, const std::string& setting) {
   if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
     throw UserError("--set " + setting + ": must be SECTION.KEY=VALUE");
   }
+  const std::string path = "." + setting.substr(0, equals) + ".";
+  if (path.find("..") != std::string::npos) {
+    throw UserError("--set " + setting + ": a part of its key is empty; must be SECTION.KEY=VALUE");
+  }
   toml::table* table = &scene;
   std::istringstream sections(setting.substr(0, last_dot));
   for (std::string name; std::getline(sections, name, '.');) {

@@ -130,7 +130,7 @@ void through_the_board(const std::filesystem::path& path) {
 
 }  // namespace
 
-Throughput measure_throughput(int volumes, int repeats) {
+Throughput measure_throughput(int volumes, int repeats, const PartDone& done) {
   const TemporaryRecording recording(volumes);
   const OneCore one_core;
   Throughput throughput{.bytes = std::filesystem::file_size(recording.path()),
@@ -149,19 +149,21 @@ Throughput measure_throughput(int volumes, int repeats) {
                                {"… and compute its CRC", read_and_check},
                                {"… and decode every packet", read_and_decode},
                                {"file, decoder, ring, program", through_the_board}};
+  PartCount parts(stages.size() * (static_cast<std::size_t>(repeats) + 1), done);
   for (int repeat = -1; repeat < repeats; ++repeat) {
     for (Stage& stage : stages) {
       const auto start = Clock::now();
       stage.run(recording.path());
       const double mb_s = static_cast<double>(throughput.bytes) / 1e6 / seconds_since(start);
       if (repeat >= 0) stage.mb_s.push_back(mb_s);
+      parts.finish_one();
     }
   }
   for (Stage& stage : stages) throughput.stages.push_back({stage.name, spread_of(stage.mb_s)});
   return throughput;
 }
 
-CancelTimes measure_cancels(int cancels, int load_threads) {
+CancelTimes measure_cancels(int cancels, int load_threads, const PartDone& done) {
   std::vector<std::jthread> load;
   for (int i = 0; i < load_threads; ++i) {
     load.emplace_back([](const std::stop_token& stop) {
@@ -184,6 +186,7 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
     }
   });
   std::vector<double> ms;
+  PartCount parts(static_cast<std::size_t>(cancels), done);
   for (int i = 0; i < cancels; ++i) {
     board.start();
     go.release();
@@ -194,6 +197,7 @@ CancelTimes measure_cancels(int cancels, int load_threads) {
     woken.acquire();
     ms.push_back(std::chrono::duration<double, std::milli>(woken_at - cancelled_at).count());
     board.stop();
+    parts.finish_one();
   }
   waiter.join();
   return {cancels,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/part_done.h"
 #include "base/statistics.h"
 
 namespace wobblebench::bench {
@@ -27,7 +28,7 @@ struct Throughput {
 /// in the page cache; read, checked, decoded, and played through the board to a reader that takes
 /// and releases every stick, all threads on one core. One warm-up run, then `repeats`.
 /// Throws std::runtime_error where the file cannot be written.
-Throughput measure_throughput(int volumes, int repeats);
+Throughput measure_throughput(int volumes, int repeats, const PartDone& done = {});
 
 struct CancelTimes {
   int cancels = 0;
@@ -37,6 +38,6 @@ struct CancelTimes {
 
 /// Wall time from the call of cancel() until the thread that waits in next() has returned, while a
 /// card sends in real time and `load_threads` threads keep the processors busy.
-CancelTimes measure_cancels(int cancels, int load_threads);
+CancelTimes measure_cancels(int cancels, int load_threads, const PartDone& done = {});
 
 }  // namespace wobblebench::bench

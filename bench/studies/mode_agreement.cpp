@@ -54,7 +54,8 @@ const std::vector<Direction>& five_directions() {
 std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
                                                   const hw::PolarVolume& volume,
                                                   const render::RenderOptions& options,
-                                                  render::GlContext& context) {
+                                                  render::GlContext& context,
+                                                  const PartDone& done) {
   const auto renderer = [&](render::PipelineMode mode) {
     render::RenderOptions in_mode = options;
     in_mode.pipeline.mode = mode;
@@ -65,6 +66,7 @@ std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
   const auto plain = renderer(render::PipelineMode::plain);
   const auto fast = renderer(render::PipelineMode::fast);
   std::vector<ModeAgreement> found;
+  PartCount parts(five_directions().size(), done);
   for (const Direction& direction : five_directions()) {
     render::ViewOptions view = options.view;
     view.yaw_rad = direction.yaw_rad;
@@ -75,6 +77,7 @@ std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
         {phantom,
          direction,
          compare_depths(plain->render().depth_m, fast->render().depth_m, render::step_m(options))});
+    parts.finish_one();
   }
   return found;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/part_done.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
 #include "render/options.h"
@@ -60,6 +61,7 @@ struct ModeAgreement {
 std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
                                                   const hw::PolarVolume& volume,
                                                   const render::RenderOptions& options,
-                                                  render::GlContext& context);
+                                                  render::GlContext& context,
+                                                  const PartDone& done = {});
 
 }  // namespace wobblebench::bench

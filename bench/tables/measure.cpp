@@ -27,9 +27,8 @@ struct TimedSetting {
   std::vector<std::string> pass_names;
   std::vector<std::vector<double>> pass_ms;  ///< [pass][repeat]
 
-  /// Repeat -1 is not counted.
+  /// Of `repeats`; repeat -1 is not counted.
   void measure(int repeat) {
-    if (repeat >= repeats) return;
     renderer->add_volume(*volume);
     const auto passes = renderer->render().passes;
     if (repeat >= 0) count(passes);
@@ -77,6 +76,14 @@ TimedSettings make_settings(const TableVolumes& volumes,
     }
   }
   return settings;
+}
+
+std::size_t count_pictures(const TimedSettings& settings) {
+  std::size_t pictures = 0;
+  for (const auto& [key, setting] : settings) {
+    pictures += static_cast<std::size_t>(setting.repeats) + 1;
+  }
+  return pictures;
 }
 
 MeasuredRow measured_row(const TableRow& row, const Table& table, const TimedSettings& settings) {
@@ -131,14 +138,20 @@ std::optional<double> MeasuredRow::pass_speed_up(const std::string& pass) const 
 TableResults measure_tables(const TableVolumes& volumes,
                             const render::RenderOptions& base,
                             render::GlContext& context,
-                            const TableRun& run) {
+                            const TableRun& run,
+                            const PartDone& done) {
   TableResults results;
   const hw::PolarVolume& volume = volumes.by_frames.at(reference_row().frames);
   results.frame_acquisition_ms =
       hw::to_milliseconds(volume.plan().volume_duration()) / reference_row().frames;
   TimedSettings settings = make_settings(volumes, base, context, run);
+  PartCount pictures(count_pictures(settings), done);
   for (int repeat = -1; repeat < std::max(run.repeats, run.plain_repeats); ++repeat) {
-    for (auto& [key, setting] : settings) setting.measure(repeat);
+    for (auto& [key, setting] : settings) {
+      if (repeat >= setting.repeats) continue;
+      setting.measure(repeat);
+      pictures.finish_one();
+    }
   }
   for (const Table& table : paper_tables()) {
     MeasuredTable measured{table, {}, {}};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/part_done.h"
 #include "base/statistics.h"
 #include "bench/tables/floor.h"
 #include "bench/tables/paper.h"
@@ -78,7 +79,8 @@ struct TableResults {
 TableResults measure_tables(const TableVolumes& volumes,
                             const render::RenderOptions& base,
                             render::GlContext& context,
-                            const TableRun& run);
+                            const TableRun& run,
+                            const PartDone& done = {});
 
 /// One variant of the reference row, frame by frame.
 Arrival measure_arrival(const hw::PolarVolume& volume,

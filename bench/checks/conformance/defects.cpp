@@ -31,15 +31,18 @@ std::vector<Defect> seeded_defects() {
   return all;
 }
 
-std::vector<DefectOutcome> check_defects() {
+std::vector<DefectOutcome> check_defects(const PartDone& done) {
   const auto checks = conformance_checks();
   std::vector<DefectOutcome> outcomes;
-  for (Defect& defect : seeded_defects()) {
+  auto defects = seeded_defects();
+  PartCount parts(defects.size(), done);
+  for (Defect& defect : defects) {
     const auto check = std::find_if(
         checks.begin(), checks.end(), [&](const auto& one) { return one.name == defect.check; });
     if (check == checks.end()) throw std::logic_error("no check is named " + defect.check);
     CheckOutcome outcome = run_check(*check, defect.fixture);
     outcomes.push_back({std::move(defect), std::move(outcome)});
+    parts.finish_one();
   }
   return outcomes;
 }

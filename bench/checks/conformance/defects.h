@@ -29,6 +29,6 @@ struct DefectOutcome {
   CheckOutcome outcome;  ///< of the check `defect.check`
   bool detected() const { return outcome.kind == CheckOutcome::Kind::failed; }
 };
-std::vector<DefectOutcome> check_defects();
+std::vector<DefectOutcome> check_defects(const PartDone& done = {});
 
 }  // namespace wobblebench::bench

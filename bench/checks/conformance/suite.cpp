@@ -46,9 +46,14 @@ CheckOutcome run_check(const ConformanceCheck& check, const ConformanceFixture& 
   return outcome;
 }
 
-std::vector<CheckOutcome> run_conformance(const ConformanceFixture& fixture) {
+std::vector<CheckOutcome> run_conformance(const ConformanceFixture& fixture, const PartDone& done) {
   std::vector<CheckOutcome> outcomes;
-  for (const auto& check : conformance_checks()) outcomes.push_back(run_check(check, fixture));
+  const auto checks = conformance_checks();
+  PartCount parts(checks.size(), done);
+  for (const auto& check : checks) {
+    outcomes.push_back(run_check(check, fixture));
+    parts.finish_one();
+  }
   return outcomes;
 }
 

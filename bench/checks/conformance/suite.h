@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/part_done.h"
 #include "bench/checks/conformance/fixture.h"
 
 namespace wobblebench::bench {
@@ -27,7 +28,8 @@ std::vector<ConformanceCheck> link_checks();
 std::vector<ConformanceCheck> conformance_checks();
 
 CheckOutcome run_check(const ConformanceCheck& check, const ConformanceFixture& fixture);
-std::vector<CheckOutcome> run_conformance(const ConformanceFixture& fixture);
+std::vector<CheckOutcome> run_conformance(const ConformanceFixture& fixture,
+                                          const PartDone& done = {});
 
 int count(const std::vector<CheckOutcome>& outcomes, CheckOutcome::Kind kind);
 

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <utility>
 
@@ -39,8 +40,9 @@ void add(SeedRangeResult& all, EventHash& hash, FaultSimulationResult&& result) 
 
 }  // namespace
 
-SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds) {
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done) {
   const auto start = std::chrono::steady_clock::now();
+  std::atomic<std::size_t> finished = 0;
   SeedRangeResult all{.first_seed = first_seed, .seeds = seeds};
   EventHash hash;
   for (int first = 0; first < seeds; first += kBlock) {
@@ -48,6 +50,8 @@ SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds) {
         static_cast<std::size_t>(std::min(kBlock, seeds - first)));
     tbb::parallel_for(std::size_t{0}, block.size(), [&](std::size_t i) {
       block[i] = simulate_faults(first_seed + static_cast<std::uint64_t>(first) + i);
+      const std::size_t count = ++finished;
+      if (done) done(count, static_cast<std::size_t>(seeds));
     });
     for (FaultSimulationResult& result : block) add(all, hash, std::move(result));
   }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/part_done.h"
 #include "bench/checks/fault_simulation/fault_simulation.h"
 #include "hw/wire/account.h"
 
@@ -25,7 +26,7 @@ struct SeedRangeResult {
   std::uint64_t sticks_salvaged = 0;
 };
 
-/// `seeds` simulations, from `first_seed` on, on all threads.
-SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds);
+/// `seeds` simulations, from `first_seed` on, on all threads, each of which calls `done`.
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done = {});
 
 }  // namespace wobblebench::bench

@@ -103,16 +103,16 @@ std::string exact(double value) {
 
 const std::vector<NamedStudy>& validation_studies() {
   static const std::vector<NamedStudy> studies = {
-      {"speckle", [] { return speckle_statistics_report(); }},
-      {"density", [] { return scatterer_density_report(); }},
-      {"points", [] { return point_target_report(); }},
-      {"agreement", [] { return rung_agreement_report(); }},
-      {"speckle_size", [] { return speckle_size_report(); }},
-      {"speckle_motion", [] { return speckle_motion_report(); }},
-      {"attenuation", [] { return attenuation_report(); }},
-      {"reflection", [] { return reflection_report(); }},
-      {"shear", [] { return shear_report(); }},
-      {"repeatability", [] { return repeatability_report(); }}};
+      {"speckle", 1, [] { return speckle_statistics_report(); }},
+      {"density", 1.2, [] { return scatterer_density_report(); }},
+      {"points", 1.3, [] { return point_target_report(); }},
+      {"agreement", 34, [] { return rung_agreement_report(); }},
+      {"speckle_size", 6.6, [] { return speckle_size_report(); }},
+      {"speckle_motion", 0.1, [] { return speckle_motion_report(); }},
+      {"attenuation", 1.7, [] { return attenuation_report(); }},
+      {"reflection", 3.7, [] { return reflection_report(); }},
+      {"shear", 0.2, [] { return shear_report(); }},
+      {"repeatability", 44, [] { return repeatability_report(); }}};
   return studies;
 }
 

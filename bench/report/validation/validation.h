@@ -13,6 +13,7 @@ namespace wobblebench::bench {
 
 struct NamedStudy {
   std::string id;
+  double usual_s = 1;                ///< wall time on two cores, for the time that is left
   std::function<StudyReport()> run;  ///< with the default inputs
 };
 

@@ -30,8 +30,10 @@ void take_reference_settings(Scene& scene, const TableRun& run) {
 TableVolumes scan_table_volumes(const Scene& scene,
                                 const phantoms::Phantom& phantom,
                                 const BoardArguments& board,
-                                const sim::TissueMapSource& maps) {
+                                const sim::TissueMapSource& maps,
+                                const PartDone& done) {
   TableVolumes volumes;
+  PartCount parts(frame_counts().size(), done);
   for (const int frames : frame_counts()) {
     Scene varied = scene;
     varied.acquisition.frames_per_volume = frames;
@@ -39,6 +41,7 @@ TableVolumes scan_table_volumes(const Scene& scene,
     volumes.board = hw::to_string(acquisition.link.origin);
     volumes.effects = acquisition.simulated.value().effects;
     volumes.by_frames.emplace(frames, std::move(acquisition.volume));
+    parts.finish_one();
   }
   return volumes;
 }

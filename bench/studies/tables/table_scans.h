@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "base/part_done.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
 #include "bench/tables/variant.h"
@@ -20,6 +21,7 @@ void take_reference_settings(Scene& scene, const TableRun& run);
 TableVolumes scan_table_volumes(const Scene& scene,
                                 const phantoms::Phantom& phantom,
                                 const BoardArguments& board,
-                                const sim::TissueMapSource& maps = {});
+                                const sim::TissueMapSource& maps = {},
+                                const PartDone& done = {});
 
 }  // namespace wobblebench::bench

@@ -34,12 +34,23 @@ double tissue_fraction(const TradeScene& scene) {
   return static_cast<double>(shown) / static_cast<double>(samples.size());
 }
 
+std::size_t number_of_points(const std::vector<sim::Rung>& rungs, const GrowthInputs& inputs) {
+  const std::size_t on_each_rung =
+      inputs.sticks.size() + inputs.frames.size() + inputs.samples.size() + inputs.front_mm.size();
+  return rungs.size() * on_each_rung + inputs.scatterers.size();
+}
+
 class Growth {
  public:
   Growth(const std::vector<sim::Rung>& rungs,
          const sim::SimulationOptions& options,
-         const GrowthInputs& inputs)
-      : rungs_(rungs), options_(options), inputs_(inputs), body_(block(kHalf_m, kVoxel_m)) {}
+         const GrowthInputs& inputs,
+         const PartDone& done)
+      : rungs_(rungs),
+        options_(options),
+        inputs_(inputs),
+        body_(block(kHalf_m, kVoxel_m)),
+        parts_(number_of_points(rungs, inputs), done) {}
 
   void vary(const std::string& what,
             const std::vector<int>& sizes,
@@ -72,12 +83,14 @@ class Growth {
   }
   void measure(const std::string& what, double size, const TradeScene& scene, sim::Rung rung) {
     points_.push_back({what, size, rung, measure_volume(scene, rung, inputs_.repeats)});
+    parts_.finish_one();
   }
 
   const std::vector<sim::Rung>& rungs_;
   sim::SimulationOptions options_;
   const GrowthInputs& inputs_;
   phantoms::Phantom body_;
+  PartCount parts_;
   std::vector<GrowthPoint> points_;
 };
 
@@ -85,8 +98,9 @@ class Growth {
 
 std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
                                         const sim::SimulationOptions& options,
-                                        const GrowthInputs& inputs) {
-  Growth growth(rungs, options, inputs);
+                                        const GrowthInputs& inputs,
+                                        const PartDone& done) {
+  Growth growth(rungs, options, inputs, done);
   growth.vary("sticks", inputs.sticks, &hw::AcquisitionOptions::sticks_per_frame);
   growth.vary("frames", inputs.frames, &hw::AcquisitionOptions::frames_per_volume);
   growth.vary("samples", inputs.samples, &hw::AcquisitionOptions::samples_per_stick);

@@ -30,7 +30,8 @@ struct GrowthPoint {
 
 std::vector<GrowthPoint> measure_growth(const std::vector<sim::Rung>& rungs,
                                         const sim::SimulationOptions& options,
-                                        const GrowthInputs& inputs);
+                                        const GrowthInputs& inputs,
+                                        const PartDone& done = {});
 
 /// Exponent of median time over size among the points of one kind and rung: least squares of their
 /// logarithms.

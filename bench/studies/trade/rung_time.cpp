@@ -92,7 +92,9 @@ phantoms::Motion bending(const phantoms::Phantom& phantom) {
 
 std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
-                                    int repeats) {
+                                    int repeats,
+                                    const PartDone& done) {
+  PartCount parts(rungs.size() * (static_cast<std::size_t>(repeats) + 1), done);
   std::vector<TimedRung> timed;
   for (const sim::Rung rung : rungs) {
     TimedRung one{rung, nullptr, nullptr, {}, {}, {}, {}, {}, {}};
@@ -104,6 +106,7 @@ std::vector<RungTime> measure_times(const TradeScene& scene,
   for (int repeat = 0; repeat <= repeats; ++repeat) {
     for (TimedRung& one : timed) {
       one.measure(scene, repeat, repeat > 0);
+      parts.finish_one();
     }
   }
   std::vector<RungTime> results;

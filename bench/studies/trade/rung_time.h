@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/part_done.h"
 #include "base/statistics.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
@@ -42,7 +43,8 @@ struct RungTime {
 /// speed affects all equally.
 std::vector<RungTime> measure_times(const TradeScene& scene,
                                     const std::vector<sim::Rung>& rungs,
-                                    int repeats);
+                                    int repeats,
+                                    const PartDone& done = {});
 
 /// A still volume of a new seed and one with slow_path(), on one rung.
 struct VolumeTime {

@@ -1,0 +1,35 @@
+#include "bench/cli/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "bench/scene/late_refusal.h"
+
+namespace wobblebench::bench {
+
+std::vector<Command> add_commands(CLI::App& app) {
+  app.require_subcommand(1);
+  std::vector<Command> commands = {add_run_command(app),
+                                   add_record_command(app),
+                                   add_inspect_command(app),
+                                   add_conformance_command(app),
+                                   add_rehearse_command(app),
+                                   add_board_command(app),
+                                   add_stand_in_command(app),
+                                   add_phantom_command(app),
+                                   add_tables_command(app),
+                                   add_modes_command(app),
+                                   add_validate_command(app),
+                                   add_trade_command(app)};
+  for (Command& command : commands) {
+    command.run = [run = std::move(command.run)] { return with_late_refusals(run); };
+  }
+  return commands;
+}
+
+Program wobblebench_program() {
+  return {
+      "wobblebench", "wobblebench: a test bench for 4D ultrasound surface rendering", add_commands};
+}
+
+}  // namespace wobblebench::bench

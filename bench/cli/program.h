@@ -1,0 +1,41 @@
+// What every program of ours does with its command line: one place for refusals, exit codes, the
+// version and the standard streams.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace wobblebench::bench {
+
+/// A command of a program, or all of it. Parsing fills in its options; `run` then executes it and
+/// returns the exit code. Errors in the user's input are thrown as UserError.
+struct Command {
+  CLI::App* parser;
+  std::function<int()> run;
+};
+
+/// Exit codes: kFailed also where a check failed.
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kBadInput = 2;
+
+struct Program {
+  std::string name;
+  std::string description;
+  /// Adds the program's commands with their options to the parser. It is called once.
+  std::function<std::vector<Command>(CLI::App&)> add_commands;
+};
+
+/// Parses the command line and runs its command. Returns the exit code: that of the command;
+/// kBadInput for a UserError or a line that cannot be parsed, kFailed for every other exception and
+/// for stdout that cannot be written, all with one line "NAME: what is wrong" on stderr. Call it
+/// first in main: standard descriptors that the caller closed are taken, so that no file of ours
+/// becomes one of them.
+int run_program(const Program& program, int argc, char** argv);
+
+}  // namespace wobblebench::bench

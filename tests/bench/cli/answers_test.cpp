@@ -1,0 +1,211 @@
+// What both programs answer on their standard streams, whatever they are asked.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::ProcessResult;
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+const Words kSmallSphere = {
+    "phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
+
+Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+ProcessResult bench(const Words& words, const ScratchFolder& folder) {
+  return run_process(WOBBLEBENCH_PROGRAM, words, folder.path());
+}
+
+/// Through a shell: `line` with PROGRAM replaced.
+ProcessResult shell(const std::string& program,
+                    const std::string& line,
+                    const ScratchFolder& folder) {
+  return run_process(
+      "/bin/sh", {"-c", std::regex_replace(line, std::regex("PROGRAM"), program)}, folder.path());
+}
+
+int lines_in(const std::string& text) {
+  return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST(Answers, StdoutThatCannotBeWrittenIsAnError) {
+  for (const char* const to : {">/dev/full", ">&-", "</dev/null >&0"}) {
+    for (const char* const command :
+         {"--help",
+          "--version",
+          "rehearse --seeds 2",
+          "rehearse --seeds 2 --json",
+          "phantom --set phantom.name=sphere --set phantom.voxel_mm=2",
+          "phantom --set phantom.name=sphere --set phantom.voxel_mm=2 --json"}) {
+      const ScratchFolder folder;
+      const auto result =
+          shell(WOBBLEBENCH_PROGRAM, std::string("PROGRAM ") + command + " " + to, folder);
+      EXPECT_EQ(result.exit_code, 1) << command << to;
+      const auto said = result.err.find("wobblebench: stdout cannot be written: ");
+      ASSERT_NE(said, std::string::npos) << command << to << ": " << result.err;
+      EXPECT_EQ(lines_in(result.err.substr(said)), 1) << result.err;
+    }
+    const ScratchFolder folder;
+    EXPECT_EQ(
+        shell(WOBBLEBENCH_TABLES_PROGRAM, std::string("PROGRAM --help ") + to, folder).exit_code,
+        1);
+  }
+}
+
+TEST(Answers, VersionIsNameVersionAndCommit) {
+  const ScratchFolder folder;
+  const std::regex line(R"((wobblebench|wobblebench-tables) \d+\.\d+\.\d+, commit [0-9a-z-]+\n)");
+  for (const char* const program : {WOBBLEBENCH_PROGRAM, WOBBLEBENCH_TABLES_PROGRAM}) {
+    const auto result = run_process(program, {"--version"}, folder.path());
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(std::regex_match(result.out, line)) << result.out;
+    EXPECT_EQ(result.err, "");
+  }
+}
+
+TEST(Answers, HelpOfEveryCommandIsNoError) {
+  const ScratchFolder folder;
+  const auto all = bench({"--help"}, folder);
+  EXPECT_EQ(all.exit_code, 0);
+  for (const char* const command : {"run",
+                                    "record",
+                                    "inspect",
+                                    "conformance",
+                                    "rehearse",
+                                    "board",
+                                    "stand-in",
+                                    "phantom",
+                                    "tables",
+                                    "modes",
+                                    "validate",
+                                    "trade"}) {
+    EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
+    for (const char* const help : {"-h", "--help"}) {
+      const auto result = bench({command, help}, folder);
+      EXPECT_EQ(result.exit_code, 0) << command;
+      EXPECT_NE(result.out.find(std::string("Usage: wobblebench ") + command), std::string::npos)
+          << result.out;
+      EXPECT_EQ(result.err, "");
+    }
+  }
+  EXPECT_TRUE(folder.files().empty());
+}
+
+TEST(Answers, PhantomPrintsASummaryAndJsonWhereAsked) {
+  const ScratchFolder folder;
+  const auto summary = bench(kSmallSphere, folder);
+  ASSERT_EQ(summary.exit_code, 0) << summary.err;
+  EXPECT_FALSE(nlohmann::json::accept(summary.out.substr(0, summary.out.rfind("out/"))))
+      << summary.out;
+  EXPECT_EQ(summary.out.find("phantom     sphere in amniotic_fluid\n"), 0U) << summary.out;
+  EXPECT_NE(summary.out.find("voxels of 2 mm"), std::string::npos) << summary.out;
+  EXPECT_NE(summary.out.find("results     out/phantom.vdb\n"), std::string::npos) << summary.out;
+  const auto json = bench(with(kSmallSphere, {"--json"}), folder);
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("phantom").at("name"), "sphere");
+}
+
+TEST(Answers, NumbersAreDecimal) {
+  const ScratchFolder folder;
+  const auto ten = bench({"rehearse", "--seeds", "010", "--first-seed", "08", "--json"}, folder);
+  ASSERT_EQ(ten.exit_code, 0) << ten.err;
+  const auto report = nlohmann::json::parse(ten.out).at("rehearsal");
+  EXPECT_EQ(report.at("seeds"), 10);
+  EXPECT_EQ(report.at("first_seed"), 8);
+}
+
+TEST(Answers, TradeRefusesAPhantomsFileWithOneLine) {
+  const ScratchFolder folder;
+  folder.write("bad.stl", "solid x\nendsolid x\n");
+  const auto result = bench({"trade",
+                             "--set",
+                             "phantom.name=mesh",
+                             "--set",
+                             "phantom.file=bad.stl",
+                             "--set",
+                             "phantom.unit_mm=1"},
+                            folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("wobblebench: phantom.file = \"bad.stl\": "), 0U) << result.err;
+  EXPECT_EQ(lines_in(result.err), 1) << result.err;
+  EXPECT_EQ(result.out, "");
+}
+
+TEST(Answers, WhatCannotBeOpenedIsRefusedBeforeAFolderIsMade) {
+  const ScratchFolder folder;
+  for (const Words& words : {Words{"conformance", "none.toml"},
+                             Words{"conformance", "--board", "nonsense"},
+                             Words{"conformance", "--board", "file=none.wbst"},
+                             Words{"tables", "--board", "file=none.wbst"},
+                             Words{"record", "--board", "file=none.wbst"},
+                             Words{"record", "--board", "xdma=none"},
+                             Words{"conformance", "--board", "xdma=none"},
+                             Words{"run", "--board", "file=none.wbst"}}) {
+    const auto result = bench(words, folder);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(folder.files().empty()) << words.front() << " " << words.back();
+    fs::remove_all(folder.path() / "out");
+  }
+}
+
+TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {
+  const ScratchFolder folder;
+  folder.write("bad.stl", "solid x\nendsolid x\n");
+  const Words mesh = {"--out",
+                      "new/deep",
+                      "--set",
+                      "phantom.name=mesh",
+                      "--set",
+                      "phantom.file=bad.stl",
+                      "--set",
+                      "phantom.unit_mm=1"};
+  for (const char* const command : {"phantom", "record", "run", "tables", "conformance", "trade"}) {
+    const auto result = bench(with({command}, mesh), folder);
+    EXPECT_EQ(result.exit_code, 2) << command;
+    EXPECT_EQ(lines_in(result.err), 1) << result.err;
+    EXPECT_EQ(folder.files(), Words{"bad.stl"}) << command;
+    fs::remove_all(folder.path() / "new");
+  }
+}
+
+TEST(Answers, AnInterruptedRunLeavesNoNewFolder) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const ScratchFolder folder;
+    const auto result =
+        run_process(WOBBLEBENCH_PROGRAM,
+                    {"run", "--out", "new/deep"},
+                    folder.path(),
+                    {.interrupt_when = [&] { return fs::exists(folder.path() / "new/deep"); },
+                     .signal = signal});
+    EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+    EXPECT_TRUE(folder.files().empty());
+  }
+}
+
+TEST(Answers, ALongCommandSaysHowLongItWillStillTake) {
+  const ScratchFolder folder;
+  const auto result = shell(WOBBLEBENCH_PROGRAM,
+                            "PROGRAM rehearse --seeds 300000 2>err & "
+                            "for i in $(seq 300); do grep -q left err && break; sleep 0.2; done; "
+                            "kill -TERM $!; wait $!; code=$?; cat err >&2; exit $code",
+                            folder);
+  EXPECT_EQ(result.exit_code, 128 + SIGTERM);
+  const std::regex line(R"(rehearse: \d+ of 300000, \d+ s, about \d+ (s|min \d+ s) left\n)");
+  EXPECT_TRUE(std::regex_search(result.err, line)) << result.err;
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

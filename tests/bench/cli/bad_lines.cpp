@@ -1,0 +1,366 @@
+#include "tests/bench/cli/bad_lines.h"
+
+#include <sys/stat.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "tests/bench/cli/wrong_values.h"
+#include "tests/bench/tables/recording.h"
+
+namespace wobblebench::bench::testing {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+/// What can be given where a file is read, and is none.
+const Words& no_files() {
+  static const Words paths = {"none",
+                              "folder",
+                              "",
+                              std::string(300, 'a'),
+                              "loop",
+                              "whole.wbst/under",
+                              "none/\xff",
+                              "none\nnone",
+                              "/proc/self/none"};
+  return paths;
+}
+
+const Words& no_scenes() {
+  static const Words paths = {"fifo",
+                              "/dev/null",
+                              "whole.wbst",
+                              "wrong_key.toml",
+                              "wrong_type.toml",
+                              "wrong_range.toml",
+                              "wrong_syntax.toml",
+                              "wrong_section.toml",
+                              "wrong_twice.toml",
+                              "wrong_bytes.toml"};
+  return paths;
+}
+
+const Words& no_output_folders() {
+  static const Words paths = {"whole.wbst",
+                              "whole.wbst/out",
+                              "",
+                              "fifo",
+                              "fifo/out",
+                              "loop",
+                              "/proc/out",
+                              "/dev/null",
+                              "/dev/null/out",
+                              std::string(300, 'a')};
+  return paths;
+}
+
+const Words& no_numbers() {
+  static const Words texts = {"",
+                              " 5",
+                              "5 ",
+                              "+5",
+                              "1.5",
+                              "1e3",
+                              "0x10",
+                              "nan",
+                              "inf",
+                              "-inf",
+                              "five",
+                              "true",
+                              "5,6",
+                              "\xff",
+                              "1'000",
+                              "5\n6",
+                              "--5",
+                              "184467440737095516160"};
+  return texts;
+}
+
+bool is_flag(const CLI::Option& option) {
+  return option.get_expected_max() == 0;
+}
+bool is_list(const CLI::Option& option) {
+  return option.get_items_expected_max() > 1;
+}
+bool is_number(const CLI::Option& option) {
+  return option.get_type_name().starts_with("INT");
+}
+
+/// The range of a number, of its type's name: "INT in [1, 100]".
+std::pair<long, long> range_of(const CLI::Option& option) {
+  std::istringstream text(option.get_type_name());
+  long min = 0, max = 0;
+  char comma = 0;
+  text.ignore(100, '[') >> min >> comma >> max;
+  return {min, max};
+}
+
+std::string name_of(const CLI::Option& option) {
+  return option.get_positional() ? option.get_name() : "--" + option.get_lnames().front();
+}
+
+std::string right_value(const CLI::Option& option) {
+  const std::string name = name_of(option);
+  if (name == "--board") return "file=whole.wbst";
+  if (name == "RECORDING") return "whole.wbst";
+  if (name == "FOLDER") return "folder";
+  if (name == "--gl") return "osmesa";
+  if (name == "--set") return "phantom.name=sphere";
+  if (name == "--study") return "shear";
+  return is_number(option) ? "1" : "right";
+}
+
+}  // namespace
+
+void make_named_files(const fs::path& folder) {
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder / name) << text;
+  };
+  write("whole.wbst", recording_of(recorded_plan()));
+  write("wrong_key.toml", "[acquisition]\ndeptn_mm = 100\n");
+  write("wrong_type.toml", "[acquisition]\nsticks_per_frame = \"many\"\n");
+  write("wrong_range.toml", "[acquisition]\ndepth_mm = nan\n");
+  write("wrong_syntax.toml", "[acquisition\n");
+  write("wrong_section.toml", "[acquisitions]\n\"\" = 1\n");
+  write("wrong_twice.toml", "[phantom]\nname = \"sphere\"\nname = \"sphere\"\n");
+  write("wrong_bytes.toml", "[phantom]\nname = \"\xff\"\n");
+  fs::create_directory(folder / "folder");
+  fs::create_symlink("loop", folder / "loop");
+  if (::mkfifo((folder / "fifo").c_str(), 0600) != 0) throw std::runtime_error("mkfifo");
+}
+
+class BadLines::Impl {
+ public:
+  Impl(const Program& program, bool takes_sim, std::uint64_t seed)
+      : app_(program.description, program.name),
+        commands_(program.add_commands(app_)),
+        boards_(takes_sim ? wrong_boards() : Words{"sim", "nonsense", "", "file=none.wbst"}),
+        dice_(seed) {}
+
+  BadLine next() {
+    for (;;) {
+      command_ = dice_.one_of(commands_).parser;
+      const Way& way = dice_.one_of(ways_);
+      if (std::optional<BadLine> line = (this->*way)()) return *line;
+    }
+  }
+
+ private:
+  using Way = std::optional<BadLine> (Impl::*)();
+
+  bool has_subcommands() const { return !app_.get_subcommands({}).empty(); }
+
+  /// Options of the command but help, for which `wanted` holds.
+  std::vector<const CLI::Option*> options(const std::function<bool(const CLI::Option&)>& wanted) {
+    std::vector<const CLI::Option*> found;
+    for (const CLI::Option* option : command_->get_options()) {
+      const bool answers =
+          option == command_->get_help_ptr() || option == command_->get_version_ptr();
+      if (!answers && wanted(*option)) found.push_back(option);
+    }
+    return found;
+  }
+  const CLI::Option* any_option(const std::function<bool(const CLI::Option&)>& wanted) {
+    const auto found = options(wanted);
+    return found.empty() ? nullptr : dice_.one_of(found);
+  }
+  const CLI::Option* option_named(const std::string& name) {
+    return any_option([&](const CLI::Option& one) { return name_of(one) == name; });
+  }
+
+  Words given(const CLI::Option& option, const std::string& value) {
+    const std::string name = name_of(option);
+    if (option.get_positional()) return {value};
+    // CLI11 takes "--name=" without a value as "--name".
+    if (!value.empty() && dice_.chance(0.3)) return {name + "=" + value};
+    return {name, value};
+  }
+
+  /// A line of the command with `wrong` in it; `about`: the option that is wrong, which is not
+  /// given rightly too. Some other options are given, and those that are required.
+  BadLine line_with(const Words& wrong,
+                    const std::string& why,
+                    const CLI::Option* about = nullptr,
+                    bool at_end = false) {
+    std::vector<Words> parts;
+    std::size_t positionals = 0;
+    for (const CLI::Option* option : options([](const CLI::Option&) { return true; })) {
+      if (option == about) continue;
+      const bool wanted =
+          option->get_required() || (!option->get_positional() && name_of(*option) != "--full" &&
+                                     name_of(*option) != "--salvage" && dice_.chance(0.2));
+      if (!wanted) continue;
+      const Words words =
+          is_flag(*option) ? Words{name_of(*option)} : given(*option, right_value(*option));
+      const bool first = option->get_positional();
+      parts.insert(first ? parts.begin() + static_cast<long>(positionals) : parts.end(), words);
+      if (first) ++positionals;
+    }
+    // Positionals keep their order.
+    const std::size_t first =
+        about && about->get_positional() ? positionals_before(*about) : positionals;
+    const std::size_t place = at_end ? parts.size() : first + dice_.below(parts.size() - first + 1);
+    const bool keep_place = about && about->get_positional();
+    parts.insert(parts.begin() + static_cast<long>(keep_place ? first : place), wrong);
+    BadLine line{{}, why};
+    if (has_subcommands()) line.words.push_back(command_->get_name());
+    for (const Words& part : parts) line.words.insert(line.words.end(), part.begin(), part.end());
+    return line;
+  }
+  std::size_t positionals_before(const CLI::Option& option) {
+    const auto required =
+        options([](const CLI::Option& one) { return one.get_positional() && one.get_required(); });
+    const auto at = std::find(required.begin(), required.end(), &option);
+    return static_cast<std::size_t>(at - required.begin());
+  }
+
+  std::optional<BadLine> value_of(const std::string& name, const Words& values, const char* why) {
+    const CLI::Option* option = option_named(name);
+    if (!option) return {};
+    return line_with(given(*option, dice_.one_of(values)), name + ": " + why, option);
+  }
+
+  std::optional<BadLine> unknown_command() {
+    if (!has_subcommands()) return {};
+    const Words words = {dice_.letters(1 + dice_.below(12)) + "x", "", "Run", "\xff", "-", "run "};
+    BadLine line{{dice_.one_of(words)}, "unknown command"};
+    if (dice_.chance(0.5)) line.words.push_back("--json");
+    return line;
+  }
+  std::optional<BadLine> nothing_at_all() { return BadLine{{}, "nothing"}; }
+  std::optional<BadLine> unknown_option() {
+    const Words words = {"--" + dice_.letters(3 + dice_.below(20)) + "-x",
+                         "-z",
+                         "--\xff",
+                         "--json-",
+                         "--out-of",
+                         "--=5"};
+    return line_with({dice_.one_of(words)}, "unknown option");
+  }
+  std::optional<BadLine> missing_value() {
+    const auto* option =
+        any_option([](const CLI::Option& one) { return !is_flag(one) && !one.get_positional(); });
+    if (!option) return {};
+    return line_with({name_of(*option)}, "no value of " + name_of(*option), option, true);
+  }
+  std::optional<BadLine> repeated_option() {
+    const auto* option = any_option([](const CLI::Option& one) {
+      return !is_flag(one) && !is_list(one) && !one.get_positional();
+    });
+    if (!option) return {};
+    Words twice = given(*option, right_value(*option));
+    const Words again = given(*option, right_value(*option));
+    twice.insert(twice.end(), again.begin(), again.end());
+    return line_with(twice, name_of(*option) + " twice", option);
+  }
+  std::optional<BadLine> flag_with_value() {
+    const auto* option = any_option(is_flag);
+    if (!option) return {};
+    const std::string value = dice_.one_of(Words{"7", "maybe", "\xff", "-1", "0"});
+    return line_with({name_of(*option) + "=" + value}, "a flag with a value", option);
+  }
+  std::optional<BadLine> wrong_number() {
+    const auto* option = any_option(is_number);
+    if (!option) return {};
+    Words values = no_numbers();
+    const auto [min, max] = range_of(*option);
+    values.push_back(std::to_string(min - 1));
+    values.push_back(max > 0 ? std::to_string(max + 1) : "18446744073709551616");
+    return line_with(given(*option, dice_.one_of(values)), "wrong " + name_of(*option), option);
+  }
+  std::optional<BadLine> wrong_setting() { return value_of("--set", settings_, "wrong"); }
+  std::optional<BadLine> wrong_board() { return value_of("--board", boards_, "wrong"); }
+  std::optional<BadLine> wrong_gl() {
+    return value_of("--gl", {"glide", "", "OSMESA", "\xff", "osmesa,egl", "vulkan\n"}, "unknown");
+  }
+  std::optional<BadLine> wrong_study() {
+    return value_of("--study", {"none", "", "Speckle", "speckle,density", "\xff"}, "unknown");
+  }
+  std::optional<BadLine> wrong_folder() {
+    return value_of("--out", no_output_folders(), "no folder");
+  }
+  std::optional<BadLine> wrong_scene() {
+    Words values = no_files();
+    values.insert(values.end(), no_scenes().begin(), no_scenes().end());
+    return value_of("SCENE", values, "no scene");
+  }
+  std::optional<BadLine> wrong_recording() {
+    return value_of("RECORDING", no_files(), "no recording");
+  }
+  std::optional<BadLine> wrong_place_of_salvage() {
+    return value_of("--salvage", {"", "folder", "whole.wbst", "whole.wbst/new"}, "no place");
+  }
+  std::optional<BadLine> wrong_place_of_stand_in() {
+    return value_of("FOLDER", {"none", "whole.wbst", "", "fifo", "loop"}, "no folder");
+  }
+  std::optional<BadLine> too_many_words() {
+    const auto positional =
+        options([](const CLI::Option& one) { return one.get_positional(); }).size();
+    Words words(positional + 1, "wrong_key.toml");
+    return line_with(words, "too many words");
+  }
+  std::optional<BadLine> missing_requirement() {
+    const auto* option = any_option([](const CLI::Option& one) { return one.get_required(); });
+    if (!option) return {};
+    return line_with({}, "no " + name_of(*option), option);
+  }
+  std::optional<BadLine> options_that_exclude() {
+    if (!option_named("--full")) return {};
+    return line_with(
+        {"--full", "--divisor", "2"}, "--full and --divisor", option_named("--divisor"));
+  }
+
+  inline static const std::vector<Way> ways_ = {&Impl::unknown_command,
+                                                &Impl::nothing_at_all,
+                                                &Impl::unknown_option,
+                                                &Impl::missing_value,
+                                                &Impl::repeated_option,
+                                                &Impl::flag_with_value,
+                                                &Impl::wrong_number,
+                                                &Impl::wrong_number,
+                                                &Impl::wrong_setting,
+                                                &Impl::wrong_setting,
+                                                &Impl::wrong_setting,
+                                                &Impl::wrong_setting,
+                                                &Impl::wrong_setting,
+                                                &Impl::wrong_board,
+                                                &Impl::wrong_board,
+                                                &Impl::wrong_board,
+                                                &Impl::wrong_gl,
+                                                &Impl::wrong_study,
+                                                &Impl::wrong_folder,
+                                                &Impl::wrong_folder,
+                                                &Impl::wrong_scene,
+                                                &Impl::wrong_scene,
+                                                &Impl::wrong_recording,
+                                                &Impl::wrong_place_of_salvage,
+                                                &Impl::wrong_place_of_stand_in,
+                                                &Impl::too_many_words,
+                                                &Impl::missing_requirement,
+                                                &Impl::options_that_exclude};
+
+  CLI::App app_;
+  std::vector<Command> commands_;
+  Words settings_ = wrong_settings();
+  Words boards_;
+  Dice dice_;
+  CLI::App* command_ = nullptr;
+};
+
+BadLines::BadLines(const Program& program, bool takes_sim, std::uint64_t seed)
+    : impl_(std::make_unique<Impl>(program, takes_sim, seed)) {}
+BadLines::~BadLines() = default;
+
+BadLine BadLines::next() {
+  return impl_->next();
+}
+
+}  // namespace wobblebench::bench::testing
