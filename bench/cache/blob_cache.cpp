@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,6 +67,12 @@ bool write_all(int file, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   return true;
+}
+
+/// Beyond this process's limit of a file's size writing would end the process.
+bool is_allowed(std::uint64_t size) {
+  rlimit limit{};
+  return ::getrlimit(RLIMIT_FSIZE, &limit) == 0 && size <= limit.rlim_cur;
 }
 
 /// For reading; a link is not followed, and a pipe not waited for.
@@ -139,7 +146,8 @@ bool BlobCache::write(std::string_view key, std::string_view bytes) const {
 }
 
 bool BlobCache::store(std::string_view key, std::string_view bytes) const {
-  if (sizeof(Head) + key.size() + bytes.size() > most_bytes_) return false;
+  const std::uint64_t size = sizeof(Head) + key.size() + bytes.size();
+  if (size > most_bytes_ || !is_allowed(size)) return false;
   std::error_code error;
   fs::create_directories(folder_.parent_path(), error);
   if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) return false;

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -145,6 +146,18 @@ TEST_F(BlobCacheTest, AFullDiskKeepsNothingAndLeavesNothing) {
   }
   EXPECT_EQ(loaded("a"), "before");
   EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(BlobCacheTest, ALimitOfFilesDoesNotEndTheProgram) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit limit{100, 100};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    ::_exit(cache_.store("a", std::string(1000, 'x')) ? 1 : 0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 
 /// Stores and loads under a few keys, in a folder so small that entries keep going; 0: every blob
