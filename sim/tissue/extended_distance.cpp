@@ -125,7 +125,9 @@ void ExtendedDistance::extend(double reach_m) {
     return;
   }
   const int layers = static_cast<int>(std::ceil((reach_m - kTrusted * band_m_) / coarse_m)) + 1;
-  coarse_ = phantoms::widen_band(*coarse, layers, phantoms::Neighbours::faces);
+  // Of a thin band nothing is left to lose along diagonals.
+  coarse_ = phantoms::widen_band(
+      *coarse, layers, thin ? phantoms::Neighbours::faces_and_edges : phantoms::Neighbours::faces);
 }
 
 ExtendedDistance::Reader::Reader(const ExtendedDistance& source)

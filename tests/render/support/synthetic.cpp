@@ -83,6 +83,13 @@ RenderOptions small_options() {
   options.scan_conversion.slice_size = 128;
   options.ray_casting.image_size = 40;
   options.ray_casting.steps = 64;
+  // The light of the golden sheet, whatever the defaults are.
+  options.shading.light_up_rad = 25 * kDegree;
+  options.shading.ambient = 0.15;
+  options.shading.diffuse = 0.75;
+  options.shading.specular = 0.2;
+  options.shading.base_rgb = {0.96, 0.74, 0.55};
+  options.shading.shadow_coefficient = 0.6;
   return options;
 }
 
