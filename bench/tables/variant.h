@@ -11,7 +11,7 @@ namespace wobblebench::bench {
 
 /// A pipeline, and the space in which the taps of its 3D kernel lie.
 enum class PipelineVariant {
-  plain,        ///< as the paper writes it: taps along the ray
+  plain,        ///< taps along the ray, as in the paper
   plain_slice,  ///< plain, taps in the slices
   fast,         ///< the default: taps in the slices
   fast_ray,     ///< fast, taps along the ray
