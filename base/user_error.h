@@ -25,8 +25,8 @@ inline std::string shortened(const std::string& text) {
          text.substr(tail);
 }
 
-/// `text` shortened, with control characters, and bytes that are no UTF-8, as escapes: a value from a file or
-/// a shell cannot break a message into lines.
+/// `text` shortened, with control characters, and bytes that are no UTF-8, as escapes: a value from
+/// a file or a shell cannot break a message into lines.
 inline std::string one_line(const std::string& whole) {
   const std::string text = shortened(whole);
   const bool utf8 = is_utf8(text);

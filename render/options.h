@@ -181,7 +181,7 @@ struct ShadingOptions {
   glm::dvec3 base_rgb{0.89, 0.52, 0.3};  ///< albedo for ambient and diffuse light, linear RGB
   bool shadows = true;
   double shadow_coefficient = 0.35;  ///< factor on a shadowed pixel
-  double shadow_bias_m = 0.8e-3;    ///< least height of the map above a ray that it occludes
+  double shadow_bias_m = 0.8e-3;     ///< least height of the map above a ray that it occludes
 };
 
 template <OptionsOf<ShadingOptions> O, class Visitor>

@@ -82,8 +82,9 @@ int compare_modes(const Arguments& arguments) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   Rows rows;
   for (const std::string& name : names) {
-    const Rows more = progress.step(
-        name, [&](const PartDone& done) { return measure_phantom(scene, name, cache, *context, done); });
+    const Rows more = progress.step(name, [&](const PartDone& done) {
+      return measure_phantom(scene, name, cache, *context, done);
+    });
     rows.insert(rows.end(), more.begin(), more.end());
   }
   const Provenance provenance = provenance_of(*context, scene);

@@ -84,8 +84,7 @@ int measure(const Arguments& arguments) {
   Progress progress({{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}});
   const TableVolumes volumes =
       link ? play(scene, board, std::move(link), progress)
-           : simulate(
-                 scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress);
+           : simulate(scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress);
   const TableResults results = progress.step("tables", [&](const PartDone& done) {
     return measure_tables(volumes, scene.render, *context, run, done);
   });

@@ -51,8 +51,8 @@ class BoardConnection {
   explicit BoardConnection(const BoardArguments& arguments);
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
-  /// Returns where the samples come from. Throws UserError where the scene was given other values or
-  /// is of another subject, std::runtime_error if no configuration comes.
+  /// Returns where the samples come from. Throws UserError where the scene was given other values
+  /// or is of another subject, std::runtime_error if no configuration comes.
   hw::StreamOrigin adopt_plan(Scene& scene);
 
   /// The first volume whose beginning was not missed. `maps`: as sim::ProbeSimulator takes them.

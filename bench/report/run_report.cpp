@@ -182,11 +182,10 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
 std::string run_summary(const RunResult& result,
                         const Scene& scene,
                         const std::filesystem::path& directory) {
-  return volume_line(result, scene) + board_line(result.acquisition.account) +
-         "render      " + rounded(frame_ms(result.picture.passes)) + " ms on " +
-         result.gl_renderer + "\n" + samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result, computes_surface(scene)) + "results     " +
-         directory.string() + "\n";
+  return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
+         rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
+         samples_line(result.acquisition.samples) + truth_line(result) +
+         error_line(result, computes_surface(scene)) + "results     " + directory.string() + "\n";
 }
 
 std::string ending_text(const RunResult& result) {

@@ -62,8 +62,8 @@ class Recorder {
   /// true. With a number of volumes the recording ends with the last one's end (a packet's length
   /// later where damage hides it), else with the link's bytes; `after_volume`, if given, is called
   /// after each volume end was given to the sink. The sink may have got a part of a packet after
-  /// progress().whole_bytes, where the stream ended. Throws UnreadableStream where the stream cannot
-  /// be interpreted from a packet on, once the sink was given all before it, and after
+  /// progress().whole_bytes, where the stream ended. Throws UnreadableStream where the stream
+  /// cannot be interpreted from a packet on, once the sink was given all before it, and after
   /// kMostSkippedBytes without a packet.
   [[nodiscard]] RecordingEnd run(
       const std::function<bool()>& stop_requested,

@@ -181,11 +181,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"repeats_of_none",
                  {"tables", "--repeats", "0"},
                  "--repeats = 0: must be a whole number from 1 to 100"},
-        BadInput{
-            "unknown_gl", {"run", "--gl", "glide"}, "--gl: glide not in {auto,"},
-        BadInput{"unknown_gl_of_tables",
-                 {"tables", "--gl", "glide"},
-                 "--gl: glide not in {auto,"},
+        BadInput{"unknown_gl", {"run", "--gl", "glide"}, "--gl: glide not in {auto,"},
+        BadInput{"unknown_gl_of_tables", {"tables", "--gl", "glide"}, "--gl: glide not in {auto,"},
         BadInput{"pipeline_of_tables",
                  {"tables", "--set", "render.pipeline.mode=plain"},
                  "render.pipeline.mode: is set by the tables themselves"},
