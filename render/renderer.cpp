@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <exception>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "hw/probe/polar_volume.h"
 #include "render/geometry/sample.h"
 #include "render/gl/fetch_count.h"
+#include "render/gl/forget_names.h"
 #include "render/gl/host_state.h"
 #include "render/gl/program.h"
 #include "render/gl/timer.h"
@@ -148,12 +150,13 @@ Renderer::Renderer(GlContext& context,
 }
 
 Renderer::~Renderer() {
+  std::optional<ForgetNames> forget;
   try {
     pipeline_->context.make_current();
   } catch (const std::exception&) {
-    // Names deleted in another context would be that one's; these go with theirs.
-    static_cast<void>(pipeline_.release());
+    forget.emplace();
   }
+  pipeline_.reset();
 }
 
 void Renderer::compile() {

@@ -6,9 +6,12 @@
 #include <stdexcept>
 
 #include "render/gl/context.h"
+#include "render/gl/forget_names.h"
 
 namespace wobblebench::render {
 namespace {
+
+thread_local bool forgets_names = false;
 
 struct FormatInfo {
   GLenum internal;
@@ -111,23 +114,31 @@ const char* error_name(GLenum error) {
 
 }  // namespace
 
+ForgetNames::ForgetNames() {
+  forgets_names = true;
+}
+
+ForgetNames::~ForgetNames() {
+  forgets_names = false;
+}
+
 void delete_texture(unsigned id) {
-  glDeleteTextures(1, &id);
+  if (!forgets_names) glDeleteTextures(1, &id);
 }
 void delete_framebuffer(unsigned id) {
-  glDeleteFramebuffers(1, &id);
+  if (!forgets_names) glDeleteFramebuffers(1, &id);
 }
 void delete_vertex_array(unsigned id) {
-  glDeleteVertexArrays(1, &id);
+  if (!forgets_names) glDeleteVertexArrays(1, &id);
 }
 void delete_program(unsigned id) {
-  glDeleteProgram(id);
+  if (!forgets_names) glDeleteProgram(id);
 }
 void delete_shader(unsigned id) {
-  glDeleteShader(id);
+  if (!forgets_names) glDeleteShader(id);
 }
 void delete_query(unsigned id) {
-  glDeleteQueries(1, &id);
+  if (!forgets_names) glDeleteQueries(1, &id);
 }
 
 VertexArray make_vertex_array() {
