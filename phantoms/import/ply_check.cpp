@@ -34,7 +34,7 @@ struct Header {
   std::vector<Element> elements;
 };
 
-/// Assimp takes a time that grows with their square, and files in use have some dozens.
+/// Files in use have some dozens; hundreds cost tens of seconds before they are refused.
 constexpr std::size_t kMostProperties = 100;
 
 std::invalid_argument damaged(const std::string& what) {

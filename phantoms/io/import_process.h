@@ -44,7 +44,7 @@ inline constexpr int kImportDescriptor = 3;
 /// Most address space of wobblebench-import: a grid of kMostBytes, and what reading it takes.
 inline constexpr double kMostImportBytes = 6e9;
 
-/// Most processor time, s, for a file of this size: twenty times what the slowest reader takes.
+/// Most processor time, s, for a file of this size: far above what a sound file takes.
 constexpr unsigned long most_import_seconds(unsigned long file_bytes) {
   return 20 + file_bytes / 1'000'000;
 }
