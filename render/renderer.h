@@ -30,8 +30,7 @@ namespace wobblebench::render {
 ///                  active texture; textures (2D, 3D, 2D array) and samplers of units 0 to 4
 ///   rasterizing    viewport 0; polygon mode, smoothing and offset; culling, rasterizer discard,
 ///                  depth clamp, clip control, clip distances, primitive restart
-///   per fragment   scissor 0; blending and colour masks of draw buffers 0 to 7; logic op,
-///   dithering,
+///   per fragment   scissor 0; blending and colour masks of draw buffers 0 to 7; logic op, dither;
 ///                  depth and stencil test, multisampling, sample masks, coverage and shading, sRGB
 ///                  conversion
 ///   transfers      all of glPixelStore
