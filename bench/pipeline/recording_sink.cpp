@@ -55,10 +55,4 @@ void RecordingSink::finish(std::uint64_t bytes) {
   if (error != 0 || close_error != 0) refuse(error != 0 ? error : close_error);
 }
 
-void RecordingSink::discard() {
-  file_.close();
-  std::error_code ignored;
-  std::filesystem::remove(partial_, ignored);
-}
-
 }  // namespace wobblebench::bench

@@ -21,7 +21,7 @@ TEST(OneLine, LeavesOutTheMiddleOfALongText) {
 }
 
 TEST(OneLine, CutsBetweenCharacters) {
-  for (const std::string& begin : {"", "a", "ab"}) {
+  for (const std::string begin : {"", "a", "ab"}) {
     std::string text = begin;
     for (int i = 0; i < 1000; ++i) text += "\xe2\x82\xac";
     EXPECT_TRUE(is_utf8(one_line(text)));

@@ -38,7 +38,7 @@ TEST_F(Acquiring, ARecordingInRealTimeTakesItsTimeHoweverLateItIsAskedFor) {
   EXPECT_EQ(board.adopt_plan(scene), hw::StreamOrigin::simulated);
   std::this_thread::sleep_for(2 * plan.volume_duration());
   const auto asked = hw::HostClock::now();
-  const Acquisition acquisition = board.acquire();
+  const Acquisition acquisition = board.acquire(scene);
   EXPECT_EQ(acquisition.volume.missing_sticks(), 0);
   const auto waited = hw::HostClock::now() - asked;
   // Sticks that came before the board was stopped need not come again.
