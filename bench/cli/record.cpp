@@ -104,13 +104,12 @@ hw::RecordingEnd record(hw::Recorder& recorder,
     if (recorded.configuration) sink.finish(recorded.whole_bytes);
     return end;
   } catch (const std::exception& error) {
-    std::string why = error.what();
-    if (dynamic_cast<const hw::UnreadableStream*>(&error) != nullptr) {
-      why = "--board = " + arguments.board + ": " + why;
-    }
+    const bool unreadable = dynamic_cast<const hw::UnreadableStream*>(&error) != nullptr;
+    const std::string why =
+        (unreadable ? "--board = " + arguments.board + ": " : "") + error.what();
     if (!recorded.configuration) throw std::runtime_error(why + "; nothing is recorded");
     sink.keep();
-    throw std::runtime_error(why + "; " + sink.path().string() + " holds " +
+    throw std::runtime_error(why + "; " + (unreadable ? sink.path().string() : "it") + " holds " +
                              std::to_string(recorded.volumes) +
                              " whole volumes, which `inspect --salvage` copies");
   }

@@ -42,10 +42,13 @@ hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
   }
   // Sticks that a source at its own pace sends until acquire() are missed, and counted.
   board_->stop();
-  const std::string source = "--board " + arguments_.text;
-  bench::adopt_plan(scene, assembly_->configuration()->plan, source);
-  refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/false, source);
-  return assembly_->configuration()->source;
+  const std::string board = "--board " + arguments_.text;
+  const hw::Configuration& configuration = *assembly_->configuration();
+  bench::adopt_plan(scene, configuration.plan, board);
+  if (configuration.source == hw::StreamOrigin::simulated) {
+    refuse_other_subject(scene, configuration.subject, /*placed=*/false, board);
+  }
+  return configuration.source;
 }
 
 sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,

@@ -43,8 +43,9 @@ void redirect(const fs::path& path, int descriptor) {
     ::setrlimit(RLIMIT_FSIZE, &limit);
     std::signal(SIGXFSZ, SIG_IGN);  // so that write fails instead
   }
-  ::setenv("XDG_CACHE_HOME", limits.cache_home.value_or("").c_str(), 1);
-  if (!limits.cache_home) ::setenv("HOME", "", 1);
+  // Unset, not empty: Mesa complains of an empty one on stderr.
+  for (const char* name : {"XDG_CACHE_HOME", "HOME"}) ::unsetenv(name);
+  if (limits.cache_home) ::setenv("XDG_CACHE_HOME", limits.cache_home->c_str(), 1);
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);

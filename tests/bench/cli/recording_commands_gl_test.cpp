@@ -280,8 +280,7 @@ TEST(Recording, ADeviceThatSendsNoPacketIsGivenUpAndNothingKept) {
   const ScratchFolder folder;
   const std::string line =
       "--board = xdma=/dev/urandom,end_of_packet=false: no sound packet in 64 MiB: this is no "
-      "stream "
-      "of the wire format\n";
+      "stream of the wire format; nothing is recorded\n";
   const auto record = bench(
       {"record", "--board", "xdma=/dev/urandom,end_of_packet=false", "--volumes", "1"}, folder);
   EXPECT_EQ(record.exit_code, 1);

@@ -70,6 +70,8 @@ TEST(ShadeDepth, OnTheRenderedPictureItsPixelsAreTheBase) {
 
 TEST(ShadeDepth, ASlopeThatFacesTheLightIsFullyLit) {
   RenderOptions options = bare_options();
+  options.shading.ambient = 0.15;
+  options.shading.diffuse = 0.75;
   options.shading.specular = 0;
   options.shading.light_up_rad = 0;
   options.shading.light_left_rad = 30 * kDegree;
