@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
+#include <utility>
 
 namespace wobblebench::phantoms {
 namespace {
@@ -57,9 +58,9 @@ CsgBody make_hand(double s) {
 UmbilicalCord::Strand UmbilicalCord::divided(const Tube& tube) {
   constexpr std::size_t kSegments = 3;
   Strand strand;
-  for (std::size_t from = 0; from + 1 < tube.points.size(); from += kSegments) {
-    const std::size_t to = std::min(from + kSegments, tube.points.size() - 1);
-    const Tube piece{{tube.points.begin() + from, tube.points.begin() + to + 1}};
+  for (std::size_t from = 0; from + 1 < tube.points().size(); from += kSegments) {
+    const std::size_t to = std::min(from + kSegments, tube.points().size() - 1);
+    const Tube piece({tube.points().begin() + from, tube.points().begin() + to + 1});
     strand.push_back({piece, piece.bound()});
   }
   return strand;
@@ -77,23 +78,23 @@ UmbilicalCord::UmbilicalCord(double s) {
   constexpr int kStrands = 3;
   const double pitch = 17 * s * kMillimetre, offset = 2.5 * s * kMillimetre,
                radius = 2.8 * s * kMillimetre;
-  std::vector<Tube> wound(kStrands);
+  std::vector<std::vector<TubePoint>> wound(kStrands);
   double along = 0;
-  for (std::size_t i = 0; i < path.points.size(); ++i) {
-    const glm::dvec3 here = path.points[i].center;
-    const glm::dvec3 next = path.points[std::min(i + 1, path.points.size() - 1)].center;
-    const glm::dvec3 last = path.points[i == 0 ? 0 : i - 1].center;
+  for (std::size_t i = 0; i < path.points().size(); ++i) {
+    const glm::dvec3 here = path.points()[i].center;
+    const glm::dvec3 next = path.points()[std::min(i + 1, path.points().size() - 1)].center;
+    const glm::dvec3 last = path.points()[i == 0 ? 0 : i - 1].center;
     const glm::dvec3 tangent = glm::normalize(next - last);
     const glm::dvec3 side = glm::normalize(glm::cross(tangent, glm::dvec3(0.3, 0.2, -1)));
     const glm::dvec3 up = glm::cross(tangent, side);
     for (int strand = 0; strand < kStrands; ++strand) {
       const double turn = 2 * kPi * (along / pitch + double(strand) / kStrands);
-      wound[strand].points.push_back(
+      wound[strand].push_back(
           {here + offset * (std::cos(turn) * side + std::sin(turn) * up), radius});
     }
     along += glm::distance(here, next);
   }
-  for (const Tube& tube : wound) strands_.push_back(divided(tube));
+  for (auto& points : wound) strands_.push_back(divided(Tube(std::move(points))));
   bound_ = path.bound();
   bound_.radius_m += offset + radius;
 }

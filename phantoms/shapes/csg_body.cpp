@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 namespace wobblebench::phantoms {
 namespace {
@@ -28,9 +29,9 @@ Shape mirrored(const Shape& shape) {
     other.to_axes[0] *= -1;
     return other;
   }
-  Tube other = std::get<Tube>(shape);
-  for (TubePoint& point : other.points) point.center *= flip;
-  return other;
+  std::vector<TubePoint> points = std::get<Tube>(shape).points();
+  for (TubePoint& point : points) point.center *= flip;
+  return Tube(std::move(points));
 }
 
 void CsgBody::unite_pair(const Shape& shape, double fillet_m) {

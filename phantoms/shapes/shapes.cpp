@@ -4,31 +4,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 namespace wobblebench::phantoms {
 namespace {
 
 constexpr double kRounding_m = 1e-9;  // far more than that of any distance here
-
-// Exact distance to the convex hull of two balls.
-double round_cone_distance(const glm::dvec3& position, const TubePoint& a, const TubePoint& b) {
-  const glm::dvec3 axis = b.center - a.center;
-  const double length2 = glm::dot(axis, axis);
-  const double taper = a.radius_m - b.radius_m;
-  const glm::dvec3 from_a = position - a.center;
-  if (length2 <= taper * taper) {  // one ball contains the other
-    return taper > 0 ? glm::length(from_a) - a.radius_m
-                     : glm::length(position - b.center) - b.radius_m;
-  }
-  const double along = glm::dot(from_a, axis) / length2;
-  const glm::dvec3 across = from_a - along * axis;
-  const double radial = glm::length(across);
-  const double slope = taper / std::sqrt(length2 - taper * taper);
-  const double foot = along - slope * radial / std::sqrt(length2);
-  if (foot <= 0) return glm::length(from_a) - a.radius_m;
-  if (foot >= 1) return glm::length(position - b.center) - b.radius_m;
-  return glm::length(position - a.center - foot * axis) - (a.radius_m - foot * taper);
-}
 
 TubePoint catmull_rom(const TubePoint& before,
                       const TubePoint& from,
@@ -68,10 +49,46 @@ Ball Ellipsoid::bound() const {
   return {center, std::max({radii_m.x, radii_m.y, radii_m.z})};
 }
 
+RoundCone::RoundCone(const TubePoint& a, const TubePoint& b)
+    : a_(a),
+      b_(b),
+      axis_(b.center - a.center),
+      taper_m_(a.radius_m - b.radius_m),
+      length2_(glm::dot(axis_, axis_)),
+      length_m_(std::sqrt(length2_)),
+      is_ball_(length2_ <= taper_m_ * taper_m_),
+      bound_{0.5 * (a.center + b.center),
+             0.5 * length_m_ + std::max(a.radius_m, b.radius_m) + kRounding_m} {
+  if (!is_ball_) slope_ = taper_m_ / std::sqrt(length2_ - taper_m_ * taper_m_);
+}
+
+double RoundCone::distance(const glm::dvec3& position) const {
+  const glm::dvec3 from_a = position - a_.center;
+  if (is_ball_) {
+    return taper_m_ > 0 ? glm::length(from_a) - a_.radius_m
+                        : glm::length(position - b_.center) - b_.radius_m;
+  }
+  const double along = glm::dot(from_a, axis_) / length2_;
+  double foot = along;
+  if (taper_m_ != 0) foot -= slope_ * glm::length(from_a - along * axis_) / length_m_;
+  if (foot <= 0) return glm::length(from_a) - a_.radius_m;
+  if (foot >= 1) return glm::length(position - b_.center) - b_.radius_m;
+  return glm::length(position - a_.center - foot * axis_) - (a_.radius_m - foot * taper_m_);
+}
+
+double RoundCone::least_distance(const glm::dvec3& position) const {
+  return glm::length(position - bound_.center) - bound_.radius_m;
+}
+
+Tube::Tube(std::vector<TubePoint> points) : points_(std::move(points)) {
+  for (std::size_t i = 1; i < points_.size(); ++i) cones_.emplace_back(points_[i - 1], points_[i]);
+}
+
 double Tube::distance(const glm::dvec3& position) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    nearest = std::min(nearest, round_cone_distance(position, points[i - 1], points[i]));
+  for (const RoundCone& cone : cones_) {
+    if (cone.least_distance(position) >= nearest) continue;
+    nearest = std::min(nearest, cone.distance(position));
   }
   return nearest;
 }
@@ -84,38 +101,38 @@ Span Tube::within(const Ball& ball) const {
 
 Tube Tube::near(const Ball& ball) const {
   const double limit = distance(ball.center) + 2 * ball.radius_m + kRounding_m;
-  std::size_t first = points.size(), last = 0;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    if (round_cone_distance(ball.center, points[i - 1], points[i]) > limit) continue;
-    first = std::min(first, i - 1);
-    last = i;
+  std::size_t first = points_.size(), last = 0;
+  for (std::size_t i = 0; i < cones_.size(); ++i) {
+    if (cones_[i].least_distance(ball.center) > limit) continue;
+    if (cones_[i].distance(ball.center) > limit) continue;
+    first = std::min(first, i);
+    last = i + 1;
   }
-  return {{points.begin() + static_cast<std::ptrdiff_t>(first),
-           points.begin() + static_cast<std::ptrdiff_t>(last) + 1}};
+  return Tube({points_.begin() + static_cast<std::ptrdiff_t>(first),
+               points_.begin() + static_cast<std::ptrdiff_t>(last) + 1});
 }
 
 Ball Tube::bound() const {
   glm::dvec3 center{0};
-  for (const TubePoint& point : points) center += point.center / double(points.size());
+  for (const TubePoint& point : points_) center += point.center / double(points_.size());
   double radius = 0;
-  for (const TubePoint& point : points) {
+  for (const TubePoint& point : points_) {
     radius = std::max(radius, glm::length(point.center - center) + point.radius_m);
   }
   return {center, radius};
 }
 
 Tube smooth_tube(const std::vector<TubePoint>& points, int pieces) {
-  Tube tube;
+  std::vector<TubePoint> curve;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const TubePoint& before = points[i == 0 ? 0 : i - 1];
     const TubePoint& after = points[std::min(i + 2, points.size() - 1)];
     for (int piece = 0; piece < pieces; ++piece) {
-      tube.points.push_back(
-          catmull_rom(before, points[i], points[i + 1], after, double(piece) / pieces));
+      curve.push_back(catmull_rom(before, points[i], points[i + 1], after, double(piece) / pieces));
     }
   }
-  tube.points.push_back(points.back());
-  return tube;
+  curve.push_back(points.back());
+  return Tube(std::move(curve));
 }
 
 double box_distance(const glm::dvec3& position, const glm::dvec3& half_m) {

@@ -37,16 +37,42 @@ struct TubePoint {
   double radius_m = 0;
 };
 
-/// A chain of round cones through the points; the distance is exact outside.
-struct Tube {
-  std::vector<TubePoint> points;
+/// The convex hull of two balls.
+class RoundCone {
+ public:
+  RoundCone(const TubePoint& a, const TubePoint& b);
 
+  /// Exact outside.
+  double distance(const glm::dvec3& position) const;
+  /// No more than distance(), for less work.
+  double least_distance(const glm::dvec3& position) const;
+
+ private:
+  TubePoint a_, b_;
+  glm::dvec3 axis_;
+  double taper_m_;
+  double length2_, length_m_;
+  double slope_ = 0;      ///< of the mantle against the axis
+  bool is_ball_ = false;  ///< one ball contains the other
+  Ball bound_;
+};
+
+/// A chain of round cones through the points; the distance is exact outside.
+class Tube {
+ public:
+  explicit Tube(std::vector<TubePoint> points);
+
+  const std::vector<TubePoint>& points() const { return points_; }
   double distance(const glm::dvec3& position) const;
   /// Contains distance() of every position in the ball.
   Span within(const Ball& ball) const;
   /// The shortest stretch of the chain with the same distance() at every position in the ball.
   Tube near(const Ball& ball) const;
   Ball bound() const;
+
+ private:
+  std::vector<TubePoint> points_;
+  std::vector<RoundCone> cones_;
 };
 
 /// The tube along a Catmull-Rom spline through `points`, with `pieces` segments between neighbours.

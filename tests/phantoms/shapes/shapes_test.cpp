@@ -40,14 +40,14 @@ TEST_F(Shapes, TubeIsTheConvexHullOfItsBalls) {
   for (int i = 0; i < 500; ++i) {
     const TubePoint a{point(1), number(0, 0.4)}, b{point(1), number(0, 0.4)};
     const glm::dvec3 p = point(2);
-    ASSERT_NEAR((Tube{{a, b}}.distance(p)), brute_round_cone(p, a, b), 1e-6) << i;
+    ASSERT_NEAR(Tube({a, b}).distance(p), brute_round_cone(p, a, b), 1e-6) << i;
   }
 }
 
 TEST_F(Shapes, SmoothTubePassesThroughItsPoints) {
   const std::vector<TubePoint> points = {{{0, 0, 0}, 0.1}, {{1, 1, 0}, 0.2}, {{2, 0, 1}, 0.1}};
   const Tube tube = smooth_tube(points, 8);
-  EXPECT_EQ(tube.points.size(), 17u);
+  EXPECT_EQ(tube.points().size(), 17u);
   for (const TubePoint& point : points) EXPECT_LE(tube.distance(point.center), -point.radius_m);
 }
 
@@ -112,8 +112,9 @@ CsgBody random_body(const std::function<glm::dvec3(double)>& point) {
     if (i % 2 == 0) {
       body.unite(Ellipsoid{point(2), glm::dvec3(0.7) + 0.5 * point(1)}, fillet);
     } else {
-      Tube tube;
-      for (int j = 0; j < 6; ++j) tube.points.push_back({point(2), 0.3 + 0.2 * point(1).x});
+      std::vector<TubePoint> points;
+      for (int j = 0; j < 6; ++j) points.push_back({point(2), 0.3 + 0.2 * point(1).x});
+      const Tube tube(points);
       if (i % 5 == 0) {
         body.subtract_pair(tube, fillet);
       } else {
@@ -138,9 +139,9 @@ TEST_F(Shapes, ABodyNearABallHasTheSameDistancesThere) {
 }
 
 TEST_F(Shapes, ATubeNearABallIsAsShortAsCanBe) {
-  const Tube tube{{{{0, 0, 0}, 0.1}, {{1, 0, 0}, 0.1}, {{2, 0, 0}, 0.1}, {{3, 0, 0}, 0.1}}};
+  const Tube tube({{{0, 0, 0}, 0.1}, {{1, 0, 0}, 0.1}, {{2, 0, 0}, 0.1}, {{3, 0, 0}, 0.1}});
   const auto points = [&](double x, double radius) {
-    return tube.near({{x, 0.3, 0}, radius}).points.size();
+    return tube.near({{x, 0.3, 0}, radius}).points().size();
   };
   EXPECT_EQ(points(0.5, 0.1), 2U);
   EXPECT_EQ(points(1.0, 0.1), 3U);
