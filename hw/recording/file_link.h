@@ -16,7 +16,7 @@ struct FileLinkOptions {
   /// Repeat without end; sequence numbers, volumes and times continue from one repetition to the
   /// next.
   bool loop = false;
-  int start_volume = 0;  ///< starts at this volume's configuration
+  int start_volume = 0;  ///< starts at this volume's configuration; 0: with the first byte
 };
 
 template <OptionsOf<FileLinkOptions> O, class Visitor>
@@ -26,7 +26,8 @@ void describe(O& o, Visitor& v) {
   v.integer("start_volume", o.start_volume, 0, 1 << 30);
 }
 
-/// Delivers the file's bytes unchanged, damage included; in a loop, packets get new stamps. Waits
+/// Delivers the file's bytes unchanged, damage included; in a loop, packets get new sequence
+/// numbers, volumes and times. Waits
 /// for its reader at either pace: in real time its clock starts with the first read, and stands
 /// from cancel() to the first read after resume().
 ///

@@ -37,7 +37,7 @@ struct RecordingProgress {
   std::optional<Configuration> configuration;
 };
 
-/// Used by one thread.
+/// Copies the bytes of a link to a sink, and audits them on the way. Used by one thread.
 ///
 /// @code
 /// #include "hw/recording/file_link.h"

@@ -55,11 +55,11 @@ struct RecordingContents {
   static constexpr std::size_t kListedFaults = 4096;
 
   /// Bytes were lost or changed after the link sent them, the source contradicts its configuration,
-  /// or the stream cannot be read to its end.
+  /// no configuration is left to interpret it, or the stream cannot be read to its end.
   bool damaged() const {
     return damage.regions > 0 || contradictions > 0 || !configuration || unreadable;
   }
-  /// No stick is missing, and every volume is closed.
+  /// No stick is missing, and every volume that began is closed.
   bool complete() const;
 };
 
@@ -80,7 +80,7 @@ RecordingContents inspect_recording(const std::filesystem::path& path,
 /// Copies the intact packets to `sink`, as a stream without damage: sticks in order, a
 /// configuration before the first of each volume (also where its own was damaged), volume ends.
 /// What is missing stays missing; nothing is taken from an unreadable place on. Throws as
-/// inspect_recording(), and what `sink` throws.
+/// inspect_recording(), std::runtime_error where there is no configuration, and what `sink` throws.
 void salvage_recording(const std::filesystem::path& path,
                        const std::function<void(std::span<const std::byte>)>& sink);
 
