@@ -55,7 +55,7 @@ void stop_in_order() {
 /// The name of a recording that is not finished. Refuses to touch one that is there.
 fs::path new_partial(const OutputFolder& out, bool replace) {
   const fs::path whole = out.directory() / kRecordingName;
-  const fs::path partial = whole.string() + ".partial";
+  fs::path partial = whole.string() + ".partial";
   const auto refuse = [&](const std::string& what) {
     throw UserError("--out = " + out.directory().string() + ": holds " + what);
   };
