@@ -212,7 +212,7 @@ std::shared_ptr<FloatGrid> read_grid(ByteReader& from) {
   const float background = from.value<float>();
   expect_bytes(voxel_m > 1e-9 && voxel_m < 1e3, "no size of a voxel");
   expect_bytes(background > 0 && std::isfinite(background), "no background");
-  const auto grid = create_level_set(voxel_m, static_cast<double>(background));
+  auto grid = create_level_set(voxel_m, static_cast<double>(background));
   if (moved) {
     grid->setTransform(std::make_shared<openvdb::math::Transform>(openvdb::math::MapBase::Ptr(
         std::make_shared<UniformScaleTranslateMap>(voxel_m, openvdb::Vec3d(x, y, z)))));

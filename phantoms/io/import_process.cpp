@@ -31,7 +31,7 @@ fs::path import_program() {
   std::string searched;
   for (const fs::path& folder :
        {own, fs::path(WOBBLEBENCH_INSTALLED_PROGRAMS), fs::path(WOBBLEBENCH_BUILT_PROGRAMS)}) {
-    const fs::path program = folder / kProgram;
+    fs::path program = folder / kProgram;
     if (!folder.empty() && ::access(program.c_str(), X_OK) == 0) return program;
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }
