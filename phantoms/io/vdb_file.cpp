@@ -95,7 +95,7 @@ openvdb::math::Transform::Ptr read_transform(MessageReader& in) {
 
 FloatGrid::Ptr read_distances(MessageReader& in, const std::string& grid_class) {
   const auto transform = read_transform(in);
-  const FloatGrid::Ptr grid = create_level_set(1, double(in.get<float>()));
+  FloatGrid::Ptr grid = create_level_set(1, double(in.get<float>()));
   grid->setTransform(transform);
   grid->setGridClass(openvdb::GridBase::stringToGridClass(grid_class));
   TreeBuilder tree(*grid);

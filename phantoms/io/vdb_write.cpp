@@ -21,7 +21,7 @@ namespace {
 // Row of the material table at every voxel, in painter's order. Of floats: OpenVDB's Python module
 // reads no file that holds a grid of int32.
 FloatGrid::Ptr material_grid(const Phantom& phantom) {
-  const FloatGrid::Ptr materials = create_level_set(1, double(phantom.background()));
+  FloatGrid::Ptr materials = create_level_set(1, double(phantom.background()));
   materials->setGridClass(openvdb::GRID_UNKNOWN);
   materials->setName("material");
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
