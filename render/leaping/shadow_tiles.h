@@ -22,13 +22,13 @@ class ShadowTiles {
   void update(const Texture& depth);
 
   /// Minimum z in metres of a tile and its neighbours, one channel for each quadrant of directions
-  /// (shaders/shadow_tiles.frag.glsl).
+  /// (shaders/shading/shadow_tiles.frag.glsl).
   const Texture& quadrants() const { return quadrants_; }
   /// Minimum z in metres of the whole map; one texel.
   const Texture& nearest() const { return nearest_; }
   /// Largest depth in metres at which rays over a tile are lit in their next kShadowTile samples,
-  /// and in all samples after those (shaders/shadow_lit_depth.frag.glsl). Empty in perspective
-  /// projection.
+  /// and in all samples after those (shaders/shading/shadow_lit_depth.frag.glsl). Empty in
+  /// perspective projection.
   const Texture& lit_depth() const { return lit_depth_; }
 
  private:

@@ -1,5 +1,6 @@
 // Pass 2 on the CPU side: the shader program and its uniforms. The edge becomes z in
-// shaders/edge_detector.glsl (Difference, Eq. (1)) and shaders/ray_march.glsl (its ray length).
+// shaders/ray_casting/edge_detector.glsl (Difference, Eq. (1)) and
+// shaders/ray_casting/ray_march.glsl (its ray length).
 #include "render/passes/ray_caster.h"
 
 #include <cmath>

@@ -7,7 +7,7 @@ namespace wobblebench::render {
 namespace {
 
 enum Bindings { kPicture, kSource };
-/// Operation of a step of shaders/smooth_lines.frag.glsl and smooth_guided.frag.glsl.
+/// Operation of a step of shaders/smoothing/smooth_lines.frag.glsl and smooth_guided.frag.glsl.
 enum StepKind { kMeans, kMoments, kCoefficients, kApply };
 
 Defines defines(const SmoothingOptions& options) {
