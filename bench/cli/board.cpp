@@ -6,9 +6,9 @@
 
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/report/board_speed_report.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
+#include "bench/report/commands/board_speed_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 #include "bench/studies/board_speed.h"
 
 namespace wobblebench::bench {

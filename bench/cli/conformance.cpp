@@ -6,9 +6,9 @@
 #include "bench/checks/conformance/findings.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/report/conformance_report.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
+#include "bench/report/commands/conformance_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 
 namespace wobblebench::bench {
 

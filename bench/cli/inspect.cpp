@@ -7,8 +7,8 @@
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/report/inspection_report.h"
-#include "bench/report/output_folder.h"
+#include "bench/report/commands/inspection_report.h"
+#include "bench/report/output/output_folder.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 

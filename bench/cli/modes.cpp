@@ -8,9 +8,9 @@
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/acquire.h"
-#include "bench/report/modes_report.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
+#include "bench/report/commands/modes_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 #include "bench/studies/mode_agreement.h"
 #include "render/gl/context.h"
 

@@ -5,9 +5,9 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/phantom_report.h"
-#include "bench/report/progress.h"
+#include "bench/report/commands/phantom_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 
 namespace wobblebench::bench {
 

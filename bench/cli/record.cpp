@@ -14,9 +14,9 @@
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
-#include "bench/report/record_report.h"
+#include "bench/report/commands/record_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 #include "hw/recording/recorder.h"
 
 namespace wobblebench::bench {

@@ -6,9 +6,9 @@
 #include "bench/checks/fault_simulation/seed_range.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/report/fault_simulation_report.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
+#include "bench/report/commands/fault_simulation_report.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 
 namespace wobblebench::bench {
 

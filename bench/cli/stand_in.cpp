@@ -10,7 +10,7 @@
 #include "bench/cli/common_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
-#include "bench/report/progress.h"
+#include "bench/report/output/progress.h"
 #include "hw/emulator/xdma_emulator.h"
 
 namespace wobblebench::bench {

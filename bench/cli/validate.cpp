@@ -7,9 +7,9 @@
 #include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/report/image_io.h"
-#include "bench/report/output_folder.h"
-#include "bench/report/progress.h"
+#include "bench/report/output/image_io.h"
+#include "bench/report/output/output_folder.h"
+#include "bench/report/output/progress.h"
 #include "bench/report/report.h"
 #include "bench/report/validation/validation.h"
 

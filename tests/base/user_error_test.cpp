@@ -13,10 +13,10 @@ TEST(OneLine, ShowsControlCharactersAndOtherBytesAsEscapes) {
 
 TEST(OneLine, LeavesOutTheMiddleOfALongText) {
   const std::string line =
-      one_line("a.toml: key = " + std::string(100'000, 'x') + ": must be one of a b");
+      one_line("a.toml: key = " + std::string(100'000, 'v') + ": must be one of a b");
   EXPECT_LT(line.size(), 1700u);
-  EXPECT_TRUE(line.starts_with("a.toml: key = xxx"));
-  EXPECT_TRUE(line.ends_with("xxx: must be one of a b"));
+  EXPECT_TRUE(line.starts_with("a.toml: key = vvv"));
+  EXPECT_TRUE(line.ends_with("vvv: must be one of a b"));
   EXPECT_NE(line.find(" … (98434 bytes) … "), std::string::npos) << "of 100034, 1600 are shown";
 }
 

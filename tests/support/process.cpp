@@ -9,24 +9,17 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
 #include "base/file_descriptor.h"
+#include "tests/support/bytes_of.h"
 
 namespace wobblebench::testing_support {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 void redirect(const fs::path& path, int descriptor) {
   const FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644));
@@ -93,7 +86,7 @@ ProcessResult run_process(const fs::path& program,
     become(program, arguments, directory, limits);
   }
   const int status = wait_for(child, limits);
-  return {exit_code_of(status), text_of(output.path() / "out"), text_of(output.path() / "err")};
+  return {exit_code_of(status), bytes_of(output.path() / "out"), bytes_of(output.path() / "err")};
 }
 
 ScratchFolder::ScratchFolder() {

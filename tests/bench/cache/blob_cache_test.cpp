@@ -10,10 +10,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <vector>
 
 #include "base/file_descriptor.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"
 
@@ -21,15 +21,10 @@ namespace wobblebench::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using testing_support::bytes_of;
 using testing_support::FileLimit;
 
 constexpr std::uint64_t kRoomy = 1000000;
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 void write_text(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -70,7 +65,7 @@ TEST_F(BlobCacheTest, AnEntryOfAnotherKeyIsNone) {
 
 TEST_F(BlobCacheTest, NoFlippedBitAndNoOtherLengthIsTaken) {
   ASSERT_TRUE(cache_.store("key", "some bytes that are kept"));
-  const std::string whole = text_of(cache_.path_of("key"));
+  const std::string whole = bytes_of(cache_.path_of("key"));
   for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
     std::string damaged = whole;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << (bit % 8)));

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <fstream>
 #include <set>
-#include <sstream>
 
 #include "bench/cache/phantom_key.h"
 #include "phantoms/io/phantom_bytes.h"

@@ -7,28 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
 
-using testing_support::ProcessResult;
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
-namespace fs = std::filesystem;
-
-const Words kSmallSphere = {
-    "phantom", "--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-
-Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
-ProcessResult bench(const Words& words, const ScratchFolder& folder) {
-  return run_process(WOBBLEBENCH_PROGRAM, words, folder.path());
-}
+const Words kSmallSphere = with({"phantom"}, {kSphere});
 
 /// Through a shell: `line` with PROGRAM replaced.
 ProcessResult shell(const std::string& program,
@@ -114,7 +98,7 @@ TEST(Answers, PhantomPrintsASummaryAndJsonWhereAsked) {
   EXPECT_EQ(summary.out.find("phantom     sphere in amniotic_fluid\n"), 0U) << summary.out;
   EXPECT_NE(summary.out.find("voxels of 2 mm"), std::string::npos) << summary.out;
   EXPECT_NE(summary.out.find("results     out/phantom.vdb\n"), std::string::npos) << summary.out;
-  const auto json = bench(with(kSmallSphere, {"--json"}), folder);
+  const auto json = bench(with(kSmallSphere, {Words{"--json"}}), folder);
   EXPECT_EQ(nlohmann::json::parse(json.out).at("phantom").at("name"), "sphere");
 }
 
@@ -173,7 +157,7 @@ TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {
                       "--set",
                       "phantom.unit_mm=1"};
   for (const char* const command : {"phantom", "record", "run", "tables", "conformance", "trade"}) {
-    const auto result = bench(with({command}, mesh), folder);
+    const auto result = bench(with({command}, {mesh}), folder);
     EXPECT_EQ(result.exit_code, 2) << command;
     EXPECT_EQ(lines_in(result.err), 1) << result.err;
     EXPECT_EQ(folder.files(), Words{"bad.stl"}) << command;

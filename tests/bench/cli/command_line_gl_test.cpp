@@ -5,57 +5,20 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "render/gl/context.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
 
-using testing_support::ProcessLimits;
-using testing_support::ProcessResult;
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
-namespace fs = std::filesystem;
-
 /// Small enough to run in a second or two.
-const Words kQuick = {"--set",
-                      "phantom.name=sphere",
-                      "--set",
-                      "phantom.voxel_mm=2",
-                      "--set",
-                      "render.scan_conversion.slice_size=64",
-                      "--set",
-                      "render.ray_casting.image_size=64",
-                      "--set",
-                      "render.ray_casting.steps=64",
-                      "--set",
-                      "acquisition.frames_per_volume=9"};
+const Words kQuick = with(kSphere, {kPicture, {"--set", "acquisition.frames_per_volume=9"}});
 const Words kResults = {
     "depth.exr", "error_depth.exr", "report.json", "surface.png", "truth_depth.exr", "volume.png"};
-
-Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
-std::string read_whole(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-ProcessResult bench(const Words& arguments,
-                    const ScratchFolder& folder,
-                    const ProcessLimits& limits = {}) {
-  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path(), limits);
-}
 
 struct BadInput {
   std::string name;
@@ -199,7 +162,7 @@ TEST(CommandLine, HelpIsNoError) {
 
 TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   const ScratchFolder folder;
-  const auto result = bench(with({"run", "--json"}, kQuick), folder);
+  const auto result = bench(with({"run", "--json"}, {kQuick}), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.files("out"), kResults);
   const auto report = nlohmann::json::parse(result.out);
@@ -227,7 +190,7 @@ TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
 TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
   const ScratchFolder folder;
   const auto report_of = [&](const Words& more) {
-    return nlohmann::json::parse(bench(with(with({"run", "--json"}, kQuick), more), folder).out);
+    return nlohmann::json::parse(bench(with({"run", "--json"}, {kQuick, more}), folder).out);
   };
   const auto plain = report_of({}), registered = report_of({"--register"});
   EXPECT_TRUE(plain.at("fit").at("registration").is_null());
@@ -240,8 +203,8 @@ TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
 TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
   const ScratchFolder folder;
   const auto run = [&](const std::string& out, const Words& more, const fs::path& cache) {
-    const auto result = bench(
-        with(with({"run", "--json", "--out", out}, kQuick), more), folder, {.cache_home = cache});
+    const auto result =
+        bench(with({"run", "--json", "--out", out}, {kQuick, more}), folder, {.cache_home = cache});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(result.out);
   };
@@ -257,8 +220,7 @@ TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
   for (const auto& name : kResults) {
     if (name == "report.json") continue;
     for (const char* out : {"cold", "warm", "anew", "unwritable"}) {
-      EXPECT_EQ(read_whole(folder.path() / out / name),
-                read_whole(folder.path() / "without" / name))
+      EXPECT_EQ(bytes_of(folder.path() / out / name), bytes_of(folder.path() / "without" / name))
           << out << " " << name;
     }
   }
@@ -271,10 +233,10 @@ TEST(CommandLine, ARecordingFromTheCacheIsTheSameRecording) {
   for (const auto& [out, more] : std::map<std::string, Words>{
            {"1 without", {"--no-cache"}}, {"2 cold", {}}, {"3 warm", {}}}) {
     const auto result =
-        bench(with(with({"record", "--out", out}, scene), more), folder, {.cache_home = cache});
+        bench(with({"record", "--out", out}, {scene, more}), folder, {.cache_home = cache});
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(read_whole(folder.path() / out / "recording.wbst"),
-              read_whole(folder.path() / "1 without" / "recording.wbst"))
+    EXPECT_EQ(bytes_of(folder.path() / out / "recording.wbst"),
+              bytes_of(folder.path() / "1 without" / "recording.wbst"))
         << out;
   }
   EXPECT_EQ(folder.files("cache/wobblebench").size(), 2U) << "a phantom and its map";
@@ -283,14 +245,14 @@ TEST(CommandLine, ARecordingFromTheCacheIsTheSameRecording) {
 TEST(CommandLine, PhantomIsReadBackAndScannedTheSame) {
   const ScratchFolder folder;
   const Words small = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-  const auto made = bench(with({"phantom"}, small), folder);
+  const auto made = bench(with({"phantom"}, {small}), folder);
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_EQ(folder.files("out"), (Words{"phantom.vdb", "report.json"}));
-  const auto direct = bench(with({"run", "--json", "--out", "a"}, kQuick), folder);
+  const auto direct = bench(with({"run", "--json", "--out", "a"}, {kQuick}), folder);
   auto from_file = kQuick;
   from_file[1] = "phantom.name=file";
   const auto read = bench(
-      with({"run", "--json", "--out", "b", "--set", "phantom.file=out/phantom.vdb"}, from_file),
+      with({"run", "--json", "--out", "b", "--set", "phantom.file=out/phantom.vdb"}, {from_file}),
       folder);
   ASSERT_EQ(read.exit_code, 0) << read.err;
   EXPECT_EQ(nlohmann::json::parse(direct.out).at("error"),
@@ -302,7 +264,7 @@ TEST(CommandLine, InterruptionLeavesAllResultsOrNone) {
   int interrupted = 0;
   for (int ms = 5; ms < 4000; ms += ms / 2 + 5) {
     const std::string out = "out" + std::to_string(ms);
-    const auto result = bench(with({"run", "--out", out}, kQuick),
+    const auto result = bench(with({"run", "--out", out}, {kQuick}),
                               folder,
                               {.interrupt_after = std::chrono::milliseconds(ms),
                                .signal = ms % 2 == 0 ? SIGINT : SIGTERM});
@@ -351,7 +313,7 @@ TEST(CommandLine, AMissingGlFailsBeforeAnyWork) {
 
 TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
   const ScratchFolder folder;
-  const auto result = bench(with({"modes", "--json"}, kQuick), folder);
+  const auto result = bench(with({"modes", "--json"}, {kQuick}), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.files("out"), (Words{"modes.md", "report.json"}));
   const auto report = nlohmann::json::parse(result.out);
@@ -367,14 +329,14 @@ TEST(CommandLine, RunReportsTheGlThatRendered) {
   std::string first;
   for (const std::string& gl : render::context_backends()) {
     const ScratchFolder folder;
-    const auto result = bench(with({"run", "--json", "--gl", gl}, kQuick), folder);
+    const auto result = bench(with({"run", "--json", "--gl", gl}, {kQuick}), folder);
     if (result.exit_code == 1) continue;  // not on this machine
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), gl);
     if (first.empty()) first = gl;
   }
   const ScratchFolder folder;
-  const auto result = bench(with({"run", "--json"}, kQuick), folder);  // --gl auto
+  const auto result = bench(with({"run", "--json"}, {kQuick}), folder);  // --gl auto
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(nlohmann::json::parse(result.out).at("provenance").at("gl_backend"), first);
 }
@@ -383,7 +345,7 @@ TEST(CommandLine, RunReportsTheGlThatRendered) {
 /// files. Nothing may be left, unless this run's report is short enough to fit.
 void expect_no_half_file(const Words& command, const Words& results) {
   const ScratchFolder folder;
-  ASSERT_EQ(bench(with(command, {"--out", "whole"}), folder).exit_code, 0);
+  ASSERT_EQ(bench(with(command, {Words{"--out", "whole"}}), folder).exit_code, 0);
   ASSERT_EQ(folder.files("whole"), results);
   std::set<long> limits = {0};
   std::map<std::string, std::uintmax_t> sizes;
@@ -395,7 +357,7 @@ void expect_no_half_file(const Words& command, const Words& results) {
   for (const long bytes : limits) {
     SCOPED_TRACE(std::to_string(bytes) + " bytes");
     const std::string out = "out" + std::to_string(bytes);
-    const auto result = bench(with(command, {"--out", out}), folder, {.file_bytes = bytes});
+    const auto result = bench(with(command, {Words{"--out", out}}), folder, {.file_bytes = bytes});
     failed += result.exit_code != 0;
     EXPECT_EQ(folder.files(out), result.exit_code == 0 ? results : Words{}) << result.err;
     for (const auto& name : folder.files(out)) {
@@ -407,7 +369,7 @@ void expect_no_half_file(const Words& command, const Words& results) {
 }
 
 TEST(CommandLine, AFullDiskLeavesNoHalfRun) {
-  expect_no_half_file(with({"run"}, kQuick), kResults);
+  expect_no_half_file(with({"run"}, {kQuick}), kResults);
 }
 
 TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
@@ -417,8 +379,8 @@ TEST(CommandLine, AFullDiskLeavesNoHalfPhantom) {
 
 TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
   const ScratchFolder folder;
-  ASSERT_EQ(bench(with({"run"}, kQuick), folder).exit_code, 0);
-  const auto failed = bench(with({"run"}, kQuick), folder, {.file_bytes = 500});
+  ASSERT_EQ(bench(with({"run"}, {kQuick}), folder).exit_code, 0);
+  const auto failed = bench(with({"run"}, {kQuick}), folder, {.file_bytes = 500});
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_EQ(folder.files("out"), kResults);
 }

@@ -7,26 +7,11 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
-
-using testing_support::ProcessLimits;
-using testing_support::ProcessResult;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
-namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 /// The length of the whole packets at the start of `stream`, by the header alone:
 /// docs/wire_format.md has the payload's length at byte 8, after a header of 64.
@@ -48,21 +33,13 @@ class FailingCalls : public testing::Test {
     GTEST_SKIP() << "a sanitizer replaces the same functions";
 #endif
     const auto record = [&](const std::string& seed, const std::string& folder) {
-      return bench({"record",
-                    "--out",
-                    folder,
-                    "--volumes",
-                    "2",
-                    "--set",
-                    "phantom.name=sphere",
-                    "--set",
-                    "phantom.voxel_mm=2",
-                    "--set",
-                    "acquisition.frames_per_volume=2",
-                    "--set",
-                    "acquisition.sticks_per_frame=4",
-                    "--set",
-                    "simulation.seed=" + seed});
+      const Words scan = {"--set",
+                          "acquisition.frames_per_volume=2",
+                          "--set",
+                          "acquisition.sticks_per_frame=4",
+                          "--set",
+                          "simulation.seed=" + seed};
+      return bench(with({"record", "--out", folder, "--volumes", "2"}, {kSphere, scan}));
     };
     ASSERT_EQ(record("1", "source").exit_code, 0);
     ASSERT_EQ(record("2", "old").exit_code, 0);

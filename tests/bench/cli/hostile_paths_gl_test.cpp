@@ -4,41 +4,26 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
 
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-
-const std::vector<std::string> kQuick = {"--set",
-                                         "phantom.name=sphere",
-                                         "--set",
-                                         "phantom.voxel_mm=2",
-                                         "--set",
-                                         "render.scan_conversion.slice_size=64",
-                                         "--set",
-                                         "render.ray_casting.image_size=64",
-                                         "--set",
-                                         "render.ray_casting.steps=64",
-                                         "--set",
-                                         "acquisition.frames_per_volume=9"};
+const Words kQuick = with(kSphere, {kPicture, kScan});
 
 TEST(PathsOfAnyBytes, WorkOrAreOneLine) {
   const ScratchFolder folder;
   folder.write("\xff.toml", "[acquisition]\ndepth_mm = 100\n");
-  for (const std::vector<std::string>& first :
-       {std::vector<std::string>{"run", "--json", "--out", "\xff"},
-        {"run", "--json", "\xff.toml"},
-        {"record", "--volumes", "1", "--out", "\xfe"},
-        {"run", "--json", "--board", "file=\xfe/recording.wbst"},
-        {"run", "--json", "--board", "file=none\xff"},
-        {"inspect", "--json", "\xfe/recording.wbst"},
-        {"phantom", "--json", "--out", "\xfd"}}) {
-    std::vector<std::string> words = first;
+  for (const Words& first : {Words{"run", "--json", "--out", "\xff"},
+                             {"run", "--json", "\xff.toml"},
+                             {"record", "--volumes", "1", "--out", "\xfe"},
+                             {"run", "--json", "--board", "file=\xfe/recording.wbst"},
+                             {"run", "--json", "--board", "file=none\xff"},
+                             {"inspect", "--json", "\xfe/recording.wbst"},
+                             {"phantom", "--json", "--out", "\xfd"}}) {
+    Words words = first;
     if (first[0] != "inspect") words.insert(words.end(), kQuick.begin(), kQuick.end());
-    const auto result = run_process(WOBBLEBENCH_PROGRAM, words, folder.path());
+    const auto result = bench(words, folder);
     SCOPED_TRACE(result.err);
     if (result.exit_code == 0) continue;
     EXPECT_EQ(result.exit_code, 2);

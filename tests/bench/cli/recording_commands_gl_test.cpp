@@ -6,60 +6,23 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <sstream>
 
 #include "base/units.h"
 #include "hw/wire/decoder.h"
 #include "hw/wire/packet.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
-
-using testing_support::ProcessLimits;
-using testing_support::ProcessResult;
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
-namespace fs = std::filesystem;
-
-const Words kPhantom = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-const Words kScan = {
-    "--set", "acquisition.frames_per_volume=9", "--set", "acquisition.sticks_per_frame=16"};
-const Words kPicture = {"--set",
-                        "render.scan_conversion.slice_size=64",
-                        "--set",
-                        "render.ray_casting.image_size=64",
-                        "--set",
-                        "render.ray_casting.steps=64"};
-
-Words with(Words words, const std::vector<Words>& more) {
-  for (const Words& part : more) words.insert(words.end(), part.begin(), part.end());
-  return words;
-}
-
-ProcessResult bench(const Words& arguments,
-                    const ScratchFolder& folder,
-                    const ProcessLimits& limits = {}) {
-  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path(), limits);
-}
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 /// A folder with rec/recording.wbst of three volumes.
 class WithRecording : public testing::Test {
  protected:
   void SetUp() override {
     const auto result =
-        bench(with({"record", "--volumes", "3", "--out", "rec"}, {kPhantom, kScan}), folder_);
+        bench(with({"record", "--volumes", "3", "--out", "rec"}, {kSphere, kScan}), folder_);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     ASSERT_EQ(folder_.files("rec"), (Words{"recording.wbst", "report.json"}));
   }
@@ -95,7 +58,7 @@ TEST_F(WithRecording, DamagedItFailsAndIsSalvaged) {
 }
 
 TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
-  const Words scene = with({}, {kPhantom, kPicture});
+  const Words scene = with({}, {kSphere, kPicture});
   const auto live = bench(with({"run", "--register", "--out", "live"}, {scene, kScan}), folder_);
   ASSERT_EQ(live.exit_code, 0) << live.err;
   const auto played = bench(
@@ -128,7 +91,7 @@ TEST_F(WithRecording, TablesOfTooFewFramesAreRefused) {
 TEST(Recording, TablesAreMeasuredOnIt) {
   const ScratchFolder folder;
   const Words few_sticks = {"--set", "acquisition.sticks_per_frame=8"};
-  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kPhantom, few_sticks}), folder).exit_code, 0);
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSphere, few_sticks}), folder).exit_code, 0);
   const auto result = bench({"tables",
                              "--board",
                              "file=rec/recording.wbst",
@@ -154,7 +117,7 @@ TEST_F(WithRecording, InjectedFaultsAreCountedInTheReport) {
                                   "--out",
                                   "faults",
                                   "--json"},
-                                 {kPhantom, kPicture}),
+                                 {kSphere, kPicture}),
                             folder_);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto board = nlohmann::json::parse(result.out).at("board");
@@ -168,7 +131,7 @@ TEST_F(WithRecording, InjectedFaultsAreCountedInTheReport) {
 
 TEST_F(WithRecording, UnpluggedDuringAVolumeItRendersWhatArrivedAndFails) {
   const auto result = bench(
-      with({"run", "--board", "file=rec/recording.wbst,faults=unplug@100"}, {kPhantom, kPicture}),
+      with({"run", "--board", "file=rec/recording.wbst,faults=unplug@100"}, {kSphere, kPicture}),
       folder_);
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("the device is gone (a fault, at packet 100)"), std::string::npos);
@@ -178,7 +141,7 @@ TEST_F(WithRecording, UnpluggedDuringAVolumeItRendersWhatArrivedAndFails) {
 TEST_F(WithRecording, WithFailOnLossLostSticksFail) {
   const std::string board = "file=rec/recording.wbst,faults=drop:0.05+seed:2";
   const auto run = bench(
-      with({"run", "--board", board, "--fail-on-loss", "--json"}, {kPhantom, kPicture}), folder_);
+      with({"run", "--board", board, "--fail-on-loss", "--json"}, {kSphere, kPicture}), folder_);
   EXPECT_EQ(run.exit_code, 1);
   const auto missing = nlohmann::json::parse(run.out).at("board").at("missing_sticks").get<int>();
   EXPECT_GT(missing, 0);
@@ -264,8 +227,8 @@ TEST_F(WithRecording, AnImpossibleConfigurationKeepsWhatIsBefore) {
             std::string::npos);
   EXPECT_EQ(bench({"inspect", "s.wbst"}, folder_).exit_code, 0);
   EXPECT_EQ(fs::file_size(folder_.path() / "s.wbst"), size / 3 * 2);
-  const auto run = bench(
-      with({"run", "--board", "file=bad.wbst,start_volume=1"}, {kPhantom, kPicture}), folder_);
+  const auto run =
+      bench(with({"run", "--board", "file=bad.wbst,start_volume=1"}, {kSphere, kPicture}), folder_);
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const auto record = bench({"record", "--board", "file=bad.wbst", "--out", "again"}, folder_);
   EXPECT_EQ(record.exit_code, 1);
@@ -396,7 +359,7 @@ TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
 /// The emulated driver of the card: by FUSE where it can be mounted, and by a FIFO anywhere.
 TEST_F(WithRecording, TheEmulatorsConform) {
   const auto conformance = [&](const std::string& board) {
-    return bench(with({"conformance", "--board", board}, {kPhantom, kScan}), folder_);
+    return bench(with({"conformance", "--board", board}, {kSphere, kScan}), folder_);
   };
   const auto fifo = conformance("xdma=fifo-stand-in");
   EXPECT_EQ(fifo.exit_code, 0) << fifo.out;

@@ -5,46 +5,18 @@
 #include <array>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
-
-using testing_support::ProcessLimits;
-using testing_support::ProcessResult;
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
-namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 /// A folder with rec/recording.wbst of two volumes.
 class Custody : public testing::Test {
  protected:
   void SetUp() override {
-    const auto result = bench({"record",
-                               "--volumes",
-                               "2",
-                               "--out",
-                               "rec",
-                               "--set",
-                               "phantom.name=sphere",
-                               "--set",
-                               "phantom.voxel_mm=2",
-                               "--set",
-                               "acquisition.frames_per_volume=9",
-                               "--set",
-                               "acquisition.sticks_per_frame=16"});
+    const auto result = bench(with({"record", "--volumes", "2", "--out", "rec"}, {kSphere, kScan}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     bytes_ = bytes_of(at("rec/recording.wbst"));
   }

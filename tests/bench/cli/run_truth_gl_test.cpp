@@ -10,40 +10,17 @@
 
 #include "hw/wire/crc32c.h"
 #include "hw/wire/packet.h"
-#include "tests/support/process.h"
+#include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
 namespace {
 
-using testing_support::ProcessResult;
-using testing_support::run_process;
-using testing_support::ScratchFolder;
-using Words = std::vector<std::string>;
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
-const Words kSphere = {"--set", "phantom.name=sphere", "--set", "phantom.voxel_mm=2"};
-const Words kScan = {
-    "--set", "acquisition.frames_per_volume=9", "--set", "acquisition.sticks_per_frame=16"};
-const Words kPicture = {"--set",
-                        "render.scan_conversion.slice_size=64",
-                        "--set",
-                        "render.ray_casting.image_size=64",
-                        "--set",
-                        "render.ray_casting.steps=64"};
 const Words kPlayed = {"run", "--json", "--board", "file=rec/recording.wbst"};
-
-Words with(Words words, const std::vector<Words>& more) {
-  for (const Words& part : more) words.insert(words.end(), part.begin(), part.end());
-  return words;
-}
 
 Words set(const std::string& setting) {
   return {"--set", setting};
-}
-
-ProcessResult bench(const Words& arguments, const ScratchFolder& folder) {
-  return run_process(WOBBLEBENCH_PROGRAM, arguments, folder.path());
 }
 
 /// The last line of stderr, beginning with the program's name; what was done before is progress.

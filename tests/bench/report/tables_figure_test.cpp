@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <glm/common.hpp>
 
-#include "bench/report/image_io.h"
+#include "bench/report/output/image_io.h"
 #include "tests/bench/tables/made_up.h"
 
 namespace wobblebench::bench {

@@ -9,25 +9,22 @@
 
 #include <fstream>
 #include <random>
-#include <sstream>
 
 #include "phantoms/float_grid.h"
 #include "phantoms/io/message.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/phantom.h"
 #include "tests/phantoms/io/meshes.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
+using testing_support::bytes_of;
+
 class ImportProcess : public testing_support::FolderTest {
  protected:
-  static std::string bytes_of(const std::filesystem::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-  }
   static void write(const std::filesystem::path& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
   }

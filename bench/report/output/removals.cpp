@@ -1,4 +1,4 @@
-#include "bench/report/removals.h"
+#include "bench/report/output/removals.h"
 
 #include <pthread.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "bench/report/conformance_report.h"
+#include "bench/report/commands/conformance_report.h"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>

@@ -1,12 +1,12 @@
-#include "bench/report/run_report.h"
+#include "bench/report/commands/run_report.h"
 
 #include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bench/report/board_report.h"
-#include "bench/report/image_io.h"
+#include "bench/report/commands/board_report.h"
+#include "bench/report/output/image_io.h"
 #include "bench/report/report.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/report/progress.h"
+#include "bench/report/output/progress.h"
 
 #include <unistd.h>
 

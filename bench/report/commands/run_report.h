@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/pipeline/run_result.h"
-#include "bench/report/output_folder.h"
+#include "bench/report/output/output_folder.h"
 #include "bench/report/report_parts.h"
 #include "bench/scene/scene.h"
 

@@ -1,4 +1,4 @@
-#include "bench/report/time_left.h"
+#include "bench/report/output/time_left.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "bench/report/phantom_report.h"
+#include "bench/report/commands/phantom_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

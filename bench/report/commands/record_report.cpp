@@ -1,9 +1,9 @@
-#include "bench/report/record_report.h"
+#include "bench/report/commands/record_report.h"
 
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bench/report/board_report.h"
+#include "bench/report/commands/board_report.h"
 #include "bench/report/report.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/report/board_speed_report.h"
+#include "bench/report/commands/board_speed_report.h"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>

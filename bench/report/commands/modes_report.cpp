@@ -1,4 +1,4 @@
-#include "bench/report/modes_report.h"
+#include "bench/report/commands/modes_report.h"
 
 #include <cmath>
 #include <iomanip>

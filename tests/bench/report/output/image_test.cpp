@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/evaluation/image_similarity.h"
-#include "bench/report/image_io.h"
+#include "bench/report/output/image_io.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"
 

@@ -1,4 +1,4 @@
-#include "bench/report/board_report.h"
+#include "bench/report/commands/board_report.h"
 
 #include <nlohmann/json.hpp>
 

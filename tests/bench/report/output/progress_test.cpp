@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "bench/report/progress.h"
+#include "bench/report/output/progress.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -1,10 +1,10 @@
-#include "bench/report/fault_simulation_report.h"
+#include "bench/report/commands/fault_simulation_report.h"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bench/report/board_report.h"
+#include "bench/report/commands/board_report.h"
 #include "bench/report/provenance.h"
 #include "bench/report/report_parts.h"
 

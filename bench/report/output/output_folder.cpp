@@ -1,4 +1,4 @@
-#include "bench/report/output_folder.h"
+#include "bench/report/output/output_folder.h"
 
 #include <unistd.h>
 

@@ -1,4 +1,4 @@
-#include "bench/report/inspection_report.h"
+#include "bench/report/commands/inspection_report.h"
 
 #include <algorithm>
 #include <iomanip>
@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "base/units.h"
-#include "bench/report/board_report.h"
+#include "bench/report/commands/board_report.h"
 #include "bench/report/provenance.h"
 #include "bench/report/report_parts.h"
 

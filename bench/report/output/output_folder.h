@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/folder_lock.h"
-#include "bench/report/removals.h"
+#include "bench/report/output/removals.h"
 
 namespace wobblebench::bench {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "base/part_done.h"
+#include "bench/report/output/time_left.h"
 #include "bench/report/report_parts.h"
-#include "bench/report/time_left.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-#include "bench/report/image_io.h"
+#include "bench/report/output/image_io.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

@@ -1,4 +1,4 @@
-#include "bench/report/output_folder.h"
+#include "bench/report/output/output_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -7,24 +7,19 @@
 #include <atomic>
 #include <csignal>
 #include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "base/user_error.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {
 namespace {
 
+using testing_support::bytes_of;
 using testing_support::ScratchFolder;
 using Names = std::vector<std::string>;
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 TEST(OutputFolder, NothingHasItsNameBeforeCommitAndEverythingAfter) {
   const ScratchFolder scratch;
@@ -34,7 +29,7 @@ TEST(OutputFolder, NothingHasItsNameBeforeCommitAndEverythingAfter) {
   for (const auto& name : scratch.files("a/b")) EXPECT_TRUE(name.starts_with(".")) << name;
   out.commit();
   EXPECT_EQ(scratch.files("a/b"), (Names{".wobblebench.lock", "one.txt", "two.txt"}));
-  EXPECT_EQ(text_of(scratch.path() / "a/b/two.txt"), "2");
+  EXPECT_EQ(bytes_of(scratch.path() / "a/b/two.txt"), "2");
 }
 
 TEST(OutputFolder, WithoutCommitNothingIsLeftAndTheOldStays) {
@@ -46,7 +41,7 @@ TEST(OutputFolder, WithoutCommitNothingIsLeftAndTheOldStays) {
     out.write_text("other.txt", "new");
   }
   EXPECT_EQ(scratch.files(), Names{"kept.txt"});
-  EXPECT_EQ(text_of(scratch.path() / "kept.txt"), "old");
+  EXPECT_EQ(bytes_of(scratch.path() / "kept.txt"), "old");
 }
 
 TEST(OutputFolder, FoldersThatItMadeGoWithTheirContents) {
@@ -80,7 +75,7 @@ TEST(OutputFolder, CompletesOrRemovesWhatAKilledCommandLeft) {
   scratch.write(".wobblebench-partial/two", "half");
   { const OutputFolder out(scratch.path()); }
   EXPECT_EQ(scratch.files(), Names{"one"});
-  EXPECT_EQ(text_of(scratch.path() / "one"), "new");
+  EXPECT_EQ(bytes_of(scratch.path() / "one"), "new");
 }
 
 TEST(OutputFolder, RefusesWhatIsNoFolder) {
