@@ -47,6 +47,7 @@ std::vector<fs::path> missing_folders(const fs::path& path) {
 
 OutputFolder::OutputFolder(const fs::path& directory, std::string option)
     : directory_(directory), option_(std::move(option)) {
+  const BlockedSignals blocked;  // nothing exists that is not noted
   make_directory();
   try {
     lock_.emplace(directory_);
@@ -89,6 +90,7 @@ void OutputFolder::refuse_input(const fs::path& input, const std::string& name) 
 fs::path OutputFolder::stage(const std::string& name) {
   const fs::path folder = directory_ / kPartial;
   if (names_.empty()) {
+    const BlockedSignals blocked;  // nothing exists that is not noted
     std::error_code error;
     fs::create_directory(folder, error);
     if (error) fail(folder, error.message());
