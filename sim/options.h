@@ -19,6 +19,13 @@ enum class Rung {
   reference,   ///< the same scatterers summed over the elements of the probe: small scenes only
 };
 
+/// Weights of the elements over an aperture in the image plane, on transmit and on receive.
+enum class Apodisation {
+  rectangular,  ///< all equal
+  hann,         ///< raised cosine, 0 at the aperture's ends
+  tukey,        ///< flat over the inner half, raised cosine beyond
+};
+
 /// The dB value that stands for an amplitude of 0.
 inline constexpr double kZeroAmplitude_db = -200;
 
@@ -38,6 +45,8 @@ struct SimulationOptions {
   bool side_lobes = false;
   /// Sound travels at each material's own speed, while the scanner assumes one speed.
   bool tissue_sound_speed = false;
+
+  Apodisation apodisation = Apodisation::rectangular;
 
   /// Minimum number of scatterers in a resolution cell (product of the three -6 dB widths at its
   /// range). With 10 the envelope's mean over sigma is 2 % below Rayleigh's, with 30 less than 1 %.
@@ -71,6 +80,11 @@ void describe(O& o, Visitor& v) {
   v.flag("interface_echo", o.interface_echo);
   v.flag("side_lobes", o.side_lobes);
   v.flag("tissue_sound_speed", o.tissue_sound_speed);
+  v.choice("apodisation",
+           o.apodisation,
+           {{"rectangular", Apodisation::rectangular},
+            {"hann", Apodisation::hann},
+            {"tukey", Apodisation::tukey}});
   v.real("scatterers_per_cell", o.scatterers_per_cell, 1, 0.1, 100);
   v.real("specular_width_deg", o.specular_width_rad, kDegree, 0.1, 90);
   v.real("tgc_db_per_cm_mhz", o.tgc_db_per_cm_mhz, 1, 0, 3);

@@ -2,11 +2,12 @@
 
 #include <cmath>
 
-#include "sim/beam/beam_table.h"
-
 namespace wobblebench::sim {
 
-BeamBounds::BeamBounds(const BeamTable& table, double depth_m, double margin_m)
+BeamBounds::BeamBounds(const BeamTable& table,
+                       const BeamTable::Direction& lateral,
+                       double depth_m,
+                       double margin_m)
     : per_m_(1 / kStep_m) {
   const int count = static_cast<int>(std::ceil(depth_m * per_m_)) + 1;
   const int window = static_cast<int>(std::ceil(margin_m * per_m_)) + 1;
@@ -14,7 +15,7 @@ BeamBounds::BeamBounds(const BeamTable& table, double depth_m, double margin_m)
     Reach reach{0, 0};
     const int last = table.row((i + window) * kStep_m);
     for (int row = table.row((i - window) * kStep_m); row <= last; ++row) {
-      reach.lateral_m = std::max(reach.lateral_m, table.reach_m(table.lateral(), row));
+      reach.lateral_m = std::max(reach.lateral_m, table.reach_m(lateral, row));
       reach.elevation_m = std::max(reach.elevation_m, table.reach_m(table.elevation(), row));
     }
     reach_.push_back(reach);

@@ -5,9 +5,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/beam/beam_table.h"
+
 namespace wobblebench::sim {
 
-class BeamTable;
 
 class BeamBounds {
  public:
@@ -20,7 +21,10 @@ class BeamBounds {
   };
 
   /// `margin_m`: half the diagonal of the bodies that are tested against the bounds.
-  BeamBounds(const BeamTable& table, double depth_m, double margin_m);
+  BeamBounds(const BeamTable& table,
+             const BeamTable::Direction& lateral,
+             double depth_m,
+             double margin_m);
 
   /// Largest reach within the margin of a range.
   const Reach& reach(double range_m) const {

@@ -45,10 +45,6 @@ bool is_just_behind(const TrackNode& node) {
 
 }  // namespace
 
-double power_sigma(double amplitude_fwhm) {
-  return sigma_of_fwhm(amplitude_fwhm) / std::sqrt(2.0);
-}
-
 double mean_power_gain(const SimulationOptions& options) {
   return options.speckle ? kPowerOfRayleighMean : 1;
 }
@@ -56,7 +52,7 @@ double mean_power_gain(const SimulationOptions& options) {
 struct NodeKernels {
   /// The interface's power is that of diffuse_echo(), in single precision.
   WOBBLEBENCH_SIMD static void scale(const TrackNode* __restrict surfaces,
-                                     const BeamNodes::Widths* __restrict beam,
+                                     const BeamAtSample* __restrict beam,
                                      const BeamNodes::Crossing* __restrict crossed,
                                      float pulse2,
                                      float max2,
@@ -100,12 +96,8 @@ BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
       pulse2_(squared(power_sigma(axial_fwhm_m(plan)))),
       max2_(squared(reach_m / kReachSigmas)),
       interface_gain_(
-          static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))) {
-  for (int i = 0; i < samples; ++i) {
-    const double range_m = (i + 0.5) * spacing_m;
-    widths_.push_back({squared(power_sigma(lateral_fwhm_m(plan, range_m))),
-                       squared(power_sigma(elevation_fwhm_m(plan, range_m)))});
-  }
+          static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))),
+      samples_(samples) {
   for (const auto& before : materials) {
     for (const auto& behind : materials) {
       const bool echoes = &before != &behind && interface_echo_;
@@ -117,14 +109,16 @@ BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
   }
 }
 
-void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
+void BeamNodes::compute(const StickTrack& track,
+                        const StickLosses& losses,
+                        const BeamAtSample* beam) {
   const std::size_t count = (track.nodes.size() + kLanes) / kLanes * kLanes;
   surfaces_.assign(track.nodes.begin(), track.nodes.end());
   surfaces_.resize(count);
   beam_.resize(count);
   crossed_.resize(count);
   nodes_.resize(count);
-  look_up(track);
+  look_up(track, beam);
   NodeKernels::scale(surfaces_.data(),
                      beam_.data(),
                      crossed_.data(),
@@ -136,9 +130,8 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
   if (interface_echo_) restore_fronts(track, losses);
 }
 
-void BeamNodes::look_up(const StickTrack& track) {
-  const int last_sample = static_cast<int>(widths_.size()) - 1;
-  const Widths* widths = widths_.data();
+void BeamNodes::look_up(const StickTrack& track, const BeamAtSample* at_samples) {
+  const int last_sample = samples_ - 1;
   fronts_.clear();
   for (const TrackPiece& piece : track.pieces) {
     const double step_m = (piece.to_m - piece.from_m) / (piece.nodes - 1);
@@ -149,10 +142,10 @@ void BeamNodes::look_up(const StickTrack& track) {
       const Crossing* leaving = &crossing(surface.inside, piece.base);
       const auto first = static_cast<std::size_t>(surface.first_node);
       const TrackNode* nodes = track.nodes.data() + first;
-      Widths* beam = beam_.data() + first;
+      BeamAtSample* beam = beam_.data() + first;
       Crossing* crossed = crossed_.data() + first;
       for (int n = 0; n < piece.nodes; ++n) {
-        beam[n] = widths[std::min(static_cast<int>(from + n * per_node), last_sample)];
+        beam[n] = at_samples[std::min(static_cast<int>(from + n * per_node), last_sample)];
         if (layer > 0) {
           const auto outside = material_beneath(track, piece, layer, n);
           entering = &crossing(outside, surface.inside);

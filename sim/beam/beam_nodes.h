@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/beam/beam_at_samples.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::hw {
@@ -20,8 +21,6 @@ namespace wobblebench::sim {
 struct SimulationOptions;
 class StickLosses;
 
-/// Sigma of the power of a Gaussian amplitude response of this full width at half maximum.
-double power_sigma(double amplitude_fwhm);
 /// Mean power over the squared mean envelope, which the material table gives: with speckle that of
 /// a Rayleigh envelope, without 1.
 double mean_power_gain(const SimulationOptions& options);
@@ -46,17 +45,13 @@ class BeamNodes {
             int samples,
             double reach_m);
 
-  /// Computes the nodes of one stick; reuses the memory of the last.
-  void compute(const StickTrack& track, const StickLosses& losses);
+  /// Computes the nodes of one stick; reuses the memory of the last. `beam`: at each sample.
+  void compute(const StickTrack& track, const StickLosses& losses, const BeamAtSample* beam);
 
   /// The nodes of a layer; at least one more can be read behind them.
   const Node* of(const TrackLayer& layer) const { return nodes_.data() + layer.first_node; }
 
  private:
-  struct Widths {
-    float lateral2 = 0;  ///< squared sigma of the two-way power
-    float elevation2 = 0;
-  };
   /// An interface, from the side from which the sound arrives.
   struct Crossing {
     float impedance_before = 1;
@@ -72,7 +67,7 @@ class BeamNodes {
   };
   friend struct NodeKernels;
 
-  void look_up(const StickTrack& track);
+  void look_up(const StickTrack& track, const BeamAtSample* beam);
   const Crossing& crossing(phantoms::MaterialIndex before, phantoms::MaterialIndex behind) const {
     return crossings_[static_cast<std::size_t>(before) * materials_ +
                       static_cast<std::size_t>(behind)];
@@ -85,9 +80,9 @@ class BeamNodes {
   float pulse2_;                ///< squared sigma of the pulse's power
   float max2_;                  ///< largest squared sigma that the reach allows
   float interface_gain_;        ///< factor of an interface's power: pulse and speckle statistics
-  std::vector<Widths> widths_;  ///< at each sample
+  int samples_;
   std::vector<Crossing> crossings_;  ///< [before][behind]
-  std::vector<Widths> beam_;         ///< at each node
+  std::vector<BeamAtSample> beam_;   ///< at each node
   std::vector<Crossing> crossed_;    ///< at each node
   std::vector<TrackNode> surfaces_;  ///< the track's nodes, padded
   std::vector<Front> fronts_;

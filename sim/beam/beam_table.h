@@ -1,25 +1,20 @@
-// The two-way beam as a table: amplitude, phase and frequency slope of the echo of a scatterer off
-// the stick's axis.
+// The two-way beam as a table: responses over the band for a scatterer off the stick's axis.
 //
-// Over a wide band the beam is narrower for high frequencies than for low ones, so that echoes from
-// its edge have less of the high ones. Around the centre frequency the response is taken as linear,
-//   H(f) = A + B (f - f0) / f0,
-// which the pulse and its derivative can represent. The curvature of the wave front is stored
-// apart, so that A and B vary slowly: at an offset u an echo appears delay + curvature * u^2
-// farther away.
+// The curvature of the wave front is stored apart, so that responses vary slowly: at an offset u
+// an echo appears delay + tilt * u + curvature * u^2 farther away. Sticks near the end of the array
+// have a lateral table of their own, because part of their aperture is missing.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
-namespace wobblebench::hw {
-class AcquisitionPlan;
-}
+#include "sim/beam/pulse_band.h"
+#include "sim/options.h"
 
 namespace wobblebench::sim {
 
 enum class BeamShape {
-  main_lobe,   ///< the response of sim/beam/beam_pattern.h to the edge of its main lobe
+  main_lobe,   ///< the response to the edge of its main lobe
   side_lobes,  ///< the same with three side lobes
 };
 
@@ -27,6 +22,7 @@ enum class BeamShape {
 struct BeamRow {
   float columns_per_m = 0;  ///< of offset; there is no echo beyond the last column
   float delay_m = 0;        ///< of the echo's apparent range
+  float tilt = 0;
   float curvature_per_m = 0;
 };
 
@@ -36,44 +32,46 @@ class BeamTable {
   static constexpr int kMaxEntries = 1 << 16;
 
   /// Results do not depend on `threads` (0: all that the machine has).
-  BeamTable(const hw::AcquisitionPlan& plan, BeamShape shape, int threads = 0);
+  BeamTable(const hw::AcquisitionPlan& plan,
+            BeamShape shape,
+            Apodisation apodisation = Apodisation::rectangular,
+            int threads = 0);
 
+  /// Columns on one side of the axis.
   int columns() const { return columns_; }
-  int rows() const { return static_cast<int>(lateral_.rows.size()); }
+  int rows() const { return static_cast<int>(elevation_.rows.size()); }
   double rows_per_m() const { return rows_per_m_; }
   /// The row that contains a range, clamped to the table.
   int row(double range_m) const;
 
-  /// H at one position: amplitude * exp(2 pi i cycles) * (1 + slope * (f - f0) / f0). For the
-  /// product of both directions amplitudes multiply, phases add, and so do slopes (their product is
-  /// neglected).
-  struct Value {
-    float amplitude = 0;
-    float cycles = 0;
-    float slope_re = 0;
-    float slope_im = 0;
-  };
   struct Direction {
     std::vector<BeamRow> rows;
-    /// [row][column], at the middle of the column.
-    std::vector<Value> values;
+    /// [row][column], at the middle of the column. Lateral: from the largest negative offset on, 2
+    /// columns() a row; elevation: from the axis on, for both signs.
+    std::vector<BandValues> values;
   };
-  const Direction& lateral() const { return lateral_; }
+  /// Lateral tables for sticks at angles from the middle one outwards, in beam coordinates whose
+  /// lateral axis points away from the middle of the sector.
+  const std::vector<Direction>& lateral() const { return lateral_; }
   const Direction& elevation() const { return elevation_; }
+  /// Index of the lateral table of a stick.
+  std::size_t lateral_of(double theta_rad) const;
   /// Largest offset that echoes (m).
   double reach_m(const Direction& direction, int row) const {
     return columns_ /
            static_cast<double>(direction.rows[static_cast<std::size_t>(row)].columns_per_m);
   }
 
-  /// Equivalent area: the integral of the echo power over the cross-section, over that of a
-  /// scatterer on the axis.
+  /// Equivalent area of the middle stick's beam: the integral of the echo power over the
+  /// cross-section, over that of a scatterer whose echo has a peak of 1.
   double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }
 
  private:
   int columns_;
   double rows_per_m_;
-  Direction lateral_;
+  double first_angle_rad_;
+  double angle_step_rad_;
+  std::vector<Direction> lateral_;
   Direction elevation_;
   std::vector<double> area_m2_;
 };

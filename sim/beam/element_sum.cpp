@@ -58,64 +58,40 @@ void add_sources(const double* paths,
 
 }  // namespace
 
-ElementSum::ElementSum(const hw::AcquisitionPlan& plan, double theta_rad)
-    : radius_m_(plan.probe().radius_m),
-      pitch_m_(plan.probe().pitch_m),
-      transmit_focus_m_(plan.probe().transmit_focus_m),
-      sigma_m_(sigma_of_fwhm(axial_fwhm_m(plan))),
+ElementSum::ElementSum(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad)
+    : sigma_m_(sigma_of_fwhm(axial_fwhm_m(plan))),
       wavenumber_per_m_(2 * kPi * plan.probe().center_frequency_hz /
                         plan.acquisition().sound_speed_m_s),
-      plan_(plan) {
-  const auto& probe = plan.probe();
-  for (int e = 0; e < probe.elements; ++e) {
-    const double angle = (e - 0.5 * (probe.elements - 1)) * pitch_m_ / radius_m_ - theta_rad;
-    Element element{radius_m_ * (std::cos(angle) - 1), radius_m_ * std::sin(angle), 0, 0};
-    element.transmit_path_m =
-        std::hypot(transmit_focus_m_ - element.axial_m, element.lateral_m) - transmit_focus_m_;
-    element.transmit_share = within(element, transmit_aperture_m(plan), transmit_focus_m_);
+      plan_(plan),
+      aperture_(plan, apodisation, theta_rad),
+      lens_(plan) {
+  const double radius_m = plan.probe().radius_m;
+  const double width_rad = plan.probe().pitch_m / radius_m;
+  for (std::size_t e = 0; e < aperture_.elements().size(); ++e) {
     for (int c = 0; c < kColumnsPerElement; ++c) {
-      const double at = angle + ((c + 0.5) / kColumnsPerElement - 0.5) * pitch_m_ / radius_m_;
-      columns_.push_back(
-          {radius_m_ * (std::cos(at) - 1), radius_m_ * std::sin(at), elements_.size()});
+      const double at = aperture_.elements()[e].angle_rad +
+                        ((c + 0.5) / kColumnsPerElement - 0.5) * width_rad;
+      columns_.push_back({radius_m * (std::cos(at) - 1), radius_m * std::sin(at), e});
     }
-    elements_.push_back(element);
-  }
-  const double half_wave_m = kPi / wavenumber_per_m_;
-  const int sources =
-      std::max(1, static_cast<int>(std::ceil(probe.element_height_m / half_wave_m)));
-  for (int i = 0; i < sources; ++i) {
-    const double height = ((i + 0.5) / sources - 0.5) * probe.element_height_m;
-    heights_m_.push_back(height);
-    lens_m_.push_back(probe.elevation_focus_m - std::hypot(probe.elevation_focus_m, height));
   }
 }
 
 std::size_t ElementSum::sources(double range_m) const {
   std::size_t sending = 0, receiving = 0;
-  for (const Element& element : elements_) {
-    sending += element.transmit_share > 0;
-    receiving += receive_share(element, range_m) > 0;
+  for (const Element& element : aperture_.elements()) {
+    sending += aperture_.transmit_weight(element, range_m) > 0;
+    receiving += aperture_.receive_weight(element, range_m) > 0;
   }
-  return (sending + receiving) * kColumnsPerElement * heights_m_.size();
-}
-
-double ElementSum::within(const Element& element, double aperture_m, double range_m) const {
-  // The face curves away from the focus, so that the aperture is narrower at the element.
-  const double half_m = 0.5 * aperture_m * (range_m - element.axial_m) / range_m;
-  return std::clamp((half_m - std::abs(element.lateral_m)) / pitch_m_ + 0.5, 0.0, 1.0);
-}
-
-double ElementSum::receive_share(const Element& element, double range_m) const {
-  return within(element, receive_aperture_m(plan_, range_m), range_m);
+  return (sending + receiving) * kColumnsPerElement * lens_.height_m.size();
 }
 
 ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
   Paths paths;
   for (const Column& column : columns_) {
     const double in_plane = std::hypot(point_m.x - column.axial_m, point_m.y - column.lateral_m);
-    for (std::size_t i = 0; i < heights_m_.size(); ++i) {
-      const double distance = std::hypot(in_plane, point_m.z - heights_m_[i]);
-      paths.length_m.push_back(distance + lens_m_[i]);
+    for (std::size_t i = 0; i < lens_.height_m.size(); ++i) {
+      const double distance = std::hypot(in_plane, point_m.z - lens_.height_m[i]);
+      paths.length_m.push_back(distance + lens_.lens_m[i]);
       paths.weight.push_back(1 / distance);
     }
   }
@@ -143,12 +119,15 @@ ElementSum::Band ElementSum::band(double spread_m) const {
 
 std::vector<Complex> ElementSum::element_spectra(const Paths& paths,
                                                  const Band& band,
+                                                 double range_m,
                                                  double last_m) const {
-  const std::size_t count = band.power.size(), each = kColumnsPerElement * heights_m_.size();
+  const std::size_t count = band.power.size(), each = kColumnsPerElement * lens_.height_m.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
-  std::vector<Complex> spectra(elements_.size() * count);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (elements_[e].transmit_share == 0 && receive_share(elements_[e], last_m) == 0) continue;
+  const auto& elements = aperture_.elements();
+  std::vector<Complex> spectra(elements.size() * count);
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const bool transmits = aperture_.transmit_weight(elements[e], range_m) > 0;
+    if (!transmits && aperture_.receive_weight(elements[e], last_m) == 0) continue;
     add_sources(paths.length_m.data() + e * each,
                 paths.weight.data() + e * each,
                 each,
@@ -166,11 +145,11 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
   const std::size_t count = band.power.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> received(count);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const double share = receive_share(elements_[e], range_m);
+  const auto& elements = aperture_.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const double share = aperture_.receive_weight(elements[e], range_m);
     if (share == 0) continue;
-    const double late =
-        std::hypot(range_m - elements_[e].axial_m, elements_[e].lateral_m) - range_m;
+    const double late = StickAperture::excess_m(elements[e], range_m);
     Complex rotation = std::polar(share, band.wavenumber_per_m[0] * late);
     const Complex step_rotation = std::polar(1.0, step * late);
     for (std::size_t f = 0; f < count; ++f) {
@@ -190,14 +169,15 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
 }
 
 ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const {
-  const std::size_t each = kColumnsPerElement * heights_m_.size();
+  const std::size_t each = kColumnsPerElement * lens_.height_m.size();
   Extent extent{std::numeric_limits<double>::infinity(), 0};
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const bool transmits = elements_[e].transmit_share > 0;
-    if (!transmits && receive_share(elements_[e], range_m) == 0) continue;
-    const double focus_m =
-        std::hypot(range_m - elements_[e].axial_m, elements_[e].lateral_m) - range_m;
-    const double transmit_m = elements_[e].transmit_path_m;
+  const auto& elements = aperture_.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const bool transmits = aperture_.transmit_weight(elements[e], range_m) > 0;
+    if (!transmits && aperture_.receive_weight(elements[e], range_m) == 0) continue;
+    const double focus_m = StickAperture::excess_m(elements[e], range_m);
+    const double transmit_m =
+        StickAperture::excess_m(elements[e], transmit_focus_m(plan_, range_m));
     const double early_m = transmits ? std::max(transmit_m, focus_m) : focus_m;
     const double late_m = transmits ? std::min(transmit_m, focus_m) : focus_m;
     const auto [low, high] = std::minmax_element(paths.length_m.begin() + e * each,
@@ -209,14 +189,18 @@ ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const 
 }
 
 std::vector<Complex> ElementSum::transmitted_spectrum(const std::vector<Complex>& spectra,
-                                                      const Band& band) const {
+                                                      const Band& band,
+                                                      double range_m) const {
   const std::size_t count = band.power.size();
   std::vector<Complex> sent(count);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    if (elements_[e].transmit_share == 0) continue;
+  const auto& elements = aperture_.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const double share = aperture_.transmit_weight(elements[e], range_m);
+    if (share == 0) continue;
+    const double path_m = StickAperture::excess_m(elements[e], transmit_focus_m(plan_, range_m));
     for (std::size_t f = 0; f < count; ++f) {
-      const double ahead = band.wavenumber_per_m[f] * elements_[e].transmit_path_m;
-      sent[f] += times(spectra[e * count + f], std::polar(elements_[e].transmit_share, ahead));
+      const double ahead = band.wavenumber_per_m[f] * path_m;
+      sent[f] += times(spectra[e * count + f], std::polar(share, ahead));
     }
   }
   return sent;
@@ -230,8 +214,8 @@ void ElementSum::add(const BeamPoint& point,
   const Paths paths = paths_to(point.at_m);
   const Extent extent = this->extent(paths, point.at_m.x);
   const Band band = this->band(extent.last_m - extent.first_m);
-  const std::vector<Complex> spectra = element_spectra(paths, band, extent.last_m + margin_m);
-  std::vector<Complex> sent = transmitted_spectrum(spectra, band);
+  const std::vector<Complex> spectra = element_spectra(paths, band, point.at_m.x, extent.last_m + margin_m);
+  std::vector<Complex> sent = transmitted_spectrum(spectra, band, point.at_m.x);
   for (std::size_t f = 0; f < sent.size(); ++f) sent[f] *= point.amplitude * band.power[f];
 
   const int samples = static_cast<int>(iq.size());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/beam/stick_aperture.h"
 
 namespace wobblebench::sim {
 
@@ -18,15 +19,13 @@ struct BeamPoint {
   double amplitude = 1;
 };
 
-/// The probe's elements as used for one stick. They lie on the curved face, each divided into point
-/// sources, three along the face and across it as many as keep them within half a wavelength. A
-/// lens focuses each across the image plane. On transmit, delays focus at the transmit focus; on
-/// receive, at each range (dynamic focus). An aperture subtends the F-number's angle at its focus,
-/// so that it grows with the focus's range; elements partly within it are weighted by that share.
+/// The probe's elements as used for one stick (sim/beam/stick_aperture.h), each divided into point
+/// sources: three along the face, and across it those of the lens. On transmit, delays focus at the
+/// transmit focus; on receive, at each range (dynamic focus).
 class ElementSum {
  public:
-  /// `theta_rad`: angle of the stick. The aperture ends with the array.
-  ElementSum(const hw::AcquisitionPlan& plan, double theta_rad);
+  /// `theta_rad`: angle of the stick.
+  ElementSum(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad);
 
   /// Adds the echo to IQ samples at ranges (i + 1/2) * spacing_m, delayed by `delay_m` of range.
   /// The pulse is that of sim/beam/point_spread.h, demodulated by the centre frequency with phase 0
@@ -43,12 +42,6 @@ class ElementSum {
   std::size_t sources(double range_m) const;
 
  private:
-  struct Element {
-    double axial_m;  ///< of its middle, in the image plane
-    double lateral_m;
-    double transmit_path_m;  ///< from its middle to the transmit focus, less the focus's range
-    double transmit_share;   ///< share of it within the transmit aperture
-  };
   /// One of the strips along the face into which an element is divided, over its whole height.
   struct Column {
     double axial_m;
@@ -75,29 +68,23 @@ class ElementSum {
   Paths paths_to(const glm::dvec3& point_m) const;
   Extent extent(const Paths& paths, double range_m) const;
   Band band(double spread_m) const;
-  /// Share of an element within an aperture whose focus is at a range.
-  double within(const Element& element, double aperture_m, double range_m) const;
-  double receive_share(const Element& element, double range_m) const;
   std::vector<std::complex<double>> element_spectra(const Paths& paths,
                                                     const Band& band,
+                                                    double range_m,
                                                     double last_m) const;
   std::vector<std::complex<double>> transmitted_spectrum(
-      const std::vector<std::complex<double>>& spectra, const Band& band) const;
+      const std::vector<std::complex<double>>& spectra, const Band& band, double range_m) const;
   std::complex<double> sample(const std::vector<std::complex<double>>& spectra,
                               const std::vector<std::complex<double>>& sent,
                               const Band& band,
                               double range_m) const;
 
-  double radius_m_;
-  double pitch_m_;
-  double transmit_focus_m_;
   double sigma_m_;  ///< of the pulse
   double wavenumber_per_m_;
   hw::AcquisitionPlan plan_;
-  std::vector<Element> elements_;
+  StickAperture aperture_;
+  ElevationSources lens_;
   std::vector<Column> columns_;
-  std::vector<double> heights_m_;  ///< of the point sources across the image plane
-  std::vector<double> lens_m_;     ///< path that the lens adds to each
 };
 
 }  // namespace wobblebench::sim

@@ -1,5 +1,4 @@
-// The probe's resolution: widths of its point spread function (docs/references.md [4, 5]), and the
-// kernels that give speckle this size on the polar grid.
+// The pulse and the apertures of the probe (docs/references.md [4, 5]).
 #pragma once
 
 #include <vector>
@@ -12,25 +11,13 @@ namespace wobblebench::sim {
 double axial_fwhm_m(const hw::AcquisitionPlan& plan);
 /// IQ samples for each output sample: enough for the two-sided bandwidth of the pulse.
 int iq_oversampling(const hw::AcquisitionPlan& plan);
+/// The transmit focus that serves a range.
+double transmit_focus_m(const hw::AcquisitionPlan& plan, double range_m);
 /// Aperture widths in the image plane by the F-number, limited by the number of elements. The
-/// receive aperture grows with the range (dynamic focus), the transmit aperture is that of its
-/// fixed focus.
+/// receive aperture grows with the range (dynamic focus), the transmit aperture is that of the
+/// fixed focus that serves the range.
 double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
-double transmit_aperture_m(const hw::AcquisitionPlan& plan);
-/// Two-way -6 dB width in the image plane. At the transmit focus, where both apertures are focused:
-/// 0.886 lambda F#, times 1 + 2 q / 15 for the elements' directivity, where 1 - q is the
-/// sensitivity of an element at the aperture's edge relative to its middle. Away from it the
-/// transmit beam widens (diffraction and geometric width in quadrature), and the width tends to
-/// that of the receive beam, which is focused at every range: at most 1.253 lambda F#.
-double lateral_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
-/// One-way width of the transmit beam.
-double transmit_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
-/// Two-way width across the image plane: 0.886 lambda range / height at the fixed focus. Away from
-/// it the width is a function of the Fresnel number of the defocus, height^2 |1 / range - 1 /
-/// focus| / 4 lambda: little wider below 0.6, and three quarters of the aperture's geometric shadow
-/// far away. It is the width of the Gaussian that has the same (integral of p)^2 / integral of p^2,
-/// p the power over the beam, as the diffracted beam of sim/beam/beam_pattern.h.
-double elevation_fwhm_m(const hw::AcquisitionPlan& plan, double range_m);
+double transmit_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
 
 /// Distance between neighbouring image planes at a sample, (r cos(theta) - b) d phi; 0 for one
 /// frame.

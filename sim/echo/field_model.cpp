@@ -57,12 +57,13 @@ FieldModel::FieldModel(const ScannedTissue& tissue,
       propagation_(tissue_, plan, options, Surfaces::nearby),
       mean_power_(plan,
                   options,
+                  BeamProfile(plan, options),
                   tissue_.materials,
                   propagation_.spacing_m(),
                   propagation_.samples(),
                   tissue_.map->reach_m()),
       has_speckle_(options.speckle) {
-  if (has_speckle_) speckle_ = homogeneous_speckle(plan, options.seed, options.threads);
+  if (has_speckle_) speckle_ = homogeneous_speckle(plan, options);
 }
 
 IqMaker FieldModel::iq_maker() const {
@@ -73,7 +74,8 @@ IqMaker FieldModel::iq_maker() const {
           power = std::vector<float>(samples),
           iq = std::vector<Complex>(samples)](const hw::StickIndex& index) mutable {
     propagation.follow(index);
-    if (!mean_power.compute(propagation.track(), propagation.losses(), power)) {
+    if (!mean_power.compute(
+            propagation.track(), propagation.losses(), propagation.theta_rad(), power)) {
       std::fill(iq.begin(), iq.end(), Complex(0));
     } else if (has_speckle_) {
       scale_by_root(reinterpret_cast<const float*>(speckle_.stick(index).data()),

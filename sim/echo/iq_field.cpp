@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "sim/beam/point_spread.h"
+#include "sim/beam/speckle_kernels.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {
@@ -12,10 +13,6 @@ namespace wobblebench::sim {
 namespace {
 
 using Complex = std::complex<float>;
-
-// Limits of the cost; wider kernels occur only within a few millimetres of the face.
-constexpr int kMaxHalfLines = 8;
-constexpr int kMaxHalfFrames = 32;
 
 WOBBLEBENCH_SIMD void fill_noise(float* parts, int count, std::uint64_t key) {
   for (int i = 0; i < count; ++i) {
@@ -51,23 +48,16 @@ float* parts_of(Complex* values) {
 /// the stick.
 class RangeKernels {
  public:
-  /// `sigma_in_steps(i)`: width of the kernel at range sample i.
-  template <class Sigma>
-  RangeKernels(int samples, int max_half, const Sigma& sigma_in_steps) : samples_(samples) {
-    std::vector<std::vector<float>> kernels;
-    for (int i = 0; i < samples; ++i) {
-      kernels.push_back(unit_power_gaussian(sigma_in_steps(i), max_half));
-      half_ = std::max(half_, static_cast<int>(kernels.back().size()) / 2);
-    }
+  RangeKernels(int samples, double spacing_m, const SpeckleKernels& kernels, int angle)
+      : samples_(samples), half_(kernels.count() - 1) {
     // Kernels are widest near the face, where sticks are dense.
     ends_.assign(static_cast<std::size_t>(half_) + 1, 0);
     taps_.assign((static_cast<std::size_t>(half_) + 1) * static_cast<std::size_t>(samples), 0.0f);
     for (int i = 0; i < samples; ++i) {
-      const auto& kernel = kernels[static_cast<std::size_t>(i)];
-      const int half = static_cast<int>(kernel.size()) / 2;
-      for (int tap = 0; tap <= half; ++tap) {
-        taps_[at(tap) + static_cast<std::size_t>(i)] = kernel[static_cast<std::size_t>(half + tap)];
-        ends_[static_cast<std::size_t>(tap)] = i + 1;
+      const std::vector<float> taps = kernels.taps((i + 0.5) * spacing_m, angle);
+      for (std::size_t tap = 0; tap < taps.size(); ++tap) {
+        taps_[at(static_cast<int>(tap)) + static_cast<std::size_t>(i)] = taps[tap];
+        ends_[tap] = i + 1;
       }
     }
   }
@@ -89,9 +79,10 @@ class RangeKernels {
 
 /// Filters across `count` sticks, `stride` complex values apart. At the edges the taps outside the
 /// field are dropped and the others scaled up, so that the power is the same there.
-void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
-  if (kernels.half() == 0) return;
-  const auto samples = static_cast<std::size_t>(kernels.samples());
+/// `kernels_of(n)`: those of the n-th stick.
+template <class KernelsOf>
+void filter_sticks(Complex* values, int count, std::size_t stride, const KernelsOf& kernels_of) {
+  const auto samples = static_cast<std::size_t>(kernels_of(0).samples());
   std::vector<Complex> before(samples * static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {
     std::copy_n(
@@ -99,6 +90,7 @@ void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKe
   }
   std::vector<float> power(samples);
   for (int n = 0; n < count; ++n) {
+    const RangeKernels& kernels = kernels_of(n);
     Complex* target = values + n * stride;
     std::fill_n(target, samples, Complex(0));
     std::fill(power.begin(), power.end(), 0.0f);
@@ -118,6 +110,14 @@ void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKe
     if (n >= kernels.half() && n + kernels.half() < count) continue;
     for (std::size_t i = 0; i < samples; ++i) target[i] /= std::sqrt(power[i]);
   }
+}
+
+std::vector<RangeKernels> kernels_by_angle(const IqField& field, const SpeckleKernels& kernels) {
+  std::vector<RangeKernels> by_angle;
+  for (int angle = 0; angle < kernels.angles(); ++angle) {
+    by_angle.emplace_back(field.samples, field.spacing_m, kernels, angle);
+  }
+  return by_angle;
 }
 
 }  // namespace
@@ -155,49 +155,59 @@ void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigm
   }
 }
 
-void filter_across_lines(IqField& field, const hw::AcquisitionPlan& plan, int threads) {
-  const RangeKernels kernels(field.samples, kMaxHalfLines, [&](int i) {
-    const double range_m = (i + 0.5) * field.spacing_m;
-    const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
-    return step_m > 0 ? sigma_of_fwhm(lateral_fwhm_m(plan, range_m)) / step_m : 0;
-  });
-  parallel_ranges(field.frames, threads, [&](int first, int last) {
+void filter_across_lines(IqField& field,
+                         const hw::AcquisitionPlan& plan,
+                         const SimulationOptions& options) {
+  const auto kernels = SpeckleKernels::across_lines(plan, options);
+  if (kernels.count() == 1) return;
+  const auto by_angle = kernels_by_angle(field, kernels);
+  const auto kernels_of = [&](int line) -> const RangeKernels& {
+    return by_angle[static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)))];
+  };
+  parallel_ranges(field.frames, options.threads, [&](int first, int last) {
     for (int f = first; f < last; ++f) {
-      filter_sticks(
-          field.stick(f, 0).data(), field.lines, static_cast<std::size_t>(field.samples), kernels);
+      filter_sticks(field.stick(f, 0).data(),
+                    field.lines,
+                    static_cast<std::size_t>(field.samples),
+                    kernels_of);
     }
   });
 }
 
-void filter_across_frames(IqField& field, const hw::AcquisitionPlan& plan, int threads) {
+void filter_across_frames(IqField& field,
+                          const hw::AcquisitionPlan& plan,
+                          const SimulationOptions& options) {
+  const auto kernels = SpeckleKernels::across_frames(plan, options);
+  if (kernels.count() == 1) return;
   const std::size_t frame = static_cast<std::size_t>(field.samples) * field.lines;
-  parallel_ranges(field.lines, threads, [&](int first, int last) {
+  const auto by_angle = kernels_by_angle(field, kernels);
+  parallel_ranges(field.lines, options.threads, [&](int first, int last) {
     for (int line = first; line < last; ++line) {
-      const RangeKernels kernels(field.samples, kMaxHalfFrames, [&](int i) {
-        const double range_m = (i + 0.5) * field.spacing_m;
-        const double step_m = frame_distance_m(plan, line, range_m);
-        return step_m > 0 ? sigma_of_fwhm(elevation_fwhm_m(plan, range_m)) / step_m : 0;
-      });
-      filter_sticks(field.stick(0, line).data(), field.frames, frame, kernels);
+      const auto& of_line =
+          by_angle[static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)))];
+      filter_sticks(field.stick(0, line).data(),
+                    field.frames,
+                    frame,
+                    [&](int) -> const RangeKernels& { return of_line; });
     }
   });
 }
 
-IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads) {
+IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
   IqField field = make_iq_field(plan);
   const double pulse_sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
-  parallel_ranges(plan.sticks_per_volume(), threads, [&](int first, int last) {
+  parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const int frame = i / field.lines, line = i % field.lines;
-      const auto key = random_key(seed,
+      const auto key = random_key(options.seed,
                                   RandomStream::speckle,
                                   static_cast<std::uint64_t>(frame),
                                   static_cast<std::uint64_t>(line));
       fill_speckle(field.stick(frame, line), key, pulse_sigma);
     }
   });
-  filter_across_lines(field, plan, threads);
-  filter_across_frames(field, plan, threads);
+  filter_across_lines(field, plan, options);
+  filter_across_frames(field, plan, options);
   return field;
 }
 

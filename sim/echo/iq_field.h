@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
 
 namespace wobblebench::sim {
 
@@ -53,13 +54,18 @@ void fill_speckle(std::span<std::complex<float>> stick,
                   std::uint64_t key,
                   double pulse_sigma_samples);
 
-/// Filters each range by the beam's width there, across the lines of each frame or across frames.
-/// Keeps the mean power.
-void filter_across_lines(IqField& field, const hw::AcquisitionPlan& plan, int threads);
-void filter_across_frames(IqField& field, const hw::AcquisitionPlan& plan, int threads);
+/// Filters each range so that white noise gets the correlation of speckle there
+/// (sim/beam/speckle_kernels.h), across the lines of each frame or across frames. Keeps the mean
+/// power.
+void filter_across_lines(IqField& field,
+                         const hw::AcquisitionPlan& plan,
+                         const SimulationOptions& options);
+void filter_across_frames(IqField& field,
+                          const hw::AcquisitionPlan& plan,
+                          const SimulationOptions& options);
 
 /// Speckle of unit mean power on the whole grid, filtered in all three directions.
-IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, std::uint64_t seed, int threads);
+IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
 
 /// Adds the echo of one reflector: a Gaussian pulse of peak `amplitude` at a range, with the phase
 /// of its two-way path.

@@ -18,11 +18,6 @@ constexpr double kMaxReach_m = 4e-3;
 /// Of the vectorised loops; runs of samples are padded to multiples of it.
 constexpr std::size_t kLanes = 16;
 
-double widest_sigma(const hw::AcquisitionPlan& plan, double range_m) {
-  return std::max(power_sigma(lateral_fwhm_m(plan, range_m)),
-                  power_sigma(elevation_fwhm_m(plan, range_m)));
-}
-
 /// Positions of samples among a piece's nodes: the node before, and the share of the distance to
 /// the next. `delay_m` may be null.
 WOBBLEBENCH_SIMD void locate_samples(int first,
@@ -66,10 +61,12 @@ WOBBLEBENCH_SIMD void blend_surface(const MeanPower::NodePair* __restrict pair,
 WOBBLEBENCH_SIMD void sum_and_attenuate(const float* __restrict tissue,
                                         const float* __restrict interface_power,
                                         const float* __restrict remaining,
+                                        const BeamAtSample* __restrict beam,
                                         std::size_t count,
                                         float* __restrict power) {
-  for (std::size_t i = 0; i < count; ++i)
-    power[i] = (tissue[i] + interface_power[i]) * remaining[i] * remaining[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    power[i] = (tissue[i] + interface_power[i]) * remaining[i] * remaining[i] * beam[i].level2;
+  }
 }
 
 std::size_t padded(std::size_t count) {
@@ -79,20 +76,26 @@ std::size_t padded(std::size_t count) {
 }  // namespace
 
 double MeanPower::reach_m(const hw::AcquisitionPlan& plan) {
-  double widest = widest_sigma(plan, plan.acquisition().depth_m);
-  for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
-    widest = std::max(widest, widest_sigma(plan, plan.sample_range_m(k)));
-  }
-  return std::min(BeamNodes::kReachSigmas * widest, kMaxReach_m);
+  // At most: the first lobe and the shadow of the lens.
+  const auto& probe = plan.probe();
+  const double depth_m = plan.acquisition().depth_m;
+  const double lobe_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz * depth_m /
+                        std::min(probe.element_height_m, receive_aperture_m(plan, depth_m));
+  const double shadow_m =
+      probe.element_height_m * std::max(1.0, depth_m / probe.elevation_focus_m - 1);
+  return std::min(BeamNodes::kReachSigmas * power_sigma(lobe_m + shadow_m), kMaxReach_m);
 }
 
 MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
                      const SimulationOptions& options,
+                     const BeamProfile& profile,
                      const std::vector<phantoms::Material>& materials,
                      double spacing_m,
                      int samples,
                      double reach_m)
-    : spacing_m_(spacing_m), nodes_(plan, options, materials, spacing_m, samples, reach_m) {
+    : spacing_m_(spacing_m),
+      beam_(plan, profile, spacing_m, samples),
+      nodes_(plan, options, materials, spacing_m, samples, reach_m) {
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
     const bool echoes = material.backscatter_db > kZeroAmplitude_db;
@@ -112,6 +115,7 @@ bool MeanPower::Section::clear() const {
 
 bool MeanPower::compute(const StickTrack& track,
                         const StickLosses& losses,
+                        double theta_rad,
                         std::span<float> power) {
   const std::size_t end = losses.remaining().size();
   find_sections(track, losses);
@@ -122,7 +126,8 @@ bool MeanPower::compute(const StickTrack& track,
     std::fill(power.begin(), power.end(), 0.0f);
     return false;
   }
-  nodes_.compute(track, losses);
+  const BeamAtSample* beam = beam_.of(theta_rad);
+  nodes_.compute(track, losses, beam);
   for (const Section& section : sections_) begin_section(track, section);
   std::fill_n(interface_.begin(), end, 0.0f);
   blend_first_layers();
@@ -130,7 +135,7 @@ bool MeanPower::compute(const StickTrack& track,
     for (int layer = 1; layer < section.piece->layers; ++layer) blend_layer(track, section, layer);
   }
   sum_and_attenuate(
-      tissue_.data(), interface_.data(), losses.remaining().data(), end, power.data());
+      tissue_.data(), interface_.data(), losses.remaining().data(), beam, end, power.data());
   std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
   return true;
 }

@@ -18,6 +18,7 @@ class MeanPower {
   /// `reach_m`: as for BeamNodes.
   MeanPower(const hw::AcquisitionPlan& plan,
             const SimulationOptions& options,
+            const BeamProfile& profile,
             const std::vector<phantoms::Material>& materials,
             double spacing_m,
             int samples,
@@ -25,8 +26,11 @@ class MeanPower {
 
   /// Computes the mean power at each sample of `losses.remaining()`, 0 beyond. With speckle it is
   /// that of a Rayleigh envelope whose mean is the material's backscatter; without, the backscatter
-  /// squared. Returns false if there are no echoes, and `power` is all 0.
-  bool compute(const StickTrack& track, const StickLosses& losses, std::span<float> power);
+  /// squared. `theta_rad`: angle of the stick. Returns false if there are no echoes, and `power` is all 0.
+  bool compute(const StickTrack& track,
+               const StickLosses& losses,
+               double theta_rad,
+               std::span<float> power);
 
   /// Largest distance at which a surface affects the beam: three sigmas of the beam's power where
   /// it is widest, at most 4 mm.
@@ -61,6 +65,7 @@ class MeanPower {
   void blend(std::size_t first, std::size_t count);
 
   double spacing_m_;
+  BeamAtSamples beam_;
   BeamNodes nodes_;
   std::vector<float> material_power_;
   std::vector<Section> sections_;

@@ -25,11 +25,6 @@ ScattererSettings reference_settings() {
   return {BeamShape::side_lobes, false};
 }
 
-/// Angle of a stick in the sector.
-double theta_of(const hw::AcquisitionPlan& plan, const hw::Ray& ray) {
-  return plan.geometry().to_polar(ray.at(plan.acquisition().depth_m)).theta_rad;
-}
-
 /// Linear interpolation of a curve sampled at ranges (i + 1/2) * spacing_m.
 double at_range(std::span<const float> curve, double spacing_m, double range_m) {
   const double position =
@@ -54,12 +49,13 @@ ReferenceScene::ReferenceScene(const ScannedTissue& tissue,
                                const hw::AcquisitionPlan& plan,
                                const SimulationOptions& options)
     : plan_(plan),
+      apodisation_(options.apodisation),
       scatterers_(tissue, plan, options, reference_settings()),
       axis_step_m_(std::max(kAxisStep_m, plan.acquisition().depth_m / 1000)) {
   check_cost();
   const int count = static_cast<int>(std::ceil(plan.acquisition().depth_m / axis_step_m_)) + 1;
   on_axis_.resize(static_cast<std::size_t>(count));
-  const ElementSum middle(plan, 0);
+  const ElementSum middle(plan, apodisation_, 0);
   parallel_ranges(count, options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       on_axis_[static_cast<std::size_t>(i)] = middle.on_axis((i + 0.5) * axis_step_m_);
@@ -71,7 +67,7 @@ void ReferenceScene::check_cost() const {
   const int sticks = plan_.sticks_per_volume();
   const int sampled = std::min(sticks, kSampledSticks);
   double scatterers = 0, terms = 0;
-  const ElementSum middle(plan_, 0);
+  const ElementSum middle(plan_, apodisation_, 0);
   for (int i = 0; i < sampled; ++i) {
     const hw::StickIndex index =
         plan_.index(static_cast<std::uint64_t>((i + 0.5) * sticks / sampled));
@@ -112,7 +108,7 @@ void ReferenceScene::add_echoes(const StickPath& path, std::span<std::complex<fl
 void ReferenceScene::add_points(const StickPath& path,
                                 std::span<const PointEcho> points,
                                 std::span<std::complex<float>> iq) const {
-  const ElementSum sum(plan_, theta_of(plan_, path.line.ray));
+  const ElementSum sum(plan_, apodisation_, stick_angle_rad(path.line.ray));
   const AcrossStick across = across_stick(path.line.ray);
   std::vector<std::complex<double>> echoes(iq.size());
   for (const PointEcho& point : points) {

@@ -35,6 +35,7 @@ class ReferenceScene {
   double on_axis(double range_m) const;
 
   hw::AcquisitionPlan plan_;
+  Apodisation apodisation_;
   ScattererField scatterers_;
   double axis_step_m_;
   /// Echo of a scatterer on the axis of the middle stick, at ranges (i + 1/2) * axis_step_m_.

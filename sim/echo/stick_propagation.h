@@ -28,6 +28,8 @@ class StickPropagation {
   /// Computes track and losses of a stick. Reuses the memory of the stick before.
   void follow(const hw::StickIndex& index);
 
+  /// Angle of the stick in its image plane.
+  double theta_rad() const { return stick_angle_rad(line_.ray); }
   const StickTrack& track() const { return track_; }
   const StickLosses& losses() const { return losses_; }
   StickPath path() const { return {line_, spacing_m_, losses_.remaining(), losses_.delay_m()}; }

@@ -47,7 +47,9 @@ WOBBLEBENCH_INLINE void test_within(const CellCenters& centers,
 
 }  // namespace
 
-std::vector<BlockReach> reaches_around(const BeamTable& table, double block_m) {
+std::vector<BlockReach> reaches_around(const BeamTable& table,
+                                       const BeamTable::Direction& lateral,
+                                       double block_m) {
   // For the nearest and farthest cells of a block, with a margin for the parabola's error.
   constexpr double kSlack = 1.02;
   const double step_m = 0.6 * block_m;
@@ -62,7 +64,7 @@ std::vector<BlockReach> reaches_around(const BeamTable& table, double block_m) {
                      range_m,
                      step_m);
     };
-    reaches.push_back({parabola(table.lateral()), parabola(table.elevation())});
+    reaches.push_back({parabola(lateral), parabola(table.elevation())});
   }
   return reaches;
 }

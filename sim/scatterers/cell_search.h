@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/beam/beam_table.h"
 #include "sim/beam/beam_vector.h"
 
 namespace wobblebench::sim {
 
-class BeamTable;
 enum class CellKind : std::uint8_t;
 
 /// A reach as a parabola over the range: at_face + slope * range + square * range^2 (m).
@@ -23,7 +23,9 @@ struct BlockReach {
   ReachParabola elevation;
 };
 /// For blocks whose centre lies in each row of the table.
-std::vector<BlockReach> reaches_around(const BeamTable& table, double block_m);
+std::vector<BlockReach> reaches_around(const BeamTable& table,
+                                       const BeamTable::Direction& lateral,
+                                       double block_m);
 
 /// Centres of an octave's hash cells, relative to the low corner of their block.
 struct CellCenters {

@@ -1,7 +1,5 @@
 #include "sim/scatterers/echo_kernels.h"
 
-#include <cstring>
-
 #include "sim/math/fast_math.h"
 #include "sim/math/simd.h"
 
@@ -9,113 +7,84 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// std::complex's product checks for infinities, which prevents vectorisation.
-struct Complex {
-  float re;
-  float im;
+/// The values at the four nodes of the band, as one SIMD register.
+using Nodes = float __attribute__((vector_size(16)));
+static_assert(sizeof(Nodes) == sizeof(BandValues::re));
+
+/// Phases of a batch: of the range, and by which the band's nodes differ from it.
+struct PhaseLanes {
+  CosSin range[kEchoBatch];
+  CosSin inner[kEchoBatch];
+  CosSin outer[kEchoBatch];
 };
 
-WOBBLEBENCH_INLINE Complex operator*(const Complex& a, const Complex& b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-
-/// Echoes as a structure of arrays.
-struct EchoLanes {
-  float low_re[kEchoBatch];
-  float low_im[kEchoBatch];
-  float high_re[kEchoBatch];
-  float high_im[kEchoBatch];
-};
-
-/// The beam table's entries of each scatterer, gathered by whole entries: look-ups within the loop
-/// would prevent vectorisation.
-struct BeamLanes {
-  BeamTable::Value lateral[kEchoBatch];
-  BeamTable::Value elevation[kEchoBatch];
-};
-
-void look_up(const EchoConstants& constants,
-             const std::uint32_t* table_index,
-             int count,
-             BeamLanes& to) {
-  for (int i = 0; i < count; ++i) {
-    const BeamTable::Value* lateral = constants.lateral + (table_index[i] & 0xffffu);
-    const BeamTable::Value* elevation = constants.elevation + (table_index[i] >> 16);
-    std::memcpy(to.lateral + i, lateral, sizeof *lateral);
-    std::memcpy(to.elevation + i, elevation, sizeof *elevation);
-  }
-}
-
-WOBBLEBENCH_INLINE void echo_lanes(const ProjectedScatterers& scatterers,
-                                   const BeamLanes& beam,
-                                   int count,
-                                   const EchoConstants& constants,
-                                   EchoLanes& __restrict lanes,
-                                   std::int32_t* __restrict bins) {
-  const BeamTable::Value* lateral = beam.lateral;
-  const BeamTable::Value* elevation = beam.elevation;
+WOBBLEBENCH_SIMD void compute_phases(const ProjectedScatterers& scatterers,
+                                     int count,
+                                     const EchoConstants& constants,
+                                     PhaseLanes& __restrict phases,
+                                     std::int32_t* __restrict bins) {
   const float* ranges = scatterers.range_m;
   const float* amplitudes = scatterers.amplitude;
-  const float cycles_per_m = constants.cycles_per_m, bins_per_m = constants.bins_per_m;
-  const float slope_per_bin = constants.slope_per_bin;
+  const float spacing = constants.spacing_m, per_m = 1.0f / spacing;
+  const float cycles_per_m = constants.cycles_per_m;
+  const float inner_per_m = constants.inner_per_m, outer_per_m = constants.outer_per_m;
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
-    const float range = ranges[i];
-    const float amplitude = amplitudes[i] * (lateral[i].amplitude * elevation[i].amplitude);
-    const float cycles = lateral[i].cycles + elevation[i].cycles - range * cycles_per_m;
-    const CosSin angle = cos_sin_of_cycles(cycles);
-    const Complex echo{amplitude * angle.cosine, amplitude * angle.sine};
-    const Complex slope{lateral[i].slope_re + elevation[i].slope_re,
-                        lateral[i].slope_im + elevation[i].slope_im};
-    const Complex sloped = slope * echo;
-    const float position = range * bins_per_m + 1.0f;
+    const float range = ranges[i], amplitude = amplitudes[i];
+    const float position = range * per_m + 1.0f;
     const std::int32_t whole = static_cast<std::int32_t>(position);
     const std::int32_t positive = whole < 0 ? 0 : whole;
     const std::int32_t bin = positive > last_bin ? last_bin : positive;
-    const float high = position - static_cast<float>(bin);
-    // The term of the pulse's derivative, p' B / (2 i k0), as the difference of the bin's two ends.
-    const Complex derivative{slope_per_bin * sloped.im, -slope_per_bin * sloped.re};
-    const Complex far{high * echo.re - derivative.re, high * echo.im - derivative.im};
-    lanes.low_re[i] = echo.re - far.re;
-    lanes.low_im[i] = echo.im - far.im;
-    lanes.high_re[i] = far.re;
-    lanes.high_im[i] = far.im;
+    const float from_middle = (position - (static_cast<float>(bin) + 0.5f)) * spacing;
+    const CosSin at = cos_sin_of_cycles(-range * cycles_per_m);
+    phases.range[i] = {amplitude * at.cosine, amplitude * at.sine};
+    phases.inner[i] = cos_sin_of_cycles(from_middle * inner_per_m);
+    phases.outer[i] = cos_sin_of_cycles(from_middle * outer_per_m);
     bins[i] = bin;
   }
 }
 
-WOBBLEBENCH_SIMD void shape_echoes(const ProjectedScatterers& scatterers,
-                                   const BeamLanes& beam,
-                                   int count,
-                                   const EchoConstants& constants,
-                                   BinShare* __restrict shares,
-                                   std::int32_t* __restrict bins) {
-  EchoLanes lanes;
-  echo_lanes(scatterers, beam, count, constants, lanes, bins);
-  for (int i = 0; i < count; ++i) {
-    shares[i] = {lanes.low_re[i], lanes.low_im[i], lanes.high_re[i], lanes.high_im[i]};
-  }
+WOBBLEBENCH_INLINE Nodes load(const float* values) {
+  return *reinterpret_cast<const Nodes*>(values);
+}
+
+/// bin += lateral * elevation * the scatterer's phases. Nodes ascend, so that the first two have
+/// the opposite phase of the last two.
+WOBBLEBENCH_INLINE void add_echo(const BandValues& lateral,
+                                 const BandValues& elevation,
+                                 const CosSin& range,
+                                 const CosSin& inner,
+                                 const CosSin& outer,
+                                 BandValues& bin) {
+  const Nodes cosine = {outer.cosine, inner.cosine, inner.cosine, outer.cosine};
+  const Nodes sine = {outer.sine, inner.sine, -inner.sine, -outer.sine};
+  const Nodes phase_re = range.cosine * cosine - range.sine * sine;
+  const Nodes phase_im = range.cosine * sine + range.sine * cosine;
+  const Nodes lateral_re = load(lateral.re), lateral_im = load(lateral.im);
+  const Nodes elevation_re = load(elevation.re), elevation_im = load(elevation.im);
+  const Nodes beam_re = lateral_re * elevation_re - lateral_im * elevation_im;
+  const Nodes beam_im = lateral_re * elevation_im + lateral_im * elevation_re;
+  *reinterpret_cast<Nodes*>(bin.re) += beam_re * phase_re - beam_im * phase_im;
+  *reinterpret_cast<Nodes*>(bin.im) += beam_re * phase_im + beam_im * phase_re;
 }
 
 }  // namespace
 
-void make_echoes(const ProjectedScatterers& scatterers,
-                 int count,
-                 const EchoConstants& constants,
-                 BinShare* shares,
-                 std::int32_t* bins) {
-  BeamLanes beam;
-  look_up(constants, scatterers.table_index, count, beam);
-  shape_echoes(scatterers, beam, count, constants, shares, bins);
-}
-
-void deposit(const BinShare* shares, const std::int32_t* at, int count, BinShare* bins) {
+void add_echoes(const ProjectedScatterers& scatterers,
+                int count,
+                const EchoConstants& constants,
+                BandValues* bins) {
+  PhaseLanes phases;
+  std::int32_t at[kEchoBatch];
+  compute_phases(scatterers, count, constants, phases, at);
   for (int i = 0; i < count; ++i) {
-    BinShare& bin = bins[at[i]];
-    bin.low_re += shares[i].low_re;
-    bin.low_im += shares[i].low_im;
-    bin.high_re += shares[i].high_re;
-    bin.high_im += shares[i].high_im;
+    const std::uint32_t index = scatterers.table_index[i];
+    add_echo(constants.lateral[index & 0xffffu],
+             constants.elevation[index >> 16],
+             phases.range[i],
+             phases.inner[i],
+             phases.outer[i],
+             bins[at[i]]);
   }
 }
 

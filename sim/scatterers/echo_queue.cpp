@@ -26,6 +26,7 @@ EchoRange::EchoRange(const ScattererScene& scene, const StickPath& path) {
 void EchoQueue::begin(const ScattererScene& scene, const StickPath& path) {
   scene_ = &scene;
   path_ = &path;
+  beam_ = &scene.beam(path.line.ray);
   pending_ = 0;
   total_ = 0;
   bins_.begin(scene.taps, EchoRange(scene, path).apparent_m);
@@ -56,21 +57,11 @@ std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq) {
 
 void EchoQueue::make_echoes() {
   if (!delay_m_.empty()) add_delays();
-  const PulseTaps& taps = scene_->taps;
-  const EchoConstants constants{
-      scene_->table.lateral().values.data(),
-      scene_->table.elevation().values.data(),
-      static_cast<float>(scene_->cycles_per_m),
-      static_cast<float>(1 / taps.bin_m()),
-      bins_.last_bin(),
-      static_cast<float>(1 / (2 * kPi * scene_->cycles_per_m * taps.bin_m()))};
+  const EchoConstants constants = scene_->echo_constants(*beam_, bins_.last_bin());
   const ProjectedScatterers scatterers{range_m_.data(), table_index_.data(), amplitude_.data()};
-  BinShare shares[kEchoBatch];
-  std::int32_t at[kEchoBatch];
   for (std::size_t first = 0; first < pending_; first += kEchoBatch) {
     const int count = static_cast<int>(std::min<std::size_t>(kEchoBatch, pending_ - first));
-    sim::make_echoes(scatterers.from(first), count, constants, shares, at);
-    bins_.add(shares, at, count);
+    bins_.add(scatterers.from(first), count, constants);
   }
   total_ += pending_;
   pending_ = 0;

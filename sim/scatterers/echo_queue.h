@@ -13,6 +13,7 @@
 namespace wobblebench::sim {
 
 struct ScattererScene;
+struct StickBeam;
 struct StickPath;
 
 /// Farthest range whose echoes reach a stick's last sample.
@@ -43,6 +44,7 @@ class EchoQueue {
 
   const ScattererScene* scene_ = nullptr;
   const StickPath* path_ = nullptr;
+  const StickBeam* beam_ = nullptr;
   std::vector<float> range_m_;
   std::vector<std::uint32_t> table_index_;
   std::vector<float> amplitude_;

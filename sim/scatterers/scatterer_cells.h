@@ -34,9 +34,18 @@ inline constexpr double kHashUnits[3] = {2048, 4194304, 4294967296};
 /// As fractions of a cell's sides: x is at the middle of its unit, z is signed.
 inline constexpr double kHashOrigin[3] = {0.5 / 2048, 0, 0.5};
 
+WOBBLEBENCH_INLINE std::uint32_t scatterer_bits(std::uint32_t key, std::uint32_t index) {
+  return mix32(key + (index + 1) * 0x9e3779b9U);
+}
+
+/// Sign of a scatterer's amplitude: +1 or -1, so that echoes have no coherent mean however short
+/// the pulse is. Its bit is also the last one of x, less than a micrometre of tissue.
+WOBBLEBENCH_INLINE float scatterer_sign(std::uint32_t bits) {
+  return static_cast<float>(1 - 2 * static_cast<std::int32_t>(bits & 1u));
+}
+
 /// Offset of the `index`-th scatterer of a cell.
-WOBBLEBENCH_INLINE CellOffset scatterer_offset(std::uint32_t key, std::uint32_t index) {
-  const std::uint32_t bits = mix32(key + (index + 1) * 0x9e3779b9U);
+WOBBLEBENCH_INLINE CellOffset scatterer_offset(std::uint32_t bits) {
   return {static_cast<float>(static_cast<std::int32_t>(bits & 0x7ffu)),
           static_cast<float>(static_cast<std::int32_t>(bits & 0x3fffffu)),
           static_cast<float>(static_cast<std::int32_t>(bits))};
@@ -44,7 +53,7 @@ WOBBLEBENCH_INLINE CellOffset scatterer_offset(std::uint32_t key, std::uint32_t 
 
 /// The same as fractions of the cell's sides from its low corner.
 inline glm::dvec3 scatterer_position(std::uint32_t key, std::uint32_t index) {
-  const CellOffset at = scatterer_offset(key, index);
+  const CellOffset at = scatterer_offset(scatterer_bits(key, index));
   return {kHashOrigin[0] + static_cast<double>(at.x) / kHashUnits[0],
           kHashOrigin[1] + static_cast<double>(at.y) / kHashUnits[1],
           kHashOrigin[2] + static_cast<double>(at.z) / kHashUnits[2]};

@@ -20,7 +20,11 @@ class ScattererSearch {
                   const StickTransform& transform,
                   const TimedRay& line,
                   double to_m)
-      : scene_(scene), transform_(transform), line_(line), to_m_(to_m) {}
+      : scene_(scene),
+        lateral_(scene.table.lateral()[scene.table.lateral_of(stick_angle_rad(line.ray))]),
+        transform_(transform),
+        line_(line),
+        to_m_(to_m) {}
 
   void collect(const TissueBlocks::Block& block, int octave, std::vector<PointEcho>& found) const {
     const Octave& octave_cells = scene_.cells.octaves[static_cast<std::size_t>(octave)];
@@ -64,6 +68,7 @@ class ScattererSearch {
     if (!within_beam(beam, cell.row)) return;
     const glm::dvec3 along = transform_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
     const float amplitude =
+        scatterer_sign(scatterer_bits(cell.key, static_cast<std::uint32_t>(scatterer))) *
         gain(cell).amplitude(scatterer) *
         scene_.blocks.amplitude_at(
             block, cell.octave, cell.number, scatterer, glm::vec3(glm::normalize(along)));
@@ -73,12 +78,13 @@ class ScattererSearch {
 
   bool within_beam(const glm::dvec3& beam, int row) const {
     if (beam.x <= 0 || beam.x >= to_m_) return false;
-    const double u = std::abs(beam.y) / scene_.table.reach_m(scene_.table.lateral(), row);
+    const double u = std::abs(beam.y) / scene_.table.reach_m(lateral_, row);
     const double v = std::abs(beam.z) / scene_.table.reach_m(scene_.table.elevation(), row);
     return (scene_.rim == BeamRim::ellipse ? std::hypot(u, v) : u + v) < 1;
   }
 
   const ScattererScene& scene_;
+  const BeamTable::Direction& lateral_;
   const StickTransform& transform_;
   const TimedRay& line_;
   double to_m_;
@@ -147,7 +153,7 @@ void ScattererField::add_points(const StickPath& path,
 std::vector<PointEcho> ScattererField::near(const TimedRay& line, double to_m) const {
   const StickTransform transform(scene_->tissue, line);
   std::vector<TouchedBlock> touched;
-  find_touched_blocks(transform, scene_->bounds, scene_->block_grid(), to_m, touched);
+  find_touched_blocks(transform, scene_->beam(line.ray).bounds, scene_->block_grid(), to_m, touched);
   const ScattererSearch search(*scene_, transform, line, to_m);
   std::vector<PointEcho> found;
   for (const TouchedBlock& at : touched) {

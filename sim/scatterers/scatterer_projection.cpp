@@ -12,8 +12,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// A table index times this is the same index in the lateral and the elevation half of a word.
-constexpr std::uint32_t kBothIndices = 0x10001;
+/// A row of the table times its columns and this is the row's first entry, in the lateral and the
+/// elevation half of a word. The lateral table has columns on both sides of the axis.
+constexpr std::uint32_t kBothIndices = 0x10002;
 
 WOBBLEBENCH_INLINE std::uint32_t to_index(float x) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
@@ -30,6 +31,7 @@ struct CellBatch {
   float elevation_columns_per_m[kCellsPerBatch];
   float delay_m[kCellsPerBatch];
   float range_scale[kCellsPerBatch];
+  float lateral_tilt[kCellsPerBatch];
   float lateral_curvature_per_m[kCellsPerBatch];
   float elevation_curvature_per_m[kCellsPerBatch];
   float full[kCellsPerBatch];
@@ -109,6 +111,7 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
     batch.elevation_columns_per_m[c] = rows[c].elevation_columns_per_m;
     batch.delay_m[c] = rows[c].delay_m;
     batch.range_scale[c] = rows[c].range_scale;
+    batch.lateral_tilt[c] = rows[c].lateral_tilt + rows[c].lateral_tilt_slope_per_m * center;
     batch.lateral_curvature_per_m[c] =
         rows[c].lateral_curvature_per_m + rows[c].lateral_curvature_slope_per_m2 * center;
     batch.elevation_curvature_per_m[c] =
@@ -132,23 +135,26 @@ WOBBLEBENCH_INLINE void project_cells(int count,
                                       const CellBatch& batch,
                                       ScattererLanes& __restrict lanes) {
   const HashAxes unit = axes;
+  const auto half = static_cast<float>(columns);
   for (int c = 0; c < count; ++c) {
-    const CellOffset at = scatterer_offset(batch.key[c], static_cast<std::uint32_t>(scatterer));
+    const std::uint32_t bits =
+        scatterer_bits(batch.key[c], static_cast<std::uint32_t>(scatterer));
+    const CellOffset at = scatterer_offset(bits);
     const float axial =
         batch.axial[c] + at.x * unit.x.axial + at.y * unit.y.axial + at.z * unit.z.axial;
     const float lateral =
         batch.lateral[c] + at.x * unit.x.lateral + at.y * unit.y.lateral + at.z * unit.z.lateral;
     const float elevation = batch.elevation[c] + at.x * unit.x.elevation + at.y * unit.y.elevation +
                             at.z * unit.z.elevation;
-    const float u = magnitude(lateral) * batch.lateral_columns_per_m[c];
+    const float u = lateral * batch.lateral_columns_per_m[c];
     const float v = magnitude(elevation) * batch.elevation_columns_per_m[c];
     lanes.range_m[c] = batch.delay_m[c] + batch.range_scale[c] * axial +
-                       batch.lateral_curvature_per_m[c] * lateral * lateral +
+                       (batch.lateral_tilt[c] + batch.lateral_curvature_per_m[c] * lateral) * lateral +
                        batch.elevation_curvature_per_m[c] * elevation * elevation;
-    lanes.table_index[c] = batch.first_table_index[c] + to_index(u) + (to_index(v) << 16);
-    lanes.amplitude[c] = scatterer < batch.full_count[c] ? batch.full[c] : batch.partial[c];
-    lanes.selected[c] =
-        within_rim<rim>(u, v, static_cast<float>(columns)) & (scatterer < batch.count[c]);
+    lanes.table_index[c] = batch.first_table_index[c] + to_index(u + half) + (to_index(v) << 16);
+    lanes.amplitude[c] =
+        scatterer_sign(bits) * (scatterer < batch.full_count[c] ? batch.full[c] : batch.partial[c]);
+    lanes.selected[c] = within_rim<rim>(magnitude(u), v, half) & (scatterer < batch.count[c]);
   }
 }
 
@@ -244,22 +250,24 @@ int project_point(const PointScatterer& point,
                   const ProjectedScatterers& projected) {
   const BeamAtRow& beam = projection.rows[point.row];
   const BeamVector& at = point.at;
-  const float u = magnitude(at.lateral) * beam.lateral_columns_per_m;
+  const float u = at.lateral * beam.lateral_columns_per_m;
+  const auto columns = static_cast<float>(projection.columns);
   const float v = magnitude(at.elevation) * beam.elevation_columns_per_m;
+  const float lateral_tilt = beam.lateral_tilt + beam.lateral_tilt_slope_per_m * at.axial;
   const float lateral_curvature =
       beam.lateral_curvature_per_m + beam.lateral_curvature_slope_per_m2 * at.axial;
   const float elevation_curvature =
       beam.elevation_curvature_per_m + beam.elevation_curvature_slope_per_m2 * at.axial;
   projected.range_m[0] = beam.delay_m + beam.range_scale * at.axial +
-                         lateral_curvature * at.lateral * at.lateral +
+                         (lateral_tilt + lateral_curvature * at.lateral) * at.lateral +
                          elevation_curvature * at.elevation * at.elevation;
   projected.table_index[0] =
-      static_cast<std::uint32_t>(point.row * projection.columns) * kBothIndices + to_index(u) +
-      (to_index(v) << 16);
+      static_cast<std::uint32_t>(point.row * projection.columns) * kBothIndices +
+      to_index(u + columns) + (to_index(v) << 16);
   projected.amplitude[0] = point.amplitude;
-  const float columns = static_cast<float>(projection.columns);
-  return projection.rim == BeamRim::ellipse ? within_rim<BeamRim::ellipse>(u, v, columns)
-                                            : within_rim<BeamRim::diamond>(u, v, columns);
+  return projection.rim == BeamRim::ellipse
+             ? within_rim<BeamRim::ellipse>(magnitude(u), v, columns)
+             : within_rim<BeamRim::diamond>(magnitude(u), v, columns);
 }
 
 }  // namespace wobblebench::sim

@@ -14,13 +14,16 @@ namespace wobblebench::sim {
 struct MixedCell;
 
 /// The beam for hash cells whose centre lies in one row of its table. Apparent range: delay +
-/// range_scale * axial + curvature * offset^2 for both directions, each with the curvature
-/// curvature + curvature_slope * axial. Columns are those of the table.
+/// range_scale * axial + tilt * offset + curvature * offset^2 for both directions, where tilt and
+/// curvature are linear in the axial position; the elevation has no tilt. Columns are those of the
+/// table, of offsets on the positive side.
 struct alignas(32) BeamAtRow {
-  float lateral_columns_per_m = 0;
+  float lateral_columns_per_m = 0;  ///< negative where the beam is the table's mirror image
   float elevation_columns_per_m = 0;
   float delay_m = 0;
   float range_scale = 1;
+  float lateral_tilt = 0;
+  float lateral_tilt_slope_per_m = 0;
   float lateral_curvature_per_m = 0;
   float lateral_curvature_slope_per_m2 = 0;
   float elevation_curvature_per_m = 0;
@@ -77,7 +80,7 @@ struct HashAxes {
 struct BeamProjection {
   const BeamAtRow* rows;
   const OctaveAtRow* octave;  ///< by row; not used by project_point()
-  std::int32_t columns;       ///< of the beam's table
+  std::int32_t columns;       ///< of the beam's table, on one side of the axis
   std::int32_t last_row;
   float rows_per_m;
   BeamRim rim;

@@ -11,21 +11,15 @@ namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
 
-/// The product of the three -6 dB widths.
-double resolution_cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
-  return lateral_fwhm_m(plan, range_m) * elevation_fwhm_m(plan, range_m) * axial_fwhm_m(plan);
-}
-
 /// Smallest and largest resolution cell at any range.
 struct ResolutionCells {
   double smallest_m3 = HUGE_VAL;
   double largest_m3 = 0;
 
-  explicit ResolutionCells(const hw::AcquisitionPlan& plan) {
-    const double depth_m = plan.acquisition().depth_m;
+  ResolutionCells(const BeamProfile& profile, double depth_m) {
     const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
     for (int i = 1; i <= steps; ++i) {
-      const double here_m3 = resolution_cell_m3(plan, depth_m * i / steps);
+      const double here_m3 = profile.resolution_cell_m3(depth_m * i / steps);
       smallest_m3 = std::min(smallest_m3, here_m3);
       largest_m3 = std::max(largest_m3, here_m3);
     }
@@ -76,23 +70,26 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
                                const SimulationOptions& options,
                                const ScattererSettings& settings)
     : tissue(scanned),
-      table(plan, settings.beam, options.threads),
-      per_m3(options.scatterers_per_cell / ResolutionCells(plan).smallest_m3),
+      table(plan, settings.beam, options.apodisation, options.threads),
+      profile(plan, options),
+      per_m3(options.scatterers_per_cell /
+             ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
       cells(per_m3,
-            ResolutionCells(plan).largest_m3 / ResolutionCells(plan).smallest_m3,
+            ResolutionCells(profile, plan.acquisition().depth_m).largest_m3 /
+                ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3,
             options.seed),
       blocks(scanned, plan, options, cells),
-      bounds(table, plan.acquisition().depth_m, half_diagonal(cells.block_m)),
-      reaches(reaches_around(table, cells.block_m)),
       rim(settings.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
-      taps(plan, plan.sample_spacing_m() / iq_oversampling(plan)),
-      cycles_per_m(2 * plan.probe().center_frequency_hz / plan.acquisition().sound_speed_m_s) {
-  compute_octave_gains(plan, settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
-  tabulate_rows();
+      band(plan),
+      taps(band, plan.sample_spacing_m() / iq_oversampling(plan)) {
+  compute_octave_gains(settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
+  for (std::size_t i = 0; i < table.lateral().size(); ++i) {
+    add_beam(i, plan.acquisition().depth_m);
+  }
 }
 
-void ScattererScene::compute_octave_gains(const hw::AcquisitionPlan& plan, double per_cell) {
+void ScattererScene::compute_octave_gains(double per_cell) {
   const int count = static_cast<int>(cells.octaves.size());
   const int window =
       static_cast<int>(std::ceil(half_diagonal(cells.block_m) * table.rows_per_m())) + 1;
@@ -100,7 +97,7 @@ void ScattererScene::compute_octave_gains(const hw::AcquisitionPlan& plan, doubl
   for (auto& gain : gains) gain.contributes.assign(static_cast<std::size_t>(table.rows()), 0);
   for (int row = 0; row < table.rows(); ++row) {
     const double range_m = (row + 0.5) / table.rows_per_m();
-    const double needed = per_cell / resolution_cell_m3(plan, range_m);
+    const double needed = per_cell / profile.resolution_cell_m3(range_m);
     double density = 0;
     for (int i = 0; i < count; ++i) {
       density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * cells.share(i, needed);
@@ -121,26 +118,63 @@ void ScattererScene::compute_octave_gains(const hw::AcquisitionPlan& plan, doubl
   }
 }
 
-void ScattererScene::tabulate_rows() {
-  const auto& lateral_rows = table.lateral().rows;
+void ScattererScene::add_beam(std::size_t angle, double depth_m) {
+  const BeamTable::Direction& lateral = table.lateral()[angle];
+  const BeamBounds bounds(table, lateral, depth_m, half_diagonal(cells.block_m));
+  const std::vector<BlockReach> reaches = reaches_around(table, lateral, cells.block_m);
+  const auto beam = [&](bool mirrored) {
+    return StickBeam{rows_of(lateral, mirrored), bounds, reaches, lateral.values.data()};
+  };
+  beams.push_back({beam(false), beam(true)});
+}
+
+std::vector<BeamAtRow> ScattererScene::rows_of(const BeamTable::Direction& lateral,
+                                               bool mirrored) const {
+  const auto& lateral_rows = lateral.rows;
   const auto& elevation_rows = table.elevation().rows;
+  const float sign = mirrored ? -1.0f : 1.0f;
+  std::vector<BeamAtRow> rows;
   for (int row = 0; row < table.rows(); ++row) {
     const Line delay = line_around(table, row, [&](std::size_t i) {
       return lateral_rows[i].delay_m + elevation_rows[i].delay_m;
     });
-    const Line lateral =
+    const Line tilt =
+        line_around(table, row, [&](std::size_t i) { return sign * lateral_rows[i].tilt; });
+    const Line curvature =
         line_around(table, row, [&](std::size_t i) { return lateral_rows[i].curvature_per_m; });
     const Line elevation =
         line_around(table, row, [&](std::size_t i) { return elevation_rows[i].curvature_per_m; });
-    rows.push_back({lateral_rows[static_cast<std::size_t>(row)].columns_per_m,
+    rows.push_back({sign * lateral_rows[static_cast<std::size_t>(row)].columns_per_m,
                     elevation_rows[static_cast<std::size_t>(row)].columns_per_m,
                     delay.at_face,
                     1 + delay.slope_per_m,
-                    lateral.at_face,
-                    lateral.slope_per_m,
+                    tilt.at_face,
+                    tilt.slope_per_m,
+                    curvature.at_face,
+                    curvature.slope_per_m,
                     elevation.at_face,
                     elevation.slope_per_m});
   }
+  return rows;
+}
+
+const StickBeam& ScattererScene::beam(const hw::Ray& stick) const {
+  const double theta_rad = stick_angle_rad(stick);
+  return beams[table.lateral_of(theta_rad)][theta_rad < 0 ? 1 : 0];
+}
+
+EchoConstants ScattererScene::echo_constants(const StickBeam& beam, std::int32_t last_bin) const {
+  // Two-way.
+  const auto cycles_per_m = [](double wavenumber_per_m) {
+    return static_cast<float>(wavenumber_per_m / kPi);
+  };
+  return {beam.lateral,
+          table.elevation().values.data(),
+          cycles_per_m(band.center_per_m()),
+          static_cast<float>(taps.spacing_m()),
+          cycles_per_m(band.offset_per_m(2)),
+          cycles_per_m(band.offset_per_m(3)),
+          last_bin};
 }
 
 }  // namespace wobblebench::sim

@@ -1,10 +1,13 @@
 // Tables for the scatterers of one scene: what all sticks share.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
+#include "hw/probe/probe.h"
 #include "sim/beam/beam_bounds.h"
+#include "sim/beam/beam_profile.h"
 #include "sim/scatterers/block_search.h"
 #include "sim/scatterers/cell_search.h"
 #include "sim/scatterers/range_bins.h"
@@ -15,6 +18,14 @@
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
+
+/// The beam of sticks at about one angle, or at its opposite.
+struct StickBeam {
+  std::vector<BeamAtRow> rows;
+  BeamBounds bounds;
+  std::vector<BlockReach> reaches;  ///< by the row of a block's centre
+  const BandValues* lateral;        ///< of the table
+};
 
 /// Immutable after construction.
 struct ScattererScene {
@@ -35,21 +46,23 @@ struct ScattererScene {
 
   ScannedTissue tissue;
   BeamTable table;
+  BeamProfile profile;
   double per_m3;   ///< density of the scatterers of all octaves
   double pulse_m;  ///< integral of the pulse's power over range: its equivalent length
   ScattererCells cells;
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
-  std::vector<BeamAtRow> rows;
-  BeamBounds bounds;
-  std::vector<BlockReach> reaches;  ///< by the row of a block's centre
+  /// [angle][1: the angle is negative]
+  std::vector<std::array<StickBeam, 2>> beams;
   BeamRim rim;
+  PulseBand band;
   PulseTaps taps;
-  double cycles_per_m;  ///< of range, two-way
 
+  const StickBeam& beam(const hw::Ray& stick) const;
+  EchoConstants echo_constants(const StickBeam& beam, std::int32_t last_bin) const;
   /// `octave`: null for project_point().
-  BeamProjection projection(const OctaveGain* octave) const {
-    return {rows.data(),
+  BeamProjection projection(const StickBeam& beam, const OctaveGain* octave) const {
+    return {beam.rows.data(),
             octave == nullptr ? nullptr : octave->rows.data(),
             table.columns(),
             table.rows() - 1,
@@ -62,8 +75,9 @@ struct ScattererScene {
 
  private:
   /// `per_cell`: least number of scatterers in each resolution cell.
-  void compute_octave_gains(const hw::AcquisitionPlan& plan, double per_cell);
-  void tabulate_rows();
+  void compute_octave_gains(double per_cell);
+  void add_beam(std::size_t angle, double depth_m);
+  std::vector<BeamAtRow> rows_of(const BeamTable::Direction& lateral, bool mirrored) const;
 };
 
 }  // namespace wobblebench::sim

@@ -41,11 +41,12 @@ StickScan::StickScan(const ScattererScene& scene, const StickPath& path, ScanBuf
     : scene_(scene),
       path_(path),
       buffers_(buffers),
+      beam_(scene.beam(path.line.ray)),
       transform_(scene.tissue, path.line),
       end_m_(EchoRange(scene, path).true_m) {}
 
 std::uint64_t StickScan::run(std::span<std::complex<float>> iq) {
-  find_touched_blocks(transform_, scene_.bounds, scene_.block_grid(), end_m_, buffers_.blocks);
+  find_touched_blocks(transform_, beam_.bounds, scene_.block_grid(), end_m_, buffers_.blocks);
   for (const TouchedBlock& touched : buffers_.blocks) {
     const TissueBlocks::Block tissue = scene_.blocks.block(touched.index);
     if (!scene_.blocks.anechoic(tissue)) scan(touched, tissue);
@@ -65,7 +66,7 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const PointScatterer scatterer{to_float(at), point.amplitude, scene_.table.row(at.x)};
-    echoes.commit(project_point(scatterer, scene_.projection(nullptr), echoes.reserve(1)));
+    echoes.commit(project_point(scatterer, scene_.projection(beam_, nullptr), echoes.reserve(1)));
   }
   return echoes.finish(iq);
 }
@@ -91,7 +92,7 @@ void StickScan::scan(const TouchedBlock& touched, const TissueBlocks::Block& tis
   std::vector<OctaveCells>& octaves = locate_block(center, block);
   block.beam_corner = to_float(block.map(block.corner));
   const auto row = static_cast<std::size_t>(scene_.table.row(touched.center.x));
-  block.reach = scene_.reaches[row];
+  block.reach = beam_.reaches[row];
   for (std::size_t i = 0; i < scene_.cells.octaves.size(); ++i) {
     if (!scene_.gains[i].contributes[row]) continue;
     scan_octave(block, octaves[i], static_cast<int>(i));
@@ -256,7 +257,7 @@ void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, 
       project_scatterers(queue.cells(),
                          static_cast<int>(queue.count),
                          axes,
-                         scene_.projection(&scene_.gains[static_cast<std::size_t>(octave)]),
+                         scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
                          echoes.reserve(queue.count * kScatterersInCell)));
   queue.count = 0;
 }
@@ -276,7 +277,7 @@ void StickScan::project_mixed(HashCellQueue& queue,
       project_scatterers(queue.cells(),
                          static_cast<int>(queue.count),
                          axes,
-                         scene_.projection(&scene_.gains[static_cast<std::size_t>(octave)]),
+                         scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
                          projected,
                          &mixed);
   for (int i = 0; i < mixed.hit_count; ++i) {

@@ -87,6 +87,7 @@ class StickScan {
   const ScattererScene& scene_;
   const StickPath& path_;
   ScanBuffers& buffers_;
+  const StickBeam& beam_;
   StickTransform transform_;
   double end_m_;            ///< true range of the farthest echo
   glm::vec3 direction_[2];  ///< of the sound, at rest, as ScanBuffers::rigid

@@ -20,5 +20,7 @@ struct AcrossStick {
   glm::dvec3 elevation;
 };
 AcrossStick across_stick(const hw::Ray& ray);
+/// Angle of the stick in its image plane.
+double stick_angle_rad(const hw::Ray& ray);
 
 }  // namespace wobblebench::sim

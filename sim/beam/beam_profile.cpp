@@ -1,0 +1,171 @@
+#include "sim/beam/beam_profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/units.h"
+#include "sim/beam/beam_row.h"
+#include "sim/beam/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr double kRangeStep_m = 5e-3;
+constexpr int kMinRanges = 8, kMaxRanges = 64;
+constexpr double kAngleStep_rad = 8 * kDegree;
+constexpr int kColumns = 48;  ///< a side
+
+/// Half of the widest beam that is looked at: two lobes, and half the aperture's shadow.
+double window_m(double lobe_m, double aperture_m, double range_m, double focus_m) {
+  return 2 * lobe_m + 0.6 * aperture_m * std::abs(1 - range_m / focus_m);
+}
+
+/// Between the outermost places at which the profile is half its peak.
+double width_at_half(const std::vector<double>& profile, double step_m) {
+  const double half = 0.5 * *std::max_element(profile.begin(), profile.end());
+  const auto above = [&](double value) { return value >= half; };
+  const auto first = std::find_if(profile.begin(), profile.end(), above);
+  const auto last = std::find_if(profile.rbegin(), profile.rend(), above).base() - 1;
+  double width = static_cast<double>(last - first);
+  if (first != profile.begin()) width += (*first - half) / (*first - first[-1]);
+  if (last + 1 != profile.end()) width += (*last - half) / (*last - last[1]);
+  return width * step_m;
+}
+
+/// Peaks of the echoes along a row, given the response of the other direction on the axis.
+std::vector<double> peaks(const SampledRow& row,
+                          const PulseBand::Values& other) {
+  std::vector<double> result;
+  for (PulseBand::Values value : row.values) {
+    for (std::size_t i = 0; i < value.size(); ++i) value[i] *= other[i];
+    result.push_back(PulseBand::peak(value));
+  }
+  return result;
+}
+
+PulseBand::Values on_axis(const PlaneResponse& response, double range_m) {
+  const PlanePoint axis{range_m, 0};
+  return response.at({&axis, 1}).front();
+}
+
+}  // namespace
+
+BeamGrid::BeamGrid(const hw::AcquisitionPlan& plan) {
+  const double depth_m = plan.acquisition().depth_m;
+  ranges_ = std::clamp(
+      static_cast<int>(std::ceil(depth_m / kRangeStep_m)), kMinRanges, kMaxRanges);
+  range_step_m_ = depth_m / ranges_;
+  const int last = plan.acquisition().sticks_per_frame - 1;
+  const double farthest = std::max(std::abs(plan.theta_rad(0)), std::abs(plan.theta_rad(last)));
+  angles_ = 1 + static_cast<int>(std::ceil(farthest / kAngleStep_rad));
+  angle_step_rad_ = angles_ > 1 ? farthest / (angles_ - 1) : 1;
+}
+
+BeamGrid::Between BeamGrid::range_at(double range_m) const {
+  const double at = std::clamp(range_m / range_step_m_ - 0.5, 0.0, ranges_ - 1.0);
+  const auto first = static_cast<std::size_t>(at);
+  return {first,
+          std::min(first + 1, static_cast<std::size_t>(ranges_ - 1)),
+          at - static_cast<double>(first)};
+}
+
+BeamGrid::Between BeamGrid::angle_at(double theta_rad) const {
+  const double at = std::min(std::abs(theta_rad) / angle_step_rad_, angles_ - 1.0);
+  const auto first = static_cast<std::size_t>(at);
+  return {first,
+          std::min(first + 1, static_cast<std::size_t>(angles_ - 1)),
+          at - static_cast<double>(first)};
+}
+
+BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
+    : plan_(plan),
+      apodisation_(options.apodisation),
+      grid_(plan),
+      axial_fwhm_m_(sim::axial_fwhm_m(plan)) {
+  entries_.resize(static_cast<std::size_t>(grid_.ranges() * grid_.angles()));
+  parallel_ranges(static_cast<int>(entries_.size()), options.threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      entries_[static_cast<std::size_t>(i)] = measure(i / grid_.angles(), i % grid_.angles());
+    }
+  });
+  for (int i = 0; i < grid_.ranges(); ++i) {
+    largest_power_ =
+        std::max(largest_power_, entries_[static_cast<std::size_t>(i * grid_.angles())].power);
+  }
+}
+
+BeamProfile::Entry BeamProfile::measure(int range, int angle) const {
+  const double range_m = grid_.range_m(range);
+  const auto& probe = plan_.probe();
+  const PulseBand band(plan_);
+  const double wavelength_m = 2 * kPi / band.center_per_m();
+  const StickAperture aperture(plan_, apodisation_, grid_.angle_rad(angle));
+  const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, range_m);
+  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), plan_);
+  const double receive_m = receive_aperture_m(plan_, range_m);
+  const double height_m = probe.element_height_m;
+  const SampledRow along = sample_row(lateral,
+                                      range_m,
+                                      window_m(2 * wavelength_m * range_m / receive_m,
+                                               transmit_aperture_m(plan_, range_m),
+                                               range_m,
+                                               transmit_focus_m(plan_, range_m)),
+                                      true,
+                                      kColumns);
+  const SampledRow across = sample_row(
+      elevation,
+      range_m,
+      window_m(wavelength_m * range_m / height_m, height_m, range_m, probe.elevation_focus_m),
+      true,
+      kColumns);
+  Entry entry{width_at_half(peaks(along, on_axis(elevation, range_m)), along.step_m()),
+              width_at_half(peaks(across, on_axis(lateral, range_m)), across.step_m()),
+              0};
+  for (int node = 0; node < PulseBand::kNodes; ++node) {
+    double lateral_power = 0, elevation_power = 0;
+    for (const auto& value : along.values) {
+      lateral_power += std::norm(value[static_cast<std::size_t>(node)]);
+    }
+    for (const auto& value : across.values) {
+      elevation_power += std::norm(value[static_cast<std::size_t>(node)]);
+    }
+    entry.power += PulseBand::weight(node) * lateral_power * along.step_m() * elevation_power *
+                   across.step_m();
+  }
+  return entry;
+}
+
+double BeamProfile::interpolate(double range_m, double theta_rad, double Entry::* value) const {
+  const BeamGrid::Between r = grid_.range_at(range_m), a = grid_.angle_at(theta_rad);
+  const auto columns = static_cast<std::size_t>(grid_.angles());
+  const auto along = [&](std::size_t row) {
+    return (1 - a.share) * entries_[row * columns + a.first].*value +
+           a.share * entries_[row * columns + a.second].*value;
+  };
+  return (1 - r.share) * along(r.first) + r.share * along(r.second);
+}
+
+double BeamProfile::lateral_fwhm_m(double range_m, double theta_rad) const {
+  return interpolate(range_m, theta_rad, &Entry::lateral_fwhm_m);
+}
+
+double BeamProfile::elevation_fwhm_m(double range_m) const {
+  return interpolate(range_m, 0, &Entry::elevation_fwhm_m);
+}
+
+double BeamProfile::resolution_cell_m3(double range_m) const {
+  return lateral_fwhm_m(range_m) * elevation_fwhm_m(range_m) * axial_fwhm_m_;
+}
+
+double BeamProfile::level(double range_m, double theta_rad) const {
+  return std::sqrt(interpolate(range_m, theta_rad, &Entry::power) /
+                   interpolate(range_m, 0, &Entry::power));
+}
+
+double BeamProfile::focal_gain(double range_m) const {
+  return std::sqrt(interpolate(range_m, 0, &Entry::power) / largest_power_);
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,226 @@
+#include "sim/beam/speckle_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "base/parallel.h"
+#include "base/units.h"
+#include "sim/beam/beam_row.h"
+#include "sim/beam/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr int kColumns = 40;          ///< a side, over the beam
+constexpr double kLeftOut = 5e-3;     ///< share of the beam's power beyond them
+constexpr double kUncorrelated = 0.02;
+constexpr int kSampledLags = 12;      ///< over the first lobe; correlations between are interpolated
+
+/// The response of a stick, and where a scatterer of its plane lies for a neighbour.
+struct TurningBeam {
+  PlaneResponse response;
+  double range_m;
+  double window_m;  ///< half of what is searched for the beam's reach
+  double step_rad;
+  int most_lags;
+  /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
+  std::function<PlanePoint(double offset_m, double turn_rad)> turned;
+  double coherence_rad;  ///< turn by which the aperture decorrelates, about
+};
+
+/// Magnitude of the correlation of the fields of two sticks.
+class FieldCorrelation {
+ public:
+  FieldCorrelation(const TurningBeam& beam, const PulseBand& band) : beam_(beam), band_(band) {
+    const SampledRow wide =
+        sample_row(beam.response, beam.range_m, beam.window_m, true, kColumns);
+    here_ = sample_row(
+        beam.response, beam.range_m, power_reach_m(wide, kLeftOut), true, kColumns);
+    for (const auto& value : here_.values) power_ += PulseBand::power(value);
+  }
+
+  double at(double turn_rad) const {
+    std::vector<PlanePoint> points;
+    for (std::size_t i = 0; i < here_.values.size(); ++i) {
+      points.push_back(beam_.turned(here_.offset_m(i), turn_rad));
+    }
+    const auto there = beam_.response.at(points);
+    std::complex<double> sum = 0;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      for (int node = 0; node < PulseBand::kNodes; ++node) {
+        const auto n = static_cast<std::size_t>(node);
+        const double nearer_m = points[i].axial_m - beam_.range_m;
+        sum += PulseBand::weight(node) * here_.values[i][n] * std::conj(there[i][n]) *
+               std::polar(1.0, 2 * band_.wavenumber_per_m(node) * nearer_m);
+      }
+    }
+    return std::abs(sum) / power_;
+  }
+
+ private:
+  const TurningBeam& beam_;
+  const PulseBand& band_;
+  SampledRow here_;
+  double power_ = 0;
+};
+
+/// At lags 0, 1, ..., until it stays small.
+std::vector<double> correlations(const TurningBeam& beam, const PulseBand& band) {
+  if (beam.step_rad <= 0 || beam.most_lags < 1) return {1};
+  const FieldCorrelation correlation(beam, band);
+  const int stride = std::max(1, static_cast<int>(beam.coherence_rad / beam.step_rad) / kSampledLags);
+  std::vector<double> sampled = {1};
+  const int most = beam.most_lags / stride + 1;
+  for (int n = 1; n <= most; ++n) {
+    sampled.push_back(correlation.at(n * stride * beam.step_rad));
+    const double before = sampled[sampled.size() - 2];
+    if (sampled.back() < kUncorrelated && (stride == 1 || before < kUncorrelated)) break;
+  }
+  std::vector<double> lags;
+  for (int lag = 0; lag <= std::min(beam.most_lags, static_cast<int>(sampled.size() - 1) * stride);
+       ++lag) {
+    const auto before = static_cast<std::size_t>(lag / stride);
+    const double share = static_cast<double>(lag % stride) / stride;
+    const double next = before + 1 < sampled.size() ? sampled[before + 1] : 0;
+    lags.push_back((1 - share) * sampled[before] + share * next);
+  }
+  return lags;
+}
+
+/// For each range and angle of the grid.
+std::vector<std::vector<double>> all_taps(
+    const BeamGrid& grid,
+    const hw::AcquisitionPlan& plan,
+    int threads,
+    const std::function<TurningBeam(double range_m, double theta_rad)>& beam) {
+  const PulseBand band(plan);
+  std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * grid.angles()));
+  parallel_ranges(static_cast<int>(taps.size()), threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      const TurningBeam at =
+          beam(grid.range_m(i / grid.angles()), grid.angle_rad(i % grid.angles()));
+      taps[static_cast<std::size_t>(i)] = taps_of_correlation(correlations(at, band));
+    }
+  });
+  return taps;
+}
+
+int longest(const std::vector<std::vector<double>>& taps) {
+  std::size_t most = 1;
+  for (const auto& row : taps) most = std::max(most, row.size());
+  return static_cast<int>(most);
+}
+
+}  // namespace
+
+std::vector<double> taps_of_correlation(const std::vector<double>& correlation) {
+  constexpr double kSmallTap = 0.01;
+  const int lags = static_cast<int>(correlation.size()) - 1;
+  if (lags == 0) return {1};
+  const int period = 8 * lags + 8;
+  std::vector<double> cosine;
+  for (int i = 0; i < period; ++i) cosine.push_back(std::cos(2 * kPi * i / period));
+  const auto cos_of = [&](int a, int b) {
+    return cosine[static_cast<std::size_t>(static_cast<std::int64_t>(a) * b % period)];
+  };
+  std::vector<double> taps(static_cast<std::size_t>(3 * lags) + 1);
+  for (int k = 0; k < period; ++k) {
+    double spectrum = correlation[0];
+    for (int n = 1; n <= lags; ++n) {
+      spectrum += 2 * correlation[static_cast<std::size_t>(n)] * cos_of(k, n);
+    }
+    const double amplitude = std::sqrt(std::max(spectrum, 0.0));
+    for (std::size_t m = 0; m < taps.size(); ++m) {
+      taps[m] += amplitude * cos_of(k, static_cast<int>(m)) / period;
+    }
+  }
+  while (taps.size() > 1 && std::abs(taps.back()) < kSmallTap * taps.front()) taps.pop_back();
+  double power = -taps[0] * taps[0];
+  for (double tap : taps) power += 2 * tap * tap;
+  for (double& tap : taps) tap /= std::sqrt(power);
+  return taps;
+}
+
+SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
+                                            const SimulationOptions& options) {
+  SpeckleKernels kernels(plan);
+  const double radius_m = plan.probe().radius_m;
+  const double wavelength_m =
+      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  kernels.taps_ = all_taps(
+      kernels.grid_, plan, options.threads, [&](double range_m, double theta_rad) -> TurningBeam {
+        const StickAperture aperture(plan, options.apodisation, theta_rad);
+        const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
+        const double shadow_m = transmit_aperture_m(plan, range_m) *
+                                std::abs(1 - range_m / transmit_focus_m(plan, range_m));
+        return {PlaneResponse::lateral(aperture, plan, range_m),
+                range_m,
+                4 * lobe_m + 0.6 * shadow_m,
+                plan.theta_step_rad(),
+                plan.acquisition().sticks_per_frame - 1,
+                [=](double u, double turn) {
+                  const double r = radius_m + range_m;
+                  return PlanePoint{r * std::cos(turn) + u * std::sin(turn) - radius_m,
+                                    u * std::cos(turn) - r * std::sin(turn)};
+                },
+                2 * lobe_m / (radius_m + range_m)};
+      });
+  kernels.count_ = longest(kernels.taps_);
+  return kernels;
+}
+
+SpeckleKernels SpeckleKernels::across_frames(const hw::AcquisitionPlan& plan,
+                                             const SimulationOptions& options) {
+  SpeckleKernels kernels(plan);
+  const double radius_m = plan.probe().radius_m, axis_m = plan.geometry().axis_z_m();
+  const double wavelength_m =
+      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  const double height_m = plan.probe().element_height_m;
+  const double focus_m = plan.probe().elevation_focus_m;
+  const ElevationSources lens(plan);
+  kernels.taps_ = all_taps(
+      kernels.grid_, plan, options.threads, [&](double range_m, double theta_rad) -> TurningBeam {
+        // From the motor's axis, in the direction that the frames turn.
+        const double cosine = std::cos(theta_rad);
+        const double arm_m = std::abs((radius_m + range_m) * cosine - axis_m);
+        const double lobe_m = wavelength_m * range_m / height_m;
+        return {PlaneResponse::elevation(lens, plan),
+                range_m,
+                3 * lobe_m + 0.6 * height_m * std::abs(1 - range_m / focus_m),
+                plan.phi_step_rad(),
+                plan.acquisition().frames_per_volume - 1,
+                [=](double v, double turn) {
+                  const double turned_arm_m = arm_m * std::cos(turn) + v * std::sin(turn);
+                  return PlanePoint{range_m + (turned_arm_m - arm_m) * cosine,
+                                    v * std::cos(turn) - arm_m * std::sin(turn)};
+                },
+                2 * lobe_m / std::max(arm_m, 1e-4)};
+      });
+  kernels.count_ = longest(kernels.taps_);
+  return kernels;
+}
+
+int SpeckleKernels::angle_of(double theta_rad) const {
+  const BeamGrid::Between at = grid_.angle_at(theta_rad);
+  return static_cast<int>(at.share < 0.5 ? at.first : at.second);
+}
+
+std::vector<float> SpeckleKernels::taps(double range_m, int angle) const {
+  const BeamGrid::Between r = grid_.range_at(range_m);
+  const auto angles = static_cast<std::size_t>(grid_.angles()), a = static_cast<std::size_t>(angle);
+  const auto &first = taps_[r.first * angles + a], &second = taps_[r.second * angles + a];
+  std::vector<double> mixed(std::max(first.size(), second.size()));
+  double power = 0;
+  for (std::size_t i = 0; i < mixed.size(); ++i) {
+    mixed[i] = (1 - r.share) * (i < first.size() ? first[i] : 0) +
+               r.share * (i < second.size() ? second[i] : 0);
+    power += (i == 0 ? 1 : 2) * mixed[i] * mixed[i];
+  }
+  std::vector<float> unit;
+  for (double tap : mixed) unit.push_back(static_cast<float>(tap / std::sqrt(power)));
+  return unit;
+}
+
+}  // namespace wobblebench::sim
