@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "bench/report/validation/study_reports.h"
+#include "sim/beam/beam_profile.h"
 #include "sim/beam/point_spread.h"
 #include "sim/fidelity.h"
 
@@ -22,9 +23,16 @@ double axial_m(const hw::AcquisitionPlan& plan, double) {
   return sim::axial_fwhm_m(plan);
 }
 
+double lateral_m(const hw::AcquisitionPlan& plan, double range_m) {
+  return sim::BeamProfile(plan, {}).lateral_fwhm_m(range_m);
+}
+double elevation_m(const hw::AcquisitionPlan& plan, double range_m) {
+  return sim::BeamProfile(plan, {}).elevation_fwhm_m(range_m);
+}
+
 const Direction kDirections[] = {{"axial", &PointResult::axial, axial_m},
-                                 {"lateral", &PointResult::lateral, sim::lateral_fwhm_m},
-                                 {"elevation", &PointResult::elevation, sim::elevation_fwhm_m}};
+                                 {"lateral", &PointResult::lateral, lateral_m},
+                                 {"elevation", &PointResult::elevation, elevation_m}};
 
 /// A rung with its results, in focus and with the foci of the default probe.
 struct Variant {

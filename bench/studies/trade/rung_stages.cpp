@@ -89,7 +89,13 @@ struct Worker {
         surfaces(options.fidelity == sim::Rung::field ? sim::Surfaces::nearby
                                                       : sim::Surfaces::crossed),
         losses(scene.plan, options, subject.materials, spacing_m, samples),
-        power(scene.plan, options, subject.materials, spacing_m, samples, subject.map->reach_m()),
+        power(scene.plan,
+              options,
+              sim::BeamProfile(scene.plan, options),
+              subject.materials,
+              spacing_m,
+              samples,
+              subject.map->reach_m()),
         mean_power(static_cast<std::size_t>(samples)) {}
 };
 
@@ -154,7 +160,8 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
             spare,
             &result.scatterers);
       } else {
-        worker.power.compute(worker.track, worker.losses, worker.mean_power);
+        worker.power.compute(
+            worker.track, worker.losses, sim::stick_angle_rad(line.ray), worker.mean_power);
       }
     });
     timed(all_ms, [&] { iq = make(index); });

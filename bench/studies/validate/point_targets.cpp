@@ -9,6 +9,7 @@
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
+#include "sim/beam/beam_profile.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/reference_scene.h"
 #include "sim/scatterers/scatterer_field.h"
@@ -97,6 +98,7 @@ PointResult measure_point(sim::Rung rung,
   // Samples so fine that IQ samples need no oversampling.
   const hw::AcquisitionPlan plan(probe, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
   const PointTarget point(rung, plan, range_m, side_lobes);
+  const sim::BeamProfile profile(plan, {});
   const auto across = [&](bool in_plane, double radius_m, double formula_m) {
     std::vector<double> offsets_m, amplitudes;
     for (int i = 0; i < inputs.across; ++i) {
@@ -114,8 +116,8 @@ PointResult measure_point(sim::Rung rung,
   return {range_m,
           gaussian_peak(middle).value,
           along(plan, middle),
-          across(true, to_center_m, sim::lateral_fwhm_m(plan, range_m)),
-          across(false, to_axis_m, sim::elevation_fwhm_m(plan, range_m))};
+          across(true, to_center_m, profile.lateral_fwhm_m(range_m)),
+          across(false, to_axis_m, profile.elevation_fwhm_m(range_m))};
 }
 
 }  // namespace wobblebench::bench

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/beam/point_spread.h"
+#include "sim/beam/beam_profile.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 double cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
-  return sim::axial_fwhm_m(plan) * sim::lateral_fwhm_m(plan, range_m) *
-         sim::elevation_fwhm_m(plan, range_m);
+  return sim::BeamProfile(plan, {}).resolution_cell_m3(range_m);
 }
 
 /// Mean of mean / sigma over groups of `values`, and its standard error.

@@ -8,7 +8,7 @@
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/beam/beam_pattern.h"
+#include "sim/beam/beam_profile.h"
 #include "sim/beam/point_spread.h"
 
 namespace wobblebench::bench {
@@ -63,9 +63,9 @@ double point_spread_m(BeamDirection direction, const hw::AcquisitionPlan& plan, 
     case BeamDirection::axial:
       return sim::axial_fwhm_m(plan);
     case BeamDirection::lateral:
-      return sim::lateral_fwhm_m(plan, range_m);
+      return sim::BeamProfile(plan, {}).lateral_fwhm_m(range_m);
     case BeamDirection::elevation:
-      return sim::elevation_fwhm_m(plan, range_m);
+      return sim::BeamProfile(plan, {}).elevation_fwhm_m(range_m);
   }
   throw std::logic_error("BeamDirection: no such direction");
 }
@@ -106,67 +106,13 @@ double half_width(const std::vector<double>& lag_m, const std::vector<double>& v
   throw std::runtime_error("speckle size: the autocorrelation does not fall to half");
 }
 
-/// Two-way response of the apertures across the stick, sampled every `grid_m`, at one frequency.
-/// Between sticks that rotate about a centre a scatterer keeps its distance from the centre, not
-/// from the plane across the stick to which sim/beam/beam_pattern.h refers the phase.
-std::vector<std::complex<double>> turning_response(BeamDirection direction,
-                                                   const hw::AcquisitionPlan& plan,
-                                                   double frequency_hz,
-                                                   double range_m,
-                                                   double grid_m) {
-  constexpr int kReach = 300;
-  const bool in_plane = direction == BeamDirection::lateral;
-  const double radius_m = plan.probe().radius_m + range_m;
-  const double to_center_m = in_plane ? radius_m : radius_m - plan.geometry().axis_z_m();
-  const double wavenumber = 2 * kPi * frequency_hz / plan.acquisition().sound_speed_m_s;
-  std::vector<std::complex<double>> values;
-  for (int i = -kReach; i <= kReach; ++i) {
-    const double offset_m = i * grid_m;
-    const auto response = in_plane ? sim::lateral_response(plan, frequency_hz, range_m, offset_m)
-                                   : sim::elevation_response(plan, frequency_hz, range_m, offset_m);
-    values.push_back(response * std::polar(1.0, wavenumber * offset_m * offset_m / to_center_m));
-  }
-  return values;
-}
-
 }  // namespace
 
-double expected_speckle_m(sim::Rung rung,
+double expected_speckle_m(sim::Rung,
                           BeamDirection direction,
                           const hw::AcquisitionPlan& plan,
                           double range_m) {
-  const double width_m = point_spread_m(direction, plan, range_m);
-  if (rung == sim::Rung::field || direction == BeamDirection::axial) return width_m;
-  const double grid_m = width_m / 100;
-  constexpr std::size_t kLags = 200;
-  std::vector<double> lags;
-  std::vector<std::complex<double>> sums(kLags, 0.0);
-  for (std::size_t lag = 0; lag < kLags; ++lag) lags.push_back(static_cast<double>(lag) * grid_m);
-  // The pulse's power over frequency: a Gaussian pulse of sigma s in range has one of
-  // c / (4 pi s sqrt 2) in frequency. Low frequencies have a larger weight, as their beams are
-  // wider in the other direction too.
-  const double sigma_hz = plan.acquisition().sound_speed_m_s /
-                          (4 * kPi * std::sqrt(2.0) * sim::sigma_of_fwhm(sim::axial_fwhm_m(plan)));
-  const BeamDirection other =
-      direction == BeamDirection::lateral ? BeamDirection::elevation : BeamDirection::lateral;
-  const double other_grid_m = point_spread_m(other, plan, range_m) / 100;
-  for (int i = -6; i <= 6; ++i) {
-    const double u = 0.4 * i;
-    const double frequency_hz = plan.probe().center_frequency_hz + u * sigma_hz;
-    const auto values = turning_response(direction, plan, frequency_hz, range_m, grid_m);
-    double weight = 0;
-    for (const auto& value : turning_response(other, plan, frequency_hz, range_m, other_grid_m)) {
-      weight += std::exp(-0.5 * u * u) * std::norm(value);
-    }
-    for (std::size_t lag = 0; lag < kLags; ++lag) {
-      for (std::size_t at = 0; at + lag < values.size(); ++at) {
-        sums[lag] += weight * values[at] * std::conj(values[at + lag]);
-      }
-    }
-  }
-  std::vector<double> power;
-  for (const auto& sum : sums) power.push_back(std::norm(sum) / std::norm(sums.front()));
-  return 2 * half_width(lags, power);
+  return point_spread_m(direction, plan, range_m);
 }
 
 std::vector<Autocorrelation> measure_speckle_size(sim::Rung rung,
