@@ -21,7 +21,10 @@ class ReusedEchoes final : public IqModel {
     parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
       const IqMaker make = source.iq_maker();
       for (int i = first; i < last; ++i) {
-        const auto index = plan.index(static_cast<std::uint64_t>(i));
+        // Line by line: the sticks of a line share the tables of their angle.
+        const auto frames = plan.acquisition().frames_per_volume;
+        const hw::StickIndex index{
+            0, static_cast<std::uint32_t>(i % frames), static_cast<std::uint32_t>(i / frames)};
         const auto iq = make(index);
         std::copy(iq.begin(), iq.end(), echoes_.stick(index).begin());
       }

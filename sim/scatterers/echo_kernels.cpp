@@ -1,5 +1,7 @@
 #include "sim/scatterers/echo_kernels.h"
 
+#include <algorithm>
+
 #include "sim/math/fast_math.h"
 #include "sim/math/simd.h"
 
@@ -11,36 +13,34 @@ namespace {
 using Nodes = float __attribute__((vector_size(16)));
 static_assert(sizeof(Nodes) == sizeof(BandValues::re));
 
-/// Phases of a batch: of the range, and by which the band's nodes differ from it.
-struct PhaseLanes {
-  CosSin range[kEchoBatch];
-  CosSin inner[kEchoBatch];
-  CosSin outer[kEchoBatch];
+/// Amplitudes with the phase of the range, and bins, of a batch.
+struct EchoLanes {
+  float re[kEchoBatch];
+  float im[kEchoBatch];
+  std::int32_t bin[kEchoBatch];
+  std::int32_t place[kEchoBatch];  ///< in the bin
 };
 
-WOBBLEBENCH_SIMD void compute_phases(const ProjectedScatterers& scatterers,
-                                     int count,
-                                     const EchoConstants& constants,
-                                     PhaseLanes& __restrict phases,
-                                     std::int32_t* __restrict bins) {
+WOBBLEBENCH_SIMD void locate_echoes(const ProjectedScatterers& scatterers,
+                                    int count,
+                                    const EchoConstants& constants,
+                                    EchoLanes& __restrict lanes) {
   const float* ranges = scatterers.range_m;
   const float* amplitudes = scatterers.amplitude;
-  const float spacing = constants.spacing_m, per_m = 1.0f / spacing;
+  const float places_per_m = static_cast<float>(kBinPlaces) / constants.spacing_m;
   const float cycles_per_m = constants.cycles_per_m;
-  const float inner_per_m = constants.inner_per_m, outer_per_m = constants.outer_per_m;
   const std::int32_t last_bin = constants.last_bin;
   for (int i = 0; i < count; ++i) {
     const float range = ranges[i], amplitude = amplitudes[i];
-    const float position = range * per_m + 1.0f;
-    const std::int32_t whole = static_cast<std::int32_t>(position);
-    const std::int32_t positive = whole < 0 ? 0 : whole;
-    const std::int32_t bin = positive > last_bin ? last_bin : positive;
-    const float from_middle = (position - (static_cast<float>(bin) + 0.5f)) * spacing;
+    const std::int32_t place =
+        static_cast<std::int32_t>(range * places_per_m + static_cast<float>(kBinPlaces));
+    const std::int32_t positive = place < 0 ? 0 : place;
+    const std::int32_t bin = positive / kBinPlaces;
     const CosSin at = cos_sin_of_cycles(-range * cycles_per_m);
-    phases.range[i] = {amplitude * at.cosine, amplitude * at.sine};
-    phases.inner[i] = cos_sin_of_cycles(from_middle * inner_per_m);
-    phases.outer[i] = cos_sin_of_cycles(from_middle * outer_per_m);
-    bins[i] = bin;
+    lanes.re[i] = amplitude * at.cosine;
+    lanes.im[i] = amplitude * at.sine;
+    lanes.bin[i] = bin > last_bin ? last_bin : bin;
+    lanes.place[i] = positive % kBinPlaces;
   }
 }
 
@@ -48,18 +48,16 @@ WOBBLEBENCH_INLINE Nodes load(const float* values) {
   return *reinterpret_cast<const Nodes*>(values);
 }
 
-/// bin += lateral * elevation * the scatterer's phases. Nodes ascend, so that the first two have
-/// the opposite phase of the last two.
+/// bin += lateral * elevation * place * (re + i im).
 WOBBLEBENCH_INLINE void add_echo(const BandValues& lateral,
                                  const BandValues& elevation,
-                                 const CosSin& range,
-                                 const CosSin& inner,
-                                 const CosSin& outer,
+                                 const BandValues& place,
+                                 float re,
+                                 float im,
                                  BandValues& bin) {
-  const Nodes cosine = {outer.cosine, inner.cosine, inner.cosine, outer.cosine};
-  const Nodes sine = {outer.sine, inner.sine, -inner.sine, -outer.sine};
-  const Nodes phase_re = range.cosine * cosine - range.sine * sine;
-  const Nodes phase_im = range.cosine * sine + range.sine * cosine;
+  const Nodes place_re = load(place.re), place_im = load(place.im);
+  const Nodes phase_re = re * place_re - im * place_im;
+  const Nodes phase_im = re * place_im + im * place_re;
   const Nodes lateral_re = load(lateral.re), lateral_im = load(lateral.im);
   const Nodes elevation_re = load(elevation.re), elevation_im = load(elevation.im);
   const Nodes beam_re = lateral_re * elevation_re - lateral_im * elevation_im;
@@ -68,24 +66,37 @@ WOBBLEBENCH_INLINE void add_echo(const BandValues& lateral,
   *reinterpret_cast<Nodes*>(bin.im) += beam_re * phase_im + beam_im * phase_re;
 }
 
+WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
+                                 const std::uint32_t* table_index,
+                                 int count,
+                                 const EchoConstants& constants,
+                                 BandValues* bins) {
+  const BandValues* lateral = constants.lateral;
+  const BandValues* elevation = constants.elevation;
+  const BandValues* places = constants.places;
+  constexpr int kAhead = 24;
+  for (int i = 0; i < count; ++i) {
+    // Each stick angle has a lateral table of its own: they do not stay in the cache.
+    const std::uint32_t ahead = table_index[std::min(i + kAhead, count - 1)];
+    __builtin_prefetch(lateral + (ahead & 0xffffu));
+    add_echo(lateral[table_index[i] & 0xffffu],
+             elevation[table_index[i] >> 16],
+             places[lanes.place[i]],
+             lanes.re[i],
+             lanes.im[i],
+             bins[lanes.bin[i]]);
+  }
+}
+
 }  // namespace
 
 void add_echoes(const ProjectedScatterers& scatterers,
                 int count,
                 const EchoConstants& constants,
                 BandValues* bins) {
-  PhaseLanes phases;
-  std::int32_t at[kEchoBatch];
-  compute_phases(scatterers, count, constants, phases, at);
-  for (int i = 0; i < count; ++i) {
-    const std::uint32_t index = scatterers.table_index[i];
-    add_echo(constants.lateral[index & 0xffffu],
-             constants.elevation[index >> 16],
-             phases.range[i],
-             phases.inner[i],
-             phases.outer[i],
-             bins[at[i]]);
-  }
+  EchoLanes lanes;
+  locate_echoes(scatterers, count, constants, lanes);
+  sum_echoes(lanes, scatterers.table_index, count, constants, bins);
 }
 
 WOBBLEBENCH_SIMD void convolve(

@@ -84,6 +84,15 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
       band(plan),
       taps(band, plan.sample_spacing_m() / iq_oversampling(plan)) {
   compute_octave_gains(settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
+  for (int i = 0; i < kBinPlaces; ++i) {
+    const double from_middle_m = ((i + 0.5) / kBinPlaces - 0.5) * taps.spacing_m();
+    BandValues& place = places.emplace_back();
+    for (int node = 0; node < PulseBand::kNodes; ++node) {
+      const auto phasor = std::polar(1.0, -2 * band.offset_per_m(node) * from_middle_m);
+      place.re[node] = static_cast<float>(phasor.real());
+      place.im[node] = static_cast<float>(phasor.imag());
+    }
+  }
   for (std::size_t i = 0; i < table.lateral().size(); ++i) {
     add_beam(i, plan.acquisition().depth_m);
   }
@@ -164,16 +173,11 @@ const StickBeam& ScattererScene::beam(const hw::Ray& stick) const {
 }
 
 EchoConstants ScattererScene::echo_constants(const StickBeam& beam, std::int32_t last_bin) const {
-  // Two-way.
-  const auto cycles_per_m = [](double wavenumber_per_m) {
-    return static_cast<float>(wavenumber_per_m / kPi);
-  };
   return {beam.lateral,
           table.elevation().values.data(),
-          cycles_per_m(band.center_per_m()),
+          static_cast<float>(band.center_per_m() / kPi),
           static_cast<float>(taps.spacing_m()),
-          cycles_per_m(band.offset_per_m(2)),
-          cycles_per_m(band.offset_per_m(3)),
+          places.data(),
           last_bin};
 }
 

@@ -57,6 +57,7 @@ struct ScattererScene {
   BeamRim rim;
   PulseBand band;
   PulseTaps taps;
+  std::vector<BandValues> places;  ///< EchoConstants::places
 
   const StickBeam& beam(const hw::Ray& stick) const;
   EchoConstants echo_constants(const StickBeam& beam, std::int32_t last_bin) const;
