@@ -6,6 +6,7 @@ set(public_headers
   hw/probe/acquisition_plan.h hw/probe/polar_volume.h hw/probe/probe_presets.h
   hw/link/fault_link.h hw/link/link.h hw/link/xdma_link.h
   hw/recording/file_link.h hw/recording/recorder.h hw/recording/recording.h
+  hw/wire/display_scale.h
   hw/board/board.h hw/board/volume_assembly.h
   render/options.h render/renderer.h render/view.h render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers

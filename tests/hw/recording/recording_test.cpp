@@ -141,6 +141,26 @@ TEST_F(Recordings, DamagedFirstConfigurationLosesNoStick) {
   EXPECT_EQ(salvage(path), stream_of(plan));
 }
 
+TEST_F(Recordings, OfProgramsWithoutADisplayScaleAreReadAndSalvaged) {
+  const AcquisitionPlan plan = small_plan(2);
+  auto packets = packets_of(plan);
+  const std::size_t second = packets.size() / 2;
+  for (const std::size_t at : {std::size_t{0}, second}) {
+    packets[at] = without_display_scale(packets[at]);
+  }
+  const RecordingContents contents = inspect_recording(write(join(packets)));
+  EXPECT_TRUE(contents.complete());
+  EXPECT_FALSE(contents.damaged());
+  EXPECT_FALSE(contents.configuration.value().display_scale.stated());
+  EXPECT_EQ(contents.account.delivered, 24U);
+  packets[second][100] ^= std::byte{1};
+  const Bytes kept = salvage(write(join(packets)));
+  const RecordingContents again = inspect_recording(write(kept));
+  EXPECT_FALSE(again.damaged());
+  EXPECT_TRUE(again.one_plan) << "configurations of both lengths are equal";
+  EXPECT_EQ(again.account.delivered, 24U);
+}
+
 TEST_F(Recordings, DamagedRegionsAreLocated) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
