@@ -92,15 +92,26 @@ hw::RecordingEnd record(hw::Recorder& recorder,
   }
 }
 
-/// A simulated board is made here; `iq`, if given, takes its IQ samples. Says which rung it took.
-std::unique_ptr<hw::Link> make_link(const Scene& scene,
-                                    const BoardArguments& board,
-                                    const CacheArguments& cache,
-                                    std::shared_ptr<IqFile> iq,
-                                    RecordResult& result) {
+/// `iq`, if given, takes the IQ samples. Sets the fidelity of `result`.
+std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
+                                              const BoardArguments& board,
+                                              const CacheArguments& cache,
+                                              std::shared_ptr<IqFile> iq,
+                                              RecordResult& result) {
   SimulatedScan scan = simulated_scan(scene, open_phantom_cache(cache.most_megabytes()));
   result.fidelity = scan.simulator.fidelity();
   return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
+}
+
+/// All files get their names, or none does.
+void name_results(OutputFolder& out, const fs::path& partial, const std::string& report) {
+  try {
+    out.adopt(partial, kRecordingName);
+    out.write_text("report.json", report);
+    out.commit();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
+  }
 }
 
 /// Prints the report, or its summary. Returns the exit code, with a line on stderr unless it is 0.
@@ -134,12 +145,12 @@ int record_board(const Arguments& arguments) {
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq);
   if (link) out.refuse_input(board.link.value, kRecordingName);
   Progress progress;
-  RecordResult result;
+  RecordResult result{.with_iq = arguments.iq};
   std::shared_ptr<IqFile> iq;
   if (arguments.iq) iq = std::make_shared<IqFile>(out.stage(kIqName), scene.plan());
   if (!link) {
-    link =
-        progress.step("open", [&] { return make_link(scene, board, arguments.cache, iq, result); });
+    link = progress.step(
+        "open", [&] { return make_simulated_link(scene, board, arguments.cache, iq, result); });
   }
   RecordingSink sink(partial);
   stop_in_order();
@@ -148,7 +159,6 @@ int record_board(const Arguments& arguments) {
   result.end = record(recorder, sink, iq.get(), arguments, progress);
   result.progress = recorder.progress();
   result.link = link->capabilities();
-  result.with_iq = arguments.iq;
   const std::string loss = result.end == hw::RecordingEnd::lost ? link->loss() : "";
   if (!result.progress.configuration) {
     throw std::runtime_error("--board = " + arguments.board + ": " +
@@ -156,13 +166,7 @@ int record_board(const Arguments& arguments) {
                              "; nothing is recorded");
   }
   const std::string report = record_report(result, std::move(scene));
-  try {
-    out.adopt(partial, kRecordingName);
-    out.write_text("report.json", report);
-    out.commit();
-  } catch (const std::exception& error) {
-    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
-  }
+  name_results(out, partial, report);
   return verdict(result, report, out.directory(), loss, arguments);
 }
 

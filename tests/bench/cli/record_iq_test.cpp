@@ -87,7 +87,7 @@ TEST(RecordIq, IsWhatWasEmittedWhateverTheLinkLoses) {
   const ScratchFolder folder;
   ASSERT_EQ(bench(with({"record", "--iq", "--out", "whole"}, {kSmall}), folder).exit_code, 0);
   const std::string whole = at(folder, "whole/iq.npy");
-  for (const std::string fault : {"drop:0.1+corrupt:0.1+seed:3", "unplug@60"}) {
+  for (const std::string fault : {"drop:0.05+corrupt:0.05+seed:2", "unplug@60"}) {
     const auto result =
         bench(with({"record", "--iq", "--out", "lossy" + fault, "--board", "sim,faults=" + fault},
                    {kSmall}),
