@@ -266,6 +266,19 @@ TEST_F(Recordings, BoundedRecordingEndsWithItsLastVolume) {
   }
 }
 
+/// Of 12 sticks a volume, the first with its configuration, and all after stick 24, never come.
+TEST_F(Recordings, TheRecorderKnowsHowFarTheSourceCame) {
+  auto packets = packets_of(small_plan(3));
+  packets.resize(packet_index(small_plan(3), 24) + 1);
+  packets.erase(packets.begin(), packets.begin() + 2);
+  MemoryLink link(join(packets));
+  Recorder recorder(link, [](auto) {});
+  EXPECT_EQ(recorder.progress().next_sequence, 0U);
+  EXPECT_EQ(recorder.run([] { return false; }), RecordingEnd::end_of_stream);
+  EXPECT_EQ(recorder.progress().account.emitted, 24U) << "one more was lost before the first";
+  EXPECT_EQ(recorder.progress().next_sequence, 25U);
+}
+
 /// Damage that looks like a long packet hides the end of the volume until its bytes have come.
 TEST_F(Recordings, BoundedRecordingSurvivesAnEndThatIsSeenLate) {
   const AcquisitionPlan plan = small_plan(100);
