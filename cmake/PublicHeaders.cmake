@@ -6,6 +6,7 @@ set(public_headers
   hw/probe/acquisition_plan.h hw/probe/polar_volume.h hw/probe/probe_presets.h
   hw/link/fault_link.h hw/link/link.h hw/link/xdma_link.h
   hw/recording/file_link.h hw/recording/recorder.h hw/recording/recording.h
+  hw/wire/display_scale.h
   hw/board/board.h hw/board/volume_assembly.h
   render/options.h render/renderer.h render/view.h render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers
@@ -20,6 +21,7 @@ if(NOT WOBBLEBENCH_RENDER_ONLY)
     phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h
     sim/options.h sim/probe_simulator.h sim/card/sim_link.h
     bench/evaluation/depth_error.h bench/evaluation/registration.h bench/evaluation/truth.h)
-  list(APPEND included_by_public_headers phantoms/material.h phantoms/motion.h sim/fidelity.h)
+  list(APPEND included_by_public_headers phantoms/material.h phantoms/motion.h sim/fidelity.h
+    sim/iq_sink.h)
 endif()
 list(APPEND public_headers ${included_by_public_headers})

@@ -66,7 +66,7 @@ std::vector<Effect> effects_of(const EchoModelType& model,
   list.add("beam_width", true);
   list.add("speckle", o.speckle);
   list.add("interface_echo", o.interface_echo);
-  list.add("scatterers_in_tissue", o.speckle);
+  list.add("scatterers_in_tissue", true);
   list.add("side_lobes", o.side_lobes);
   list.add("element_sum", true);
   list.add("noise",
@@ -96,15 +96,19 @@ Fidelity choose_fidelity(const SimulationOptions& options,
     choice.reason = "asked for";
   }
   const EchoModelType& model = echo_model_type(choice.rung);
-  const auto refuse = [&](const char* key, const std::string& needs) {
+  const auto refuse = [&](const char* key, const char* value, const std::string& needs) {
     throw InvalidOption(
-        key, "true", needs + "; simulation.fidelity is \"" + to_string(choice.rung) + '"');
+        key, value, needs + "; the rung is " + to_string(choice.rung) + " (" + choice.reason + ")");
   };
   if (options.side_lobes && !model.models("side_lobes")) {
-    refuse("side_lobes", "needs the rung scatterers or reference");
+    refuse("side_lobes", "true", "needs the rung scatterers or reference");
   }
   if (options.tissue_sound_speed && !model.models("tissue_sound_speed")) {
-    refuse("tissue_sound_speed", "needs the rung field or higher");
+    refuse("tissue_sound_speed", "true", "needs the rung field or higher");
+  }
+  // Scatterers are speckle: without it nothing is left of their echoes.
+  if (!options.speckle && model.models("scatterers_in_tissue")) {
+    refuse("speckle", "false", "needs the rung geometry or field");
   }
   choice.effects = effects_of(model, options, plan, moving);
   return choice;

@@ -6,6 +6,7 @@
 #include "base/options.h"
 #include "base/units.h"
 #include "hw/probe/stick.h"
+#include "hw/wire/display_scale.h"
 
 namespace wobblebench::sim {
 
@@ -87,10 +88,8 @@ void describe(O& o, Visitor& v) {
             {"tukey", Apodisation::tukey}});
   v.real("scatterers_per_cell", o.scatterers_per_cell, 1, 0.1, 100);
   v.real("specular_width_deg", o.specular_width_rad, kDegree, 0.1, 90);
-  v.real("tgc_db_per_cm_mhz", o.tgc_db_per_cm_mhz, 1, 0, 3);
   v.real("noise_db", o.noise_db, 1, kZeroAmplitude_db, 0);
-  v.real("full_scale_db", o.full_scale_db, 1, -100, 20);
-  v.real("dynamic_range_db", o.dynamic_range_db, 1, 10, 200);
+  hw::describe_display_scale(o, v);
   v.flag("low_pass", o.low_pass);
   v.choice(
       "output",

@@ -46,13 +46,13 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
   impl_ = std::move(impl);
 }
 
-VolumeSamples ProbeSimulator::volume(std::uint32_t index) const {
+VolumeSamples ProbeSimulator::volume(std::uint32_t index, const IqSink& iq) const {
   const int sticks = plan().sticks_per_volume();
   const auto samples = static_cast<std::size_t>(plan().acquisition().samples_per_stick);
   const std::uint64_t first_sequence = plan().first_sequence(index);
   VolumeSamples volume(static_cast<std::size_t>(sticks) * samples);
   parallel_ranges(sticks, options().threads, [&](int first, int last) {
-    const StickMaker make = impl_->model->stick_maker();
+    const StickMaker make = impl_->model->stick_maker(iq);
     for (int i = first; i < last; ++i) {
       const auto stick = static_cast<std::size_t>(i);
       make(first_sequence + stick, std::span(volume).subspan(stick * samples, samples));

@@ -10,6 +10,7 @@
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
 #include "sim/fidelity.h"
+#include "sim/iq_sink.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {
@@ -45,7 +46,10 @@ class ProbeSimulator {
                  const SimulationOptions& options,
                  const TissueMapSource& maps = {});
 
-  VolumeSamples volume(std::uint32_t index) const;
+  /// `iq`, if given, takes the IQ samples that the volume is detected from; it is called on several
+  /// threads at once, in no order, once for each stick. Throws std::logic_error if it is given on
+  /// the rung geometry, which makes none.
+  VolumeSamples volume(std::uint32_t index, const IqSink& iq = {}) const;
 
   const hw::AcquisitionPlan& plan() const;
   const SimulationOptions& options() const;

@@ -1,6 +1,4 @@
 // Writes what a board sends to a file.
-#include <array>
-#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -11,6 +9,8 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/cli/recording_folder.h"
+#include "bench/cli/stop_signals.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
@@ -18,6 +18,7 @@
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"
 #include "hw/recording/recorder.h"
+#include "sim/echo/echo_model.h"
 
 namespace wobblebench::bench {
 
@@ -31,47 +32,21 @@ struct Arguments {
   OutputArguments output;
   std::string board = "sim";
   int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+  bool iq = false;
   bool replace = false;
   bool fail_on_loss = false;
 };
 
-constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
-
-/// Set by a signal handler, which can reach nothing but a global variable.
-volatile std::sig_atomic_t stop_requested = 0;
-
-/// The first signal ends the recording in order; a second one ends the program.
-void on_signal(int signal) {
-  stop_requested = 1;
-  std::signal(signal, SIG_DFL);
-}
-
-void stop_in_order() {
-  for (const int signal : kStopSignals) {
-    if (std::signal(signal, on_signal) == SIG_IGN) std::signal(signal, SIG_IGN);
+/// Throws UserError where there are no IQ samples to write.
+void refuse_iq(const Scene& scene, const BoardArguments& board) {
+  if (!is_simulated(board)) {
+    throw UserError("--iq: needs --board sim; --board = " + board.text +
+                    " sends detected samples only");
   }
-}
-
-/// The name of a recording that is not finished. Refuses to touch one that is there.
-fs::path new_partial(const OutputFolder& out, bool replace) {
-  const fs::path whole = out.directory() / kRecordingName;
-  fs::path partial = whole.string() + ".partial";
-  const auto refuse = [&](const std::string& what) {
-    throw UserError("--out = " + out.directory().string() + ": holds " + what);
-  };
-  std::error_code ignored;
-  // A command was killed after its recording had its final name, before it lost the other.
-  if (fs::equivalent(partial, whole, ignored)) fs::remove(partial);
-  if (fs::exists(fs::symlink_status(partial, ignored))) {
-    refuse(
-        "a recording that was not finished; must be a folder without one (`wobblebench inspect " +
-        partial.string() + " --salvage NEW` copies what it holds)");
-  }
-  if (!replace && fs::exists(fs::symlink_status(whole, ignored))) {
-    refuse(std::string(kRecordingName) +
-           "; must be a folder without one, unless --replace is given");
-  }
-  return partial;
+  const auto rung = sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()).rung;
+  if (sim::echo_model_type(rung).makes_iq()) return;
+  throw UserError("--iq: needs the rung field or higher; the rung is " + sim::to_string(rung) +
+                  ", which makes no IQ samples");
 }
 
 std::string progress_text(const hw::RecordingProgress& recorded) {
@@ -82,12 +57,11 @@ std::string progress_text(const hw::RecordingProgress& recorded) {
 
 hw::RecordingEnd run(hw::Recorder& recorder, RecordingSink& sink, int volumes, Progress& progress) {
   return progress.step("record", [&](const PartDone& done) {
-    return recorder.run([] { return stop_requested != 0; },
-                        [&](const hw::RecordingProgress& recorded) {
-                          sink.sync();
-                          progress.note(progress_text(recorded));
-                          if (volumes > 0) done(recorded.volumes, std::size_t(volumes));
-                        });
+    return recorder.run(stop_requested, [&](const hw::RecordingProgress& recorded) {
+      sink.sync();
+      progress.note(progress_text(recorded));
+      if (volumes > 0) done(recorded.volumes, std::size_t(volumes));
+    });
   });
 }
 
@@ -95,12 +69,14 @@ hw::RecordingEnd run(hw::Recorder& recorder, RecordingSink& sink, int volumes, P
 /// a configuration there is nothing to salvage.
 hw::RecordingEnd record(hw::Recorder& recorder,
                         RecordingSink& sink,
+                        IqFile* iq,
                         const Arguments& arguments,
                         Progress& progress) {
   const hw::RecordingProgress& recorded = recorder.progress();
   try {
     const auto end = run(recorder, sink, arguments.volumes, progress);
     if (!recorded.account.balanced()) throw std::logic_error("recording: account is not balanced");
+    if (iq != nullptr) iq->finish(volumes_begun(recorded));
     if (recorded.configuration) sink.finish(recorded.whole_bytes);
     return end;
   } catch (const std::exception& error) {
@@ -109,10 +85,51 @@ hw::RecordingEnd record(hw::Recorder& recorder,
         (unreadable ? "--board = " + arguments.board + ": " : "") + error.what();
     if (!recorded.configuration) throw std::runtime_error(why + "; nothing is recorded");
     sink.keep();
-    throw std::runtime_error(why + "; " + (unreadable ? sink.path().string() : "it") + " holds " +
+    const bool is_named = why.starts_with(sink.path().string());
+    throw std::runtime_error(why + "; " + (is_named ? "it" : sink.path().string()) + " holds " +
                              std::to_string(recorded.volumes) +
                              " whole volumes, which `inspect --salvage` copies");
   }
+}
+
+/// `iq`, if given, takes the IQ samples. Sets the fidelity of `result`.
+std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
+                                              const BoardArguments& board,
+                                              const CacheArguments& cache,
+                                              std::shared_ptr<IqFile> iq,
+                                              RecordResult& result) {
+  SimulatedScan scan = simulated_scan(scene, open_phantom_cache(cache.most_megabytes()));
+  result.fidelity = scan.simulator.fidelity();
+  return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
+}
+
+/// All files get their names, or none does.
+void name_results(OutputFolder& out, const fs::path& partial, const std::string& report) {
+  try {
+    out.adopt(partial, kRecordingName);
+    out.write_text("report.json", report);
+    out.commit();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
+  }
+}
+
+/// Prints the report, or its summary. Returns the exit code, with a line on stderr unless it is 0.
+int verdict(const RecordResult& result,
+            const std::string& report,
+            const fs::path& folder,
+            const std::string& loss,
+            const Arguments& arguments) {
+  std::cout << (arguments.output.json ? report : record_summary(result, folder));
+  if (result.end == hw::RecordingEnd::lost) {
+    std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
+    return 1;
+  }
+  const hw::BoardAccount& account = result.progress.account;
+  if (!arguments.fail_on_loss || account.lost.total() == 0) return 0;
+  std::cerr << "wobblebench: --fail-on-loss: " << account.lost.total() << " of " << account.emitted
+            << " sticks were lost\n";
+  return 1;
 }
 
 int record_board(const Arguments& arguments) {
@@ -121,49 +138,36 @@ int record_board(const Arguments& arguments) {
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
+  if (arguments.iq) refuse_iq(scene, board);
   // What does not exist is refused before the folder is made; what takes long comes after it.
   auto link = is_simulated(board) ? nullptr : open_outside_link(board);
   OutputFolder out(arguments.output.folder);
-  const fs::path partial = new_partial(out, arguments.replace);
+  const fs::path partial = new_partial(out, arguments.replace, arguments.iq);
   if (link) out.refuse_input(board.link.value, kRecordingName);
   Progress progress;
+  RecordResult result{.with_iq = arguments.iq};
+  std::shared_ptr<IqFile> iq;
+  if (arguments.iq) iq = std::make_shared<IqFile>(out.stage(kIqName), scene.plan());
   if (!link) {
-    link = progress.step("open", [&] {
-      return open_board_link(
-          board, simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes())));
-    });
+    link = progress.step(
+        "open", [&] { return make_simulated_link(scene, board, arguments.cache, iq, result); });
   }
   RecordingSink sink(partial);
   stop_in_order();
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
-  const hw::RecordingEnd end = record(recorder, sink, arguments, progress);
-
-  const hw::RecordingProgress& recorded = recorder.progress();
-  const std::string loss = end == hw::RecordingEnd::lost ? link->loss() : "";
-  if (!recorded.configuration) {
+  result.end = record(recorder, sink, iq.get(), arguments, progress);
+  result.progress = recorder.progress();
+  result.link = link->capabilities();
+  const std::string loss = result.end == hw::RecordingEnd::lost ? link->loss() : "";
+  if (!result.progress.configuration) {
     throw std::runtime_error("--board = " + arguments.board + ": " +
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
-  const std::string report = record_report(recorded, end, link->capabilities(), std::move(scene));
-  try {
-    out.adopt(partial, kRecordingName);
-    out.write_text("report.json", report);
-    out.commit();
-  } catch (const std::exception& error) {
-    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
-  }
-  const fs::path recording = out.directory() / kRecordingName;
-  std::cout << (arguments.output.json ? report : record_summary(recorded, end, recording));
-  if (end == hw::RecordingEnd::lost) {
-    std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
-    return 1;
-  }
-  if (!arguments.fail_on_loss || recorded.account.lost.total() == 0) return 0;
-  std::cerr << "wobblebench: --fail-on-loss: " << recorded.account.lost.total() << " of "
-            << recorded.account.emitted << " sticks were lost\n";
-  return 1;
+  const std::string report = record_report(result, std::move(scene));
+  name_results(out, partial, report);
+  return verdict(result, report, out.directory(), loss, arguments);
 }
 
 }  // namespace
@@ -181,6 +185,10 @@ Command add_record_command(CLI::App& app) {
               "Stop after so many; 0: at the end of the stream, or at Ctrl-C",
               0,
               1000);
+  add_flag(command,
+           "--iq",
+           arguments->iq,
+           "Write the IQ samples of a simulated board, too: iq.npy, for NumPy");
   add_flag(command, "--replace", arguments->replace, "Replace a recording that is in DIR");
   add_flag(command,
            "--fail-on-loss",

@@ -52,10 +52,10 @@ int emulate_card(const Arguments& arguments) {
     throw std::runtime_error("stand-in: FUSE cannot be mounted: " +
                              hw::XdmaEmulator::mount_error());
   }
-  const MakeSticks sticks =
-      is_simulated(board)
-          ? simulated_sticks(scene, open_phantom_cache(arguments.cache.most_megabytes()))
-          : MakeSticks{};
+  const MakeSticks sticks = is_simulated(board)
+                                ? simulated_sticks(simulated_scan(
+                                      scene, open_phantom_cache(arguments.cache.most_megabytes())))
+                                : MakeSticks{};
   // Opened once and closed, so that a link that cannot be opened fails here and not at the first
   // read.
   Progress().step("open", [&] { open_board_link(board, sticks); });

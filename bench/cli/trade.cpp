@@ -36,6 +36,19 @@ void refuse_compared_settings(const Scene& scene) {
   }
 }
 
+/// All rungs are compared, so that each must model what the options switch on.
+void refuse_for_any_rung(const Scene& scene) {
+  auto options = scene.simulation;
+  for (const sim::Rung rung : {sim::Rung::geometry, sim::Rung::reference}) {
+    options.fidelity = rung;
+    try {
+      sim::choose_fidelity(options, scene.plan(), scene.moves());
+    } catch (const InvalidOption& error) {
+      throw UserError(std::string("simulation.") + error.what());
+    }
+  }
+}
+
 TradeScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
   complete_from_phantom(scene, phantom);
   return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
@@ -171,6 +184,7 @@ Json report_of(const RungTradeResults& results,
 int trade(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   refuse_compared_settings(scene);
+  refuse_for_any_rung(scene);
   OutputFolder out(arguments.output.folder);
   Progress progress(usual_shares(arguments.repeats));
   const RungTradeResults results = measure(scene, arguments.repeats, progress);

@@ -23,6 +23,13 @@ void check_balance(const hw::BoardAccount& account) {
                          std::to_string(account.lost.total()));
 }
 
+/// Over which linear envelopes are displayed: the scene's choice, or else the stream's.
+double dynamic_range_db(const Scene& scene, const hw::Configuration& configuration) {
+  const bool is_chosen = scene.given.contains("simulation.dynamic_range_db");
+  const hw::DisplayScale& scale = configuration.display_scale;
+  return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
+}
+
 }  // namespace
 
 BoardConnection::BoardConnection(const BoardArguments& arguments) : arguments_(arguments) {
@@ -99,7 +106,7 @@ Acquisition BoardConnection::receive(const Scene& scene, hw::HostTime start) {
   const auto delivered = hw::HostClock::now();
   const hw::Configuration configuration = *assembly_->configuration();
   const ReceivedSamples samples = make_displayable(
-      volume, configuration.source, scene.simulation.dynamic_range_db, arguments_.text);
+      volume, configuration.source, dynamic_range_db(scene, configuration), arguments_.text);
   Acquisition acquisition{.volume = std::move(volume),
                           .samples = samples,
                           .account = {},
@@ -107,6 +114,7 @@ Acquisition BoardConnection::receive(const Scene& scene, hw::HostTime start) {
                           .link = board_->capabilities(),
                           .source = configuration.source,
                           .subject = configuration.subject,
+                          .display_scale = configuration.display_scale,
                           .simulated = {},
                           .ending = assembly_->ended() ? ending() : ""};
   board_->stop();

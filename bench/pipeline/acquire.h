@@ -38,6 +38,7 @@ struct Acquisition {
   hw::LinkCapabilities link;
   hw::StreamOrigin source;                   ///< of the samples
   hw::SubjectHash subject;                   ///< what they are of, if the stream says so
+  hw::DisplayScale display_scale;            ///< how they were made, if the stream says so
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
   /// Encode, link, decode, ring, assembly: all of the time to the last stick but the simulator's.
   double transport_ms = 0;

@@ -1,17 +1,30 @@
 #include "bench/pipeline/simulated_sticks.h"
 
+#include <utility>
+
 #include "bench/scene/subject_hash.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
 
-MakeSticks simulated_sticks(Scene scene, PhantomCache cache) {
+SimulatedScan simulated_scan(Scene scene, PhantomCache cache) {
   const auto phantom = cache.phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
-  const sim::ProbeSimulator simulator(
-      scene.place(phantom), scene.plan(), scene.simulation, cache.tissue_maps());
-  return
-      [simulator, subject = subject_hash(scene)] { return sim::stick_source(simulator, subject); };
+  return {{scene.place(phantom), scene.plan(), scene.simulation, cache.tissue_maps()},
+          subject_hash(scene)};
+}
+
+MakeSticks simulated_sticks(SimulatedScan scan, std::shared_ptr<IqFile> iq) {
+  return [scan = std::move(scan), iq = std::move(iq)] {
+    sim::StickSource source = sim::stick_source(scan.simulator, scan.subject);
+    if (iq) {
+      source.volume = [simulator = scan.simulator, iq](std::uint32_t volume) {
+        return simulator.volume(
+            volume, [&](const hw::StickIndex& index, auto samples) { iq->write(index, samples); });
+      };
+    }
+    return source;
+  };
 }
 
 }  // namespace wobblebench::bench

@@ -158,6 +158,7 @@ bool Recorder::Impl::audit_packet(const Packet& packet) {
       },
       packet);
   progress_.account = audit_.account();
+  progress_.next_sequence = audit_.next_sequence();
   progress_.configuration = audit_.configuration();
   return ends_volume;
 }

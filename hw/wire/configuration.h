@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hw/probe/acquisition_plan.h"
+#include "hw/wire/display_scale.h"
 #include "hw/wire/stream_origin.h"
 #include "hw/wire/subject_hash.h"
 
@@ -12,6 +13,7 @@ struct Configuration {
   AcquisitionPlan plan;
   StreamOrigin source;  ///< of the samples, also in a recording
   SubjectHash subject = {};
+  DisplayScale display_scale = {};
 };
 
 }  // namespace wobblebench::hw

@@ -29,6 +29,7 @@ std::optional<Packet> parse_configuration(Bytes packet) {
   parsed.source = static_cast<StreamOrigin>(source);
   parsed.acquisition.motor = static_cast<MotorMode>(motor);
   visit_configuration(parsed, [&](std::size_t offset, auto& value) {
+    if (offset >= payload.size()) return;  // from before the display scale
     value = get<std::remove_reference_t<decltype(value)>>(payload, offset);
   });
   return parsed;

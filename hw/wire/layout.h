@@ -107,6 +107,9 @@ void visit_configuration(ConfigurationPacket& packet, Field&& field) {
   field(148, packet.subject.phantom);
   field(152, packet.subject.placement);
   field(156, packet.subject.motion);
+  field(160, packet.display_scale.full_scale_db);
+  field(168, packet.display_scale.dynamic_range_db);
+  field(176, packet.display_scale.tgc_db_per_cm_mhz);
 }
 // In a configuration's payload, bytes.
 inline constexpr std::size_t kMotorModeOffset = 140;

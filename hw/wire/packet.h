@@ -13,6 +13,7 @@
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/clock.h"
 #include "hw/probe/stick.h"
+#include "hw/wire/display_scale.h"
 #include "hw/wire/stream_origin.h"
 #include "hw/wire/subject_hash.h"
 #include "hw/wire/version.h"
@@ -24,7 +25,9 @@ inline constexpr std::array<std::byte, 4> kWireMagic = {
 inline constexpr std::size_t kWireHeaderBytes = 64;
 /// No packet of any version has a longer payload; a length beyond it is damage.
 inline constexpr std::size_t kWireMaxPayloadBytes = 65536;
-inline constexpr std::size_t kWireConfigurationBytes = 160;
+inline constexpr std::size_t kWireConfigurationBytes = 184;
+/// Of configurations from before they had a display scale.
+inline constexpr std::size_t kWireConfigurationBytesWithoutScale = 160;
 inline constexpr std::size_t kWireMaxSamples = 4096;
 
 enum class PacketKind : std::uint16_t { configuration = 1, stick = 2, volume_end = 3 };
@@ -42,6 +45,7 @@ struct ConfigurationPacket {
   ProbeOptions probe;
   AcquisitionOptions acquisition;
   SubjectHash subject = {};
+  DisplayScale display_scale = {};
 };
 
 struct StickPacket {

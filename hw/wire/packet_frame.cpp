@@ -22,7 +22,9 @@ bool valid_shape(Bytes header, PacketKind kind, std::size_t payload_bytes) {
   const auto flags = get<std::uint32_t>(header, kFlagsOffset);
   switch (kind) {
     case PacketKind::configuration:
-      return payload_bytes == kWireConfigurationBytes && samples == 0 && flags == 0;
+      return (payload_bytes == kWireConfigurationBytes ||
+              payload_bytes == kWireConfigurationBytesWithoutScale) &&
+             samples == 0 && flags == 0;
     case PacketKind::stick:
       return samples >= 1 && samples <= kWireMaxSamples &&
              payload_bytes == stick_payload_bytes(samples) &&

@@ -15,6 +15,7 @@ constexpr std::uint64_t kSequenceEnd = std::uint64_t{1} << 52;
 
 AcquisitionPlan plan_of(const ConfigurationPacket& packet) {
   try {
+    if (packet.display_scale.stated()) check_options(packet.display_scale);
     return {packet.probe, packet.acquisition};
   } catch (const InvalidOption& error) {
     throw UnreadableStream(std::string("the device's configuration is not possible: ") +
@@ -25,7 +26,8 @@ AcquisitionPlan plan_of(const ConfigurationPacket& packet) {
 bool same_plan(const Configuration& configuration, const ConfigurationPacket& packet) {
   return configuration.plan.probe() == packet.probe &&
          configuration.plan.acquisition() == packet.acquisition &&
-         configuration.source == packet.source && configuration.subject == packet.subject;
+         configuration.source == packet.source && configuration.subject == packet.subject &&
+         configuration.display_scale == packet.display_scale;
 }
 
 // The stream may continue beyond the plan's number of volumes. Before a configuration any number is
@@ -51,7 +53,7 @@ bool fits(const std::optional<Configuration>& configuration, const VolumeEndPack
 }  // namespace
 
 AuditResult StreamAudit::take(const ConfigurationPacket& packet) {
-  Configuration configuration{plan_of(packet), packet.source, packet.subject};
+  Configuration configuration{plan_of(packet), packet.source, packet.subject, packet.display_scale};
   const bool repeated = configuration_ && same_plan(*configuration_, packet);
   if (configuration_ && !repeated) tracker_.restart();
   AuditResult result;

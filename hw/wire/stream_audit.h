@@ -43,6 +43,8 @@ class StreamAudit {
 
   const std::optional<Configuration>& configuration() const { return configuration_; }
   const BoardAccount& account() const { return tracker_.account(); }
+  /// The number of the next stick; 0 before any packet.
+  std::uint64_t next_sequence() const { return tracker_.next().value_or(0); }
   /// A stick was emitted since the last volume's end.
   bool inside_volume() const { return inside_volume_; }
 

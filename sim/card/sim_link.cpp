@@ -33,12 +33,15 @@ VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics>
 
 StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject) {
   const hw::AcquisitionPlan plan = simulator.plan();
-  const hw::SampleScale scale = simulator.options().output;
+  const SimulationOptions options = simulator.options();
   return {
       plan,
-      scale,
+      options.output,
       [simulator = std::move(simulator)](std::uint32_t volume) { return simulator.volume(volume); },
-      subject};
+      subject,
+      {.full_scale_db = options.full_scale_db,
+       .dynamic_range_db = options.dynamic_range_db,
+       .tgc_db_per_cm_mhz = options.tgc_db_per_cm_mhz}};
 }
 
 class SimLink::Impl {
@@ -177,7 +180,8 @@ bool SimLink::Impl::begin_volume() {
                                      .source = hw::StreamOrigin::simulated,
                                      .probe = plan.probe(),
                                      .acquisition = plan.acquisition(),
-                                     .subject = source_.subject},
+                                     .subject = source_.subject,
+                                     .display_scale = source_.display_scale},
              bytes_);
   card_.push(bytes_, begin, false);
   inside_volume_ = true;

@@ -36,7 +36,9 @@ struct StickSource {
   hw::AcquisitionPlan plan;
   hw::SampleScale scale = hw::SampleScale::log_compressed;
   std::function<VolumeSamples(std::uint32_t)> volume;  ///< called for volumes 0, 1, … in turn
-  hw::SubjectHash subject = {};                        ///< put into each configuration
+  // Put into each configuration.
+  hw::SubjectHash subject = {};
+  hw::DisplayScale display_scale = {};
 };
 StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject = {});
 

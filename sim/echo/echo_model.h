@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/iq_sink.h"
 #include "sim/options.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -30,7 +31,9 @@ class EchoModel {
   EchoModel& operator=(const EchoModel&) = delete;
 
   virtual const EchoModelType& type() const = 0;
-  virtual StickMaker stick_maker() const = 0;
+  /// `iq`, if given, is called with each stick's IQ samples. Throws std::logic_error if it is given
+  /// to a rung that makes none.
+  virtual StickMaker stick_maker(const IqSink& iq) const = 0;
 };
 
 /// Bytes of what a model stores for each IQ sample of a volume.
@@ -60,6 +63,8 @@ struct EchoModelType {
 
   /// Effects have the names of sim/fidelity.h.
   bool models(std::string_view effect) const;
+  /// Echoes are IQ samples, which a Receiver detects.
+  bool makes_iq() const { return models("envelope"); }
 };
 
 /// Throws std::logic_error for `automatic`, which choose_fidelity() resolves.

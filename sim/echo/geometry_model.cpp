@@ -1,5 +1,7 @@
 #include "sim/echo/geometry_model.h"
 
+#include <stdexcept>
+
 #include "sim/echo/stick_propagation.h"
 #include "sim/receive/losses.h"
 #include "sim/receive/receiver.h"
@@ -38,7 +40,8 @@ GeometryModel::GeometryModel(const ScannedTissue& tissue,
   }
 }
 
-StickMaker GeometryModel::stick_maker() const {
+StickMaker GeometryModel::stick_maker(const IqSink& iq) const {
+  if (iq) throw std::logic_error("the rung geometry makes no IQ samples");
   return [this, track = StickTrack()](std::uint64_t sequence, std::span<float> samples) mutable {
     const TimedRay line = stick_ray(plan_, plan_.index(sequence));
     follow(tissue_, line, plan_.acquisition().depth_m, track, Surfaces::crossed);

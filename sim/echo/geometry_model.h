@@ -19,7 +19,7 @@ class GeometryModel final : public EchoModel {
                 const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }
-  StickMaker stick_maker() const override;
+  StickMaker stick_maker(const IqSink& iq) const override;
 
  private:
   void fill(const StickTrack& track, std::span<float> samples) const;

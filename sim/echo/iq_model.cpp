@@ -46,13 +46,24 @@ class ReusedEchoes final : public IqModel {
 IqModel::IqModel(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
     : plan_(plan), seed_(options.seed), receiver_(plan, options, iq_oversampling(plan)) {}
 
-StickMaker IqModel::stick_maker() const {
+StickMaker IqModel::stick_maker(const IqSink& sink) const {
   const auto sticks = static_cast<std::uint64_t>(plan_.sticks_per_volume());
-  return [this, sticks, make = iq_maker(), receiver = receiver_](std::uint64_t sequence,
-                                                                 std::span<float> samples) mutable {
+  return [this,
+          sticks,
+          sink,
+          make = iq_maker(),
+          receiver = receiver_,
+          noisy = std::vector<std::complex<float>>()](std::uint64_t sequence,
+                                                      std::span<float> samples) mutable {
     const auto noise_key =
         random_key(seed_, RandomStream::noise, sequence / sticks, sequence % sticks);
-    receiver.detect(make(plan_.index(sequence)), noise_key, samples);
+    const hw::StickIndex index = plan_.index(sequence);
+    const auto iq = make(index);
+    if (sink) {
+      receiver.add_noise(iq, noise_key, noisy);
+      sink(index, noisy);
+    }
+    receiver.detect(iq, noise_key, samples);
   };
 }
 

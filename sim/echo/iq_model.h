@@ -20,7 +20,7 @@ class IqModel : public EchoModel {
   IqModel(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
 
   /// IQ samples and then the receive chain, with noise of the stick's own.
-  StickMaker stick_maker() const final;
+  StickMaker stick_maker(const IqSink& sink) const final;
   virtual IqMaker iq_maker() const = 0;
 
  private:

@@ -16,9 +16,30 @@ namespace {
 constexpr int kBlock = 64;
 /// Smallest argument of the logarithm, 380 dB below full scale: a normal number.
 constexpr float kSmallestAmplitude = 1e-19f;
-/// 600 dB: what such a gain does not lift to full scale is zero, and it is far from the largest
-/// float. Options allow 4900 dB (20 MHz, 3 dB/cm/MHz, 40 cm, full scale at -100 dB).
-constexpr double kMostGain = 1e30;
+/// What such a gain does not lift to full scale is zero, and it is far from the largest float.
+/// Options allow 4900 dB (20 MHz, 3 dB/cm/MHz, 40 cm, full scale at -100 dB).
+const double kMostGain = amplitude_of_db(hw::kMostGain_db);
+
+struct IqSample {
+  float re, im;
+};
+
+/// One of the IQ samples from `iq` on, each a pair of floats. `sample`: its number in the stick.
+WOBBLEBENCH_INLINE IqSample with_noise(
+    const float* iq, std::ptrdiff_t i, std::uint64_t key, std::uint32_t sample, float noise) {
+  const ComplexNormal z = complex_normal(key, sample);
+  return {iq[2 * i] + noise * z.re, iq[2 * i + 1] + noise * z.im};
+}
+
+WOBBLEBENCH_SIMD void add_noise_to(
+    const float* __restrict iq, int count, std::uint64_t key, float noise, float* __restrict sum) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = i;
+    const IqSample noisy = with_noise(iq, at, key, static_cast<std::uint32_t>(i), noise);
+    sum[2 * at] = noisy.re;
+    sum[2 * at + 1] = noisy.im;
+  }
+}
 
 /// |iq + noise| of `count` IQ samples, from sample `first` of the stick on.
 WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
@@ -28,10 +49,7 @@ WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
                                      float noise,
                                      float* __restrict envelope) {
   for (int i = 0; i < count; ++i) {
-    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
-    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(first + i));
-    const float re = iq[at] + noise * z.re;
-    const float im = iq[at + 1] + noise * z.im;
+    const auto [re, im] = with_noise(iq, i, key, static_cast<std::uint32_t>(first + i), noise);
     envelope[i] = std::sqrt(re * re + im * im);
   }
 }
@@ -143,6 +161,18 @@ void Receiver::detect(std::span<const std::complex<float>> iq,
       detect_block(iq.data(), noise_key, first, block, samples.data() + first);
     }
   }
+}
+
+void Receiver::add_noise(std::span<const std::complex<float>> iq,
+                         std::uint64_t noise_key,
+                         std::vector<std::complex<float>>& noisy) const {
+  noisy.assign(iq.begin(), iq.end());
+  if (noise_ == 0.0f) return;
+  add_noise_to(reinterpret_cast<const float*>(iq.data()),
+               static_cast<int>(iq.size()),
+               noise_key,
+               noise_,
+               reinterpret_cast<float*>(noisy.data()));
 }
 
 void Receiver::detect_block(

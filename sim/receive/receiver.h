@@ -29,6 +29,11 @@ class Receiver {
               std::uint64_t noise_key,
               std::span<float> samples);
 
+  /// The IQ samples that detect() takes the envelope of.
+  void add_noise(std::span<const std::complex<float>> iq,
+                 std::uint64_t noise_key,
+                 std::vector<std::complex<float>>& noisy) const;
+
  private:
   void detect_block(
       const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples);

@@ -42,6 +42,32 @@ TEST(Fidelity, SideLobesTakeScatterers) {
   EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
+std::string refusal(const SimulationOptions& options) {
+  try {
+    choose_fidelity(options, plan(), false);
+  } catch (const InvalidOption& error) {
+    return error.what();
+  }
+  return "not refused";
+}
+
+TEST(Fidelity, ScatterersWithoutSpeckleAreRefused) {
+  SimulationOptions options;
+  options.speckle = false;
+  for (const Rung rung : {Rung::automatic, Rung::geometry, Rung::field}) {
+    options.fidelity = rung;
+    EXPECT_EQ(refusal(options), "not refused") << to_string(rung);
+  }
+  const std::string why = "speckle = false: needs the rung geometry or field; the rung is ";
+  options.fidelity = Rung::scatterers;
+  EXPECT_EQ(refusal(options), why + "scatterers (asked for)");
+  options.fidelity = Rung::reference;
+  EXPECT_EQ(refusal(options), why + "reference (asked for)");
+  options.fidelity = Rung::automatic;
+  options.side_lobes = true;
+  EXPECT_EQ(refusal(options), why + "scatterers (side lobes are asked for)");
+}
+
 TEST(Fidelity, GeometryIsTakenIfAllOtherEffectsAreOff) {
   SimulationOptions options;
   options.speckle = options.attenuation = options.transmission_loss = false;

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/number_text.h"
+
 namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
@@ -31,6 +33,27 @@ Json link_json(const hw::LinkCapabilities& link) {
           {"buffers_per_interrupt", link.buffers_per_interrupt}};
 }
 
+Json display_scale_json(const hw::DisplayScale& scale) {
+  if (!scale.stated()) return nullptr;
+  return {{"full_scale_db", scale.full_scale_db},
+          {"dynamic_range_db", scale.dynamic_range_db},
+          {"tgc_db_per_cm_mhz", scale.tgc_db_per_cm_mhz}};
+}
+
+std::string display_scale_text(const hw::DisplayScale& scale) {
+  if (!scale.stated()) return "unknown: the samples do not say";
+  return "full scale " + significant(scale.full_scale_db, 6) + " dB, dynamic range " +
+         significant(scale.dynamic_range_db, 6) + " dB, TGC " +
+         significant(scale.tgc_db_per_cm_mhz, 6) + " dB/cm/MHz";
+}
+
+void report_stream_scale(Json& report, const hw::DisplayScale& scale) {
+  const Json stated = display_scale_json(scale);
+  for (const char* key : {"full_scale_db", "dynamic_range_db", "tgc_db_per_cm_mhz"}) {
+    report["scene"]["simulation"][key] = stated.is_null() ? Json(nullptr) : stated[key];
+  }
+}
+
 Json samples_json(const ReceivedSamples& samples) {
   const bool linear = samples.scale == hw::SampleScale::linear_envelope;
   const auto range = samples.dynamic_range_db;
@@ -47,6 +70,7 @@ Json board_json(const Acquisition& acquisition) {
                     {"bytes_skipped", acquisition.damage.bytes_skipped}};
   json["samples_from"] = hw::to_string(acquisition.source);
   json["samples"] = samples_json(acquisition.samples);
+  json["display_scale"] = display_scale_json(acquisition.display_scale);
   json["volume"] = acquisition.volume.volume_index();
   json["missing_sticks"] = acquisition.volume.missing_sticks();
   json["ending"] = acquisition.ending.empty() ? Json(nullptr) : Json(acquisition.ending);

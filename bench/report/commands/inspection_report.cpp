@@ -101,7 +101,7 @@ void write_plan(std::ostream& text, const hw::Configuration& configuration) {
   text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
        << " sticks of " << plan.samples_per_stick << " samples, depth "
        << plan.depth_m / kMillimetre << " mm; samples " << hw::to_string(configuration.source)
-       << "\n";
+       << "\nscale       " << display_scale_text(configuration.display_scale) << "\n";
 }
 
 void write_volumes(std::ostream& text, const hw::RecordingContents& contents) {
@@ -155,6 +155,7 @@ std::string inspection_report(const std::filesystem::path& path,
     report["acquisition"] = acquisition_json(configuration->plan);
     report["board"]["samples_from"] = hw::to_string(configuration->source);
     report["recording"]["subject"] = subject_json(configuration->subject);
+    report["recording"]["display_scale"] = display_scale_json(configuration->display_scale);
   }
   return report_text(report);
 }

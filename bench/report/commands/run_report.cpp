@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "bench/report/commands/board_report.h"
+#include "bench/report/commands/simulation_report.h"
 #include "bench/report/output/image_io.h"
 #include "bench/report/report.h"
 
@@ -21,22 +22,20 @@ Provenance provenance_of(const RunResult& result) {
   return provenance;
 }
 
-Json simulation_json(const SimulatedVolume& simulated, const Scene& scene) {
+/// Sets "effects" and "simulation".
+void report_simulation(Json& report,
+                       const std::optional<SimulatedVolume>& simulated,
+                       const Scene& scene) {
+  report_fidelity(report,
+                  simulated ? std::optional(simulated->fidelity) : std::optional<sim::Fidelity>());
+  if (!simulated) return;
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
-  Json left_out = Json::array();
-  for (const auto& effect : simulated.fidelity.effects) {
-    if (effect.left_out.empty()) continue;
-    left_out.push_back({{"effect", effect.name}, {"why", effect.left_out}});
-  }
-  return {{"rung", sim::to_string(simulated.fidelity.rung)},
-          {"reason", simulated.fidelity.reason},
-          {"left_out", left_out},
-          {"map_ms", simulated.map_ms},
-          {"once_ms", simulated.once_ms},
-          {"ms_per_volume", simulated.volume_ms},
-          {"times_real_time", sound_ms / simulated.volume_ms},
-          {"late_ms", simulated.late_ms},
-          {"packets_dropped", simulated.packets_dropped}};
+  report["simulation"].update({{"map_ms", simulated->map_ms},
+                               {"once_ms", simulated->once_ms},
+                               {"ms_per_volume", simulated->volume_ms},
+                               {"times_real_time", sound_ms / simulated->volume_ms},
+                               {"late_ms", simulated->late_ms},
+                               {"packets_dropped", simulated->packets_dropped}});
 }
 
 std::string why_not_registered(const RunResult& result) {
@@ -68,7 +67,8 @@ std::string volume_line(const RunResult& result, const Scene& scene) {
   const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
   if (!acquisition.simulated) {
     return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +
-           std::string(hw::to_string(acquisition.source)) + "\n";
+           std::string(hw::to_string(acquisition.source)) + "\nscale       " +
+           display_scale_text(acquisition.display_scale) + "\n";
   }
   const SimulatedVolume& simulated = *acquisition.simulated;
   return sound + "simulated in " + rounded(simulated.volume_ms) +
@@ -152,9 +152,9 @@ std::string error_line(const RunResult& result, bool surface_sought) {
 std::string run_report(const RunResult& result, const Scene& scene, const StepTimes& times) {
   Json report = report_head("run", provenance_of(result), scene);
   const auto& simulated = result.acquisition.simulated;
-  if (simulated) report["effects"] = simulated->effects;
   report["acquisition"] = acquisition_json(scene.plan());
-  report["simulation"] = simulated ? simulation_json(*simulated, scene) : Json(nullptr);
+  report_simulation(report, simulated, scene);
+  if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
   report["render"] = render_json(result.picture.passes, scene.render.pipeline.mode);
   const std::string truth = truth_source(result);

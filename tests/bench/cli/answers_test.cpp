@@ -128,6 +128,16 @@ TEST(Answers, TradeRefusesAPhantomsFileWithOneLine) {
   EXPECT_EQ(result.out, "");
 }
 
+TEST(Answers, TradeRefusesWhatOneOfItsRungsCannotShow) {
+  const ScratchFolder folder;
+  const auto result = bench({"trade", "--set", "simulation.speckle=false"}, folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err,
+            "wobblebench: simulation.speckle = false: needs the rung geometry or field; the rung "
+            "is reference (asked for)\n");
+  EXPECT_TRUE(folder.files().empty());
+}
+
 TEST(Answers, WhatCannotBeOpenedIsRefusedBeforeAFolderIsMade) {
   const ScratchFolder folder;
   for (const Words& words : {Words{"conformance", "none.toml"},

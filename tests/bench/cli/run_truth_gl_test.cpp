@@ -79,16 +79,18 @@ TEST_F(RecordedSphere, IsScoredWhateverElseDiffers) {
   EXPECT_EQ(live.at("provenance").at("seed"), 1);
 }
 
+constexpr std::size_t kConfigurationBytes = hw::kWireHeaderBytes + hw::kWireConfigurationBytes;
+
 /// The configuration as programs wrote it before it had a subject.
 void remove_subject(const fs::path& path) {
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  std::string bytes(224, '\0');
-  file.read(bytes.data(), 224);
+  std::string bytes(kConfigurationBytes, '\0');
+  file.read(bytes.data(), kConfigurationBytes);
   std::fill(bytes.begin() + 64 + 148, bytes.begin() + 64 + 160, '\0');
   const auto span = std::as_bytes(std::span(bytes));
   const auto crc = hw::crc32c(span.subspan(64), hw::crc32c(span.first(60)));
   for (int i = 0; i < 4; ++i) bytes[60 + i] = static_cast<char>(crc >> (8 * i));
-  file.seekp(0).write(bytes.data(), 224);
+  file.seekp(0).write(bytes.data(), kConfigurationBytes);
 }
 
 TEST_F(RecordedSphere, WithoutASubjectItsTruthIsTakenOnTrust) {
@@ -213,13 +215,13 @@ TEST(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
   std::fstream file(folder.path() / "rec/recording.wbst",
                     std::ios::in | std::ios::out | std::ios::binary);
   std::string packet(64 + 256, '\0');
-  file.seekg(224).read(packet.data(), static_cast<std::streamsize>(packet.size()));
+  file.seekg(kConfigurationBytes).read(packet.data(), static_cast<std::streamsize>(packet.size()));
   const float outlier = 3;
   std::memcpy(packet.data() + 64 + 40, &outlier, 4);
   const auto span = std::as_bytes(std::span(packet));
   const auto crc = hw::crc32c(span.subspan(64), hw::crc32c(span.first(60)));
   for (int i = 0; i < 4; ++i) packet[60 + i] = static_cast<char>(crc >> (8 * i));
-  file.seekp(224).write(packet.data(), static_cast<std::streamsize>(packet.size()));
+  file.seekp(kConfigurationBytes).write(packet.data(), static_cast<std::streamsize>(packet.size()));
   file.close();
   const auto report = report_of(bench(with(kPlayed, {kSphere, kPicture}), folder));
   EXPECT_EQ(report.at("board").at("samples").at("out_of_range"), 1);

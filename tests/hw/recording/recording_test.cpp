@@ -141,6 +141,26 @@ TEST_F(Recordings, DamagedFirstConfigurationLosesNoStick) {
   EXPECT_EQ(salvage(path), stream_of(plan));
 }
 
+TEST_F(Recordings, OfProgramsWithoutADisplayScaleAreReadAndSalvaged) {
+  const AcquisitionPlan plan = small_plan(2);
+  auto packets = packets_of(plan);
+  const std::size_t second = packets.size() / 2;
+  for (const std::size_t at : {std::size_t{0}, second}) {
+    packets[at] = without_display_scale(packets[at]);
+  }
+  const RecordingContents contents = inspect_recording(write(join(packets)));
+  EXPECT_TRUE(contents.complete());
+  EXPECT_FALSE(contents.damaged());
+  EXPECT_FALSE(contents.configuration.value().display_scale.stated());
+  EXPECT_EQ(contents.account.delivered, 24U);
+  packets[second][100] ^= std::byte{1};
+  const Bytes kept = salvage(write(join(packets)));
+  const RecordingContents again = inspect_recording(write(kept));
+  EXPECT_FALSE(again.damaged());
+  EXPECT_TRUE(again.one_plan) << "configurations of both lengths are equal";
+  EXPECT_EQ(again.account.delivered, 24U);
+}
+
 TEST_F(Recordings, DamagedRegionsAreLocated) {
   const AcquisitionPlan plan = small_plan(2);
   auto packets = packets_of(plan);
@@ -244,6 +264,19 @@ TEST_F(Recordings, BoundedRecordingEndsWithItsLastVolume) {
     const RecordingContents contents = inspect_recording(write(written));
     EXPECT_TRUE(contents.complete());
   }
+}
+
+/// Of 12 sticks a volume, the first with its configuration, and all after stick 24, never come.
+TEST_F(Recordings, TheRecorderKnowsHowFarTheSourceCame) {
+  auto packets = packets_of(small_plan(3));
+  packets.resize(packet_index(small_plan(3), 24) + 1);
+  packets.erase(packets.begin(), packets.begin() + 2);
+  MemoryLink link(join(packets));
+  Recorder recorder(link, [](auto) {});
+  EXPECT_EQ(recorder.progress().next_sequence, 0U);
+  EXPECT_EQ(recorder.run([] { return false; }), RecordingEnd::end_of_stream);
+  EXPECT_EQ(recorder.progress().account.emitted, 24U) << "one more was lost before the first";
+  EXPECT_EQ(recorder.progress().next_sequence, 25U);
 }
 
 /// Damage that looks like a long packet hides the end of the volume until its bytes have come.

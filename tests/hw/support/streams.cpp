@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "hw/wire/layout.h"
+
 namespace wobblebench::hw {
 
 std::uint64_t hash(std::uint64_t seed, std::uint64_t index) {
@@ -76,6 +78,14 @@ Bytes join(const std::vector<Bytes>& packets) {
 
 Bytes stream_of(const AcquisitionPlan& plan, WireCrc crc) {
   return join(packets_of(plan, crc));
+}
+
+Bytes without_display_scale(Bytes configuration) {
+  using namespace wire_layout;
+  configuration.resize(64 + 160);
+  put(configuration.data() + kPayloadBytesOffset, std::uint32_t{160});
+  put(configuration.data() + kCrcOffset, packet_crc(configuration));
+  return configuration;
 }
 
 bool is_genuine(const AcquisitionPlan& plan, const Stick& stick) {

@@ -34,6 +34,9 @@ std::vector<Bytes> packets_of(const AcquisitionPlan& plan, WireCrc crc = WireCrc
 Bytes join(const std::vector<Bytes>& packets);
 Bytes stream_of(const AcquisitionPlan& plan, WireCrc crc = WireCrc::crc32c);
 
+/// A configuration as programs wrote it before there was a display scale.
+Bytes without_display_scale(Bytes configuration);
+
 /// The stick equals that of the plan's stream with its sequence number, bit for bit.
 bool is_genuine(const AcquisitionPlan& plan, const Stick& stick);
 

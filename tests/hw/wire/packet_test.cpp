@@ -77,6 +77,7 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   Perturb perturb;
   describe(packet.probe, perturb);
   describe(packet.acquisition, perturb);
+  describe(packet.display_scale, perturb);
   packet.subject = {.phantom = 0x89ABCDEF, .placement = 1, .motion = 0xFFFFFFFF};
   const auto packets = decode(encoded(packet));
   ASSERT_EQ(packets.size(), 1U);
@@ -89,6 +90,41 @@ TEST(Wire, ConfigurationCarriesEveryOption) {
   EXPECT_TRUE(decoded.acquisition == packet.acquisition);
   EXPECT_TRUE(decoded.subject == packet.subject);
   EXPECT_TRUE(decoded.subject.stated());
+  EXPECT_TRUE(decoded.display_scale == packet.display_scale);
+  EXPECT_TRUE(decoded.display_scale.stated());
+}
+
+/// As written before there was a display scale.
+TEST(Wire, ConfigurationsOf160BytesAreReadAndStateNoScale) {
+  ConfigurationPacket packet;
+  packet.sequence = 24;
+  packet.volume = 2;
+  packet.subject = {.phantom = 1, .placement = 2, .motion = 3};
+  packet.display_scale = {.full_scale_db = -15, .dynamic_range_db = 60, .tgc_db_per_cm_mhz = 0.3};
+  Bytes stream = without_display_scale(encoded(packet));
+  encode(packet, stream);
+  const auto packets = decode(stream);
+  ASSERT_EQ(packets.size(), 2U);
+  const auto& decoded = std::get<ConfigurationPacket>(packets[0]);
+  EXPECT_EQ(decoded.sequence, 24U);
+  EXPECT_TRUE(decoded.acquisition == packet.acquisition);
+  EXPECT_TRUE(decoded.subject == packet.subject);
+  EXPECT_FALSE(decoded.display_scale.stated());
+  EXPECT_TRUE(std::get<ConfigurationPacket>(packets[1]).display_scale == packet.display_scale);
+}
+
+TEST(Wire, ConfigurationsOfOtherLengthsAreDamage) {
+  for (const std::size_t length : {152U, 168U, 176U, 192U}) {
+    Bytes bytes = encoded(ConfigurationPacket{});
+    bytes.resize(64 + length);
+    set_unsigned(bytes, 8, 4, length);
+    reseal(bytes);
+    Decoder decoder;
+    decoder.feed(bytes);
+    decoder.finish();
+    EXPECT_FALSE(decoder.next()) << length;
+    EXPECT_EQ(decoder.damage().regions, 1U) << length;
+  }
 }
 
 /// As written before there was a subject, and by hardware.
@@ -173,8 +209,9 @@ TEST(Wire, ConfigurationOffsetsAreThoseOfTheSpecification) {
   packet.probe.elements = 96;
   packet.acquisition.fly_back_s = 0.025;
   packet.acquisition.motor = MotorMode::fly_back;
+  packet.display_scale = {.full_scale_db = -15, .dynamic_range_db = 60, .tgc_db_per_cm_mhz = 0.3};
   const Bytes bytes = encoded(packet);
-  ASSERT_EQ(bytes.size(), 64U + 160U);
+  ASSERT_EQ(bytes.size(), 64U + 184U);
   const auto real = [&](std::size_t offset) {
     return std::bit_cast<double>(unsigned_at(bytes, 64 + offset, 8));
   };
@@ -198,6 +235,8 @@ TEST(Wire, ConfigurationOffsetsAreThoseOfTheSpecification) {
   for (std::size_t i = 0; i < std::size(integers); ++i) {
     EXPECT_EQ(unsigned_at(bytes, 184 + 4 * i, 4), integers[i]) << i;
   }
+  const double scale[] = {-15, 60, 0.3};
+  for (std::size_t i = 0; i < std::size(scale); ++i) EXPECT_EQ(real(160 + 8 * i), scale[i]) << i;
 }
 
 TEST(Wire, RejectsSticksOfImpossibleLength) {

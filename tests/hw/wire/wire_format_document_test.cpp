@@ -46,6 +46,12 @@ AcquisitionPlan example_plan() {
   return {probe, acquisition};
 }
 
+ConfigurationPacket example_configuration(const AcquisitionPlan& plan) {
+  ConfigurationPacket packet = configuration_of(plan, 0);
+  packet.display_scale = {.full_scale_db = -15, .dynamic_range_db = 60, .tgc_db_per_cm_mhz = 0.3};
+  return packet;
+}
+
 Stick example_stick(const AcquisitionPlan& plan) {
   Stick stick = test_stick(plan, 0);
   stick.samples = {0, 0.25F, 0.5F, 1};
@@ -55,7 +61,7 @@ Stick example_stick(const AcquisitionPlan& plan) {
 TEST(WireFormatDocument, ExampleIsWritten) {
   const AcquisitionPlan plan = example_plan();
   Bytes written;
-  encode(configuration_of(plan, 0), written);
+  encode(example_configuration(plan), written);
   encode(example_stick(plan), written);
   encode(volume_end_of(plan, 0), written);
   EXPECT_EQ(example(), written);
@@ -71,6 +77,7 @@ TEST(WireFormatDocument, ExampleIsRead) {
   EXPECT_TRUE(read.probe == plan.probe());
   EXPECT_TRUE(read.acquisition == plan.acquisition());
   EXPECT_EQ(read.source, StreamOrigin::simulated);
+  EXPECT_TRUE(read.display_scale == example_configuration(plan).display_scale);
   const auto stick = decoder.next();
   ASSERT_TRUE(stick && std::holds_alternative<StickPacket>(*stick));
   EXPECT_EQ(std::get<StickPacket>(*stick).stick.samples, (std::vector<float>{0, 0.25F, 0.5F, 1}));

@@ -57,6 +57,20 @@ TEST(SimLink, SpeckleDependsOnTheSeed) {
   EXPECT_NE(all_bytes(small_plan(), a), all_bytes(small_plan(), b));
 }
 
+TEST(SimLink, ConfigurationsStateTheDisplayScale) {
+  SimulationOptions options;
+  options.fidelity = Rung::geometry;
+  options.full_scale_db = -12;
+  options.dynamic_range_db = 72;
+  options.tgc_db_per_cm_mhz = 0.4;
+  hw::Decoder decoder;
+  decoder.feed(all_bytes(small_plan(), options));
+  const auto packet = decoder.next();
+  const hw::DisplayScale expected{
+      .full_scale_db = -12, .dynamic_range_db = 72, .tgc_db_per_cm_mhz = 0.4};
+  EXPECT_TRUE(std::get<hw::ConfigurationPacket>(packet.value()).display_scale == expected);
+}
+
 TEST(SimLink, EveryStickCarriesItsOwnTimeAndAngle) {
   const auto plan = small_plan(2, hw::MotorMode::continuous);
   hw::Decoder decoder;

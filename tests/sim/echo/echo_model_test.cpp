@@ -43,7 +43,7 @@ ScannedTissue sphere(Rung rung, const hw::AcquisitionPlan& plan, phantoms::Motio
 
 std::vector<float> stick(const EchoModel& model, std::uint64_t sequence) {
   std::vector<float> samples(64, -1.0f);
-  model.stick_maker()(sequence, samples);
+  model.stick_maker({})(sequence, samples);
   return samples;
 }
 

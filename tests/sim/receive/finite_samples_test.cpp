@@ -66,6 +66,7 @@ struct Scene {
     if (options.fidelity == Rung::scatterers) {
       acquisition.depth_m = std::min(acquisition.depth_m, 60e-3);
       probe.center_frequency_hz = std::min(probe.center_frequency_hz, 5e6);
+      options.speckle = true;
     }
     if (options.fidelity == Rung::geometry) options.tissue_sound_speed = false;
   }

@@ -82,6 +82,26 @@ TEST(Receive, LogOutputFollowsTheFormula) {
   }
 }
 
+/// The way back is computed from what a stream states, by hw.
+TEST(Receive, SamplesComeBackToDecibels) {
+  SimulationOptions options;
+  options.noise_db = kZeroAmplitude_db;
+  const hw::DisplayScale scale{.full_scale_db = options.full_scale_db,
+                               .dynamic_range_db = options.dynamic_range_db,
+                               .tgc_db_per_cm_mhz = options.tgc_db_per_cm_mhz};
+  const auto plan = plan_of(100);
+  const std::vector<Complex> echoes(100, {0, 1e-3f});
+  for (const auto output : {hw::SampleScale::log_compressed, hw::SampleScale::linear_envelope}) {
+    options.output = output;
+    const auto samples = detected(echoes, 100, options);
+    for (int k = 0; k < 100; ++k) {
+      const float sample = samples[static_cast<std::size_t>(k)];
+      const double range_m = plan.sample_range_m(k);
+      EXPECT_NEAR(hw::echo_db(sample, output, scale, plan, range_m), -60, 1e-4) << k;
+    }
+  }
+}
+
 TEST(Receive, NoiseHasItsLevelAndDependsOnItsKey) {
   auto options = noiseless_linear();
   options.noise_db = -40;
