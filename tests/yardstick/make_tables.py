@@ -137,7 +137,7 @@ def echo_envelope(place, fraction, depth_mm):
     response = es.element_response(probe, band, points, active)
     envelope = np.abs(amplitude @ es.echoes(probe, band, response, active, theta, gates))
     one = PointSpread(probe, 0.0, depth, band=band).peak()
-    return [(g * 1e3, e / one) for g, e in zip(gates, envelope)]
+    return [(f"{g * 1e3:.4f}", e / one) for g, e in zip(gates, envelope)]
 
 
 TABLES = {
