@@ -69,7 +69,9 @@ class Band:
     def __init__(self, probe, count, reach, lowest=0.2):
         """`reach`: half the band, in units of the half width at half amplitude.
 
-        No probe passes frequencies near 0 as its Gaussian would: none below `lowest` centre frequencies.
+        No probe passes frequencies near 0 as its Gaussian would, and there beams are so wide that they
+        would rule speckle: none below `lowest` centre frequencies. That is -43 dB of the standard probe's
+        pulse, but -15 dB of curvilinear_60's.
         """
         half_width = probe.bandwidth * probe.centre_frequency / 2
         low = max(probe.centre_frequency - reach * half_width, lowest * probe.centre_frequency)

@@ -144,12 +144,14 @@ TABLES = {
     "point_widths": Table(
         "A point on a stick's axis: -6 dB full widths of the peak envelope as sticks (lateral) and frames "
         "(elevation) turn past it, and of the echo along the stick (axial), each between the first places "
-        "on either side of the maximum; level of its echo on that stick re the preset's axis at 75 mm",
+        "on either side of the maximum; level of its echo on that stick re the preset's axis at 75 mm; "
+        "no frequency below 0.2 of the centre's",
         ("preset", "sector_fraction", "depth_mm"),
         ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), point_widths),
     "speckle": Table(
         "Fully developed speckle: full width at half maximum of the intensity autocovariance across lines, "
-        "frames and range; mean echo power re the preset's axis at 75 mm",
+        "frames and range; mean echo power re the preset's axis at 75 mm; no frequency below "
+        "0.2 of the centre's: matters to curvilinear_60, whose widths depend on it by a tenth",
         ("preset", "sector_fraction", "depth_mm"),
         ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), speckle),
     "neighbours": Table(
@@ -159,7 +161,8 @@ TABLES = {
         [(depth,) for depth in DEPTHS_MM], neighbours),
     "attenuation": Table(
         "Standard probe, axis, all tissue attenuating: echo of a point re none, closed form of the loss at "
-        "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv",
+        "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv; "
+        "no frequency below 0.28 MHz, which alpha 1 meets beyond 110 mm",
         ("alpha_db_cm_mhz", "depth_mm"),
         ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
         [(alpha, depth) for alpha in (0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
