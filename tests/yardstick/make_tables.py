@@ -165,7 +165,7 @@ TABLES = {
         "no frequency below 0.28 MHz, which alpha 1 meets beyond 110 mm",
         ("alpha_db_cm_mhz", "depth_mm"),
         ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
-        [(alpha, depth) for alpha in (0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
+        [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
     "shadow": Table(
         "Standard probe: mean echo power of even tissue re no plane, behind a half plane at 60 mm that "
         "passes 0.1 of the amplitude each way and lies at lateral > 0 (or elevation > 0); crossing: where "
