@@ -106,7 +106,7 @@ def attenuation(alpha, depth_mm):
 
 
 def half_plane(edge, depth_mm):
-    crossings = np.arange(-12e-3, 12.01e-3, 0.5e-3)
+    crossings = np.arange(-24, 25) * 0.5e-3
     across = {"lateral": shadow.across_lines, "elevation": shadow.across_frames}[edge]
     power = across(es.PRESETS["standard"], depth_mm * 1e-3, crossings)
     rise = shadow.rise_width(crossings, power)
