@@ -12,9 +12,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kRangeStep_m = 5e-3;
-constexpr int kMinRanges = 8, kMaxRanges = 64;
+constexpr double kRangeStep_m = 3e-3;
 constexpr double kAngleStep_rad = 8 * kDegree;
+constexpr int kMinRanges = 8, kMaxRanges = 64;
 constexpr int kColumns = 48;  ///< a side
 
 /// Half of the widest beam that is looked at: two lobes, and half the aperture's shadow.
@@ -22,15 +22,18 @@ double window_m(double lobe_m, double aperture_m, double range_m, double focus_m
   return 2 * lobe_m + 0.6 * aperture_m * std::abs(1 - range_m / focus_m);
 }
 
-/// Between the outermost places at which the profile is half its peak.
+/// Between the first places on either side of the peak at which the profile is half of it.
 double width_at_half(const std::vector<double>& profile, double step_m) {
-  const double half = 0.5 * *std::max_element(profile.begin(), profile.end());
-  const auto above = [&](double value) { return value >= half; };
-  const auto first = std::find_if(profile.begin(), profile.end(), above);
-  const auto last = std::find_if(profile.rbegin(), profile.rend(), above).base() - 1;
-  double width = static_cast<double>(last - first);
-  if (first != profile.begin()) width += (*first - half) / (*first - first[-1]);
-  if (last + 1 != profile.end()) width += (*last - half) / (*last - last[1]);
+  const auto peak = std::max_element(profile.begin(), profile.end());
+  const double half = 0.5 * *peak;
+  double width = 0;
+  for (const int side : {-1, 1}) {
+    auto at = peak;
+    const auto end = side < 0 ? profile.begin() : profile.end() - 1;
+    while (at != end && at[side] >= half) at += side;
+    width += static_cast<double>(std::abs(at - peak));
+    if (at != end) width += (*at - half) / (*at - at[side]);
+  }
   return width * step_m;
 }
 
@@ -52,14 +55,14 @@ PulseBand::Values on_axis(const PlaneResponse& response, double range_m) {
 
 }  // namespace
 
-BeamGrid::BeamGrid(const hw::AcquisitionPlan& plan) {
+BeamGrid::BeamGrid(const hw::AcquisitionPlan& plan, double range_step_m, double angle_step_rad) {
   const double depth_m = plan.acquisition().depth_m;
   ranges_ = std::clamp(
-      static_cast<int>(std::ceil(depth_m / kRangeStep_m)), kMinRanges, kMaxRanges);
+      static_cast<int>(std::ceil(depth_m / range_step_m)), kMinRanges, kMaxRanges);
   range_step_m_ = depth_m / ranges_;
   const int last = plan.acquisition().sticks_per_frame - 1;
   const double farthest = std::max(std::abs(plan.theta_rad(0)), std::abs(plan.theta_rad(last)));
-  angles_ = 1 + static_cast<int>(std::ceil(farthest / kAngleStep_rad));
+  angles_ = 1 + static_cast<int>(std::ceil(farthest / angle_step_rad));
   angle_step_rad_ = angles_ > 1 ? farthest / (angles_ - 1) : 1;
 }
 
@@ -82,7 +85,7 @@ BeamGrid::Between BeamGrid::angle_at(double theta_rad) const {
 BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
     : plan_(plan),
       apodisation_(options.apodisation),
-      grid_(plan),
+      grid_(plan, kRangeStep_m, kAngleStep_rad),
       axial_fwhm_m_(sim::axial_fwhm_m(plan)) {
   entries_.resize(static_cast<std::size_t>(grid_.ranges() * grid_.angles()));
   parallel_ranges(static_cast<int>(entries_.size()), options.threads, [&](int first, int last) {

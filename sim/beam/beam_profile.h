@@ -11,7 +11,8 @@ namespace wobblebench::sim {
 /// Ranges and angles of sticks at which slow functions of both are tabulated.
 class BeamGrid {
  public:
-  explicit BeamGrid(const hw::AcquisitionPlan& plan);
+  /// At most the given steps, within limits of the grid's size.
+  BeamGrid(const hw::AcquisitionPlan& plan, double range_step_m, double angle_step_rad);
 
   int ranges() const { return ranges_; }
   int angles() const { return angles_; }

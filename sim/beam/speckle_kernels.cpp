@@ -13,8 +13,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr int kColumns = 40;          ///< a side, over the beam
-constexpr double kLeftOut = 5e-3;     ///< share of the beam's power beyond them
+constexpr double kRangeStep_m = 5e-3;
+constexpr double kAngleStep_rad = 13 * kDegree;
+constexpr int kColumns = 48;  ///< a side, over the beam
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags = 12;      ///< over the first lobe; correlations between are interpolated
 
@@ -22,7 +23,7 @@ constexpr int kSampledLags = 12;      ///< over the first lobe; correlations bet
 struct TurningBeam {
   PlaneResponse response;
   double range_m;
-  double window_m;  ///< half of what is searched for the beam's reach
+  double reach_m;  ///< of the beam, on either side
   double step_rad;
   int most_lags;
   /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
@@ -34,10 +35,7 @@ struct TurningBeam {
 class FieldCorrelation {
  public:
   FieldCorrelation(const TurningBeam& beam, const PulseBand& band) : beam_(beam), band_(band) {
-    const SampledRow wide =
-        sample_row(beam.response, beam.range_m, beam.window_m, true, kColumns);
-    here_ = sample_row(
-        beam.response, beam.range_m, power_reach_m(wide, kLeftOut), true, kColumns);
+    here_ = sample_row(beam.response, beam.range_m, beam.reach_m, true, kColumns);
     for (const auto& value : here_.values) power_ += PulseBand::power(value);
   }
 
@@ -143,6 +141,9 @@ std::vector<double> taps_of_correlation(const std::vector<double>& correlation) 
   return taps;
 }
 
+SpeckleKernels::SpeckleKernels(const hw::AcquisitionPlan& plan)
+    : grid_(plan, kRangeStep_m, kAngleStep_rad) {}
+
 SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
                                             const SimulationOptions& options) {
   SpeckleKernels kernels(plan);
@@ -157,7 +158,7 @@ SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
                                 std::abs(1 - range_m / transmit_focus_m(plan, range_m));
         return {PlaneResponse::lateral(aperture, plan, range_m),
                 range_m,
-                4 * lobe_m + 0.6 * shadow_m,
+                3 * lobe_m + 0.6 * shadow_m,
                 plan.theta_step_rad(),
                 plan.acquisition().sticks_per_frame - 1,
                 [=](double u, double turn) {

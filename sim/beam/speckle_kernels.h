@@ -30,7 +30,7 @@ class SpeckleKernels {
   int count() const { return count_; }
 
  private:
-  explicit SpeckleKernels(const hw::AcquisitionPlan& plan) : grid_(plan) {}
+  explicit SpeckleKernels(const hw::AcquisitionPlan& plan);
 
   BeamGrid grid_;
   std::vector<std::vector<double>> taps_;  ///< [range][angle]

@@ -45,7 +45,8 @@ TEST_P(RoughInterface, EchoesByItsDiffusePart) {
     StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
     losses.compute(track);
     BeamNodes nodes(plan(), options, materials, kSpacing_m, kSamples, 4e-3);
-    nodes.compute(track, losses);
+    const BeamAtSamples beam(plan(), BeamProfile(plan(), {}), kSpacing_m, kSamples);
+    nodes.compute(track, losses, beam.of(0));
     const auto& before = materials[entering ? 0 : 1];
     const auto& behind = materials[entering ? 1 : 0];
     const double pulse_m = power_sigma(axial_fwhm_m(plan()));

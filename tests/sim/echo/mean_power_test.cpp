@@ -27,6 +27,11 @@ const hw::AcquisitionPlan& plan() {
   return default_plan;
 }
 
+const BeamProfile& profile() {
+  static const BeamProfile shared(plan(), {});
+  return shared;
+}
+
 SimulationOptions tissue_alone() {
   SimulationOptions options;
   options.speckle = false;
@@ -61,9 +66,9 @@ std::vector<float> power_of(const Scanned& scanned,
   const auto& materials = scanned.tissue.materials;
   StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
   losses.compute(track);
-  MeanPower power(plan(), options, materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
+  MeanPower power(plan(), options, profile(), materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
   std::vector<float> result(kSamples);
-  power.compute(track, losses, result);
+  power.compute(track, losses, stick_angle_rad(stick), result);
   return result;
 }
 
@@ -75,8 +80,8 @@ double tissue_power() {
 /// the pulse.
 double share_inside(const hw::Ray& stick, double range_m) {
   const auto across = across_stick(stick);
-  const double lateral = sigma_of_fwhm(lateral_fwhm_m(plan(), range_m)) / std::sqrt(2.0);
-  const double elevation = sigma_of_fwhm(elevation_fwhm_m(plan(), range_m)) / std::sqrt(2.0);
+  const double lateral = sigma_of_fwhm(profile().lateral_fwhm_m(range_m)) / std::sqrt(2.0);
+  const double elevation = sigma_of_fwhm(profile().elevation_fwhm_m(range_m)) / std::sqrt(2.0);
   const double axial = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
   double inside = 0, all = 0;
   constexpr int kHalf = 12;
@@ -231,13 +236,13 @@ double power_of(const StickTrack& track, const TrackPiece& piece) {
 TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   const auto& materials = phantoms::material_table();
   StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
-  MeanPower beam(plan(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
+  MeanPower beam(plan(), tissue_alone(), profile(), materials, kSpacing_m, kSamples, 4e-3);
   std::mt19937 generator(13);
   std::vector<float> found(kSamples);
   for (int run = 0; run < 200; ++run) {
     const StickTrack track = patchwork(generator);
     losses.compute(track);
-    ASSERT_TRUE(beam.compute(track, losses, found));
+    ASSERT_TRUE(beam.compute(track, losses, 0, found));
     for (const TrackPiece& piece : track.pieces) {
       const double expected = power_of(track, piece);
       for (int i = losses.samples_before(piece.from_m); i < losses.samples_before(piece.to_m);
