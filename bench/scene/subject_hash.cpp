@@ -47,8 +47,11 @@ std::uint32_t phantom_hash(nlohmann::ordered_json section,
   section.erase("file");
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
-  if (is_imported(phantom)) crc = file_hash("file", phantom.file, crc);
-  if (!phantom.scatterers.empty()) crc = file_hash("scatterers", phantom.scatterers, crc);
+  const auto add = [&](const char* key, const std::string& path) {
+    if (!path.empty()) crc = file_hash(key, path, crc);
+  };
+  if (is_imported(phantom)) add("file", phantom.file);
+  add("scatterers", phantom.scatterers);
   return crc;
 }
 
