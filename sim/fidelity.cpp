@@ -71,7 +71,7 @@ std::vector<Effect> effects_of(const EchoModelType& model,
   list.add("speckle", o.speckle);
   list.add("interface_echo", o.interface_echo);
   list.add("scatterers_in_tissue", o.speckle);
-  if (points) list.add("point_scatterers", true);
+  list.add("point_scatterers", points);
   list.add("side_lobes", o.side_lobes);
   list.add("element_sum", true);
   list.add("noise",
