@@ -24,8 +24,20 @@ inline constexpr int kMostSteps = 20;
 /// A ball of tissue about the origin, in fluid.
 Phantom make_sphere(const PhantomOptions& options);
 
-/// Small balls at three depths in fluid, as in a wire phantom.
+/// Points of equal echo in a homogeneous medium, as the threads of a resolution phantom. Suggested
+/// position: the origin in the middle of the default probe's face, where they lie at
+/// point_targets().
 Phantom make_points(const PhantomOptions& options);
+
+/// In the default probe's polar coordinates: on the axis at ranges of 20, 30 … 150 mm; at 50, 100
+/// and 150 mm at 10, 20 and 30 deg to both sides in the image plane, and at 10 and 20 deg of the
+/// motor to both sides across it.
+struct PointTarget {
+  double range_m;
+  double theta_rad;
+  double phi_rad;
+};
+std::vector<PointTarget> point_targets();
 
 /// Tissue that fills the field; no target.
 Phantom make_speckle_block(const PhantomOptions& options);

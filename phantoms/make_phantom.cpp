@@ -5,6 +5,7 @@
 
 #include "phantoms/builders.h"
 #include "phantoms/io/imports.h"
+#include "phantoms/io/scatterer_file.h"
 #include "phantoms/phantom.h"
 #include "phantoms/refusal.h"
 
@@ -27,8 +28,8 @@ void check_voxel(const PhantomOptions& options, double coarsest_m) {
 
 void check_any_voxel(const PhantomOptions&) {}
 
-void check_half_millimetre(const PhantomOptions& options) {
-  check_voxel(options, 0.5e-3);
+void check_points(const PhantomOptions& options) {
+  check_material("background", options.background);
 }
 
 void check_radius(const PhantomOptions& options) {
@@ -68,7 +69,7 @@ const std::vector<Source>& built_in() {
                                           {"plane", make_plane, check_any_voxel},
                                           {"steps", make_steps, check_steps},
                                           {"sphere", make_sphere, check_radius},
-                                          {"points", make_points, check_half_millimetre},
+                                          {"points", make_points, check_points},
                                           {"cyst", make_cyst, check_radius},
                                           {"bone_plate", make_bone_plate, check_thickness},
                                           {"speckle_block", make_speckle_block, check_any_voxel}};
@@ -107,11 +108,16 @@ const std::vector<std::string>& phantom_names() {
 void validate(const PhantomOptions& options) {
   check_ranges(options);
   source_of(options.name).check(options);
+  (void)read_scatterers(options);  // its lines
 }
 
 Phantom make_phantom(const PhantomOptions& options) {
-  validate(options);
-  return source_of(options.name).build(options);
+  check_ranges(options);
+  const Source& source = source_of(options.name);
+  source.check(options);
+  const PointScatterers listed = read_scatterers(options);
+  const Phantom phantom = source.build(options);
+  return listed.empty() ? phantom : phantom.with(listed);
 }
 
 }  // namespace wobblebench::phantoms

@@ -81,13 +81,13 @@ std::vector<Material> make_table() {
        -40,
        0.4,
        "3432-4080 m/s, 6.5-7.8 MRayl, 1-15 dB/cm/MHz (PMC10346919; PMC10001275)" + assumed_echo},
-      {"point_target",
-       1540,
-       3.0 * kMrayl,
-       0.5,
-       -20,
-       1.0,
-       "assumed: a small, rough, strong reflector" + assumed_echo},
+      {"echogenic_fluid",
+       1530,
+       1.51 * kMrayl,
+       0.005,
+       -70,
+       0,
+       "assumed as amniotic fluid with particles" + assumed_echo},
   };
 }
 

@@ -38,17 +38,23 @@ struct PhantomOptions {
   double radius_m = 20e-3;  ///< sphere, cyst
   /// steps: height of each tread above the one to its left.
   std::vector<double> step_heights_m = {1e-3, 2e-3, 3e-3, 5e-3, 8e-3};
-  double thickness_m = 3e-3;  ///< bone_plate
-  double tilt_x_rad = 0;      ///< plane, bone_plate: the normal is rotated about x …
-  double tilt_y_rad = 0;      ///< … and about y
+  double thickness_m = 3e-3;   ///< bone_plate
+  double point_echo_db = -50;  ///< points: of each, re a perfect mirror
+  double tilt_x_rad = 0;       ///< plane, bone_plate: the normal is rotated about x …
+  double tilt_y_rad = 0;       ///< … and about y
 
   // mesh and vdb; materials are names of material_table().
   double unit_m = 1e-3;                                  ///< length of the file's unit
   std::vector<std::string> grids;                        ///< vdb: in painter's order; none: all
   std::vector<std::string> materials = {"soft_tissue"};  ///< within each surface; one: within all
-  std::string background = "amniotic_fluid";             ///< outside all surfaces
+  std::string background = "amniotic_fluid";             ///< outside all surfaces; points too
   bool target = true;                ///< whether the renderer is to detect the surfaces …
   std::vector<std::string> targets;  ///< … vdb: of these grids; none: of all
+
+  /// A .csv or .h5 of point scatterers beside any phantom's (phantoms/io/scatterer_file.h); empty:
+  /// none.
+  std::string scatterers;
+  double scatterers_gain_db = 0;  ///< on their amplitudes
 };
 
 template <OptionsOf<PhantomOptions> O, class Visitor>
@@ -61,6 +67,7 @@ void describe(O& o, Visitor& v) {
   v.real("radius_mm", o.radius_m, kMillimetre, 1, 100);
   v.reals("step_heights_mm", o.step_heights_m, kMillimetre, 0.1, 20);
   v.real("thickness_mm", o.thickness_m, kMillimetre, 0.5, 20);
+  v.real("point_echo_db", o.point_echo_db, 1, -100, 0);
   v.real("tilt_x_deg", o.tilt_x_rad, kDegree, -60, 60);
   v.real("tilt_y_deg", o.tilt_y_rad, kDegree, -60, 60);
   v.real("unit_mm", o.unit_m, kMillimetre, 1e-3, 1e4);
@@ -69,6 +76,8 @@ void describe(O& o, Visitor& v) {
   v.text("background", o.background);
   v.flag("target", o.target);
   v.texts("targets", o.targets);
+  v.text("scatterers", o.scatterers);
+  v.real("scatterers_gain_db", o.scatterers_gain_db, 1, -300, 300);
 }
 
 /// fetal_face, plane, steps, sphere, points, cyst, bone_plate, speckle_block.

@@ -16,7 +16,8 @@ Phantom::Phantom(std::string name,
                  Box region_of_interest,
                  glm::dvec3 suggested_position_m,
                  std::shared_ptr<const Grids> grids,
-                 std::optional<Joint> joint)
+                 std::optional<Joint> joint,
+                 PointScatterers scatterers)
     : name_(std::move(name)),
       materials_(std::move(materials)),
       background_(background),
@@ -24,10 +25,19 @@ Phantom::Phantom(std::string name,
       region_of_interest_(region_of_interest),
       suggested_position_m_(suggested_position_m),
       grids_(std::move(grids)),
-      joint_(joint) {
+      joint_(joint),
+      scatterers_(std::make_shared<const PointScatterers>(std::move(scatterers))) {
   if (grids_ == nullptr || grids_->signed_distance.size() != surfaces_.size()) {
     throw std::logic_error("phantom " + name_ + ": needs one grid for each surface");
   }
+}
+
+Phantom Phantom::with(const PointScatterers& more) const {
+  auto all = std::make_shared<PointScatterers>(*scatterers_);
+  all->add(more);
+  Phantom phantom(*this);
+  phantom.scatterers_ = std::move(all);
+  return phantom;
 }
 
 glm::dvec3 Placement::to_phantom(const glm::dvec3& probe_m) const {

@@ -1,5 +1,5 @@
-// Phantoms: closed surfaces as OpenVDB level sets, and the materials that they enclose. This header
-// does not include OpenVDB; phantoms/grids.h gives access to the grids.
+// Phantoms: closed surfaces as OpenVDB level sets, the materials that they enclose, and point
+// scatterers. This header does not include OpenVDB; phantoms/grids.h gives access to the grids.
 //
 // Phantom frame (docs/units.md): metres, right-handed, axes parallel to those of the probe frame at
 // rest: x to the right of the picture, y down the picture, z away from the probe. The origin is the
@@ -17,6 +17,7 @@
 #include "phantoms/material.h"
 #include "phantoms/motion.h"
 #include "phantoms/options.h"
+#include "phantoms/point_scatterers.h"
 
 namespace wobblebench::phantoms {
 
@@ -55,7 +56,11 @@ class Phantom {
           Box region_of_interest,
           glm::dvec3 suggested_position_m,
           std::shared_ptr<const Grids> grids,
-          std::optional<Joint> joint = std::nullopt);
+          std::optional<Joint> joint = std::nullopt,
+          PointScatterers scatterers = {});
+
+  /// The same with more point scatterers.
+  [[nodiscard]] Phantom with(const PointScatterers& more) const;
 
   const std::string& name() const { return name_; }
   const std::vector<Material>& materials() const { return materials_; }
@@ -69,6 +74,9 @@ class Phantom {
   const Grids& grids() const { return *grids_; }
   /// The part that can turn by itself: the head of fetal_face.
   const std::optional<Joint>& joint() const { return joint_; }
+  /// Echo beside the tissue, wherever they lie.
+  const PointScatterers& scatterers() const { return *scatterers_; }
+  std::shared_ptr<const PointScatterers> shared_scatterers() const { return scatterers_; }
 
  private:
   std::string name_;
@@ -79,6 +87,7 @@ class Phantom {
   glm::dvec3 suggested_position_m_;
   std::shared_ptr<const Grids> grids_;
   std::optional<Joint> joint_;
+  std::shared_ptr<const PointScatterers> scatterers_;
 };
 
 /// Rigid transform from the phantom frame to the probe frame: probe = rotation * phantom +
@@ -111,9 +120,9 @@ glm::dmat3 rotation_xyz(const glm::dvec3& angles_rad);
 Phantom make_phantom(const PhantomOptions& options);
 
 /// Writes `phantom` as .vdb (float level sets in metres, one for each surface; a float grid
-/// "material" of table rows; the table itself as metadata) to exactly this path, not atomically: an
-/// existing file is overwritten, and removed if writing fails. Equal phantoms give equal bytes.
-/// Throws std::runtime_error "PATH: reason".
+/// "material" of table rows; the table itself and point scatterers as metadata) to exactly this
+/// path, not atomically: an existing file is overwritten, and removed if writing fails. Equal
+/// phantoms give equal bytes. Throws std::runtime_error "PATH: reason".
 void write_phantom(const Phantom& phantom, const std::filesystem::path& path);
 
 /// Reads what write_phantom wrote. Throws InvalidPhantom "PATH: reason" for anything else.

@@ -10,7 +10,9 @@ namespace wobblebench::sim {
 
 namespace {
 
-std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options, bool moving) {
+std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options,
+                                         bool moving,
+                                         bool points) {
   if (options.side_lobes) return {Rung::scatterers, "side lobes are asked for"};
   if (moving && options.speckle) {
     return {Rung::scatterers, "the phantom moves, and its speckle must move with it"};
@@ -18,6 +20,7 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options, bool 
   const bool echoes_only = !options.speckle && !options.attenuation && !options.transmission_loss &&
                            !options.interface_echo && !options.tissue_sound_speed &&
                            options.noise_db <= kZeroAmplitude_db;
+  if (echoes_only && points) return {Rung::field, "the phantom has point scatterers"};
   if (echoes_only) return {Rung::geometry, "every effect of the higher rungs is switched off"};
   if (moving) return {Rung::field, "the phantom moves, but speckle is switched off"};
   return {Rung::field, "speckle and losses of a phantom at rest"};
@@ -56,7 +59,8 @@ class EffectList {
 std::vector<Effect> effects_of(const EchoModelType& model,
                                const SimulationOptions& o,
                                const hw::AcquisitionPlan& plan,
-                               bool moving) {
+                               bool moving,
+                               bool points) {
   EffectList list(model);
   list.add("tissue_echo", true);
   list.add("tissue_motion", moving);
@@ -67,6 +71,7 @@ std::vector<Effect> effects_of(const EchoModelType& model,
   list.add("speckle", o.speckle);
   list.add("interface_echo", o.interface_echo);
   list.add("scatterers_in_tissue", true);
+  list.add("point_scatterers", points);
   list.add("side_lobes", o.side_lobes);
   list.add("element_sum", true);
   list.add("noise",
@@ -87,10 +92,11 @@ std::string to_string(Rung rung) {
 
 Fidelity choose_fidelity(const SimulationOptions& options,
                          const hw::AcquisitionPlan& plan,
-                         bool moving) {
+                         bool moving,
+                         bool points) {
   Fidelity choice;
   if (options.fidelity == Rung::automatic) {
-    std::tie(choice.rung, choice.reason) = lowest_rung(options, moving);
+    std::tie(choice.rung, choice.reason) = lowest_rung(options, moving, points);
   } else {
     choice.rung = options.fidelity;
     choice.reason = "asked for";
@@ -110,7 +116,7 @@ Fidelity choose_fidelity(const SimulationOptions& options,
   if (!options.speckle && model.models("scatterers_in_tissue")) {
     refuse("speckle", "false", "needs the rung geometry or field");
   }
-  choice.effects = effects_of(model, options, plan, moving);
+  choice.effects = effects_of(model, options, plan, moving, points);
   return choice;
 }
 

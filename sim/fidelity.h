@@ -24,10 +24,11 @@ struct Fidelity {
 std::string to_string(Rung rung);
 
 /// The rung that the options name, or else the lowest that models all effects that they switch on.
-/// `moving`: tissue moves during the acquisition. Throws InvalidOption if the named rung does not
-/// model an effect that is switched on.
+/// `moving`: tissue moves during the acquisition. `points`: the phantom has point scatterers.
+/// Throws InvalidOption if the named rung does not model an effect that is switched on.
 Fidelity choose_fidelity(const SimulationOptions& options,
                          const hw::AcquisitionPlan& plan,
-                         bool moving);
+                         bool moving,
+                         bool points = false);
 
 }  // namespace wobblebench::sim

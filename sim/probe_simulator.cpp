@@ -29,7 +29,11 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const TissueMapSource& maps) {
   check_options(options);
   auto impl = std::make_shared<Impl>(
-      Impl{plan, options, choose_fidelity(options, plan, !subject.motion.still()), nullptr});
+      Impl{plan,
+           options,
+           choose_fidelity(
+               options, plan, !subject.motion.still(), !subject.phantom.scatterers().empty()),
+           nullptr});
   const Rung rung = impl->fidelity.rung;
   const auto begin = hw::HostClock::now();
   const double reach_m = echo_model_type(rung).reach_m(plan);
@@ -38,7 +42,8 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
            : std::make_shared<const TissueMap>(subject.phantom, reach_m, options.threads),
       subject.phantom.materials(),
       subject.placement,
-      subject.motion};
+      subject.motion,
+      subject.phantom.shared_scatterers()};
   impl->map_ms = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
   impl->model = make_echo_model(rung, tissue, plan, options);

@@ -84,8 +84,10 @@ std::string phantom_key(const phantoms::PhantomOptions& options) {
   key.add("openvdb", OPENVDB_LIBRARY_VERSION_STRING);
   key.add("libc", ::gnu_get_libc_version());
   describe(options, key);
-  if (is_imported(options)) {
-    const auto content = hash_of_file(options.file);
+  for (const std::string& file :
+       {is_imported(options) ? options.file : std::string(), options.scatterers}) {
+    if (file.empty()) continue;
+    const auto content = hash_of_file(file);
     if (!content) return "";
     key.add("content", *content);
   }

@@ -7,9 +7,9 @@
 
 namespace wobblebench::bench {
 
-/// Names every option with its exact value, the content of an imported file, the sources of this
-/// build, its compiler, and the versions of the libraries that compute. Empty where the file cannot
-/// be read.
+/// Names every option with its exact value, the content of an imported file and of a list of
+/// scatterers, the sources of this build, its compiler, and the versions of the libraries that
+/// compute. Empty where the file cannot be read.
 std::string phantom_key(const phantoms::PhantomOptions& options);
 
 /// Of the map of a phantom with this key.

@@ -77,10 +77,9 @@ Areas areas_of(const phantoms::PhantomOptions& options) {
   if (name == "steps") return {slab, box / 2};
   if (name == "sphere") return {ball(radius), std::min(ball(radius), box)};
   if (name == "cyst") return {ball(radius), 0};
-  if (name == "points") return {15 * ball(1e-3), 15 * ball(1e-3)};
   if (name == "bone_plate") return {2 * 0.03 * 0.03 + 4 * 0.03 * options.thickness_m, 0};
   if (name == "speckle_block") return {2 * 0.3 * 0.3 + 4 * 0.3 * 0.24, 0};
-  return {};  // a file: its import states its own limit
+  return {};  // points; or a file: its import states its own limit
 }
 
 double phantom_bytes(const phantoms::PhantomOptions& options) {

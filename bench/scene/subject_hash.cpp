@@ -21,33 +21,47 @@ std::uint32_t continued(std::uint32_t crc, const char* bytes, std::size_t count)
   return hw::crc32c(std::as_bytes(std::span(bytes, count)), crc);
 }
 
-std::uint32_t file_hash(const std::string& path, std::uint32_t crc) {
+std::uint32_t file_hash(const std::string& key, const std::string& path, std::uint32_t crc) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 65536> chunk;
   while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0) {
     crc = continued(crc, chunk.data(), static_cast<std::size_t>(file.gcount()));
   }
   if (file.eof()) return crc;
-  throw UserError("phantom.file = " + path + ": cannot be read");
+  throw UserError("phantom." + key + " = " + path + ": cannot be read");
+}
+
+std::uint32_t text_hash(const nlohmann::ordered_json& section) {
+  const std::string text = section.dump();
+  return continued(0, text.data(), text.size());
 }
 
 /// Never 0, which stands for "not stated".
-std::uint32_t section_hash(const nlohmann::ordered_json& section, const std::string& file) {
-  const std::string text = section.dump();
-  std::uint32_t crc = continued(0, text.data(), text.size());
-  if (!file.empty()) crc = file_hash(file, crc);
+std::uint32_t stated(std::uint32_t crc) {
   return crc == 0 ? 1 : crc;
+}
+
+/// With the bytes of its files in the place of their names.
+std::uint32_t phantom_hash(nlohmann::ordered_json section,
+                           const phantoms::PhantomOptions& phantom) {
+  section.erase("file");
+  section["scatterers"] = !phantom.scatterers.empty();
+  std::uint32_t crc = text_hash(section);
+  const auto add = [&](const char* key, const std::string& path) {
+    if (!path.empty()) crc = file_hash(key, path, crc);
+  };
+  if (is_imported(phantom)) add("file", phantom.file);
+  add("scatterers", phantom.scatterers);
+  return crc;
 }
 
 }  // namespace
 
 hw::SubjectHash subject_hash(const Scene& scene) {
-  auto settings = resolved(scene);
-  settings["phantom"].erase("file");
-  return {.phantom = section_hash(settings["phantom"],
-                                  is_imported(scene.phantom) ? scene.phantom.file : ""),
-          .placement = section_hash(settings["placement"], ""),
-          .motion = section_hash(settings["motion"], "")};
+  const auto settings = resolved(scene);
+  return {.phantom = stated(phantom_hash(settings["phantom"], scene.phantom)),
+          .placement = stated(text_hash(settings["placement"])),
+          .motion = stated(text_hash(settings["motion"]))};
 }
 
 void refuse_other_subject(const Scene& scene,

@@ -8,9 +8,9 @@
 
 namespace wobblebench::bench {
 
-/// Of all that decides the truth: the section [phantom] and the bytes of an imported file in the
-/// place of its name, [placement], [motion]. After complete_from_phantom(). Throws UserError for a
-/// file that cannot be read.
+/// Of all that decides the truth: the section [phantom] and the bytes of an imported file and of a
+/// list of scatterers in the place of their names, [placement], [motion]. After
+/// complete_from_phantom(). Throws UserError for a file that cannot be read.
 hw::SubjectHash subject_hash(const Scene& scene);
 
 /// Throws UserError "SOURCE: …" naming the first section in which the scene differs from the

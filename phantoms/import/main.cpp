@@ -1,6 +1,6 @@
-// wobblebench-import FORMAT FILE: reads a .vdb or a mesh for a program that uses phantoms, and
-// writes what it holds as a message to descriptor 3. A process of its own, with limits: a damaged
-// file may make OpenVDB or Assimp write where they must not.
+// wobblebench-import FORMAT FILE: reads a .vdb, a mesh or an HDF5 file for a program that uses
+// phantoms, and writes what it holds as a message to descriptor 3. A process of its own, with
+// limits: a damaged file may make OpenVDB, Assimp or libhdf5 write where they must not.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -13,6 +13,7 @@
 #include <new>
 #include <string>
 
+#include "phantoms/import/hdf5_parse.h"
 #include "phantoms/import/mesh_parse.h"
 #include "phantoms/import/vdb_parse.h"
 #include "phantoms/io/import_process.h"
@@ -47,6 +48,8 @@ void write_message(const std::string& format, const std::filesystem::path& path,
   out.put(kImportResult);
   if (format == "vdb") {
     write_vdb_message(path, out);
+  } else if (format == "hdf5") {
+    write_hdf5_message(path, out);
   } else {
     write_mesh_message(path, out);
   }

@@ -36,7 +36,7 @@ fs::path import_program() {
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }
   throw ImportUnavailable(std::string("the program ") + kProgram +
-                          ", which reads .vdb files and meshes, is not in " + searched);
+                          ", which reads .vdb files, meshes and HDF5, is not in " + searched);
 }
 
 /// What the new process finds open: its message's file, and nothing of ours.
@@ -61,10 +61,22 @@ class Descriptors {
   posix_spawn_file_actions_t actions_{};
 };
 
+const char* name_of(ImportFormat format) {
+  switch (format) {
+    case ImportFormat::vdb:
+      return "vdb";
+    case ImportFormat::mesh:
+      return "mesh";
+    case ImportFormat::hdf5:
+      return "hdf5";
+  }
+  throw std::logic_error("ImportFormat: no such format");
+}
+
 /// Starts the program and returns its status as waitpid() gives it.
 int run_import(ImportFormat format, const fs::path& path, int message) {
   const fs::path program = import_program();
-  std::string kind = format == ImportFormat::vdb ? "vdb" : "mesh", file = path.string();
+  std::string kind = name_of(format), file = path.string();
   const std::array<char*, 4> arguments = {
       const_cast<char*>(program.c_str()), kind.data(), file.data(), nullptr};
   const Descriptors descriptors(message);

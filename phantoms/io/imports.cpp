@@ -30,15 +30,6 @@ void check_readable(const std::string& file, const std::string& kind) {
   if (::access(file.c_str(), R_OK) != 0) throw refusal("file", quoted(file), "cannot be read");
 }
 
-void check_material(const std::string& key, const std::string& name) {
-  std::string known;
-  for (const Material& entry : material_table()) {
-    if (entry.name == name) return;
-    known += (known.empty() ? "" : ", ") + entry.name;
-  }
-  throw refusal(key, quoted(name), "must be one of " + known);
-}
-
 void check_materials(const PhantomOptions& options) {
   for (const std::string& name : options.materials) check_material("materials", name);
   check_material("background", options.background);
@@ -51,6 +42,15 @@ std::string millimetres(const glm::dvec3& size_m) {
 }
 
 }  // namespace
+
+void check_material(const std::string& key, const std::string& name) {
+  std::string known;
+  for (const Material& entry : material_table()) {
+    if (entry.name == name) return;
+    known += (known.empty() ? "" : ", ") + entry.name;
+  }
+  throw refusal(key, quoted(name), "must be one of " + known);
+}
 
 void check_mesh(const PhantomOptions& options) {
   check_readable(options.file, "an .obj, .stl or .ply");

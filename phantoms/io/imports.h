@@ -27,6 +27,8 @@ Phantom make_file(const PhantomOptions& options);
 void check_mesh(const PhantomOptions& options);
 void check_vdb(const PhantomOptions& options);
 void check_file(const PhantomOptions& options);
+/// Of a material's name; throws InvalidPhantom.
+void check_material(const std::string& key, const std::string& name);
 
 /// Larger bodies extend beyond every field.
 inline constexpr double kLargestBody_m = 500e-3;

@@ -28,6 +28,19 @@ void write(ByteWriter& to, const Material& material) {
   to.text(material.source);
 }
 
+void write(ByteWriter& to, const PointScatterers& points) {
+  to.value(static_cast<std::uint32_t>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto track = points.track(i);
+    to.value(static_cast<std::uint32_t>(track.size()));
+    for (const ScattererKey& key : track) {
+      to.value(key.time_s);
+      write(to, key.point.position_m);
+      to.value(key.point.amplitude);
+    }
+  }
+}
+
 double number(ByteReader& from) {
   const double value = from.value<double>();
   expect_bytes(std::isfinite(value), "a number is not finite");
@@ -73,6 +86,23 @@ std::optional<Joint> read_joint(ByteReader& from) {
   return joint;
 }
 
+PointScatterers read_scatterers(ByteReader& from) {
+  PointScatterers points;
+  for (auto left = from.value<std::uint32_t>(); left > 0; --left) {
+    std::vector<ScattererKey> track;
+    for (auto keys = from.value<std::uint32_t>(); keys > 0; --keys) {
+      const double time_s = number(from);
+      const glm::dvec3 position_m = vector(from);
+      const double amplitude = number(from);
+      expect_bytes(track.empty() || time_s > track.back().time_s, "a track's times do not rise");
+      track.push_back({time_s, {position_m, amplitude}});
+    }
+    expect_bytes(!track.empty(), "a track has no keys");
+    points.add_track(track);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::optional<std::string> to_bytes(const Phantom& phantom) {
@@ -98,6 +128,7 @@ std::optional<std::string> to_bytes(const Phantom& phantom) {
     to.value(std::uint32_t{surface.is_target ? 1U : 0U});
     if (!write_grid(*phantom.grids().signed_distance[i], to)) return std::nullopt;
   }
+  write(to, phantom.scatterers());
   return to.take();
 }
 
@@ -120,6 +151,7 @@ Phantom phantom_from_bytes(std::string_view bytes) {
     surface.is_target = below(from, 2) == 1;
     grids->signed_distance.push_back(read_grid(from));
   }
+  PointScatterers points = read_scatterers(from);
   from.expect_end();
   return Phantom(std::move(name),
                  std::move(materials),
@@ -128,7 +160,8 @@ Phantom phantom_from_bytes(std::string_view bytes) {
                  region,
                  position_m,
                  std::move(grids),
-                 joint);
+                 joint,
+                 std::move(points));
 }
 
 }  // namespace wobblebench::phantoms

@@ -13,6 +13,9 @@ inline constexpr const char* kJointCenterKey = "joint_center_m";
 inline constexpr const char* kJointInnerKey = "joint_inner_m";
 inline constexpr const char* kJointOuterKey = "joint_outer_m";
 
+/// Point scatterers, as scatterers_to_csv() writes them; missing: there are none.
+inline constexpr const char* kScatterersKey = "scatterers";
+
 inline std::string key_of(const char* list, int index, const char* field) {
   return std::string(list) + "." + std::to_string(index) + "." + field;
 }

@@ -6,6 +6,7 @@
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/import_process.h"
+#include "phantoms/io/scatterer_csv.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/io/vdb_metadata.h"
 
@@ -76,6 +77,16 @@ std::optional<Joint> read_joint(const openvdb::MetaMap& file_meta, const Metadat
                               "\" must be larger than \"" + kJointInnerKey + "\"");
 }
 
+PointScatterers read_scatterers(const openvdb::MetaMap& file_meta, const Metadata& meta) {
+  if (file_meta[kScatterersKey] == nullptr) return {};
+  try {
+    return scatterers_from_csv(meta.get<std::string>(kScatterersKey));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("metadata \"" + std::string(kScatterersKey) +
+                                "\": " + error.what());
+  }
+}
+
 FloatGrid::ConstPtr find_level_set(const std::vector<VdbGrid>& grids, const std::string& name) {
   for (const auto& grid : grids) {
     if (grid.name != name) continue;
@@ -112,7 +123,8 @@ Phantom phantom_from(const openvdb::MetaMap& file_meta, const std::vector<VdbGri
                  {meta.vector("region_low_m"), meta.vector("region_high_m")},
                  meta.vector("position_m"),
                  grids,
-                 read_joint(file_meta, meta));
+                 read_joint(file_meta, meta),
+                 read_scatterers(file_meta, meta));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/write_file.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
+#include "phantoms/io/scatterer_csv.h"
 #include "phantoms/io/vdb_metadata.h"
 
 namespace wobblebench::phantoms {
@@ -65,6 +66,7 @@ openvdb::MetaMap metadata_of(const Phantom& phantom) {
     number(kJointInnerKey, joint->inner_m);
     number(kJointOuterKey, joint->outer_m);
   }
+  if (!phantom.scatterers().empty()) text(kScatterersKey, scatterers_to_csv(phantom.scatterers()));
   integer("surfaces", int(phantom.surfaces().size()));
   for (int i = 0; i < int(phantom.surfaces().size()); ++i) {
     const Surface& surface = phantom.surfaces()[i];

@@ -50,28 +50,4 @@ Phantom make_sphere(const PhantomOptions& options) {
                  single_grid(grid));
 }
 
-Phantom make_points(const PhantomOptions& options) {
-  const double radius = 1 * kMillimetre, pitch = 15 * kMillimetre, depth_step = 25 * kMillimetre;
-  const auto distance = [=](const glm::dvec3& position) {
-    const auto nearest = [](double x, double step, int count) {
-      return step * std::clamp(std::round(x / step), double(-count), double(count));
-    };
-    const glm::dvec3 center{nearest(position.x, pitch, 2),
-                            nearest(position.y, pitch, 1),
-                            nearest(position.z, depth_step, 1)};
-    return glm::length(position - center) - radius;
-  };
-  const glm::dvec3 reach{
-      2 * pitch + 5 * kMillimetre, pitch + 5 * kMillimetre, depth_step + 5 * kMillimetre};
-  auto grid =
-      build_level_set("points", distance, {-reach, reach}, options.voxel_m, Distances::exact);
-  return Phantom("points",
-                 material_table(),
-                 material_index("amniotic_fluid"),
-                 {{"points", material_index("point_target"), true}},
-                 {-reach, reach},
-                 kCalibrationPosition,
-                 single_grid(grid));
-}
-
 }  // namespace wobblebench::phantoms

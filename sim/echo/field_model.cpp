@@ -18,6 +18,7 @@ constexpr std::string_view kEffects[] = {"attenuation",
                                          "beam_width",
                                          "speckle",
                                          "interface_echo",
+                                         "point_scatterers",
                                          "noise",
                                          "envelope",
                                          "low_pass",
@@ -63,6 +64,10 @@ FieldModel::FieldModel(const ScannedTissue& tissue,
                   propagation_.samples(),
                   tissue_.map->reach_m()),
       has_speckle_(options.speckle) {
+  if (tissue_.has_points()) {
+    echoing_ = ScattererField(tissue_, plan, options);
+    points_ = PointsInBeam(tissue_, echoing_->beam());
+  }
   if (has_speckle_) speckle_ = homogeneous_speckle(plan, options);
 }
 
@@ -72,7 +77,8 @@ IqMaker FieldModel::iq_maker() const {
           propagation = propagation_,
           mean_power = mean_power_,
           power = std::vector<float>(samples),
-          iq = std::vector<Complex>(samples)](const hw::StickIndex& index) mutable {
+          iq = std::vector<Complex>(samples),
+          points = points_](const hw::StickIndex& index) mutable {
     propagation.follow(index);
     if (!mean_power.compute(
             propagation.track(), propagation.losses(), propagation.theta_rad(), power)) {
@@ -87,6 +93,7 @@ IqMaker FieldModel::iq_maker() const {
           power.begin(), power.end(), iq.begin(), [](float p) { return Complex(std::sqrt(p)); });
     }
     propagation.add_specular_echoes(iq);
+    if (points) echoing_->add_points(propagation.path(), points->find(propagation.path()), iq);
     return std::span<const Complex>(iq);
   };
 }

@@ -1,10 +1,14 @@
 // The rung `field`: homogeneous speckle, scaled by the mean echo power of the tissue.
 #pragma once
 
+#include <optional>
+
 #include "sim/echo/iq_field.h"
 #include "sim/echo/iq_model.h"
 #include "sim/echo/mean_power.h"
+#include "sim/echo/points_in_beam.h"
 #include "sim/echo/stick_propagation.h"
+#include "sim/scatterers/scatterer_field.h"
 
 namespace wobblebench::sim {
 
@@ -26,6 +30,9 @@ class FieldModel final : public IqModel {
   MeanPower mean_power_;
   bool has_speckle_;
   IqField speckle_;  ///< of unit power; empty without speckle
+  // Only where the phantom has point scatterers.
+  std::optional<ScattererField> echoing_;
+  std::optional<PointsInBeam> points_;  ///< copied into each IQ maker
 };
 
 }  // namespace wobblebench::sim

@@ -76,7 +76,7 @@ std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> mod
                                               const ScannedTissue& tissue,
                                               const hw::AcquisitionPlan& plan,
                                               const SimulationOptions& options) {
-  if (!volumes_repeat(plan, !tissue.motion.still())) return model;
+  if (!volumes_repeat(plan, !tissue.still())) return model;
   return std::make_unique<ReusedEchoes>(*model, plan, options);
 }
 

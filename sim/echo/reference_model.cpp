@@ -34,11 +34,14 @@ ReferenceModel::ReferenceModel(const ScannedTissue& tissue,
 
 IqMaker ReferenceModel::iq_maker() const {
   const auto samples = static_cast<std::size_t>(propagation_.samples());
-  return [this, propagation = propagation_, iq = std::vector<Complex>(samples)](
-             const hw::StickIndex& index) mutable {
+  return [this,
+          propagation = propagation_,
+          points = scene_.points(),
+          iq = std::vector<Complex>(samples)](const hw::StickIndex& index) mutable {
     propagation.follow(index);
     std::fill(iq.begin(), iq.end(), Complex(0));
     scene_.add_echoes(propagation.path(), iq);
+    scene_.add_points(propagation.path(), points.find(propagation.path()), iq);
     propagation.add_specular_echoes(iq);
     return std::span<const Complex>(iq);
   };

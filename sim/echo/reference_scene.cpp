@@ -19,7 +19,6 @@ constexpr double kTerm_s = 1.5e-9;
 constexpr double kFrequencies = 50;  ///< approximate number for the echo of one scatterer
 constexpr double kLongest_s = 1800;  ///< on one core
 constexpr int kSampledSticks = 16;   ///< of a volume, for the estimate of its cost
-constexpr double kPulseSamples = 8;  ///< by which a pulse extends beyond its scatterer's sample
 
 ScattererSettings reference_settings() {
   return {BeamShape::side_lobes, false};
@@ -51,6 +50,7 @@ ReferenceScene::ReferenceScene(const ScannedTissue& tissue,
     : plan_(plan),
       apodisation_(options.apodisation),
       scatterers_(tissue, plan, options, reference_settings()),
+      points_(tissue, scatterers_.beam()),
       axis_step_m_(std::max(kAxisStep_m, plan.acquisition().depth_m / 1000)) {
   check_cost();
   const int count = static_cast<int>(std::ceil(plan.acquisition().depth_m / axis_step_m_)) + 1;
@@ -68,11 +68,15 @@ void ReferenceScene::check_cost() const {
   const int sampled = std::min(sticks, kSampledSticks);
   double scatterers = 0, terms = 0;
   const ElementSum middle(plan_, apodisation_, 0);
+  PointsInBeam beside = points_;
   for (int i = 0; i < sampled; ++i) {
     const hw::StickIndex index =
         plan_.index(static_cast<std::uint64_t>((i + 0.5) * sticks / sampled));
     const TimedRay line = stick_ray(plan_, index);
-    for (const PointEcho& point : scatterers_.near(line, plan_.acquisition().depth_m)) {
+    std::vector<PointEcho> found = scatterers_.near(line, plan_.acquisition().depth_m);
+    const auto points = beside.find(line, plan_.acquisition().depth_m);
+    found.insert(found.end(), points.begin(), points.end());
+    for (const PointEcho& point : found) {
       scatterers += static_cast<double>(sticks) / sampled;
       const double range_m = glm::distance(point.position_m, line.ray.origin);
       terms += static_cast<double>(sticks) / sampled * kFrequencies *
@@ -100,9 +104,7 @@ double ReferenceScene::on_axis(double range_m) const {
 
 void ReferenceScene::add_echoes(const StickPath& path, std::span<std::complex<float>> iq) const {
   if (path.remaining.empty()) return;
-  const double delay_m = path.delay_m.empty() ? 0 : static_cast<double>(path.delay_m.back());
-  const double to_m = (static_cast<double>(path.remaining.size()) + kPulseSamples) * path.spacing_m;
-  add_points(path, scatterers_.near(path.line, to_m - delay_m), iq);
+  add_points(path, scatterers_.near(path.line, echo_range_m(path)), iq);
 }
 
 void ReferenceScene::add_points(const StickPath& path,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/echo/points_in_beam.h"
 #include "sim/options.h"
 #include "sim/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
@@ -30,6 +31,9 @@ class ReferenceScene {
                   std::span<const PointEcho> points,
                   std::span<std::complex<float>> iq) const;
 
+  /// The phantom's point scatterers; add_echoes() leaves them out.
+  const PointsInBeam& points() const { return points_; }
+
  private:
   void check_cost() const;
   double on_axis(double range_m) const;
@@ -37,6 +41,7 @@ class ReferenceScene {
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;
   ScattererField scatterers_;
+  PointsInBeam points_;
   double axis_step_m_;
   /// Echo of a scatterer on the axis of the middle stick, at ranges (i + 1/2) * axis_step_m_.
   std::vector<double> on_axis_;

@@ -34,15 +34,18 @@ ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
     : IqModel(plan, options),
       tissue_(tissue),
       propagation_(tissue_, plan, options, Surfaces::crossed),
-      scatterers_(tissue_, plan, options) {}
+      scatterers_(tissue_, plan, options),
+      points_(tissue_, scatterers_.beam()) {}
 
 IqMaker ScatterersModel::iq_maker() const {
   const auto samples = static_cast<std::size_t>(propagation_.samples());
-  return [this, propagation = propagation_, iq = std::vector<Complex>(samples)](
+  return [this, propagation = propagation_, points = points_, iq = std::vector<Complex>(samples)](
              const hw::StickIndex& index) mutable {
     propagation.follow(index);
     std::fill(iq.begin(), iq.end(), Complex(0));
     scatterers_.add_echoes(propagation.path(), iq);
+    const auto near = points.find(propagation.path());
+    if (!near.empty()) scatterers_.add_points(propagation.path(), near, iq);
     propagation.add_specular_echoes(iq);
     return std::span<const Complex>(iq);
   };

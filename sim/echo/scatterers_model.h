@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sim/echo/iq_model.h"
+#include "sim/echo/points_in_beam.h"
 #include "sim/echo/stick_propagation.h"
 #include "sim/scatterers/scatterer_field.h"
 
@@ -26,6 +27,7 @@ class ScatterersModel final : public IqModel {
   ScannedTissue tissue_;
   StickPropagation propagation_;  ///< copied into each IQ maker
   ScattererField scatterers_;
+  PointsInBeam points_;  ///< copied into each IQ maker
 };
 
 }  // namespace wobblebench::sim

@@ -16,6 +16,12 @@ struct ScannedTissue {
   std::vector<phantoms::Material> materials;
   phantoms::Placement placement;
   phantoms::Motion motion;
+  /// Beside the tissue, in the phantom frame at rest; null: none.
+  std::shared_ptr<const phantoms::PointScatterers> points = nullptr;
+
+  bool has_points() const { return points && !points->empty(); }
+  /// Nothing moves, tissue or points.
+  bool still() const { return motion.still() && (!points || points->all_fixed()); }
 
   /// From the probe frame at a time to the phantom frame at rest, and back.
   glm::dvec3 to_rest(const glm::dvec3& probe_m, double time_s) const {

@@ -79,14 +79,16 @@ TEST(MakePhantom, BuildsEveryName) {
   for (const std::string& name : phantom_names()) {
     PhantomOptions options;
     options.name = name;
-    options.voxel_m = name == "points" ? 0.5e-3 : 1.5e-3;
+    options.voxel_m = 1.5e-3;
     const Phantom phantom = make_phantom(options);
     SCOPED_TRACE(name);
     EXPECT_EQ(phantom.name(), name);
     const Box& box = phantom.region_of_interest();
     EXPECT_TRUE(box.low.x < box.high.x && box.low.y < box.high.y && box.low.z < box.high.z);
-    EXPECT_GT(phantom.suggested_position_m().z + box.low.z, 40e-3 + 20e-3)
+    const double front_m = phantom.surfaces().empty() ? 0 : 20e-3;
+    EXPECT_GT(phantom.suggested_position_m().z + box.low.z, 40e-3 + front_m)
         << "in front of the probe";
+    EXPECT_EQ(phantom.scatterers().empty(), !phantom.surfaces().empty());
     for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
       EXPECT_GT(phantom.grids().signed_distance[i]->activeVoxelCount(), 100u);
     }

@@ -1,6 +1,8 @@
 #include "bench/report/commands/phantom_report.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -68,10 +70,51 @@ Json joint_json(const std::optional<phantoms::Joint>& joint) {
           {"outer_mm", in_mm(joint->outer_m)}};
 }
 
+/// Of all keys of all tracks.
+struct ScattererSummary {
+  std::size_t moving = 0;
+  double strongest = 0;  ///< amplitude
+  phantoms::Box box{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
+
+  explicit ScattererSummary(const phantoms::PointScatterers& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      moving += !points.fixed(i);
+      for (const auto& key : points.track(i)) {
+        strongest = std::max(strongest, std::abs(key.point.amplitude));
+        box = {glm::min(box.low, key.point.position_m), glm::max(box.high, key.point.position_m)};
+      }
+    }
+  }
+  /// Re a perfect mirror, to a hundredth.
+  double strongest_db() const { return std::round(2000 * std::log10(strongest)) / 100; }
+};
+
+Json scatterers_json(const phantoms::PointScatterers& points) {
+  if (points.empty()) return nullptr;
+  const ScattererSummary summary(points);
+  return {{"count", points.size()},
+          {"moving", summary.moving},
+          {"strongest_db", summary.strongest > 0 ? Json(summary.strongest_db()) : Json(nullptr)},
+          {"low_mm", in_mm(summary.box.low)},
+          {"high_mm", in_mm(summary.box.high)}};
+}
+
 /// "(x, y, z)", mm.
 std::string corner_text(const glm::dvec3& point_m) {
   std::ostringstream text;
   text << "(" << in_mm(point_m.x) << ", " << in_mm(point_m.y) << ", " << in_mm(point_m.z) << ")";
+  return text.str();
+}
+
+std::string scatterers_line(const phantoms::PointScatterers& points) {
+  if (points.empty()) return "";
+  const ScattererSummary summary(points);
+  std::ostringstream text;
+  text << "points      " << points.size() << " point scatterers";
+  if (summary.moving > 0) text << ", " << summary.moving << " of them moving";
+  if (summary.strongest > 0) text << ", the strongest of " << summary.strongest_db() << " dB";
+  text << ", within " << corner_text(summary.box.low) << " to " << corner_text(summary.box.high)
+       << " mm\n";
   return text.str();
 }
 
@@ -87,6 +130,7 @@ Json phantom_json(const phantoms::Phantom& phantom) {
   return {{"name", phantom.name()},
           {"background", material_name(phantom, phantom.background())},
           {"surfaces", surfaces},
+          {"scatterers", scatterers_json(phantom.scatterers())},
           {"voxels", voxels},
           {"memory_mb", in_mb(bytes)},
           {"region_of_interest_mm",
@@ -116,6 +160,7 @@ std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesys
          << " within, " << grid.voxels << " voxels of " << in_mm(grid.voxel_m) << " mm, "
          << in_mb(grid.bytes) << " MB" << (surface.is_target ? ", a target" : "") << "\n";
   }
+  text << scatterers_line(phantom.scatterers());
   const auto& box = phantom.region_of_interest();
   text << "interest    " << corner_text(box.low) << " to " << corner_text(box.high) << " mm\n"
        << "position    " << corner_text(phantom.suggested_position_m())

@@ -131,6 +131,25 @@ TEST_F(PhantomCacheTest, AWholeEntryThatIsNoPhantomIsMadeAnew) {
   EXPECT_FALSE(cache.kept().phantom);
 }
 
+TEST_F(PhantomCacheTest, AListOfScatterersIsKnownByItsContent) {
+  const fs::path path = file("list.csv");
+  phantoms::PhantomOptions listed = options_;
+  listed.scatterers = path.string();
+  EXPECT_EQ(phantom_key(listed), "") << "there is no such file";
+  const auto depth_of = [&](PhantomCache& cache, const char* z_mm) {
+    std::ofstream(path) << "x_mm,y_mm,z_mm,amplitude\n0,0," << z_mm << ",1\n";
+    return cache.phantom(listed).scatterers().at(0, 0).position_m.z;
+  };
+  PhantomCache cache(blobs_);
+  cache.phantom(options_);
+  EXPECT_DOUBLE_EQ(depth_of(cache, "50"), 50e-3);
+  EXPECT_FALSE(cache.kept().phantom);
+  EXPECT_DOUBLE_EQ(depth_of(cache, "50"), 50e-3);
+  EXPECT_TRUE(cache.kept().phantom);
+  EXPECT_DOUBLE_EQ(depth_of(cache, "51"), 51e-3);
+  EXPECT_FALSE(cache.kept().phantom);
+}
+
 TEST_F(PhantomCacheTest, AnImportedFileIsKnownByItsContent) {
   const fs::path path = file("body.stl");
   const auto write_tetrahedron = [&](double mm) {
