@@ -7,6 +7,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/math/simd.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 
 namespace wobblebench::sim {
 
@@ -38,10 +39,13 @@ phantoms::MaterialIndex material_beneath(const StickTrack& track,
 
 /// True if the node is behind the surface, and close enough to belong to this crossing.
 bool is_just_behind(const TrackNode& node) {
-  constexpr float kSameCrossing_m = 2e-3F;
+  constexpr auto kSameCrossing_m = static_cast<float>(StickLosses::kBehindInterface_m);
   return (node.axial < 0) == (node.value_m < 0) &&
          std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
+
+/// Of the ratio of amplitudes before and behind a surface: its square is a finite float.
+constexpr float kMostGain = 1e15F;
 
 }  // namespace
 
@@ -179,7 +183,8 @@ void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losse
     if (before < 0 || before >= end || here >= end) continue;
     const float gain =
         remaining[static_cast<std::size_t>(before)] / remaining[static_cast<std::size_t>(here)];
-    nodes_[front.node].interface_power *= gain * gain;
+    const float bounded = std::min(gain, kMostGain);
+    nodes_[front.node].interface_power *= bounded * bounded;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/math/fast_math.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
