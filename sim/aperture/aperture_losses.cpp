@@ -98,9 +98,8 @@ void VolumeCorrections::compute(int frame) const {
   ConeMean mean(source_.cone_, grid, table_, source_.band_);
   const auto size = static_cast<std::size_t>(grid.lines) * static_cast<std::size_t>(grid.nodes);
   const auto first = static_cast<std::size_t>(frame) * size;
-  const bool differs = mean.compute(frame,
-                                    std::span(log_gain_).subspan(first, size),
-                                    std::span(frequency_).subspan(first, size));
+  const bool differs = mean.compute(
+      frame, std::span(log_gain_).subspan(first, size), std::span(frequency_).subspan(first, size));
   differs_[static_cast<std::size_t>(frame)] = differs ? 1 : 0;
 }
 

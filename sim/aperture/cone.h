@@ -59,9 +59,9 @@ class ApertureCone {
   hw::ProbeOptions probe_;
   LossGrid grid_;
   double lines_per_rad_;
-  double array_rad_;  ///< angle of the last element
-  double widest_m_ = 0;  ///< of the apertures
-  std::vector<double> theta_rad_;  ///< of each line
+  double array_rad_;                 ///< angle of the last element
+  double widest_m_ = 0;              ///< of the apertures
+  std::vector<double> theta_rad_;    ///< of each line
   std::vector<float> frames_per_m_;  ///< [node][line]
   std::vector<float> lines_aside_;   ///< [end][to][from][part]
   std::vector<float> on_array_;      ///< [end][node][part][line]

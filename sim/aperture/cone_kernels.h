@@ -16,8 +16,7 @@ void locate_frames(int frame,
                    float* share);
 
 /// row[i] = near[i] + share[i] * (far[i] - near[i]).
-void interpolate(
-    const float* near, const float* far, const float* share, int count, float* row);
+void interpolate(const float* near, const float* far, const float* share, int count, float* row);
 
 /// Amplitudes and absorbed amounts of a LossTable at a node and the next.
 struct LossRows {

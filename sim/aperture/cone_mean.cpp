@@ -35,8 +35,8 @@ bool ConeMean::find_uneven(int frame) {
   uneven_.clear();
   for (int node = 0; node + 2 < grid_.nodes; ++node) {
     const int reach = cone_.most_frames(node);
-    uneven_.push_back(table_.uneven(
-        node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1)));
+    uneven_.push_back(
+        table_.uneven(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1)));
   }
   return std::ranges::any_of(uneven_, [](char differs) { return differs != 0; });
 }
@@ -136,10 +136,7 @@ void ConeMean::step(int elevation, int from, int to) {
   }
 }
 
-void ConeMean::average(int node,
-                       int frame,
-                       std::span<float> log_gain,
-                       std::span<float> frequency) {
+void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span<float> frequency) {
   const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
   for (int line = 0; line < grid_.lines; ++line) {
     const auto i = static_cast<std::size_t>(line);
@@ -161,10 +158,10 @@ void ConeMean::average(int node,
                                static_cast<double>(table_.transmitted(node)[row + line]);
     const double nepers = std::max(axis_nepers + more_nepers, 0.0);
     const auto to = static_cast<std::size_t>(line * grid_.nodes + node);
-    log_gain[to] = static_cast<float>(log_mean + band_.log_gain(nepers) -
-                                      band_.log_gain(axis_nepers));
-    frequency[to] = static_cast<float>(band_.frequency_ratio(nepers) -
-                                       band_.frequency_ratio(axis_nepers));
+    log_gain[to] =
+        static_cast<float>(log_mean + band_.log_gain(nepers) - band_.log_gain(axis_nepers));
+    frequency[to] =
+        static_cast<float>(band_.frequency_ratio(nepers) - band_.frequency_ratio(axis_nepers));
   }
 }
 

@@ -49,12 +49,12 @@ class ConeMean {
   const LossGrid& grid_;
   const LossTable& table_;
   const BandLoss& band_;
-  int elevations_;  ///< 1: there is one frame
-  int margin_;  ///< lines beyond the first and the last, with their values
+  int elevations_;            ///< 1: there is one frame
+  int margin_;                ///< lines beyond the first and the last, with their values
   std::vector<char> uneven_;  ///< whether ways differ between a node and the next
   std::vector<Ways> ways_;
   const float* planes_[4] = {};  ///< as in LossRows, [frame][line]
-  std::vector<float> rows_[4];  ///< as in LossRows, with margins
+  std::vector<float> rows_[4];   ///< as in LossRows, with margins
   std::vector<float> axis_gain_;
   std::vector<float> axis_nepers_;
   std::vector<std::int32_t> before_;  ///< frame before a way, on each line

@@ -21,8 +21,7 @@ constexpr float kEven = 3e-4F;
 LossGrid LossGrid::of(const hw::AcquisitionPlan& plan, double depth_m) {
   const int steps = std::clamp(static_cast<int>(std::ceil(depth_m / kStep_m)), 1, kMostSteps);
   const auto& acquisition = plan.acquisition();
-  return {
-      acquisition.frames_per_volume, acquisition.sticks_per_frame, steps + 1, depth_m / steps};
+  return {acquisition.frames_per_volume, acquisition.sticks_per_frame, steps + 1, depth_m / steps};
 }
 
 LossTable::LossTable(const LossGrid& grid)

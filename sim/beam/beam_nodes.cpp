@@ -44,9 +44,6 @@ bool is_just_behind(const TrackNode& node) {
          std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
 
-/// Of the ratio of amplitudes before and behind a surface: its square is a finite float.
-constexpr float kMostGain = 1e15F;
-
 }  // namespace
 
 double power_sigma(double amplitude_fwhm) {
@@ -128,7 +125,7 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
   beam_.resize(count);
   crossed_.resize(count);
   nodes_.resize(count);
-  look_up(track);
+  look_up(track, losses);
   NodeKernels::scale(surfaces_.data(),
                      beam_.data(),
                      crossed_.data(),
@@ -137,10 +134,9 @@ void BeamNodes::compute(const StickTrack& track, const StickLosses& losses) {
                      interface_gain_,
                      count,
                      nodes_.data());
-  if (interface_echo_) restore_fronts(track, losses);
 }
 
-void BeamNodes::look_up(const StickTrack& track) {
+void BeamNodes::look_up(const StickTrack& track, const StickLosses& losses) {
   const int last_sample = static_cast<int>(widths_.size()) - 1;
   const Widths* widths = widths_.data();
   fronts_.clear();
@@ -163,29 +159,31 @@ void BeamNodes::look_up(const StickTrack& track) {
           leaving = &crossing(surface.inside, outside);
         }
         crossed[n] = nodes[n].axial < 0 ? *entering : *leaving;
-        if (is_just_behind(nodes[n])) {
-          fronts_.push_back({first + static_cast<std::size_t>(n), piece.from_m + n * step_m});
+        if (interface_echo_ && is_just_behind(nodes[n])) {
+          find_front(track, losses, surface.first_node + n, piece.from_m + n * step_m);
         }
       }
     }
   }
 }
 
-void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
-  const auto& remaining = losses.remaining();
-  const int end = static_cast<int>(remaining.size());
-  for (const Front& front : fronts_) {
-    const TrackNode& node = track.nodes[front.node];
-    const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
-    const auto here = static_cast<int>(losses.apparent_m(track, front.range_m) / spacing_m_);
-    const int before =
-        losses.samples_before(losses.apparent_m(track, front.range_m + to_surface_m)) - 1;
-    if (before < 0 || before >= end || here >= end) continue;
-    const float gain =
-        remaining[static_cast<std::size_t>(before)] / remaining[static_cast<std::size_t>(here)];
-    const float bounded = std::min(gain, kMostGain);
-    nodes_[front.node].interface_power *= bounded * bounded;
+void BeamNodes::find_front(const StickTrack& track,
+                           const StickLosses& losses,
+                           int node,
+                           double range_m) {
+  const TrackNode& behind = track.nodes[static_cast<std::size_t>(node)];
+  const double surface_m = range_m - static_cast<double>(behind.value_m / behind.axial);
+  const int before = losses.samples_before(losses.apparent_m(track, surface_m)) - 1;
+  if (before >= 0 && before < static_cast<int>(losses.remaining().size())) {
+    fronts_.push_back({node, before});
   }
+}
+
+std::span<const BeamNodes::Front> BeamNodes::fronts_of(const TrackLayer& layer, int nodes) const {
+  const auto first = std::ranges::lower_bound(fronts_, layer.first_node, {}, &Front::node);
+  const auto end =
+      std::ranges::lower_bound(first, fronts_.end(), layer.first_node + nodes, {}, &Front::node);
+  return {first, end};
 }
 
 }  // namespace wobblebench::sim

@@ -50,7 +50,7 @@ class StickPropagation {
   TimedRay line_;
   StickTrack track_;
   StickLosses losses_;
-  std::shared_ptr<const ApertureLosses> aperture_;  ///< null: losses are those of the axis
+  std::shared_ptr<const ApertureLosses> aperture_;   ///< null: losses are those of the axis
   std::shared_ptr<const VolumeCorrections> volume_;  ///< the one in hand
 };
 

@@ -62,7 +62,8 @@ void add_interpolated(
     const bool is_last = node >= intervals;
     const double samples = std::ceil((node + 1 - from) / per_sample);
     const int end = is_last ? count : static_cast<int>(std::clamp<double>(samples, first, count));
-    const auto near = static_cast<double>(nodes[static_cast<std::size_t>(std::min(node, intervals))]);
+    const auto near =
+        static_cast<double>(nodes[static_cast<std::size_t>(std::min(node, intervals))]);
     const double rise =
         is_last ? 0 : static_cast<double>(nodes[static_cast<std::size_t>(node) + 1]) - near;
     const double at = from + first * per_sample - node;

@@ -34,8 +34,7 @@ StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
       visible_(visible_amplitude(plan, options)) {
   for (const auto& material : materials) {
     const double assumed_m_s = plan.acquisition().sound_speed_m_s;
-    speed_ratio_.push_back(
-        options.tissue_sound_speed ? assumed_m_s / material.sound_speed_m_s : 1);
+    speed_ratio_.push_back(options.tissue_sound_speed ? assumed_m_s / material.sound_speed_m_s : 1);
     absorbs_ = absorbs_ || (options.attenuation && material.attenuation_db_per_cm_mhz > 0);
   }
 }
@@ -144,10 +143,7 @@ void StickLosses::fill_even(const LevelLine& line, double amplitude, int first) 
   }
 }
 
-void StickLosses::fill_uneven(const LevelLine& line,
-                              double true_m,
-                              double true_step_m,
-                              int first) {
+void StickLosses::fill_uneven(const LevelLine& line, double true_m, double true_step_m, int first) {
   const int count = static_cast<int>(remaining_.size()) - first;
   const double from = true_m / correction_.step_m, per_sample = true_step_m / correction_.step_m;
   float* values = remaining_.data() + first;
@@ -169,8 +165,7 @@ void StickLosses::end_where_invisible(int first) {
   const auto visible = [this](float a) { return is_visible(a); };
   const auto cut = std::partition_point(from, remaining_.end(), visible) - remaining_.begin();
   visible_samples_ = std::min(visible_samples_, static_cast<int>(cut));
-  remaining_.resize(
-      static_cast<std::size_t>(std::max(visible_samples_, std::min(keep_, end))));
+  remaining_.resize(static_cast<std::size_t>(std::max(visible_samples_, std::min(keep_, end))));
 }
 
 void StickLosses::trim() {

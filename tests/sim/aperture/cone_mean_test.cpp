@@ -139,9 +139,8 @@ TEST(ConeMean, ShadowAcrossTheImagePlaneIsTheUncoveredShareOfTheCone) {
       const double r = node * shadow.grid().step_m;
       if (r < kSheet_m + 12e-3) continue;
       const double one_way = mean_through(plan().probe().element_height_m, r, aside_m);
-      EXPECT_NEAR(found[static_cast<std::size_t>(middle * nodes + node)],
-                  one_way * one_way,
-                  kTolerance)
+      EXPECT_NEAR(
+          found[static_cast<std::size_t>(middle * nodes + node)], one_way * one_way, kTolerance)
           << frame << " " << r;
     }
   }

@@ -146,7 +146,7 @@ TEST(Losses, ThePulseKeepsFourTenthsOfItsFrequency) {
   const auto& remaining = losses.remaining();
   const double step = nepers(bone, kSpacing_m);
   int kept = 0;
-  for (std::size_t i = 1; i + 1 < 300; ++i) {
+  for (std::size_t i = 1; i + 1 < 400; ++i) {
     EXPECT_GE(losses.frequency_ratio()[i], 0.4f);
     const double here = std::log(static_cast<double>(remaining[i] / remaining[i - 1]));
     const double next = std::log(static_cast<double>(remaining[i + 1] / remaining[i]));
