@@ -141,10 +141,6 @@ TEST(ApertureLosses, TheShadowsEdgeIsAsSoftAsTheCone) {
     const double expected_m = rise_m(profile.x_m, profile.expected);
     EXPECT_NEAR(rise_m(profile.x_m, profile.found), expected_m, 0.15 * expected_m) << range_m;
     EXPECT_LT(rise_m(axis.x_m, axis.found), 0.5 * expected_m) << "the axis alone, " << range_m;
-                range_m * 1e3,
-                1e3 * rise_m(profile.x_m, profile.found),
-                1e3 * expected_m,
-                1e3 * rise_m(axis.x_m, axis.found));
   }
 }
 
