@@ -90,7 +90,7 @@ void VolumeCorrections::trace(int frame) const {
 
 void VolumeCorrections::compute(int frame) const {
   const LossGrid& grid = source_.grid_;
-  const int reach = source_.cone_.most_frames(0);
+  const int reach = source_.cone_.most_frames() + 1;  // ways lie between two frames
   for (int near = std::max(frame - reach, 0); near <= std::min(frame + reach, grid.frames - 1);
        ++near) {
     std::call_once(traced_[static_cast<std::size_t>(near)], [&] { trace(near); });

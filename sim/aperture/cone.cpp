@@ -85,6 +85,12 @@ int ApertureCone::most_frames(int from) const {
   return static_cast<int>(std::min(std::ceil(most), static_cast<double>(grid_.frames)));
 }
 
+int ApertureCone::most_frames() const {
+  int most = 0;
+  for (int node = 0; node < grid_.nodes; ++node) most = std::max(most, most_frames(node));
+  return most;
+}
+
 int ApertureCone::most_lines() const {
   const double most = 0.5 * widest_m_ / probe_.radius_m * lines_per_rad_;
   return static_cast<int>(std::min(std::ceil(most), static_cast<double>(grid_.lines)));

@@ -34,8 +34,9 @@ class ApertureCone {
   const float* frames_per_m(int from) const {
     return frames_per_m_.data() + static_cast<std::size_t>(from * grid_.lines);
   }
-  /// Most frames that a way lies aside between node `from` and the next.
+  /// Most frames that a way lies aside between node `from` and the next, and anywhere.
   int most_frames(int from) const;
+  int most_frames() const;
   /// Most lines that any way lies aside.
   int most_lines() const;
 

@@ -21,6 +21,15 @@ double fastest_ratio(const ScannedTissue& tissue, const hw::AcquisitionPlan& pla
 
 }  // namespace
 
+StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses) {
+  const auto count = static_cast<std::size_t>(losses.visible_samples());
+  const std::span<const float> delay_m = losses.delay_m();
+  return {line,
+          spacing_m,
+          std::span(losses.remaining()).first(count),
+          delay_m.empty() ? delay_m : delay_m.first(count)};
+}
+
 StickPropagation::StickPropagation(const ScannedTissue& tissue,
                                    const hw::AcquisitionPlan& plan,
                                    const SimulationOptions& options,
@@ -49,15 +58,6 @@ void StickPropagation::follow(const hw::StickIndex& index) {
     volume_ = aperture_->volume(index.volume);
   }
   losses_.compute(track_, volume_->of(index));
-}
-
-StickPath StickPropagation::path() const {
-  const auto count = static_cast<std::size_t>(losses_.visible_samples());
-  const std::span<const float> delay_m = losses_.delay_m();
-  return {line_,
-          spacing_m_,
-          std::span(losses_.remaining()).first(count),
-          delay_m.empty() ? delay_m : delay_m.first(count)};
 }
 
 void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) const {

@@ -15,6 +15,9 @@
 
 namespace wobblebench::sim {
 
+/// Ends where echoes of scatterers are invisible. Valid as long as `losses` is unchanged.
+StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses);
+
 /// What the models of IQ echoes have in common, with the working memory of one thread.
 class StickPropagation {
  public:
@@ -29,8 +32,7 @@ class StickPropagation {
 
   const StickTrack& track() const { return track_; }
   const StickLosses& losses() const { return losses_; }
-  /// Ends where echoes of scatterers are invisible.
-  StickPath path() const;
+  StickPath path() const { return visible_path(line_, spacing_m_, losses_); }
   /// Adds a pulse for each interface that the stick crosses, if the options ask for them.
   void add_specular_echoes(std::span<std::complex<float>> iq) const;
 
