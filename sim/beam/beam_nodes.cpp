@@ -180,9 +180,10 @@ void BeamNodes::find_front(const StickTrack& track,
 }
 
 std::span<const BeamNodes::Front> BeamNodes::fronts_of(const TrackLayer& layer, int nodes) const {
+  if (fronts_.empty()) return {};
   const auto first = std::ranges::lower_bound(fronts_, layer.first_node, {}, &Front::node);
-  const auto end =
-      std::ranges::lower_bound(first, fronts_.end(), layer.first_node + nodes, {}, &Front::node);
+  auto end = first;
+  while (end != fronts_.end() && end->node < layer.first_node + nodes) ++end;
   return {first, end};
 }
 

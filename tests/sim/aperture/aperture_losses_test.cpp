@@ -45,8 +45,10 @@ VolumeSamples scan(const phantoms::PlacedPhantom& placed,
   return ProbeSimulator(placed, plan, options).volume(volume);
 }
 
+constexpr double kThick_m = 8e-3;  // of the plate: 35 dB and more
+
 phantoms::PlacedPhantom at_rest(const char* name) {
-  const auto phantom = phantoms::make_phantom({.name = name});
+  const auto phantom = phantoms::make_phantom({.name = name, .thickness_m = kThick_m});
   return phantoms::still_at(phantom, phantom.suggested_position_m());
 }
 
@@ -92,10 +94,11 @@ double rise_m(const std::vector<double>& x_m, const std::vector<double>& profile
   return crossing(0.9 * profile.back()) - crossing(0.1 * profile.back());
 }
 
-/// The phantom bone_plate ends 15 mm aside of the axis, 40 to 43 mm below the face.
+/// The phantom bone_plate ends 15 mm aside of the axis, its front 40 mm below the face. Ways that
+/// pass the edge of its front diverge from the plate.
 struct Edge {
-  double theta_rad = std::atan2(15e-3, 81.5e-3);
-  double to_plate_m = std::hypot(15e-3, 81.5e-3) - 40e-3;  ///< range of the edge
+  double theta_rad = std::atan2(15e-3, 80e-3);
+  double to_plate_m = std::hypot(15e-3, 80e-3) - 40e-3;  ///< range of the edge
 };
 
 /// One-way amplitude behind the edge at a range: the share of the aperture that the plate does not
@@ -105,7 +108,7 @@ double mean_through(double aperture_m, double range_m, double theta_rad) {
   const double half_m = 0.5 * aperture_m * (1 - edge.to_plate_m / range_m);
   const double aside_m = (theta_rad - edge.theta_rad) * (40e-3 + edge.to_plate_m);
   const double free = std::clamp(0.5 * (1 + aside_m / half_m), 0.0, 1.0);
-  constexpr double kThroughPlate = 0.05;
+  constexpr double kThroughPlate = 0.02;
   return free + (1 - free) * kThroughPlate;
 }
 
@@ -139,7 +142,7 @@ TEST(ApertureLosses, TheShadowsEdgeIsAsSoftAsTheCone) {
   for (const double range_m : {70e-3, 80e-3, 95e-3}) {
     const Profile profile = profile_at(range_m, true), axis = profile_at(range_m, false);
     const double expected_m = rise_m(profile.x_m, profile.expected);
-    EXPECT_NEAR(rise_m(profile.x_m, profile.found), expected_m, 0.15 * expected_m) << range_m;
+    EXPECT_NEAR(rise_m(profile.x_m, profile.found), expected_m, 0.2 * expected_m) << range_m;
     EXPECT_LT(rise_m(axis.x_m, axis.found), 0.5 * expected_m) << "the axis alone, " << range_m;
   }
 }
