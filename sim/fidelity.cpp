@@ -66,6 +66,7 @@ std::vector<Effect> effects_of(const EchoModelType& model,
   list.add("tissue_motion", moving);
   list.add("attenuation", o.attenuation);
   list.add("transmission_loss", o.transmission_loss);
+  list.add("aperture_losses", o.aperture_losses && (o.attenuation || o.transmission_loss));
   list.add("tissue_sound_speed", o.tissue_sound_speed);
   list.add("beam_width", true);
   list.add("speckle", o.speckle);

@@ -40,6 +40,8 @@ struct SimulationOptions {
   bool speckle = true;
   bool attenuation = true;        ///< two-way absorption and scattering loss
   bool transmission_loss = true;  ///< energy that an interface reflects is lost behind it
+  /// Losses of all ways between the aperture and an echo, instead of those on the stick's axis.
+  bool aperture_losses = true;
   bool interface_echo = true;
   /// The beam of a rectangular aperture with its side lobes, instead of the main lobe alone. From
   /// `scatterers` on.
@@ -78,6 +80,7 @@ void describe(O& o, Visitor& v) {
   v.flag("speckle", o.speckle);
   v.flag("attenuation", o.attenuation);
   v.flag("transmission_loss", o.transmission_loss);
+  v.flag("aperture_losses", o.aperture_losses);
   v.flag("interface_echo", o.interface_echo);
   v.flag("side_lobes", o.side_lobes);
   v.flag("tissue_sound_speed", o.tissue_sound_speed);

@@ -7,6 +7,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/math/simd.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 
 namespace wobblebench::sim {
 
@@ -38,7 +39,7 @@ phantoms::MaterialIndex material_beneath(const StickTrack& track,
 
 /// True if the node is behind the surface, and close enough to belong to this crossing.
 bool is_just_behind(const TrackNode& node) {
-  constexpr float kSameCrossing_m = 2e-3F;
+  constexpr auto kSameCrossing_m = static_cast<float>(StickLosses::kBehindInterface_m);
   return (node.axial < 0) == (node.value_m < 0) &&
          std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
@@ -118,7 +119,7 @@ void BeamNodes::compute(const StickTrack& track,
   beam_.resize(count);
   crossed_.resize(count);
   nodes_.resize(count);
-  look_up(track, beam);
+  look_up(track, losses, beam);
   NodeKernels::scale(surfaces_.data(),
                      beam_.data(),
                      crossed_.data(),
@@ -127,10 +128,11 @@ void BeamNodes::compute(const StickTrack& track,
                      interface_gain_,
                      count,
                      nodes_.data());
-  if (interface_echo_) restore_fronts(track, losses);
 }
 
-void BeamNodes::look_up(const StickTrack& track, const BeamAtSample* at_samples) {
+void BeamNodes::look_up(const StickTrack& track,
+                        const StickLosses& losses,
+                        const BeamAtSample* at_samples) {
   const int last_sample = samples_ - 1;
   fronts_.clear();
   for (const TrackPiece& piece : track.pieces) {
@@ -152,28 +154,32 @@ void BeamNodes::look_up(const StickTrack& track, const BeamAtSample* at_samples)
           leaving = &crossing(surface.inside, outside);
         }
         crossed[n] = nodes[n].axial < 0 ? *entering : *leaving;
-        if (is_just_behind(nodes[n])) {
-          fronts_.push_back({first + static_cast<std::size_t>(n), piece.from_m + n * step_m});
+        if (interface_echo_ && is_just_behind(nodes[n])) {
+          find_front(track, losses, surface.first_node + n, piece.from_m + n * step_m);
         }
       }
     }
   }
 }
 
-void BeamNodes::restore_fronts(const StickTrack& track, const StickLosses& losses) {
-  const auto& remaining = losses.remaining();
-  const int end = static_cast<int>(remaining.size());
-  for (const Front& front : fronts_) {
-    const TrackNode& node = track.nodes[front.node];
-    const double to_surface_m = static_cast<double>(-node.value_m / node.axial);
-    const auto here = static_cast<int>(losses.apparent_m(track, front.range_m) / spacing_m_);
-    const int before =
-        losses.samples_before(losses.apparent_m(track, front.range_m + to_surface_m)) - 1;
-    if (before < 0 || before >= end || here >= end) continue;
-    const float gain =
-        remaining[static_cast<std::size_t>(before)] / remaining[static_cast<std::size_t>(here)];
-    nodes_[front.node].interface_power *= gain * gain;
+void BeamNodes::find_front(const StickTrack& track,
+                           const StickLosses& losses,
+                           int node,
+                           double range_m) {
+  const TrackNode& behind = track.nodes[static_cast<std::size_t>(node)];
+  const double surface_m = range_m - static_cast<double>(behind.value_m / behind.axial);
+  const int before = losses.samples_before(losses.apparent_m(track, surface_m)) - 1;
+  if (before >= 0 && before < static_cast<int>(losses.remaining().size())) {
+    fronts_.push_back({node, before});
   }
+}
+
+std::span<const BeamNodes::Front> BeamNodes::fronts_of(const TrackLayer& layer, int nodes) const {
+  if (fronts_.empty()) return {};
+  const auto first = std::ranges::lower_bound(fronts_, layer.first_node, {}, &Front::node);
+  auto end = first;
+  while (end != fronts_.end() && end->node < layer.first_node + nodes) ++end;
+  return {first, end};
 }
 
 }  // namespace wobblebench::sim

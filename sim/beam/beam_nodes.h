@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "sim/beam/beam_at_samples.h"
@@ -51,6 +52,15 @@ class BeamNodes {
   /// The nodes of a layer; at least one more can be read behind them.
   const Node* of(const TrackLayer& layer) const { return nodes_.data() + layer.first_node; }
 
+  /// A node just behind its surface. The interface's echo there has the amplitude that remains at
+  /// the last sample before the surface.
+  struct Front {
+    int node;
+    int before;  ///< sample
+  };
+  /// Those of a layer with so many nodes, in the order of their nodes.
+  std::span<const Front> fronts_of(const TrackLayer& layer, int nodes) const;
+
  private:
   /// An interface, from the side from which the sound arrives.
   struct Crossing {
@@ -59,20 +69,14 @@ class BeamNodes {
     float speed_ratio2 = 1;  ///< behind over before, squared
     float roughness = 0;     ///< diffuse share of the echo; 0: no echo
   };
-  /// A node just behind its surface, where the transmission loss has already been applied. The
-  /// interface's echo has to be scaled by the amplitude before it.
-  struct Front {
-    std::size_t node;
-    double range_m;
-  };
   friend struct NodeKernels;
 
-  void look_up(const StickTrack& track, const BeamAtSample* beam);
+  void look_up(const StickTrack& track, const StickLosses& losses, const BeamAtSample* beam);
+  void find_front(const StickTrack& track, const StickLosses& losses, int node, double range_m);
   const Crossing& crossing(phantoms::MaterialIndex before, phantoms::MaterialIndex behind) const {
     return crossings_[static_cast<std::size_t>(before) * materials_ +
                       static_cast<std::size_t>(behind)];
   }
-  void restore_fronts(const StickTrack& track, const StickLosses& losses);
 
   std::size_t materials_;
   bool interface_echo_;

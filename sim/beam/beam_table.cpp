@@ -190,6 +190,12 @@ int BeamTable::row(double range_m) const {
   return std::clamp(static_cast<int>(range_m * rows_per_m_), 0, rows() - 1);
 }
 
+double BeamTable::lateral_reach_m(int row) const {
+  double most = 0;
+  for (const Direction& lateral : lateral_) most = std::max(most, reach_m(lateral, row));
+  return most;
+}
+
 std::size_t BeamTable::lateral_of(double theta_rad) const {
   const double steps = std::round((std::abs(theta_rad) - first_angle_rad_) / angle_step_rad_);
   return static_cast<std::size_t>(

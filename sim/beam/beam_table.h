@@ -62,6 +62,9 @@ class BeamTable {
            static_cast<double>(direction.rows[static_cast<std::size_t>(row)].columns_per_m);
   }
 
+  /// Largest lateral offset that echoes on any stick.
+  double lateral_reach_m(int row) const;
+
   /// Equivalent area of the middle stick's beam: the integral of the echo power over the
   /// cross-section, over that of a scatterer whose echo has a peak of 1.
   double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }

@@ -14,6 +14,7 @@ using Complex = std::complex<float>;
 
 constexpr std::string_view kEffects[] = {"attenuation",
                                          "transmission_loss",
+                                         "aperture_losses",
                                          "tissue_sound_speed",
                                          "beam_width",
                                          "speckle",

@@ -8,6 +8,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/math/fast_math.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
@@ -128,6 +129,7 @@ bool MeanPower::compute(const StickTrack& track,
   }
   const BeamAtSample* beam = beam_.of(theta_rad);
   nodes_.compute(track, losses, beam);
+  remaining_ = losses.remaining();
   for (const Section& section : sections_) begin_section(track, section);
   std::fill_n(interface_.begin(), end, 0.0f);
   blend_first_layers();
@@ -191,6 +193,27 @@ void MeanPower::load_layer(const StickTrack& track, const Section& section, int 
   std::fill_n(inside_.begin() + static_cast<std::ptrdiff_t>(section.first),
               section.count,
               material_power_[static_cast<std::size_t>(surface.inside)]);
+  restore_fronts(surface, section);
+}
+
+/// An interface's echo that the beam smears to behind it has not crossed it: it has the amplitude
+/// that remains before it.
+void MeanPower::restore_fronts(const TrackLayer& surface, const Section& section) {
+  constexpr float kMostGain = 1e15F;  // its square is a finite float
+  const auto fronts = nodes_.fronts_of(surface, section.piece->nodes);
+  auto front = fronts.begin();
+  const std::size_t end = section.first + section.count;
+  for (std::size_t i = section.first; i < end && front != fronts.end(); ++i) {
+    // The next sample's nodes are the same or farther.
+    const int near = surface.first_node + node_[i];
+    while (front != fronts.end() && front->node < near) ++front;
+    if (front == fronts.end() || front->node > near + 1) continue;
+    if (static_cast<int>(i) <= front->before) continue;
+    const float gain = remaining_[static_cast<std::size_t>(front->before)] / remaining_[i];
+    const float bounded = std::min(gain, kMostGain);
+    node_pair_[i].near.interface_power *= bounded * bounded;
+    node_pair_[i].far.interface_power *= bounded * bounded;
+  }
 }
 
 /// Blends the first surface of every section, adjacent sections together; few have more than one.

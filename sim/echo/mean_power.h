@@ -60,6 +60,7 @@ class MeanPower {
   }
   void begin_section(const StickTrack& track, const Section& section);
   void load_layer(const StickTrack& track, const Section& section, int layer);
+  void restore_fronts(const TrackLayer& surface, const Section& section);
   void blend_first_layers();
   void blend_layer(const StickTrack& track, const Section& section, int layer);
   void blend(std::size_t first, std::size_t count);
@@ -69,6 +70,7 @@ class MeanPower {
   BeamNodes nodes_;
   std::vector<float> material_power_;
   std::vector<Section> sections_;
+  std::span<const float> remaining_;  ///< of the stick in hand
   // One element a sample.
   std::vector<std::int32_t> node_;   ///< node before the sample
   std::vector<float> node_share_;    ///< of the distance to the next node

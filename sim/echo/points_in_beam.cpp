@@ -50,7 +50,7 @@ PointsInBeam::PointsInBeam(const ScannedTissue& tissue, const BeamTable& beam)
     : tissue_(tissue), rows_per_m_(beam.rows_per_m()) {
   for (int row = 0; row < beam.rows(); ++row) {
     const Reach& reach = reaches_.emplace_back(
-        Reach{beam.reach_m(beam.lateral(), row), beam.reach_m(beam.elevation(), row)});
+        Reach{beam.lateral_reach_m(row), beam.reach_m(beam.elevation(), row)});
     widest_m_ = std::max({widest_m_, reach.lateral_m, reach.elevation_m});
   }
   const std::size_t count = tissue.points ? tissue.points->size() : 0;

@@ -4,6 +4,7 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
+#include "sim/receive/losses.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -20,11 +21,13 @@ double fastest_ratio(const ScannedTissue& tissue, const hw::AcquisitionPlan& pla
 
 }  // namespace
 
-TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
-  const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
-  return {plan.geometry().stick(plan.theta_rad(static_cast<int>(index.line)),
-                                plan.motor_angle_rad(index)),
-          std::chrono::duration<double>(time).count()};
+StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses) {
+  const auto count = static_cast<std::size_t>(losses.visible_samples());
+  const std::span<const float> delay_m = losses.delay_m();
+  return {line,
+          spacing_m,
+          std::span(losses.remaining()).first(count),
+          delay_m.empty() ? delay_m : delay_m.first(count)};
 }
 
 StickPropagation::StickPropagation(const ScannedTissue& tissue,
@@ -33,6 +36,7 @@ StickPropagation::StickPropagation(const ScannedTissue& tissue,
                                    Surfaces surfaces)
     : tissue_(&tissue),
       plan_(plan),
+      geometry_(plan.geometry()),
       options_(options),
       surfaces_(surfaces),
       samples_(plan.acquisition().samples_per_stick * iq_oversampling(plan)),
@@ -41,12 +45,19 @@ StickPropagation::StickPropagation(const ScannedTissue& tissue,
       depth_m_(plan.acquisition().depth_m),
       losses_(plan, options, tissue.materials, spacing_m_, samples_) {
   if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(tissue, plan);
+  if (has_aperture_losses(options, tissue.materials)) {
+    aperture_ = std::make_shared<const ApertureLosses>(tissue, plan, options, depth_m_);
+  }
 }
 
 void StickPropagation::follow(const hw::StickIndex& index) {
-  line_ = stick_ray(plan_, index);
+  line_ = stick_ray(plan_, geometry_, index);
   sim::follow(*tissue_, line_, depth_m_, track_, surfaces_);
-  losses_.compute(track_);
+  if (aperture_ == nullptr) return losses_.compute(track_);
+  if (volume_ == nullptr || volume_->number() != index.volume) {
+    volume_ = aperture_->volume(index.volume);
+  }
+  losses_.compute(track_, volume_->of(index));
 }
 
 void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) const {
@@ -57,7 +68,7 @@ void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) co
   for (std::size_t i = 0; i < track_.interfaces.size(); ++i) {
     const Interface& at = track_.interfaces[i];
     const double arriving = losses_.at_interface()[i];
-    if (arriving <= visible_) return;
+    if (arriving <= visible_) continue;
     const double echo =
         arriving *
         specular_echo(material(at.before), material(at.behind), at.cos_incidence, options_);

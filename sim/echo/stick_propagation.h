@@ -3,18 +3,20 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <span>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/aperture/aperture_losses.h"
 #include "sim/options.h"
-#include "sim/receive/losses.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/receive/stick_losses.h"
+#include "sim/scatterers/stick_path.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
 
-/// Ray and time of a stick.
-TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index);
+/// Ends where echoes of scatterers are invisible. Valid as long as `losses` is unchanged.
+StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses);
 
 /// What the models of IQ echoes have in common, with the working memory of one thread.
 class StickPropagation {
@@ -32,7 +34,7 @@ class StickPropagation {
   double theta_rad() const { return stick_angle_rad(line_.ray); }
   const StickTrack& track() const { return track_; }
   const StickLosses& losses() const { return losses_; }
-  StickPath path() const { return {line_, spacing_m_, losses_.remaining(), losses_.delay_m()}; }
+  StickPath path() const { return visible_path(line_, spacing_m_, losses_); }
   /// Adds a pulse for each interface that the stick crosses, if the options ask for them.
   void add_specular_echoes(std::span<std::complex<float>> iq) const;
 
@@ -42,6 +44,7 @@ class StickPropagation {
  private:
   const ScannedTissue* tissue_;
   hw::AcquisitionPlan plan_;
+  hw::ProbeGeometry geometry_;
   SimulationOptions options_;
   Surfaces surfaces_;
   int samples_;
@@ -51,6 +54,8 @@ class StickPropagation {
   TimedRay line_;
   StickTrack track_;
   StickLosses losses_;
+  std::shared_ptr<const ApertureLosses> aperture_;   ///< null: losses are those of the axis
+  std::shared_ptr<const VolumeCorrections> volume_;  ///< the one in hand
 };
 
 }  // namespace wobblebench::sim

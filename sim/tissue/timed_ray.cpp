@@ -1,11 +1,24 @@
 #include "sim/tissue/timed_ray.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-
 #include <glm/geometric.hpp>
 
 namespace wobblebench::sim {
+
+TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
+  return stick_ray(plan, plan.geometry(), index);
+}
+
+TimedRay stick_ray(const hw::AcquisitionPlan& plan,
+                   const hw::ProbeGeometry& geometry,
+                   const hw::StickIndex& index) {
+  const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
+  return {
+      geometry.stick(plan.theta_rad(static_cast<int>(index.line)), plan.motor_angle_rad(index)),
+      std::chrono::duration<double>(time).count()};
+}
 
 AcrossStick across_stick(const hw::Ray& ray) {
   // The image plane contains the array, which lies along x.

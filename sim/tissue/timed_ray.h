@@ -3,6 +3,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "hw/probe/acquisition_plan.h"
 #include "hw/probe/probe.h"
 
 namespace wobblebench::sim {
@@ -12,6 +13,12 @@ struct TimedRay {
   hw::Ray ray;        ///< probe frame, from the face
   double time_s = 0;  ///< device time of the stick, which decides where moving tissue is
 };
+
+/// Ray and time of a stick. `geometry`: the plan's, for those who ask for many sticks.
+TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index);
+TimedRay stick_ray(const hw::AcquisitionPlan& plan,
+                   const hw::ProbeGeometry& geometry,
+                   const hw::StickIndex& index);
 
 /// Unit vectors across a stick: in the image plane towards greater theta, and across the image
 /// plane towards greater phi.

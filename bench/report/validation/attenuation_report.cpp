@@ -24,21 +24,18 @@ void add_slope(const std::string& name,
                            found.expected_db_per_cm,
                            kSlopeTolerance * std::abs(found.expected_db_per_cm),
                            "dB/cm",
-                           "-2 alpha f of soft_tissue",
+                           "a line through -n + n^2 s^2 / 2, n = 2 alpha f r, of soft_tissue",
                            found.n,
                            "samples",
                            inputs.seeds});
   Series series{name, {}, {}, Stroke::none, chart.series.empty() ? Mark::disc : Mark::ring};
   for (std::size_t i = 0; i < found.range_m.size(); ++i) {
-    const double expected =
-        found.level_db.front() +
-        found.expected_db_per_cm * (found.range_m[i] - found.range_m.front()) / 1e-2;
     report.points.push_back({"slope " + name,
                              "range_mm",
                              found.range_m[i] * 1e3,
                              "level_db",
                              found.level_db[i],
-                             expected});
+                             found.expected_db[i]});
     if (i % kSlopeMarks != 0) continue;
     series.x.push_back(found.range_m[i] * 1e3);
     series.y.push_back(found.level_db[i]);
@@ -59,7 +56,7 @@ void add_body(const std::string& body,
        found.expected_behind_db,
        kLevelTolerance_db,
        "dB",
-       "attenuation of the way through it, and (1 - R^2) of its faces, there and back",
+       "attenuation of the band on the way through it, and (1 - R^2) of its faces, there and back",
        found.n,
        "samples",
        inputs.seeds});
@@ -117,7 +114,9 @@ StudyReport attenuation_report(const AttenuationInputs& inputs) {
   report.text =
       "Linear envelope, no time gain, no noise, no interface echoes. Slope: even soft tissue, the "
       "mean intensity over all sticks at each range, a line through its logarithm from 20 to 120 "
-      "mm. Bone and cyst: sticks within 3 degrees of the axis, mean intensity from 2 to 30 mm "
+      "mm; attenuation grows with frequency, so that of the band's n nepers at its centre, "
+      "n^2 s^2 / 2 remain (s: its relative standard deviation). Bone and cyst: sticks within 3 "
+      "degrees of the axis, mean intensity from 2 to 30 mm "
       "behind the body over that of the same tissue without it; the closed form takes each stick's "
       "own way through the body, and reflection at normal incidence.";
   return report;

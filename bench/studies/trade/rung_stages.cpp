@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 
+#include "sim/aperture/aperture_losses.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/field_model.h"
 #include "sim/echo/scatterers_model.h"
+#include "sim/echo/stick_propagation.h"
 #include "sim/probe_simulator.h"
 #include "sim/receive/receiver.h"
 #include "sim/scatterers/scatterer_field.h"
@@ -78,6 +80,8 @@ struct Worker {
   sim::Surfaces surfaces;
   sim::StickTrack track;
   sim::StickLosses losses;
+  std::optional<sim::ApertureLosses> aperture;
+  std::shared_ptr<const sim::VolumeCorrections> corrections;
   sim::MeanPower power;
   std::vector<float> mean_power;
 
@@ -96,7 +100,15 @@ struct Worker {
               spacing_m,
               samples,
               subject.map->reach_m()),
-        mean_power(static_cast<std::size_t>(samples)) {}
+        mean_power(static_cast<std::size_t>(samples)) {
+    if (!sim::has_aperture_losses(options, subject.materials)) return;
+    aperture.emplace(subject, scene.plan, options, scene.plan.acquisition().depth_m);
+    corrections = aperture->volume(0);
+  }
+
+  void compute_losses(const hw::StickIndex& index) {
+    losses.compute(track, corrections ? corrections->of(index) : sim::ApertureCorrection());
+  }
 };
 
 /// Fills the caches of the tissue (sim/scatterers/tissue_blocks.h), so that this is not timed.
@@ -110,9 +122,8 @@ void warm_up(const TradeScene& scene,
     const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
     const auto line = sim::stick_ray(scene.plan, index);
     sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
-    worker.losses.compute(worker.track);
-    scatterers.add_echoes(
-        {line, worker.spacing_m, worker.losses.remaining(), worker.losses.delay_m()}, iq);
+    worker.compute_losses(index);
+    scatterers.add_echoes(sim::visible_path(line, worker.spacing_m, worker.losses), iq);
     make(index);
   }
 }
@@ -152,13 +163,11 @@ StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
     timed(follow_ms, [&] {
       sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
     });
-    timed(losses_ms, [&] { worker.losses.compute(worker.track); });
+    timed(losses_ms, [&] { worker.compute_losses(index); });
     timed(tissue_ms, [&] {
       if (scatterers) {
         scatterers->add_echoes(
-            {line, worker.spacing_m, worker.losses.remaining(), worker.losses.delay_m()},
-            spare,
-            &result.scatterers);
+            sim::visible_path(line, worker.spacing_m, worker.losses), spare, &result.scatterers);
       } else {
         worker.power.compute(
             worker.track, worker.losses, sim::stick_angle_rad(line.ray), worker.mean_power);

@@ -44,7 +44,7 @@ struct Chord {
 struct Body {
   phantoms::PlacedPhantom subject;
   std::function<Chord(const hw::Ray&)> chord;
-  double per_cm_db = 0;  ///< change of level per centimetre of the body
+  double per_cm_db = 0;  ///< change of the loss at the centre frequency per centimetre of the body
   double faces_db = 0;   ///< change of level by its two faces
   double from_m = 0;     ///< first and last range behind it that are evaluated
   double to_m = 0;
@@ -101,9 +101,15 @@ hw::AcquisitionPlan narrow_plan(const AttenuationInputs& inputs) {
            .frames_per_volume = inputs.frames}};
 }
 
-double expected_db(const Body& body, const Chord& chord, double range_m) {
+double expected_db(const Body& body,
+                   const hw::AcquisitionPlan& plan,
+                   const Chord& chord,
+                   double range_m) {
   if (range_m < chord.from_m) return 0;
-  return body.faces_db + body.per_cm_db * (chord.to_m - chord.from_m) / kCentimetre;
+  const auto& tissue = phantoms::material("soft_tissue");
+  const double without_db = loss_db_per_cm(tissue, plan) * range_m / kCentimetre;
+  const double with_db = without_db - body.per_cm_db * (chord.to_m - chord.from_m) / kCentimetre;
+  return body.faces_db + band_level_db(with_db, plan) - band_level_db(without_db, plan);
 }
 
 ShadowResult measure_body(sim::Rung rung,
@@ -130,7 +136,7 @@ ShadowResult measure_body(sim::Rung rung,
           const double here = one.at(f, l, k), there = other.at(f, l, k);
           const bool inside = r > chord.from_m - kBin_m && r < chord.to_m + kBin_m;
           const double factor = inside ? std::numeric_limits<double>::quiet_NaN()
-                                       : std::pow(10.0, expected_db(body, chord, r) / 10);
+                                       : std::pow(10.0, expected_db(body, plan, chord, r) / 10);
           with[bin].add(here * here);
           without[bin].add(there * there);
           predicted[bin].add(there * there * factor);
@@ -155,6 +161,13 @@ ShadowResult measure_body(sim::Rung rung,
 }
 
 }  // namespace
+
+double band_level_db(double loss_db, const hw::AcquisitionPlan& plan) {
+  const double neper_db = 20 / std::log(10.0);
+  const double sigma = plan.probe().fractional_bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
+  const double nepers = loss_db / neper_db;
+  return neper_db * (0.5 * nepers * nepers * sigma * sigma - nepers);
+}
 
 SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs) {
   constexpr double kFrom_m = 20e-3, kTo_m = 120e-3;
@@ -187,7 +200,13 @@ SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs&
     result.n += static_cast<long>(rows[static_cast<std::size_t>(k)].count);
   }
   result.slope_db_per_cm = kCentimetre * fit_line(result.range_m, result.level_db).slope;
-  result.expected_db_per_cm = -loss_db_per_cm(phantoms::material("soft_tissue"), plan);
+  const double per_cm_db = loss_db_per_cm(phantoms::material("soft_tissue"), plan);
+  for (const double r : result.range_m) {
+    result.expected_db.push_back(band_level_db(per_cm_db * r / kCentimetre, plan));
+  }
+  result.expected_db_per_cm = kCentimetre * fit_line(result.range_m, result.expected_db).slope;
+  const double offset_db = result.level_db.front() - result.expected_db.front();
+  for (double& level_db : result.expected_db) level_db += offset_db;
   return result;
 }
 

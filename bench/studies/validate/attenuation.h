@@ -20,12 +20,18 @@ struct AttenuationInputs {
   double fan_rad = 61 * kDegree;
 };
 
+/// Level of a Gaussian spectrum's echo after a two-way loss of so many dB at its centre, which
+/// grows in proportion to frequency: -n + n^2 s^2 / 2 nepers, s the relative standard deviation of
+/// the amplitude over frequency.
+double band_level_db(double loss_db, const hw::AcquisitionPlan& plan);
+
 /// Mean echo of homogeneous tissue over depth.
 struct SlopeResult {
   std::vector<double> range_m;
-  std::vector<double> level_db;   ///< mean intensity, 0 dB: a perfect mirror
-  double slope_db_per_cm = 0;     ///< of a line through them
-  double expected_db_per_cm = 0;  ///< -2 alpha f
+  std::vector<double> level_db;     ///< mean intensity, 0 dB: a perfect mirror
+  std::vector<double> expected_db;  ///< closed form, from the first level on
+  double slope_db_per_cm = 0;       ///< of a line through the levels
+  double expected_db_per_cm = 0;    ///< of a line through the closed form
   long n = 0;
 };
 SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs);
@@ -39,8 +45,8 @@ struct ShadowResult {
   double expected_behind_db = 0;
   long n = 0;
 };
-/// Closed form: two-way transmission (1 - R^2) of both faces, and the plate's attenuation less the
-/// tissue's.
+/// Closed form: two-way transmission (1 - R^2) of both faces, and band_level_db() of the way with
+/// the plate less that of the way without it.
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
 /// The same for a sphere of fluid, with each stick's chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);

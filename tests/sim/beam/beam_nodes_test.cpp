@@ -7,6 +7,7 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 
 namespace wobblebench::sim {
 namespace {

@@ -12,6 +12,7 @@
 #include "phantoms/phantom.h"
 #include "sim/beam/point_spread.h"
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -250,6 +251,57 @@ TEST(MeanPower, EachPieceEchoesAsItsTissue) {
         ASSERT_NEAR(found[static_cast<std::size_t>(i)], expected, 1e-6 * expected)
             << run << " " << i;
       }
+    }
+  }
+}
+
+/// A plane 50 mm from the face, of material 1 behind material 0.
+StickTrack inclined_plane(double angle_rad) {
+  constexpr double kPlane_m = 50e-3, kHalf_m = 8e-3, kDepth_m = kSamples * kSpacing_m;
+  constexpr int kNodes = 65;
+  StickTrack track;
+  track.stretches = {{0, kPlane_m, 0}, {kPlane_m, kDepth_m, 1}};
+  track.interfaces = {{kPlane_m, 0, 1, std::cos(angle_rad)}};
+  track.pieces = {{0, kPlane_m - kHalf_m, 0},
+                  {kPlane_m - kHalf_m, kPlane_m + kHalf_m, 0, 0, 1, kNodes},
+                  {kPlane_m + kHalf_m, kDepth_m, 1}};
+  track.layers = {{0, 1, 0}};
+  for (int n = 0; n < kNodes; ++n) {
+    const double to_plane_m = kHalf_m * (1 - 2.0 * n / (kNodes - 1));
+    track.nodes.push_back({static_cast<float>(to_plane_m * std::cos(angle_rad)),
+                           static_cast<float>(-std::cos(angle_rad)),
+                           static_cast<float>(std::sin(angle_rad)),
+                           0});
+  }
+  return track;
+}
+
+/// The beam smears the echo of a rough surface along the stick, and keeps its energy: that of the
+/// pulse at normal incidence, times the squared mean amplitude. Beyond the critical angle of bone
+/// (28 degrees) nothing comes back from behind the surface, but the smeared echo does.
+TEST(MeanPower, RoughSurfaceKeepsItsEnergyAtEveryAngle) {
+  auto materials = std::vector{phantoms::material("water"), phantoms::material("cortical_bone")};
+  for (auto& each : materials) each.backscatter_db = kZeroAmplitude_db;
+  auto hidden = tissue_alone(), displayed = hidden;
+  hidden.interface_echo = hidden.transmission_loss = true;
+  displayed = hidden;
+  displayed.noise_db = -95;
+  for (const auto& options : {hidden, displayed}) {
+    StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
+    MeanPower beam(plan(), options, materials, kSpacing_m, kSamples, 4e-3);
+    for (const double angle_deg : {20.0, 24.0, 26.0, 28.0, 30.0, 40.0, 60.0}) {
+      const StickTrack track = inclined_plane(angle_deg * kDegree);
+      std::vector<float> power(kSamples);
+      losses.compute(track);
+      // Where nothing echoes but a surface there is no tissue: the call may say so.
+      beam.compute(track, losses, power);
+      double energy = 0;
+      for (const float each : power) energy += static_cast<double>(each) * kSpacing_m;
+      const double mean =
+          diffuse_echo(materials[0], materials[1], std::cos(angle_deg * kDegree));
+      const double pulse_m = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
+      const double expected = mean * mean * pulse_m * std::sqrt(2 * kPi);
+      EXPECT_NEAR(10 * std::log10(energy / expected), 0, 0.1) << angle_deg;
     }
   }
 }

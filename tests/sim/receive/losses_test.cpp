@@ -1,7 +1,9 @@
 #include "sim/receive/losses.h"
+#include "sim/receive/stick_losses.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace wobblebench::sim {
@@ -84,15 +86,84 @@ TEST(Losses, EnergyIsReciprocalAtAnyAngle) {
   }
 }
 
-TEST(Losses, AttenuationIsTwiceAlphaTimesFrequency) {
-  const auto losses = losses_of(one_material(), {material("soft_tissue")}, no_threshold());
+/// A Gaussian amplitude spectrum, -6 dB at the edges of the default band, after a loss of so many
+/// nepers at the centre frequency that grows in proportion to frequency. Summed over frequency.
+struct Received {
+  double amplitude = 0;  ///< of the echo's peak, over that without loss
+  double frequency = 0;  ///< centre of the spectrum, over that without loss
+};
+
+Received received(double nepers) {
+  const double half = plan().probe().fractional_bandwidth / 2;
+  double sum = 0, first = 0, sent = 0;
+  for (int i = -4000; i <= 4000; ++i) {
+    const double f = 1 + 1e-3 * i;
+    const double before = std::pow(0.5, (f - 1) * (f - 1) / (half * half));
+    const double after = before * std::exp(-nepers * f);
+    sent += before;
+    sum += after;
+    first += f * after;
+  }
+  return {sum / sent, first / sum};
+}
+
+/// Two-way nepers at the centre frequency behind a distance in a material, one speed of sound.
+double nepers(const Material& material, double distance_m) {
+  const double db = 2 * material.attenuation_db_per_cm_mhz * 3.5 * distance_m / 1e-2;
+  return db / 20 * std::log(10.0);
+}
+
+TEST(Losses, AttenuationIsThatOfTheWholeBand) {
+  const Material& tissue = material("soft_tissue");
+  const auto losses = losses_of(one_material(), {tissue}, no_threshold());
   const auto& remaining = losses.remaining();
   ASSERT_EQ(remaining.size(), static_cast<std::size_t>(kCount));
-  // 0.5 dB/cm/MHz, 3.5 MHz, both ways: 3.5 dB a centimetre, 100 samples.
-  for (std::size_t i = 0; i + 100 < remaining.size(); i += 37) {
-    EXPECT_NEAR(db(static_cast<double>(remaining[i] / remaining[i + 100])), 3.5, 1e-3);
+  ASSERT_EQ(losses.frequency_ratio().size(), remaining.size());
+  for (std::size_t i = 0; i < remaining.size(); i += 37) {
+    const auto at = received(nepers(tissue, (static_cast<double>(i) + 0.5) * kSpacing_m));
+    EXPECT_NEAR(db(static_cast<double>(remaining[i])), db(at.amplitude), 1e-3) << i;
+    EXPECT_NEAR(losses.frequency_ratio()[i], at.frequency, 1e-5) << i;
   }
-  EXPECT_NEAR(db(static_cast<double>(remaining[0])), -3.5 * 0.5 * kSpacing_m / 1e-2, 1e-6);
+  // Issue 6: from 3.5 to 2.6 MHz in 10 cm.
+  EXPECT_NEAR(3.5 * static_cast<double>(losses.frequency_ratio().back()), 2.58, 0.01);
+}
+
+TEST(Losses, ABandsLossesAddUpOverMaterials) {
+  const std::vector<Material> materials = {material("fat"), material("muscle")};
+  auto options = no_threshold();
+  options.transmission_loss = false;
+  const auto losses = losses_of(two_materials(30e-3), materials, options);
+  const double both = nepers(materials[0], 30e-3) + nepers(materials[1], 20e-3);
+  const auto at = received(both);
+  EXPECT_NEAR(db(static_cast<double>(losses.remaining()[500])), db(at.amplitude), 0.05);
+  EXPECT_NEAR(losses.frequency_ratio()[500], at.frequency, 1e-3);
+}
+
+/// A Gaussian spectrum has energy at any low frequency, a transducer's has not.
+TEST(Losses, ThePulseKeepsFourTenthsOfItsFrequency) {
+  const Material& bone = material("cortical_bone");
+  const auto losses = losses_of(one_material(), {bone}, no_threshold());
+  const auto& remaining = losses.remaining();
+  const double step = nepers(bone, kSpacing_m);
+  int kept = 0;
+  for (std::size_t i = 1; i + 1 < 400; ++i) {
+    EXPECT_GE(losses.frequency_ratio()[i], 0.4f);
+    const double here = std::log(static_cast<double>(remaining[i] / remaining[i - 1]));
+    const double next = std::log(static_cast<double>(remaining[i + 1] / remaining[i]));
+    // The level falls ever more slowly, without a step, and at last at the lowest frequency's rate.
+    EXPECT_GE(next, here - 1e-5) << i;
+    EXPECT_LT(next - here, 0.07 * step * step + 1e-5) << i;
+    if (losses.frequency_ratio()[i - 1] > 0.4f) continue;
+    ++kept;
+    EXPECT_NEAR(here, -0.4 * step, 1e-5) << i;
+  }
+  EXPECT_GT(kept, 100);
+}
+
+TEST(Losses, WithoutAbsorptionThePulseKeepsItsFrequency) {
+  auto options = no_threshold();
+  options.attenuation = false;
+  EXPECT_TRUE(losses_of(one_material(), {material("fat")}, options).frequency_ratio().empty());
 }
 
 TEST(Losses, InterfaceReflectionIsLostBothWays) {
@@ -115,9 +186,21 @@ TEST(Losses, EndsWhereEchoesAreInvisible) {
   const auto losses = losses_of(two_materials(10e-3), materials, options);
   ASSERT_LT(losses.remaining().size(), static_cast<std::size_t>(kCount));
   EXPECT_NEAR(db(static_cast<double>(losses.remaining().back())), options.noise_db - 20, 0.5);
-  // Beyond the critical angle nothing enters.
-  const auto grazing = losses_of(two_materials(10e-3, 0.1), materials, options);
-  EXPECT_EQ(grazing.remaining().size(), 100u);
+}
+
+TEST(Losses, BeyondTheCriticalAngleNothingVisibleEnters) {
+  const std::vector<Material> materials = {material("water"), material("fetal_skull")};
+  for (const bool sees_all : {false, true}) {
+    const auto options = sees_all ? no_threshold() : SimulationOptions();
+    const auto grazing = losses_of(two_materials(10e-3, 0.1), materials, options);
+    EXPECT_EQ(grazing.visible_samples(), 100);
+    // What the interface's own echo is measured against, 4 mm behind it.
+    ASSERT_EQ(grazing.remaining().size(), 140u);
+    for (std::size_t i = 100; i < 140; ++i) {
+      EXPECT_LT(grazing.remaining()[i], 2e-7f);
+      EXPECT_GT(grazing.remaining()[i], 0.0f);
+    }
+  }
 }
 
 TEST(Losses, SoundSpeedShiftsApparentRanges) {
@@ -155,14 +238,39 @@ TEST(Losses, SpecularLobeHasItsWidthAndDiffuseEchoFollowsTheCosine) {
   EXPECT_EQ(specular(0), 0);
 }
 
-TEST(Losses, TimeGainCompensatesItsNominalTissue) {
+/// What is left is the gain of the band: low frequencies lose less than the centre's.
+TEST(Losses, TimeGainCompensatesTheCentreFrequency) {
   auto options = no_threshold();
-  options.tgc_db_per_cm_mhz = material("soft_tissue").attenuation_db_per_cm_mhz;
-  const auto losses = losses_of(one_material(), {material("soft_tissue")}, options);
+  const Material& tissue = material("soft_tissue");
+  options.tgc_db_per_cm_mhz = tissue.attenuation_db_per_cm_mhz;
+  const auto losses = losses_of(one_material(), {tissue}, options);
   for (int i = 0; i < kCount; i += 111) {
+    const double range_m = (i + 0.5) * kSpacing_m, lost = nepers(tissue, range_m);
     const double gained = static_cast<double>(losses.remaining()[static_cast<std::size_t>(i)]) *
-                          time_gain(plan(), options, (i + 0.5) * kSpacing_m);
-    EXPECT_NEAR(db(gained), 0, 1e-3);
+                          time_gain(plan(), options, range_m);
+    EXPECT_NEAR(db(gained), db(received(lost).amplitude * std::exp(lost)), 1e-3);
+  }
+}
+
+/// Nodes of range at which the ways beside the axis are brighter.
+TEST(Losses, TheAperturesCorrectionIsInterpolatedBetweenNodes) {
+  auto options = no_threshold();
+  options.attenuation = false;
+  const std::vector<Material> materials = {material("water"), material("fetal_skull")};
+  const auto track = two_materials(10e-3, 0.1);  // total reflection
+  const std::vector<float> log_gain = {0, 0, 8, 10, 10}, frequency(5, 0);
+  StickLosses losses(plan(), options, materials, kSpacing_m, kCount);
+  losses.compute(track, {25e-3, log_gain, frequency});
+  ASSERT_EQ(losses.remaining().size(), static_cast<std::size_t>(kCount));
+  EXPECT_EQ(losses.visible_samples(), kCount);
+  for (int i = 0; i < kCount; i += 7) {
+    const double node = (i + 0.5) * kSpacing_m / 25e-3;
+    const auto before = std::min(static_cast<std::size_t>(node), std::size_t{3});
+    const double share = node - static_cast<double>(before);
+    const double gain = (1 - share) * static_cast<double>(log_gain[before]) +
+                        share * static_cast<double>(log_gain[before + 1]);
+    const double expected = i < 100 ? 1 : 1e-7 * std::exp(gain);
+    EXPECT_NEAR(losses.remaining()[static_cast<std::size_t>(i)], expected, 1e-5 * expected) << i;
   }
 }
 

@@ -1,0 +1,106 @@
+#include "sim/aperture/aperture_losses.h"
+
+#include <algorithm>
+
+#include "sim/aperture/cone_mean.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Volumes kept: a thread may still be in one when another begins the next.
+constexpr std::size_t kRecent = 3;
+
+}  // namespace
+
+bool has_aperture_losses(const SimulationOptions& options,
+                         const std::vector<phantoms::Material>& materials) {
+  if (!options.aperture_losses) return false;
+  return std::ranges::any_of(materials, [&](const phantoms::Material& material) {
+    const phantoms::Material& first = materials.front();
+    const bool absorbs = material.attenuation_db_per_cm_mhz != first.attenuation_db_per_cm_mhz;
+    const bool reflects = material.impedance_rayl != first.impedance_rayl ||
+                          material.sound_speed_m_s != first.sound_speed_m_s;
+    return (options.attenuation && absorbs) || (options.transmission_loss && reflects);
+  });
+}
+
+ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
+                               const hw::AcquisitionPlan& plan,
+                               const SimulationOptions& options,
+                               double depth_m)
+    : tissue_(&tissue),
+      plan_(plan),
+      geometry_(plan.geometry()),
+      depth_m_(depth_m),
+      losses_(plan, options, tissue.materials),
+      band_(plan.probe()),
+      grid_(LossGrid::of(plan, depth_m)),
+      cone_(plan, grid_) {}
+
+std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& kept : recent_) {
+    if (kept->number() == number) return kept;
+  }
+  if (recent_.size() == kRecent) recent_.erase(recent_.begin());
+  recent_.push_back(std::make_shared<const VolumeCorrections>(*this, number));
+  return recent_.back();
+}
+
+VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t number)
+    : source_(source),
+      number_(number),
+      table_(source.grid_),
+      traced_(static_cast<std::size_t>(source.grid_.frames)),
+      computed_(static_cast<std::size_t>(source.grid_.frames)),
+      differs_(static_cast<std::size_t>(source.grid_.frames)) {
+  const LossGrid& grid = source.grid_;
+  log_gain_.resize(static_cast<std::size_t>(grid.frames) * grid.lines * grid.nodes);
+  frequency_.resize(log_gain_.size());
+}
+
+ApertureCorrection VolumeCorrections::of(const hw::StickIndex& index) const {
+  const LossGrid& grid = source_.grid_;
+  std::call_once(computed_[index.frame], [&] { compute(static_cast<int>(index.frame)); });
+  if (differs_[index.frame] == 0) return {};
+  const auto nodes = static_cast<std::size_t>(grid.nodes);
+  const auto first =
+      (static_cast<std::size_t>(index.frame) * static_cast<std::size_t>(grid.lines) + index.line) *
+      nodes;
+  const auto log_gain = std::span<const float>(log_gain_).subspan(first, nodes);
+  if (std::ranges::all_of(log_gain, [](float value) { return value == 0; })) return {};
+  return {grid.step_m, log_gain, std::span<const float>(frequency_).subspan(first, nodes)};
+}
+
+void VolumeCorrections::trace(int frame) const {
+  StickTrack track;
+  for (int line = 0; line < source_.grid_.lines; ++line) {
+    const hw::StickIndex index{
+        number_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)};
+    follow(*source_.tissue_,
+           stick_ray(source_.plan_, source_.geometry_, index),
+           source_.depth_m_,
+           track,
+           Surfaces::crossed);
+    table_.record(frame, line, track, source_.losses_);
+  }
+  table_.finish(frame);
+}
+
+void VolumeCorrections::compute(int frame) const {
+  const LossGrid& grid = source_.grid_;
+  const int reach = source_.cone_.most_frames() + 1;  // ways lie between two frames
+  for (int near = std::max(frame - reach, 0); near <= std::min(frame + reach, grid.frames - 1);
+       ++near) {
+    std::call_once(traced_[static_cast<std::size_t>(near)], [&] { trace(near); });
+  }
+  ConeMean mean(source_.cone_, grid, table_, source_.band_);
+  const auto size = static_cast<std::size_t>(grid.lines) * static_cast<std::size_t>(grid.nodes);
+  const auto first = static_cast<std::size_t>(frame) * size;
+  const bool differs = mean.compute(
+      frame, std::span(log_gain_).subspan(first, size), std::span(frequency_).subspan(first, size));
+  differs_[static_cast<std::size_t>(frame)] = differs ? 1 : 0;
+}
+
+}  // namespace wobblebench::sim

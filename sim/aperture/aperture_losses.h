@@ -1,0 +1,77 @@
+// Losses of all ways between the aperture and an echo, against those on the stick's axis.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "sim/aperture/cone.h"
+#include "sim/aperture/loss_table.h"
+#include "sim/receive/band_loss.h"
+#include "sim/receive/stick_losses.h"
+#include "sim/tissue/scanned_tissue.h"
+
+namespace wobblebench::sim {
+
+class VolumeCorrections;
+
+/// The amplitude of an echo is the mean over the transmit aperture times the mean over the receive
+/// aperture. The losses of ways beside a stick are those of the sticks that they pass, each traced
+/// at its own time; beyond the sector and the fan, of the outermost sticks. Const functions may be
+/// called from several threads; results do not depend on their number.
+class ApertureLosses {
+ public:
+  /// `tissue` must outlive it. `depth_m`: true range of the sticks' ends.
+  ApertureLosses(const ScannedTissue& tissue,
+                 const hw::AcquisitionPlan& plan,
+                 const SimulationOptions& options,
+                 double depth_m);
+
+  /// Shared by all who ask for the same volume.
+  std::shared_ptr<const VolumeCorrections> volume(std::uint32_t number) const;
+
+ private:
+  friend class VolumeCorrections;
+
+  const ScannedTissue* tissue_;
+  hw::AcquisitionPlan plan_;
+  hw::ProbeGeometry geometry_;
+  double depth_m_;
+  TissueLosses losses_;
+  BandLoss band_;
+  LossGrid grid_;
+  ApertureCone cone_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::shared_ptr<const VolumeCorrections>> recent_;
+};
+
+/// Corrections of one volume, computed frame by frame when they are first asked for.
+class VolumeCorrections {
+ public:
+  /// `source` must outlive it.
+  VolumeCorrections(const ApertureLosses& source, std::uint32_t number);
+
+  std::uint32_t number() const { return number_; }
+  /// Valid as long as this object.
+  ApertureCorrection of(const hw::StickIndex& index) const;
+
+ private:
+  void trace(int frame) const;
+  void compute(int frame) const;
+
+  const ApertureLosses& source_;
+  std::uint32_t number_;
+  mutable LossTable table_;
+  mutable std::vector<std::once_flag> traced_;    ///< of each frame
+  mutable std::vector<std::once_flag> computed_;  ///< of each frame
+  mutable std::vector<char> differs_;             ///< whether a frame has corrections
+  mutable std::vector<float> log_gain_;           ///< [frame][line][node]
+  mutable std::vector<float> frequency_;
+};
+
+/// Whether the options ask for these losses, and the materials lose different amounts.
+bool has_aperture_losses(const SimulationOptions& options,
+                         const std::vector<phantoms::Material>& materials);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,105 @@
+#include "sim/aperture/cone.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/beam/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// Middle of one of `parts` equal parts of -1 to 1.
+double middle(int part, int parts) {
+  return (2 * part + 1.0) / parts - 1;
+}
+
+}  // namespace
+
+ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid)
+    : probe_(plan.probe()),
+      grid_(grid),
+      lines_per_rad_(grid.lines > 1 ? 1 / plan.theta_step_rad() : 0),
+      array_rad_(0.5 * probe_.elements * probe_.pitch_m / probe_.radius_m) {
+  const double frames_per_rad = grid.frames > 1 ? 1 / plan.phi_step_rad() : 0;
+  const double axis_z_m = plan.geometry().axis_z_m();
+  for (int line = 0; line < grid.lines; ++line) theta_rad_.push_back(plan.theta_rad(line));
+  for (int node = 0; node < grid.nodes; ++node) {
+    const double radius_m = probe_.radius_m + (node + 0.5) * grid.step_m;
+    for (const double theta_rad : theta_rad_) {
+      const double to_axis_m = radius_m * std::cos(theta_rad) - axis_z_m;
+      const double per_m = frames_per_rad / std::max(std::abs(to_axis_m), grid.step_m);
+      frames_per_m_.push_back(static_cast<float>(per_m));
+    }
+  }
+  for (int end = 0; end < kEnds; ++end) {
+    for (int to = 0; to < grid.nodes; ++to) {
+      const double aperture_m =
+          end == 0 ? transmit_aperture_m(plan, to * grid.step_m) : receive_aperture_m(plan, to * grid.step_m);
+      widest_m_ = std::max(widest_m_, aperture_m);
+      place(aperture_m, to);
+      weigh(aperture_m);
+    }
+  }
+}
+
+void ApertureCone::place(double aperture_m, int to) {
+  const auto most = static_cast<double>(grid_.lines);
+  for (int from = 0; from < grid_.nodes; ++from) {
+    const double radius_m = probe_.radius_m + (from + 0.5) * grid_.step_m;
+    const double edge_m = from < to ? 0.5 * aperture_m * left(from, to) : 0;
+    for (int part = 0; part < kLateral; ++part) {
+      const double aside = middle(part, kLateral) * edge_m / radius_m * lines_per_rad_;
+      lines_aside_.push_back(static_cast<float>(std::clamp(aside, -most, most)));
+    }
+  }
+}
+
+void ApertureCone::weigh(double aperture_m) {
+  const double half_rad = 0.5 * aperture_m / probe_.radius_m;
+  for (int part = 0; part < kLateral; ++part) {
+    const double center_rad = middle(part, kLateral) * half_rad, reach_rad = half_rad / kLateral;
+    for (const double theta_rad : theta_rad_) {
+      // Sticks beyond the last element take the aperture at the array's end.
+      const double within_rad = std::clamp(theta_rad, -array_rad_, array_rad_) + center_rad;
+      on_array_.push_back(share_on_array(within_rad - reach_rad, within_rad + reach_rad));
+    }
+  }
+}
+
+double ApertureCone::left(int from, int to) const {
+  // On the last step the way is the axis, so that an interface in it is crossed once; far from the
+  // point the way is taken in the middle of the step.
+  const double steps = to - from - 0.5;
+  return 1 - (from + 0.5 + 1 / (steps + 1.5)) / to;
+}
+
+double ApertureCone::elevation_m(int part, int from, int to) const {
+  return middle(part, kElevation) * 0.5 * probe_.element_height_m * left(from, to);
+}
+
+int ApertureCone::most_frames(int from) const {
+  const float* per_m = frames_per_m(from);
+  const double most = static_cast<double>(*std::max_element(per_m, per_m + grid_.lines)) * 0.5 *
+                      probe_.element_height_m;
+  return static_cast<int>(std::min(std::ceil(most), static_cast<double>(grid_.frames)));
+}
+
+int ApertureCone::most_frames() const {
+  int most = 0;
+  for (int node = 0; node < grid_.nodes; ++node) most = std::max(most, most_frames(node));
+  return most;
+}
+
+int ApertureCone::most_lines() const {
+  const double most = 0.5 * widest_m_ / probe_.radius_m * lines_per_rad_;
+  return static_cast<int>(std::min(std::ceil(most), static_cast<double>(grid_.lines)));
+}
+
+float ApertureCone::share_on_array(double from_rad, double to_rad) const {
+  if (to_rad <= from_rad) return 1;
+  const double on = std::min(to_rad, array_rad_) - std::max(from_rad, -array_rad_);
+  return static_cast<float>(std::clamp(on / (to_rad - from_rad), 0.0, 1.0));
+}
+
+}  // namespace wobblebench::sim

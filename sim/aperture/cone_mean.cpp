@@ -1,0 +1,168 @@
+#include "sim/aperture/cone_mean.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobblebench::sim {
+
+ConeMean::ConeMean(const ApertureCone& cone,
+                   const LossGrid& grid,
+                   const LossTable& table,
+                   const BandLoss& band)
+    : cone_(cone),
+      grid_(grid),
+      table_(table),
+      band_(band),
+      elevations_(grid.frames > 1 ? ApertureCone::kElevation : 1),
+      margin_(cone.most_lines() + 2),
+      ways_(static_cast<std::size_t>(ApertureCone::kEnds * ApertureCone::kLateral)) {
+  const auto lines = static_cast<std::size_t>(grid.lines);
+  for (auto& row : rows_) row.resize(lines + 2 * static_cast<std::size_t>(margin_));
+  for (auto* values : {&axis_gain_, &axis_nepers_, &between_}) values->resize(lines);
+  before_.resize(lines);
+}
+
+bool ConeMean::compute(int frame, std::span<float> log_gain, std::span<float> frequency) {
+  if (!find_uneven(frame)) return false;
+  for (int node = 2; node < grid_.nodes; ++node) {
+    follow_to(node, frame);
+    average(node, frame, log_gain, frequency);
+  }
+  return true;
+}
+
+bool ConeMean::find_uneven(int frame) {
+  uneven_.clear();
+  for (int node = 0; node + 2 < grid_.nodes; ++node) {
+    const int reach = cone_.most_frames(node);
+    uneven_.push_back(
+        table_.uneven(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1)));
+  }
+  return std::ranges::any_of(uneven_, [](char differs) { return differs != 0; });
+}
+
+void ConeMean::follow_to(int node, int frame) {
+  for (Ways& each : ways_) {
+    each.relative.assign(static_cast<std::size_t>(grid_.lines), 1.0f);
+    each.nepers.assign(static_cast<std::size_t>(grid_.lines), 0.0f);
+  }
+  for (int from = 0; from + 1 < node; ++from) {
+    if (uneven_[static_cast<std::size_t>(from)] == 0) continue;
+    load_axis(from, frame);
+    for (int elevation = 0; elevation < elevations_; ++elevation) {
+      load_rows(elevation, from, node, frame);
+      step(elevation, from, node);
+    }
+  }
+}
+
+void ConeMean::load_axis(int from, int frame) {
+  const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
+  const LossRows rows{table_.transmitted(from) + row,
+                      table_.absorbed(from) + row,
+                      table_.transmitted(from + 1) + row,
+                      table_.absorbed(from + 1) + row};
+  step_axis(rows, grid_.lines, axis_gain_.data(), axis_nepers_.data());
+}
+
+void ConeMean::load_rows(int elevation, int from, int to, int frame) {
+  planes_[0] = table_.transmitted(from);
+  planes_[1] = table_.absorbed(from);
+  planes_[2] = table_.transmitted(from + 1);
+  planes_[3] = table_.absorbed(from + 1);
+  if (elevations_ > 1) {
+    const auto aside_m = static_cast<float>(cone_.elevation_m(elevation, from, to));
+    locate_frames(frame,
+                  grid_.frames,
+                  aside_m,
+                  cone_.frames_per_m(from),
+                  grid_.lines,
+                  before_.data(),
+                  between_.data());
+    blend_frames();
+  } else {
+    for (std::size_t i = 0; i < std::size(rows_); ++i) {
+      std::copy_n(planes_[i], grid_.lines, rows_[i].data() + margin_);
+    }
+  }
+  for (auto& row : rows_) extend(row);
+}
+
+/// Neighbouring lines mostly have the same frame before them, and are blended together.
+void ConeMean::blend_frames() {
+  for (int first = 0, end = 0; first < grid_.lines; first = end) {
+    const std::int32_t before = before_[static_cast<std::size_t>(first)];
+    while (end < grid_.lines && before_[static_cast<std::size_t>(end)] == before) ++end;
+    const auto at = static_cast<std::ptrdiff_t>(before) * grid_.lines + first;
+    for (std::size_t i = 0; i < std::size(rows_); ++i) {
+      interpolate(planes_[i] + at,
+                  planes_[i] + at + grid_.lines,
+                  between_.data() + first,
+                  end - first,
+                  rows_[i].data() + margin_ + first);
+    }
+  }
+}
+
+void ConeMean::extend(std::vector<float>& row) const {
+  float* first = row.data() + margin_;
+  std::fill_n(row.data(), margin_, *first);
+  std::fill_n(first + grid_.lines, margin_, first[grid_.lines - 1]);
+}
+
+LossRows ConeMean::rows_at(int lines_aside) const {
+  const int first = margin_ + lines_aside;
+  return {rows_[0].data() + first,
+          rows_[1].data() + first,
+          rows_[2].data() + first,
+          rows_[3].data() + first};
+}
+
+void ConeMean::step(int elevation, int from, int to) {
+  for (int end = 0; end < ApertureCone::kEnds; ++end) {
+    for (int part = 0; part < ApertureCone::kLateral; ++part) {
+      if (elevations_ > 1 && ApertureCone::kElevationOf[part] != elevation) continue;
+      const float aside = cone_.lines_aside(end, part, from, to);
+      const float before = std::floor(aside);
+      Ways& followed = ways(end, part);
+      step_ways(rows_at(static_cast<int>(before)),
+                aside - before,
+                axis_gain_.data(),
+                axis_nepers_.data(),
+                grid_.lines,
+                followed.relative.data(),
+                followed.nepers.data());
+    }
+  }
+}
+
+void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span<float> frequency) {
+  const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
+  for (int line = 0; line < grid_.lines; ++line) {
+    const auto i = static_cast<std::size_t>(line);
+    double log_mean = 0, more_nepers = 0;
+    for (int end = 0; end < ApertureCone::kEnds; ++end) {
+      double count = 0, sum = 0, absorbed = 0;
+      for (int part = 0; part < ApertureCone::kLateral; ++part) {
+        const auto share = static_cast<double>(cone_.on_array(end, part, node)[line]);
+        const Ways& way = ways(end, part);
+        const double amplitude = share * static_cast<double>(way.relative[i]);
+        count += share;
+        sum += amplitude;
+        absorbed += amplitude * static_cast<double>(way.nepers[i]);
+      }
+      log_mean += std::log(sum / count);
+      more_nepers += absorbed / sum;
+    }
+    const double axis_nepers = 2 * static_cast<double>(table_.absorbed(node)[row + line]) /
+                               static_cast<double>(table_.transmitted(node)[row + line]);
+    const double nepers = std::max(axis_nepers + more_nepers, 0.0);
+    const auto to = static_cast<std::size_t>(line * grid_.nodes + node);
+    log_gain[to] =
+        static_cast<float>(log_mean + band_.log_gain(nepers) - band_.log_gain(axis_nepers));
+    frequency[to] =
+        static_cast<float>(band_.frequency_ratio(nepers) - band_.frequency_ratio(axis_nepers));
+  }
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,151 @@
+// Scans of phantoms with and without the losses of the ways beside the axis.
+#include "sim/aperture/aperture_losses.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "phantoms/placed_phantom.h"
+#include "sim/beam/point_spread.h"
+#include "sim/probe_simulator.h"
+
+namespace wobblebench::sim {
+namespace {
+
+constexpr int kSamples = 280;
+constexpr double kDepth_m = 0.14;
+
+hw::AcquisitionPlan plan(int lines, int frames, double sector_rad = 60 * kDegree) {
+  return {{},
+          {.depth_m = kDepth_m,
+           .sector_rad = sector_rad,
+           .sticks_per_frame = lines,
+           .samples_per_stick = kSamples,
+           .frames_per_volume = frames,
+           .volumes = 2}};
+}
+
+/// The mean echo of tissue alone, as amplitudes.
+SimulationOptions mean_echo() {
+  SimulationOptions options;
+  options.fidelity = Rung::field;
+  options.speckle = options.interface_echo = options.low_pass = false;
+  options.noise_db = kZeroAmplitude_db;
+  options.tgc_db_per_cm_mhz = 0;
+  options.output = hw::SampleScale::linear_envelope;
+  options.full_scale_db = 0;
+  return options;
+}
+
+VolumeSamples scan(const phantoms::PlacedPhantom& placed,
+                   const hw::AcquisitionPlan& plan,
+                   const SimulationOptions& options,
+                   std::uint32_t volume = 0) {
+  return ProbeSimulator(placed, plan, options).volume(volume);
+}
+
+constexpr double kThick_m = 8e-3;  // of the plate: 35 dB and more
+
+phantoms::PlacedPhantom at_rest(const char* name) {
+  const auto phantom = phantoms::make_phantom({.name = name, .thickness_m = kThick_m});
+  return phantoms::still_at(phantom, phantom.suggested_position_m());
+}
+
+TEST(ApertureLosses, EvenTissueKeepsItsBytes) {
+  for (const bool attenuation : {false, true}) {
+    auto options = mean_echo();
+    options.speckle = true;
+    options.attenuation = attenuation;
+    const auto block = at_rest("speckle_block");
+    const auto narrow = plan(8, 4, 5 * kDegree);
+    const auto with = scan(block, narrow, options);
+    options.aperture_losses = false;
+    EXPECT_EQ(with, scan(block, narrow, options)) << attenuation;
+  }
+}
+
+TEST(ApertureLosses, ResultsDoNotDependOnThreads) {
+  const auto phantom = phantoms::make_phantom({.name = "bone_plate"});
+  auto placed = phantoms::still_at(phantom, phantom.suggested_position_m());
+  for (const bool moves : {false, true}) {
+    if (moves) {
+      placed.motion = phantoms::Motion(phantoms::MotionOptions{.velocity_m_s = {0.02, 0, 0}}, {});
+    }
+    auto options = mean_echo();
+    options.threads = 1;
+    const auto one = scan(placed, plan(16, 9), options, 1);
+    for (const int threads : {2, 5}) {
+      options.threads = threads;
+      EXPECT_EQ(one, scan(placed, plan(16, 9), options, 1)) << moves << " " << threads;
+    }
+  }
+}
+
+/// Distance over which a profile rises from 10 to 90 % of its end.
+double rise_m(const std::vector<double>& x_m, const std::vector<double>& profile) {
+  const auto crossing = [&](double level) {
+    const auto i = static_cast<std::size_t>(
+        std::find_if(profile.begin(), profile.end(), [&](double v) { return v > level; }) -
+        profile.begin());
+    const double share = (level - profile[i - 1]) / (profile[i] - profile[i - 1]);
+    return x_m[i - 1] + share * (x_m[i] - x_m[i - 1]);
+  };
+  return crossing(0.9 * profile.back()) - crossing(0.1 * profile.back());
+}
+
+/// The phantom bone_plate ends 15 mm aside of the axis, its front 40 mm below the face. Ways that
+/// pass the edge of its front diverge from the plate.
+struct Edge {
+  double theta_rad = std::atan2(15e-3, 80e-3);
+  double to_plate_m = std::hypot(15e-3, 80e-3) - 40e-3;  ///< range of the edge
+};
+
+/// One-way amplitude behind the edge at a range: the share of the aperture that the plate does not
+/// cover, seen from there, and what little comes through it.
+double mean_through(double aperture_m, double range_m, double theta_rad) {
+  const Edge edge;
+  const double half_m = 0.5 * aperture_m * (1 - edge.to_plate_m / range_m);
+  const double aside_m = (theta_rad - edge.theta_rad) * (40e-3 + edge.to_plate_m);
+  const double free = std::clamp(0.5 * (1 + aside_m / half_m), 0.0, 1.0);
+  constexpr double kThroughPlate = 0.02;
+  return free + (1 - free) * kThroughPlate;
+}
+
+struct Profile {
+  std::vector<double> x_m;  ///< across the sticks, at the edge's range
+  std::vector<double> found;
+  std::vector<double> expected;
+};
+
+Profile profile_at(double range_m, bool aperture_losses) {
+  const auto sector = plan(121, 9);
+  auto options = mean_echo();
+  options.aperture_losses = aperture_losses;
+  const auto samples = scan(at_rest("bone_plate"), sector, options);
+  const auto k = static_cast<int>(range_m / sector.sample_spacing_m());
+  const Edge edge;
+  Profile profile;
+  for (int line = 60; line < 112; ++line) {
+    const double theta_rad = sector.theta_rad(line);
+    profile.x_m.push_back(theta_rad * (40e-3 + edge.to_plate_m));
+    profile.found.push_back(
+        static_cast<double>(samples[static_cast<std::size_t>((4 * 121 + line) * kSamples + k)]));
+    profile.expected.push_back(
+        mean_through(transmit_aperture_m(sector, range_m), range_m, theta_rad) *
+        mean_through(receive_aperture_m(sector, range_m), range_m, theta_rad));
+  }
+  return profile;
+}
+
+TEST(ApertureLosses, TheShadowsEdgeIsAsSoftAsTheCone) {
+  for (const double range_m : {70e-3, 80e-3, 95e-3}) {
+    const Profile profile = profile_at(range_m, true), axis = profile_at(range_m, false);
+    const double expected_m = rise_m(profile.x_m, profile.expected);
+    EXPECT_NEAR(rise_m(profile.x_m, profile.found), expected_m, 0.2 * expected_m) << range_m;
+    EXPECT_LT(rise_m(axis.x_m, axis.found), 0.5 * expected_m) << "the axis alone, " << range_m;
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::sim
