@@ -11,7 +11,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kStep_m = 6e-3;
+constexpr double kStep_m = 8e-3;
 constexpr int kMostSteps = 64;
 /// Differences between sticks that are ignored, in nepers for one step.
 constexpr float kEven = 3e-4F;

@@ -16,7 +16,7 @@ struct LossGrid {
   int nodes = 2;
   double step_m = 0;
 
-  /// About 6 mm a step, at most 64 steps.
+  /// About 8 mm a step, at most 64 steps.
   static LossGrid of(const hw::AcquisitionPlan& plan, double depth_m);
 };
 
