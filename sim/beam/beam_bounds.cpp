@@ -24,4 +24,13 @@ BeamBounds::BeamBounds(const BeamTable& table,
   }
 }
 
+BeamBounds BeamBounds::widened(double factor) const {
+  BeamBounds wider = *this;
+  for (Reach& reach : wider.reach_) {
+    reach = {factor * reach.lateral_m, factor * reach.elevation_m};
+  }
+  wider.widest_ = {factor * widest_.lateral_m, factor * widest_.elevation_m};
+  return wider;
+}
+
 }  // namespace wobblebench::sim

@@ -9,7 +9,6 @@
 
 namespace wobblebench::sim {
 
-
 class BeamBounds {
  public:
   /// Distance between the ranges at which the reach is tabulated.
@@ -25,6 +24,9 @@ class BeamBounds {
              const BeamTable::Direction& lateral,
              double depth_m,
              double margin_m);
+
+  /// The bounds of a beam that is so many times as wide.
+  BeamBounds widened(double factor) const;
 
   /// Largest reach within the margin of a range.
   const Reach& reach(double range_m) const {

@@ -44,6 +44,15 @@ bool is_just_behind(const TrackNode& node) {
          std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
 
+/// A beam of lower frequencies is wider.
+void widen(const std::vector<float>& frequency_ratio, int sample, BeamAtSample& beam) {
+  if (frequency_ratio.empty()) return;
+  const auto at = std::min(static_cast<std::size_t>(sample), frequency_ratio.size() - 1);
+  const float wider2 = 1 / (frequency_ratio[at] * frequency_ratio[at]);
+  beam.lateral2 *= wider2;
+  beam.elevation2 *= wider2;
+}
+
 }  // namespace
 
 double mean_power_gain(const SimulationOptions& options) {
@@ -147,7 +156,9 @@ void BeamNodes::look_up(const StickTrack& track,
       BeamAtSample* beam = beam_.data() + first;
       Crossing* crossed = crossed_.data() + first;
       for (int n = 0; n < piece.nodes; ++n) {
-        beam[n] = at_samples[std::min(static_cast<int>(from + n * per_node), last_sample)];
+        const int sample = std::min(static_cast<int>(from + n * per_node), last_sample);
+        beam[n] = at_samples[sample];
+        widen(losses.frequency_ratio(), sample, beam[n]);
         if (layer > 0) {
           const auto outside = material_beneath(track, piece, layer, n);
           entering = &crossing(outside, surface.inside);

@@ -12,8 +12,10 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kRangeStep_m = 3e-3;
-constexpr double kAngleStep_rad = 8 * kDegree;
+constexpr double kRangeStep_m = 4e-3;
+constexpr double kAngleStep_rad = 5 * kDegree;
+/// Where half of the aperture is missing lobes are twice as wide, and lie on one side.
+constexpr double kMissing = 3;
 constexpr int kMinRanges = 8, kMaxRanges = 64;
 constexpr int kColumns = 48;  ///< a side
 
@@ -111,7 +113,7 @@ BeamProfile::Entry BeamProfile::measure(int range, int angle) const {
   const double height_m = probe.element_height_m;
   const SampledRow along = sample_row(lateral,
                                       range_m,
-                                      window_m(2 * wavelength_m * range_m / receive_m,
+                                      window_m(kMissing * wavelength_m * range_m / receive_m,
                                                transmit_aperture_m(plan_, range_m),
                                                range_m,
                                                transmit_focus_m(plan_, range_m)),

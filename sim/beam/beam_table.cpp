@@ -14,7 +14,7 @@ namespace {
 constexpr double kRow_m = 1e-3;
 constexpr int kMaxRows = 320;
 constexpr int kMinRows = 16;
-constexpr int kColumns = 32;  // an error of -36 dB, from using the middle of the column
+constexpr int kColumns = 44;  // an error of -38 dB, from using the middle of the column
 constexpr int kSideLobeColumns = 96;
 static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
 /// Share of the beam's power that the reach in each direction leaves out.

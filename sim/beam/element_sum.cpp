@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim/beam/point_spread.h"
+#include "sim/beam/pulse_band.h"
 
 namespace wobblebench::sim {
 
@@ -101,7 +102,7 @@ ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
 ElementSum::Band ElementSum::band(double spread_m) const {
   // A Gaussian pulse of sigma s over range is one of sigma 1 / 2 s over wavenumber.
   const double sigma = 0.5 / sigma_m_;
-  const double half = std::min(kBandSigmas * sigma, 0.98 * wavenumber_per_m_);
+  const double half = std::min(kBandSigmas * sigma, (1 - PulseBand::kLowest) * wavenumber_per_m_);
   // Sampling over wavenumber repeats the echo over range: a period of pi in k r.
   const double step = kPi / (kPeriodSlack * (spread_m + 2 * kPulseSigmas * sigma_m_));
   const int steps = static_cast<int>(std::ceil(half / step));

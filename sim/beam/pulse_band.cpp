@@ -81,7 +81,7 @@ double PulseBand::offset_per_m(int node) const {
 }
 
 double PulseBand::wavenumber_per_m(int node) const {
-  return std::max(center_per_m_ + offset_per_m(node), 0.1 * center_per_m_);
+  return std::max(center_per_m_ + offset_per_m(node), kLowest * center_per_m_);
 }
 
 double PulseBand::weight(int node) {

@@ -24,6 +24,8 @@ struct alignas(32) BandValues {
 class PulseBand {
  public:
   static constexpr int kNodes = BandValues::kNodes;
+  /// No transducer sends lower frequencies, over the centre's; a wide Gaussian band would.
+  static constexpr double kLowest = 0.2;
   using Values = std::array<std::complex<double>, kNodes>;
 
   explicit PulseBand(const hw::AcquisitionPlan& plan);
@@ -31,8 +33,8 @@ class PulseBand {
   /// Sigma of the pulse's envelope over range.
   double sigma_m() const { return sigma_m_; }
   double center_per_m() const { return center_per_m_; }
-  /// Wavenumber 2 pi f / c of a node, in ascending order. Very wide bands would reach negative
-  /// frequencies: at least a tenth of the centre's.
+  /// Wavenumber 2 pi f / c of a node, in ascending order. At least kLowest of the
+  /// centre's.
   double wavenumber_per_m(int node) const;
   /// Distance of a node from the centre of the band.
   double offset_per_m(int node) const;

@@ -43,22 +43,22 @@ StickAperture::StickAperture(const hw::AcquisitionPlan& plan,
   }
 }
 
-double StickAperture::weight(const Element& element, double aperture_m, double focus_m) const {
+double StickAperture::weight(const Element& element, double aperture_m) const {
   // An element on the far side of the face does not see the focus.
   if (std::abs(element.angle_rad) >= 0.5 * kPi) return 0;
-  // The face curves away from the focus, so that the aperture is wider at the element.
-  const double half_m = 0.5 * aperture_m * (focus_m - element.axial_m) / focus_m;
+  const double half_m = 0.5 * aperture_m;
+  const double place_m = element.angle_rad * plan_.probe().radius_m;  // along the face
   const double share =
-      std::clamp((half_m - std::abs(element.lateral_m)) / plan_.probe().pitch_m + 0.5, 0.0, 1.0);
-  return share == 0 ? 0 : share * window(apodisation_, element.lateral_m / half_m);
+      std::clamp((half_m - std::abs(place_m)) / plan_.probe().pitch_m + 0.5, 0.0, 1.0);
+  return share == 0 ? 0 : share * window(apodisation_, place_m / half_m);
 }
 
 double StickAperture::transmit_weight(const Element& element, double range_m) const {
-  return weight(element, transmit_aperture_m(plan_, range_m), transmit_focus_m(plan_, range_m));
+  return weight(element, transmit_aperture_m(plan_, range_m));
 }
 
 double StickAperture::receive_weight(const Element& element, double range_m) const {
-  return weight(element, receive_aperture_m(plan_, range_m), range_m);
+  return weight(element, receive_aperture_m(plan_, range_m));
 }
 
 double StickAperture::excess_m(const Element& element, double focus_m) {

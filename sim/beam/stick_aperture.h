@@ -15,8 +15,8 @@ struct Element {
   double angle_rad;  ///< of its normal, from the stick towards +lateral
 };
 
-/// An aperture subtends the F-number's angle at its focus, so that it grows with the focus's range;
-/// elements partly within it are weighted by that share. It ends with the array: at the edge of a
+/// An aperture is as long along the face as its focus's range over the F-number: so many elements
+/// are switched on, those partly within it weighted by that share. It ends with the array: at the edge of a
 /// sector that the array just spans, half of it is missing.
 class StickAperture {
  public:
@@ -31,7 +31,7 @@ class StickAperture {
   static double excess_m(const Element& element, double focus_m);
 
  private:
-  double weight(const Element& element, double aperture_m, double focus_m) const;
+  double weight(const Element& element, double aperture_m) const;
 
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;

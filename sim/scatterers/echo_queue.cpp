@@ -49,9 +49,9 @@ void EchoQueue::commit(int count) {
   if (pending_ >= kBatch) make_echoes();
 }
 
-std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq) {
+std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq, std::span<const float> factor) {
   make_echoes();
-  bins_.finish(scene_->taps, path_->remaining, iq);
+  bins_.finish(scene_->taps, path_->remaining, factor, iq);
   return total_;
 }
 

@@ -34,8 +34,9 @@ class EchoQueue {
   /// Appends the first `count` scatterers written to the reserved memory. Computes echoes when
   /// there are enough.
   void commit(int count);
-  /// Adds all echoes to `iq`. Returns how many there were.
-  std::uint64_t finish(std::span<std::complex<float>> iq);
+  /// Adds all echoes to `iq`, scaled by a factor for each sample (empty: 1). Returns how many there
+  /// were. Tissue echoes in proportion to the beam's width: its factor is the frequency ratio.
+  std::uint64_t finish(std::span<std::complex<float>> iq, std::span<const float> factor = {});
 
  private:
   void make_echoes();

@@ -55,6 +55,7 @@ void RangeBins::split_pair(const PulseTaps::Pair& pair, int first, int count, st
 
 void RangeBins::finish(const PulseTaps& taps,
                        std::span<const float> remaining,
+                       std::span<const float> factor,
                        std::span<std::complex<float>> iq) {
   if (remaining.empty()) return;
   const int samples = static_cast<int>(iq.size()), half = taps.half_length();
@@ -62,7 +63,9 @@ void RangeBins::finish(const PulseTaps& taps,
   const int count = std::min(last_bin_ - 1, samples + half);
   for (int i = 0; i < count; ++i) {
     BandValues& bin = bins_[static_cast<std::size_t>(i) + 1];
-    const float amplitude = remaining[std::min(static_cast<std::size_t>(i), remaining.size() - 1)];
+    const auto at = static_cast<std::size_t>(i);
+    float amplitude = remaining[std::min(at, remaining.size() - 1)];
+    if (!factor.empty()) amplitude *= factor[std::min(at, factor.size() - 1)];
     for (float& value : bin.re) value *= amplitude;
     for (float& value : bin.im) value *= amplitude;
   }

@@ -44,10 +44,11 @@ class RangeBins {
   void begin(const PulseTaps& taps, double end_m);
   /// Adds echoes of at most kEchoBatch scatterers. `constants.last_bin` is last_bin().
   void add(const ProjectedScatterers& scatterers, int count, const EchoConstants& constants);
-  /// Scales the sums by the amplitude `remaining` at each sample's range (constant beyond the
-  /// last), applies the pulse, and adds the result to `iq`.
+  /// Scales the sums by the amplitude `remaining` at each sample's range and by `factor` (constant
+  /// beyond their last; an empty factor is 1), applies the pulse, and adds the result to `iq`.
   void finish(const PulseTaps& taps,
               std::span<const float> remaining,
+              std::span<const float> factor,
               std::span<std::complex<float>> iq);
 
   std::int32_t last_bin() const { return last_bin_; }

@@ -17,6 +17,8 @@ struct StickPath {
   std::span<const float> remaining;
   /// Apparent less true range; empty: 0 everywhere (one sound speed).
   std::span<const float> delay_m;
+  /// Centre frequency of the pulse over the probe's; empty: 1 everywhere (nothing absorbs).
+  std::span<const float> frequency_ratio = {};
 };
 
 /// A point scatterer at one moment.

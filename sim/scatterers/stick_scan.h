@@ -11,6 +11,7 @@
 #include "sim/scatterers/scatterer_scene.h"
 #include "sim/scatterers/stick_path.h"
 #include "sim/scatterers/stream_compaction.h"
+#include "sim/scatterers/widened_beam.h"
 
 namespace wobblebench::sim {
 
@@ -87,7 +88,7 @@ class StickScan {
   const ScattererScene& scene_;
   const StickPath& path_;
   ScanBuffers& buffers_;
-  const StickBeam& beam_;
+  WidenedBeam beam_;
   StickTransform transform_;
   double end_m_;            ///< true range of the farthest echo
   glm::vec3 direction_[2];  ///< of the sound, at rest, as ScanBuffers::rigid

@@ -62,9 +62,8 @@ Complex brute_force(double theta_rad, double range_m, double offset_m, double wa
       phasor += std::polar(1 / distance / kStrips, -wavenumber_per_m * (distance - range_m));
     }
     const auto add = [&](double aperture_m, double focus_m, Complex& sum) {
-      const double half_m = 0.5 * aperture_m * (focus_m - middle.real()) / focus_m;
-      const double share =
-          std::clamp((half_m - std::abs(middle.imag())) / probe.pitch_m + 0.5, 0.0, 1.0);
+      const double share = std::clamp(
+          (0.5 * aperture_m - std::abs(angle) * probe.radius_m) / probe.pitch_m + 0.5, 0.0, 1.0);
       const double ahead_m = std::abs(focus_m - middle) - focus_m;
       sum += share * phasor * std::polar(1.0, wavenumber_per_m * ahead_m);
     };

@@ -288,12 +288,12 @@ TEST(MeanPower, RoughSurfaceKeepsItsEnergyAtEveryAngle) {
   displayed.noise_db = -95;
   for (const auto& options : {hidden, displayed}) {
     StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
-    MeanPower beam(plan(), options, materials, kSpacing_m, kSamples, 4e-3);
+    MeanPower beam(plan(), options, profile(), materials, kSpacing_m, kSamples, 4e-3);
     for (const double angle_deg : {20.0, 24.0, 26.0, 28.0, 30.0, 40.0, 60.0}) {
       const StickTrack track = inclined_plane(angle_deg * kDegree);
       std::vector<float> power(kSamples);
       losses.compute(track);
-      beam.compute(track, losses, power);
+      beam.compute(track, losses, 0, power);
       double energy = 0;
       for (const float each : power) energy += static_cast<double>(each) * kSpacing_m;
       const double mean = diffuse_echo(materials[0], materials[1], std::cos(angle_deg * kDegree));

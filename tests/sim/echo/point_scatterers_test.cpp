@@ -203,7 +203,7 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
                        scene.placement,
                        {},
                        scene.phantom.shared_scatterers()};
-  const BeamTable beam(plan, BeamShape::main_lobe, 1);
+  const BeamTable beam(plan, BeamShape::main_lobe);
   const phantoms::Joint joint{{0, 0, 0.08}, 20e-3, 50e-3};
   for (const auto& motion :
        {phantoms::Motion(),
@@ -222,7 +222,7 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
         const AcrossStick across = across_stick(line.ray);
         const int row = beam.row(range_m);
         expected +=
-            std::hypot(glm::dot(from, across.lateral) / beam.reach_m(beam.lateral(), row),
+            std::hypot(glm::dot(from, across.lateral) / beam.lateral_reach_m(row),
                        glm::dot(from, across.elevation) / beam.reach_m(beam.elevation(), row)) < 1;
       }
       EXPECT_EQ(points_in_beam.find(line, 0.15).size(), expected);
