@@ -17,7 +17,7 @@ constexpr double kRangeStep_m = 5e-3;
 constexpr double kAngleStep_rad = 13 * kDegree;
 constexpr int kColumns = 48;  ///< a side, over the beam
 constexpr double kUncorrelated = 0.02;
-constexpr int kSampledLags = 12;      ///< over the first lobe; correlations between are interpolated
+constexpr int kSampledLags = 16;      ///< over the first lobe; correlations between are interpolated
 
 /// The response of a stick, and where a scatterer of its plane lies for a neighbour.
 struct TurningBeam {
@@ -31,7 +31,7 @@ struct TurningBeam {
   double coherence_rad;  ///< turn by which the aperture decorrelates, about
 };
 
-/// Magnitude of the correlation of the fields of two sticks.
+/// Correlation of the fields of two sticks.
 class FieldCorrelation {
  public:
   FieldCorrelation(const TurningBeam& beam, const PulseBand& band) : beam_(beam), band_(band) {
@@ -39,7 +39,9 @@ class FieldCorrelation {
     for (const auto& value : here_.values) power_ += PulseBand::power(value);
   }
 
-  double at(double turn_rad) const {
+  std::complex<double> at(double turn_rad) const {
+    // What all scatterers move along the stick is a phase of the whole field.
+    const double common_m = beam_.turned(0, turn_rad).axial_m;
     std::vector<PlanePoint> points;
     for (std::size_t i = 0; i < here_.values.size(); ++i) {
       points.push_back(beam_.turned(here_.offset_m(i), turn_rad));
@@ -49,12 +51,12 @@ class FieldCorrelation {
     for (std::size_t i = 0; i < there.size(); ++i) {
       for (int node = 0; node < PulseBand::kNodes; ++node) {
         const auto n = static_cast<std::size_t>(node);
-        const double nearer_m = points[i].axial_m - beam_.range_m;
+        const double nearer_m = points[i].axial_m - common_m;
         sum += PulseBand::weight(node) * here_.values[i][n] * std::conj(there[i][n]) *
                std::polar(1.0, 2 * band_.wavenumber_per_m(node) * nearer_m);
       }
     }
-    return std::abs(sum) / power_;
+    return sum / power_;
   }
 
  private:
@@ -64,17 +66,21 @@ class FieldCorrelation {
   double power_ = 0;
 };
 
-/// At lags 0, 1, ..., until it stays small.
+/// At lags 0, 1, ..., until it stays small. The phase that grows with the lag, of an aperture that
+/// is not even, does not change the envelope.
 std::vector<double> correlations(const TurningBeam& beam, const PulseBand& band) {
   if (beam.step_rad <= 0 || beam.most_lags < 1) return {1};
   const FieldCorrelation correlation(beam, band);
   const int stride = std::max(1, static_cast<int>(beam.coherence_rad / beam.step_rad) / kSampledLags);
   std::vector<double> sampled = {1};
   const int most = beam.most_lags / stride + 1;
+  double phase_per_lag = 0;
   for (int n = 1; n <= most; ++n) {
-    sampled.push_back(correlation.at(n * stride * beam.step_rad));
-    const double before = sampled[sampled.size() - 2];
-    if (sampled.back() < kUncorrelated && (stride == 1 || before < kUncorrelated)) break;
+    const std::complex<double> at = correlation.at(n * stride * beam.step_rad);
+    if (n == 1) phase_per_lag = std::arg(at);
+    sampled.push_back(std::real(at * std::polar(1.0, -n * phase_per_lag)));
+    const double before = std::abs(sampled[sampled.size() - 2]);
+    if (std::abs(at) < kUncorrelated && (stride == 1 || before < kUncorrelated)) break;
   }
   std::vector<double> lags;
   for (int lag = 0; lag <= std::min(beam.most_lags, static_cast<int>(sampled.size() - 1) * stride);

@@ -106,7 +106,7 @@ TEST(MeanPower, BlursASphereAsTheBeamDoes) {
   // Across the beam a sphere recedes by the squared beam width over its diameter: at normal
   // incidence, where only the pulse blurs the edge, the edge shifts by this.
   constexpr double kShift_m = 0.06e-3;
-  constexpr double kTolerance = 0.035;
+  constexpr double kTolerance = 0.045;
   // From normal incidence to sticks whose axis misses the sphere.
   for (double theta : {0.0, 0.06, 0.12, 0.16, 0.18, 0.19, 0.2}) {
     for (double phi : {0.0, 0.1}) {

@@ -25,19 +25,27 @@ ProbeSimulator speckle_block(const SimulationOptions& options, const hw::Acquisi
   return {phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options};
 }
 
-/// mean / sigma over all sticks at each range, averaged over the ranges: attenuation and time gain
-/// change the mean with range, not the ratio.
-double speckle_snr(const VolumeSamples& samples, int per_stick) {
+/// mean / sigma over the middle sticks at each range, averaged over the ranges: attenuation, time
+/// gain and the beam change the mean with range, and towards the end of the array with the angle,
+/// not the ratio.
+double speckle_snr(const VolumeSamples& samples, const hw::AcquisitionPlan& plan) {
+  constexpr double kMiddle_rad = 8 * kDegree;
+  const int per_stick = plan.acquisition().samples_per_stick;
+  std::vector<std::size_t> middle;
+  for (int i = 0; i < plan.sticks_per_volume(); ++i) {
+    const auto line = static_cast<int>(plan.index(static_cast<std::uint64_t>(i)).line);
+    if (std::abs(plan.theta_rad(line)) < kMiddle_rad) middle.push_back(static_cast<std::size_t>(i));
+  }
+  const auto sticks = static_cast<double>(middle.size());
   double sum = 0;
   int rows = 0;
-  const std::size_t sticks = samples.size() / static_cast<std::size_t>(per_stick);
   for (int k = 100; k < per_stick; ++k, ++rows) {
     double mean = 0, square = 0;
-    for (std::size_t s = 0; s < sticks; ++s) {
+    for (const std::size_t s : middle) {
       const double value =
           static_cast<double>(samples[s * static_cast<std::size_t>(per_stick) + k]);
-      mean += value / static_cast<double>(sticks);
-      square += value * value / static_cast<double>(sticks);
+      mean += value / sticks;
+      square += value * value / sticks;
     }
     sum += mean / std::sqrt(square - mean * mean);
   }
@@ -60,7 +68,7 @@ const double kRayleighSnr = std::sqrt(kPi / (4 - kPi));  // 1.913
 TEST(Speckle, EnvelopeMeanOverSigmaIsRayleigh) {
   const hw::AcquisitionPlan plan({}, {});
   const auto samples = speckle_block(linear(), plan).volume(0);
-  EXPECT_NEAR(speckle_snr(samples, plan.acquisition().samples_per_stick), kRayleighSnr, 0.03);
+  EXPECT_NEAR(speckle_snr(samples, plan), kRayleighSnr, 0.03);
 }
 
 TEST(Speckle, LowPassRaisesMeanOverSigmaAsPredicted) {
@@ -73,7 +81,7 @@ TEST(Speckle, LowPassRaisesMeanOverSigmaAsPredicted) {
   const double step = plan.sample_spacing_m() / 2 / sigma_of_fwhm(axial_fwhm_m(plan));
   const double rho = std::exp(-step * step / 4);
   const double expected = kRayleighSnr / std::sqrt((1 + envelope_correlation(rho)) / 2);
-  EXPECT_NEAR(speckle_snr(samples, plan.acquisition().samples_per_stick), expected, 0.03);
+  EXPECT_NEAR(speckle_snr(samples, plan), expected, 0.03);
 }
 
 TEST(Speckle, AxialCorrelationFollowsThePulse) {
