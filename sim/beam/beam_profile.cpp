@@ -12,12 +12,12 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kRangeStep_m = 4e-3;
-constexpr double kAngleStep_rad = 5 * kDegree;
+constexpr double kRangeStep_m = 2.5e-3;
+constexpr double kAngleStep_rad = 4.4 * kDegree;
 /// Where half of the aperture is missing lobes are twice as wide, and lie on one side.
 constexpr double kMissing = 3;
 constexpr int kMinRanges = 8, kMaxRanges = 64;
-constexpr int kColumns = 48;  ///< a side
+constexpr int kColumns = 32;  ///< a side
 
 /// Half of the widest beam that is looked at: two lobes, and half the aperture's shadow.
 double window_m(double lobe_m, double aperture_m, double range_m, double focus_m) {
@@ -37,6 +37,13 @@ double width_at_half(const std::vector<double>& profile, double step_m) {
     if (at != end) width += (*at - half) / (*at - at[side]);
   }
   return width * step_m;
+}
+
+/// Integral over a row of the power at a node.
+double power_m(const SampledRow& row, std::size_t node) {
+  double sum = 0;
+  for (const auto& value : row.values) sum += std::norm(value[node]);
+  return row.step_m() * sum;
 }
 
 /// Peaks of the echoes along a row, given the response of the other direction on the axis.
@@ -90,10 +97,8 @@ BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOption
       grid_(plan, kRangeStep_m, kAngleStep_rad),
       axial_fwhm_m_(sim::axial_fwhm_m(plan)) {
   entries_.resize(static_cast<std::size_t>(grid_.ranges() * grid_.angles()));
-  parallel_ranges(static_cast<int>(entries_.size()), options.threads, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      entries_[static_cast<std::size_t>(i)] = measure(i / grid_.angles(), i % grid_.angles());
-    }
+  parallel_ranges(grid_.ranges(), options.threads, [&](int first, int last) {
+    for (int range = first; range < last; ++range) measure(range);
   });
   for (int i = 0; i < grid_.ranges(); ++i) {
     largest_power_ =
@@ -101,45 +106,40 @@ BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOption
   }
 }
 
-BeamProfile::Entry BeamProfile::measure(int range, int angle) const {
+void BeamProfile::measure(int range) {
   const double range_m = grid_.range_m(range);
   const auto& probe = plan_.probe();
-  const PulseBand band(plan_);
-  const double wavelength_m = 2 * kPi / band.center_per_m();
-  const StickAperture aperture(plan_, apodisation_, grid_.angle_rad(angle));
-  const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, range_m);
-  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), plan_);
-  const double receive_m = receive_aperture_m(plan_, range_m);
+  const double wavelength_m =
+      plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double height_m = probe.element_height_m;
-  const SampledRow along = sample_row(lateral,
-                                      range_m,
-                                      window_m(kMissing * wavelength_m * range_m / receive_m,
-                                               transmit_aperture_m(plan_, range_m),
-                                               range_m,
-                                               transmit_focus_m(plan_, range_m)),
-                                      true,
-                                      kColumns);
+  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), plan_);
   const SampledRow across = sample_row(
       elevation,
       range_m,
       window_m(wavelength_m * range_m / height_m, height_m, range_m, probe.elevation_focus_m),
       true,
       kColumns);
-  Entry entry{width_at_half(peaks(along, on_axis(elevation, range_m)), along.step_m()),
-              width_at_half(peaks(across, on_axis(lateral, range_m)), across.step_m()),
-              0};
-  for (int node = 0; node < PulseBand::kNodes; ++node) {
-    double lateral_power = 0, elevation_power = 0;
-    for (const auto& value : along.values) {
-      lateral_power += std::norm(value[static_cast<std::size_t>(node)]);
+  const PulseBand::Values elevation_axis = on_axis(elevation, range_m);
+  const double lateral_window_m =
+      window_m(kMissing * wavelength_m * range_m / receive_aperture_m(plan_, range_m),
+               transmit_aperture_m(plan_, range_m),
+               range_m,
+               transmit_focus_m(plan_, range_m));
+  for (int angle = 0; angle < grid_.angles(); ++angle) {
+    const StickAperture aperture(plan_, apodisation_, grid_.angle_rad(angle));
+    const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, range_m);
+    const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kColumns);
+    Entry& entry = entries_[static_cast<std::size_t>(range * grid_.angles() + angle)];
+    entry = {width_at_half(peaks(along, elevation_axis), along.step_m()), 0, 0};
+    if (angle == 0) {
+      entry.elevation_fwhm_m =
+          width_at_half(peaks(across, on_axis(lateral, range_m)), across.step_m());
     }
-    for (const auto& value : across.values) {
-      elevation_power += std::norm(value[static_cast<std::size_t>(node)]);
+    for (std::size_t node = 0; node < PulseBand::kNodes; ++node) {
+      entry.power += PulseBand::weight(static_cast<int>(node)) * power_m(along, node) *
+                     power_m(across, node);
     }
-    entry.power += PulseBand::weight(node) * lateral_power * along.step_m() * elevation_power *
-                   across.step_m();
   }
-  return entry;
 }
 
 double BeamProfile::interpolate(double range_m, double theta_rad, double Entry::* value) const {

@@ -54,10 +54,10 @@ class BeamProfile {
  private:
   struct Entry {
     double lateral_fwhm_m;
-    double elevation_fwhm_m;
+    double elevation_fwhm_m;  ///< at angle 0 only
     double power;  ///< of even tissue's echo, not normalised
   };
-  Entry measure(int range, int angle) const;
+  void measure(int range);
   double interpolate(double range_m, double theta_rad, double Entry::* value) const;
 
   hw::AcquisitionPlan plan_;

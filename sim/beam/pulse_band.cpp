@@ -56,8 +56,8 @@ std::complex<double> pulse_at(int node, double x) {
 }
 
 std::vector<PulseBand::Values> pulses_about_peak() {
-  constexpr int kHalf = 14;
-  constexpr double kStep_sigmas = 0.2;
+  constexpr int kHalf = 20;  // out of focus an echo is late by a few sigmas
+  constexpr double kStep_sigmas = 0.25;
   std::vector<PulseBand::Values> pulses;
   for (int i = -kHalf; i <= kHalf; ++i) {
     PulseBand::Values& at = pulses.emplace_back();

@@ -1,6 +1,7 @@
 #include "sim/beam/speckle_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -19,71 +20,121 @@ constexpr int kColumns = 48;  ///< a side, over the beam
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags = 16;      ///< over the first lobe; correlations between are interpolated
 
-/// The response of a stick, and where a scatterer of its plane lies for a neighbour.
-struct TurningBeam {
-  PlaneResponse response;
-  double range_m;
-  double reach_m;  ///< of the beam, on either side
+/// Turning past a range: where a scatterer of the plane lies for a neighbour.
+struct Turn {
   double step_rad;
   int most_lags;
-  /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
-  std::function<PlanePoint(double offset_m, double turn_rad)> turned;
   double coherence_rad;  ///< turn by which the aperture decorrelates, about
+  /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
+  std::function<PlanePoint(double offset_m, double turn_rad)> place;
 };
+
+/// The beam of a stick at a range.
+struct BeamAt {
+  double range_m;
+  SampledRow lateral;
+  SampledRow elevation;
+  PlaneResponse lateral_response;
+  PlaneResponse elevation_response;
+};
+
+BeamAt beam_at(const hw::AcquisitionPlan& plan,
+               const SimulationOptions& options,
+               double range_m,
+               double theta_rad) {
+  const auto& probe = plan.probe();
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz;
+  const auto reach_m = [&](double receive_m, double transmit_m, double focus_m) {
+    return 3 * wavelength_m * range_m / receive_m +
+           0.6 * transmit_m * std::abs(1 - range_m / focus_m);
+  };
+  const StickAperture aperture(plan, options.apodisation, theta_rad);
+  auto lateral = PlaneResponse::lateral(aperture, plan, range_m);
+  auto elevation = PlaneResponse::elevation(ElevationSources(plan), plan);
+  const double lateral_m = reach_m(receive_aperture_m(plan, range_m),
+                                   transmit_aperture_m(plan, range_m),
+                                   transmit_focus_m(plan, range_m));
+  const double elevation_m =
+      reach_m(probe.element_height_m, probe.element_height_m, probe.elevation_focus_m);
+  SampledRow lateral_row = sample_row(lateral, range_m, lateral_m, true, kColumns);
+  SampledRow elevation_row = sample_row(elevation, range_m, elevation_m, true, kColumns);
+  return {range_m,
+          std::move(lateral_row),
+          std::move(elevation_row),
+          std::move(lateral),
+          std::move(elevation)};
+}
+
+/// Share of each node of the band in the echo, by the beam's power across the other direction: out
+/// of focus low frequencies have more of it.
+std::array<double, PulseBand::kNodes> node_shares(const SampledRow& other) {
+  std::array<double, PulseBand::kNodes> shares = {};
+  for (std::size_t node = 0; node < shares.size(); ++node) {
+    for (const auto& value : other.values) shares[node] += std::norm(value[node]);
+    shares[node] *= PulseBand::weight(static_cast<int>(node));
+  }
+  return shares;
+}
 
 /// Correlation of the fields of two sticks.
 class FieldCorrelation {
  public:
-  FieldCorrelation(const TurningBeam& beam, const PulseBand& band) : beam_(beam), band_(band) {
-    here_ = sample_row(beam.response, beam.range_m, beam.reach_m, true, kColumns);
-    for (const auto& value : here_.values) power_ += PulseBand::power(value);
+  FieldCorrelation(const PlaneResponse& response,
+                   const SampledRow& row,
+                   const SampledRow& other,
+                   const Turn& turn,
+                   const PulseBand& band)
+      : response_(response), here_(row), turn_(turn), band_(band), shares_(node_shares(other)) {
+    for (const auto& value : here_.values) {
+      for (std::size_t n = 0; n < shares_.size(); ++n) power_ += shares_[n] * std::norm(value[n]);
+    }
   }
 
   std::complex<double> at(double turn_rad) const {
     // What all scatterers move along the stick is a phase of the whole field.
-    const double common_m = beam_.turned(0, turn_rad).axial_m;
+    const double common_m = turn_.place(0, turn_rad).axial_m;
     std::vector<PlanePoint> points;
     for (std::size_t i = 0; i < here_.values.size(); ++i) {
-      points.push_back(beam_.turned(here_.offset_m(i), turn_rad));
+      points.push_back(turn_.place(here_.offset_m(i), turn_rad));
     }
-    const auto there = beam_.response.at(points);
+    const auto there = response_.at(points);
     std::complex<double> sum = 0;
     for (std::size_t i = 0; i < there.size(); ++i) {
-      for (int node = 0; node < PulseBand::kNodes; ++node) {
-        const auto n = static_cast<std::size_t>(node);
+      for (std::size_t n = 0; n < shares_.size(); ++n) {
         const double nearer_m = points[i].axial_m - common_m;
-        sum += PulseBand::weight(node) * here_.values[i][n] * std::conj(there[i][n]) *
-               std::polar(1.0, 2 * band_.wavenumber_per_m(node) * nearer_m);
+        sum += shares_[n] * here_.values[i][n] * std::conj(there[i][n]) *
+               std::polar(1.0, 2 * band_.wavenumber_per_m(static_cast<int>(n)) * nearer_m);
       }
     }
     return sum / power_;
   }
 
  private:
-  const TurningBeam& beam_;
+  const PlaneResponse& response_;
+  const SampledRow& here_;
+  const Turn& turn_;
   const PulseBand& band_;
-  SampledRow here_;
+  std::array<double, PulseBand::kNodes> shares_;
   double power_ = 0;
 };
 
 /// At lags 0, 1, ..., until it stays small. The phase that grows with the lag, of an aperture that
 /// is not even, does not change the envelope.
-std::vector<double> correlations(const TurningBeam& beam, const PulseBand& band) {
-  if (beam.step_rad <= 0 || beam.most_lags < 1) return {1};
-  const FieldCorrelation correlation(beam, band);
-  const int stride = std::max(1, static_cast<int>(beam.coherence_rad / beam.step_rad) / kSampledLags);
+std::vector<double> correlations(const FieldCorrelation& correlation, const Turn& turn) {
+  const int stride =
+      std::max(1, static_cast<int>(turn.coherence_rad / turn.step_rad) / kSampledLags);
   std::vector<double> sampled = {1};
-  const int most = beam.most_lags / stride + 1;
+  const int most = turn.most_lags / stride + 1;
   double phase_per_lag = 0;
   for (int n = 1; n <= most; ++n) {
-    const std::complex<double> at = correlation.at(n * stride * beam.step_rad);
+    const std::complex<double> at = correlation.at(n * stride * turn.step_rad);
     if (n == 1) phase_per_lag = std::arg(at);
     sampled.push_back(std::real(at * std::polar(1.0, -n * phase_per_lag)));
     const double before = std::abs(sampled[sampled.size() - 2]);
     if (std::abs(at) < kUncorrelated && (stride == 1 || before < kUncorrelated)) break;
   }
   std::vector<double> lags;
-  for (int lag = 0; lag <= std::min(beam.most_lags, static_cast<int>(sampled.size() - 1) * stride);
+  for (int lag = 0; lag <= std::min(turn.most_lags, static_cast<int>(sampled.size() - 1) * stride);
        ++lag) {
     const auto before = static_cast<std::size_t>(lag / stride);
     const double share = static_cast<double>(lag % stride) / stride;
@@ -93,19 +144,35 @@ std::vector<double> correlations(const TurningBeam& beam, const PulseBand& band)
   return lags;
 }
 
-/// For each range and angle of the grid.
-std::vector<std::vector<double>> all_taps(
-    const BeamGrid& grid,
-    const hw::AcquisitionPlan& plan,
-    int threads,
-    const std::function<TurningBeam(double range_m, double theta_rad)>& beam) {
+using MakeTurn = std::function<Turn(double range_m, double theta_rad)>;
+
+std::vector<double> taps_at(const hw::AcquisitionPlan& plan,
+                            const BeamAt& beam,
+                            bool across_lines,
+                            const Turn& turn) {
+  if (turn.step_rad <= 0 || turn.most_lags < 1) return {1};
   const PulseBand band(plan);
+  const FieldCorrelation correlation =
+      across_lines
+          ? FieldCorrelation(beam.lateral_response, beam.lateral, beam.elevation, turn, band)
+          : FieldCorrelation(beam.elevation_response, beam.elevation, beam.lateral, turn, band);
+  return taps_of_correlation(correlations(correlation, turn));
+}
+
+/// For each range and angle of the grid.
+std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
+                                          const hw::AcquisitionPlan& plan,
+                                          const SimulationOptions& options,
+                                          bool across_lines,
+                                          const MakeTurn& make_turn) {
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * grid.angles()));
-  parallel_ranges(static_cast<int>(taps.size()), threads, [&](int first, int last) {
+  parallel_ranges(static_cast<int>(taps.size()), options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      const TurningBeam at =
-          beam(grid.range_m(i / grid.angles()), grid.angle_rad(i % grid.angles()));
-      taps[static_cast<std::size_t>(i)] = taps_of_correlation(correlations(at, band));
+      const double range_m = grid.range_m(i / grid.angles());
+      const double theta_rad = grid.angle_rad(i % grid.angles());
+      const BeamAt beam = beam_at(plan, options, range_m, theta_rad);
+      taps[static_cast<std::size_t>(i)] =
+          taps_at(plan, beam, across_lines, make_turn(range_m, theta_rad));
     }
   });
   return taps;
@@ -156,24 +223,18 @@ SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
   const double radius_m = plan.probe().radius_m;
   const double wavelength_m =
       plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  kernels.taps_ = all_taps(
-      kernels.grid_, plan, options.threads, [&](double range_m, double theta_rad) -> TurningBeam {
-        const StickAperture aperture(plan, options.apodisation, theta_rad);
-        const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
-        const double shadow_m = transmit_aperture_m(plan, range_m) *
-                                std::abs(1 - range_m / transmit_focus_m(plan, range_m));
-        return {PlaneResponse::lateral(aperture, plan, range_m),
-                range_m,
-                3 * lobe_m + 0.6 * shadow_m,
-                plan.theta_step_rad(),
+  const auto turn = [&](double range_m, double) {
+    const double r = radius_m + range_m;
+    const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
+    return Turn{plan.theta_step_rad(),
                 plan.acquisition().sticks_per_frame - 1,
-                [=](double u, double turn) {
-                  const double r = radius_m + range_m;
-                  return PlanePoint{r * std::cos(turn) + u * std::sin(turn) - radius_m,
-                                    u * std::cos(turn) - r * std::sin(turn)};
-                },
-                2 * lobe_m / (radius_m + range_m)};
-      });
+                2 * lobe_m / r,
+                [=](double u, double angle) {
+                  return PlanePoint{r * std::cos(angle) + u * std::sin(angle) - radius_m,
+                                    u * std::cos(angle) - r * std::sin(angle)};
+                }};
+  };
+  kernels.taps_ = all_taps(kernels.grid_, plan, options, true, turn);
   kernels.count_ = longest(kernels.taps_);
   return kernels;
 }
@@ -184,27 +245,21 @@ SpeckleKernels SpeckleKernels::across_frames(const hw::AcquisitionPlan& plan,
   const double radius_m = plan.probe().radius_m, axis_m = plan.geometry().axis_z_m();
   const double wavelength_m =
       plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  const double height_m = plan.probe().element_height_m;
-  const double focus_m = plan.probe().elevation_focus_m;
-  const ElevationSources lens(plan);
-  kernels.taps_ = all_taps(
-      kernels.grid_, plan, options.threads, [&](double range_m, double theta_rad) -> TurningBeam {
-        // From the motor's axis, in the direction that the frames turn.
-        const double cosine = std::cos(theta_rad);
-        const double arm_m = std::abs((radius_m + range_m) * cosine - axis_m);
-        const double lobe_m = wavelength_m * range_m / height_m;
-        return {PlaneResponse::elevation(lens, plan),
-                range_m,
-                3 * lobe_m + 0.6 * height_m * std::abs(1 - range_m / focus_m),
-                plan.phi_step_rad(),
+  const auto turn = [&](double range_m, double theta_rad) {
+    // From the motor's axis, in the direction in which the frames turn.
+    const double cosine = std::cos(theta_rad);
+    const double arm_m = std::abs((radius_m + range_m) * cosine - axis_m);
+    const double lobe_m = wavelength_m * range_m / plan.probe().element_height_m;
+    return Turn{plan.phi_step_rad(),
                 plan.acquisition().frames_per_volume - 1,
-                [=](double v, double turn) {
-                  const double turned_arm_m = arm_m * std::cos(turn) + v * std::sin(turn);
-                  return PlanePoint{range_m + (turned_arm_m - arm_m) * cosine,
-                                    v * std::cos(turn) - arm_m * std::sin(turn)};
-                },
-                2 * lobe_m / std::max(arm_m, 1e-4)};
-      });
+                2 * lobe_m / std::max(arm_m, 1e-4),
+                [=](double v, double angle) {
+                  const double turned_m = arm_m * std::cos(angle) + v * std::sin(angle);
+                  return PlanePoint{range_m + (turned_m - arm_m) * cosine,
+                                    v * std::cos(angle) - arm_m * std::sin(angle)};
+                }};
+  };
+  kernels.taps_ = all_taps(kernels.grid_, plan, options, false, turn);
   kernels.count_ = longest(kernels.taps_);
   return kernels;
 }
