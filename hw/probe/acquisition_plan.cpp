@@ -27,12 +27,30 @@ std::uint32_t nearest_item(double angle_rad, int count, double span_rad) {
   return static_cast<std::uint32_t>(std::clamp(index, 0.0, count - 1.0));
 }
 
+double echo_time_s(const AcquisitionOptions& acquisition) {
+  return 2 * acquisition.depth_m / acquisition.sound_speed_m_s;
+}
+
 }  // namespace
+
+AcquisitionOptions with_one_zone(AcquisitionOptions acquisition) {
+  acquisition.dead_time_s += (acquisition.focal_zones - 1) * echo_time_s(acquisition);
+  acquisition.focal_zones = 1;
+  return acquisition;
+}
 
 AcquisitionPlan::AcquisitionPlan(const ProbeOptions& probe, const AcquisitionOptions& acquisition)
     : probe_(probe), acquisition_(acquisition) {
   validate(probe_);
   check_options(acquisition_);
+  if (acquisition_.focal_zones == 1) return;
+  try {
+    check_options(with_one_zone(acquisition_));
+  } catch (const InvalidOption&) {
+    throw InvalidOption("focal_zones",
+                        std::to_string(acquisition_.focal_zones),
+                        "at most 10 ms a stick in all zones but one, dead time included");
+  }
 }
 
 int AcquisitionPlan::sweep_direction(std::uint32_t volume) const {
@@ -83,14 +101,14 @@ StickIndex AcquisitionPlan::nearest_stick(const PolarPoint& point, std::uint32_t
 }
 
 double AcquisitionPlan::stick_period_s() const {
-  return 2 * acquisition_.depth_m / acquisition_.sound_speed_m_s + acquisition_.dead_time_s;
+  return acquisition_.focal_zones * echo_time_s(acquisition_) + acquisition_.dead_time_s;
 }
 
 DeviceTime AcquisitionPlan::time_after(std::uint64_t sticks, std::uint64_t fly_backs) const {
   // Extended precision: the rounding of a period stays below 1 ns at any sequence number.
   const long double count = sticks;
   const long double echo_ns =
-      count * 2e9L * acquisition_.depth_m / static_cast<long double>(acquisition_.sound_speed_m_s);
+      count * acquisition_.focal_zones * 2e9L * acquisition_.depth_m / static_cast<long double>(acquisition_.sound_speed_m_s);
   const long double dead_ns = count * 1e9L * acquisition_.dead_time_s;
   const bool returns = acquisition_.motor == MotorMode::fly_back;
   const long double fly_back_ns =

@@ -28,6 +28,9 @@ struct AcquisitionOptions {
   int volumes = 1;
   double sound_speed_m_s = 1540;  ///< as assumed by the scanner, for time and for range
   double dead_time_s = 0;         ///< added after each stick's echo time 2 d / c
+  /// Transmissions for each stick, one for each of so many equal zones of its depth, each focused
+  /// at the middle of its zone: a stick takes so many echo times. 1: one, at the probe's focus.
+  int focal_zones = 1;
   /// Mode fly_back: from the end of a volume's last stick to the first of the next. In the modes
   /// stepped and continuous the motor returns in no time.
   double fly_back_s = 50e-3;
@@ -47,6 +50,7 @@ void describe(O& o, Visitor& v) {
   v.integer("volumes", o.volumes, 1, 1000);
   v.real("sound_speed_m_s", o.sound_speed_m_s, 1, 1000, 4000);
   v.real("dead_time_us", o.dead_time_s, kMicrosecond, 0, 10000);
+  v.integer("focal_zones", o.focal_zones, 1, 8);
   v.real("fly_back_ms", o.fly_back_s, kMillisecond, 0, 1000);
   v.choice("motor",
            o.motor,
@@ -55,6 +59,10 @@ void describe(O& o, Visitor& v) {
             {"alternating", MotorMode::alternating},
             {"fly_back", MotorMode::fly_back}});
 }
+
+/// The same schedule with the transmissions of all zones but one as dead time: what a receiver has
+/// to know, and all that the wire format says.
+AcquisitionOptions with_one_zone(AcquisitionOptions acquisition);
 
 /// Volume, frame and line of a stick, from 0. `frame` is the plane in the fan, not the order of
 /// acquisition: an odd volume of the mode alternating starts with frame F - 1.
@@ -66,7 +74,7 @@ struct StickIndex {
   friend bool operator==(const StickIndex&, const StickIndex&) = default;
 };
 
-/// The echo-ranging schedule: a stick takes 2 d / c + dead time, sticks follow each other, frames
+/// The echo-ranging schedule: a stick takes 2 d / c for each of its zones + dead time, sticks follow each other, frames
 /// follow the motor. A volume sweeps the fan from its negative to its positive end, or back where
 /// sweep_direction() is -1. In both directions the lines of a frame are acquired from 0 to L - 1.
 ///

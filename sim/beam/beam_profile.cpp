@@ -17,17 +17,26 @@ constexpr double kAngleStep_rad = 4.4 * kDegree;
 /// Where half of the aperture is missing lobes are twice as wide, and lie on one side.
 constexpr double kMissing = 3;
 constexpr int kMinRanges = 8, kMaxRanges = 64;
-constexpr int kColumns = 32;  ///< a side
+constexpr int kColumns = 40;  ///< a side
 
 /// Half of the widest beam that is looked at: two lobes, and half the aperture's shadow.
 double window_m(double lobe_m, double aperture_m, double range_m, double focus_m) {
   return 2 * lobe_m + 0.6 * aperture_m * std::abs(1 - range_m / focus_m);
 }
 
+/// Height of the parabola through the largest sample and its neighbours.
+double peak_height(const std::vector<double>& profile, std::ptrdiff_t at) {
+  const auto last = static_cast<std::ptrdiff_t>(profile.size()) - 1;
+  if (at == 0 || at == last) return profile[static_cast<std::size_t>(at)];
+  const double *here = profile.data() + at, slope = 0.5 * (here[1] - here[-1]);
+  const double curvature = here[1] - 2 * here[0] + here[-1];
+  return curvature < 0 ? here[0] - 0.5 * slope * slope / curvature : here[0];
+}
+
 /// Between the first places on either side of the peak at which the profile is half of it.
 double width_at_half(const std::vector<double>& profile, double step_m) {
   const auto peak = std::max_element(profile.begin(), profile.end());
-  const double half = 0.5 * *peak;
+  const double half = 0.5 * peak_height(profile, peak - profile.begin());
   double width = 0;
   for (const int side : {-1, 1}) {
     auto at = peak;

@@ -14,11 +14,11 @@ namespace {
 constexpr double kRow_m = 1e-3;
 constexpr int kMaxRows = 320;
 constexpr int kMinRows = 16;
-constexpr int kColumns = 44;  // an error of -38 dB, from using the middle of the column
+constexpr int kColumns = 40;  // an error of -38 dB, from using the middle of the column
 constexpr int kSideLobeColumns = 96;
 static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
 /// Share of the beam's power that the reach in each direction leaves out.
-constexpr double kPowerBeyond = 1e-2;
+constexpr double kPowerBeyond = 8e-3;
 constexpr double kPowerBeyondSideLobes = 5e-5;
 /// Least angle between the sticks that have lateral tables.
 constexpr double kAngleStep_rad = 1.2 * kDegree;

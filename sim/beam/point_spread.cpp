@@ -24,8 +24,12 @@ double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
   return std::min(range_m / probe.f_number, probe.elements * probe.pitch_m);
 }
 
-double transmit_focus_m(const hw::AcquisitionPlan& plan, double) {
-  return plan.probe().transmit_focus_m;
+double transmit_focus_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const auto& acquisition = plan.acquisition();
+  if (acquisition.focal_zones == 1) return plan.probe().transmit_focus_m;
+  const double zone_m = acquisition.depth_m / acquisition.focal_zones;
+  const double zone = std::floor(std::clamp(range_m, 0.0, acquisition.depth_m) / zone_m);
+  return (std::min(zone, acquisition.focal_zones - 1.0) + 0.5) * zone_m;
 }
 
 double transmit_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {

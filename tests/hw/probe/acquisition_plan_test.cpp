@@ -161,5 +161,22 @@ TEST(AcquisitionOptions, DefaultsPassAndLimitsAreInclusive) {
   EXPECT_NO_THROW(plan_of(acquisition));
 }
 
+TEST(AcquisitionPlan, AStickTakesAnEchoTimeForEachOfItsZones) {
+  AcquisitionOptions acquisition;
+  acquisition.dead_time_s = 3e-6;
+  acquisition.focal_zones = 4;
+  const AcquisitionPlan plan({}, acquisition);
+  // 2 * 160 mm / 1540 m/s, four times.
+  EXPECT_NEAR(plan.stick_period_s(), 4 * 207.792208e-6 + 3e-6, 1e-11);
+  const AcquisitionPlan received({}, with_one_zone(acquisition));
+  EXPECT_EQ(received.acquisition().focal_zones, 1);
+  for (const std::uint64_t sequence : {0ull, 1ull, 777ull, 2368ull, 1000000007ull}) {
+    EXPECT_EQ(plan.stick_time(sequence), received.stick_time(sequence)) << sequence;
+  }
+  acquisition.depth_m = 0.4;
+  acquisition.dead_time_s = 9e-3;
+  EXPECT_THROW(AcquisitionPlan({}, acquisition), InvalidOption);
+}
+
 }  // namespace
 }  // namespace wobblebench::hw

@@ -28,7 +28,8 @@ TEST(BeamProfile, WidthsAreThoseOfTheElementSum) {
     // The table's sticks turn past the point; at the edge, before the focus, their aperture grows
     // as they do. The profile is that of one stick.
     if (row.number("sector_fraction") == 1 && range_m < 60e-3) continue;
-    const double tolerance = theta_rad == 0 ? 0.05 : 0.13;
+    // At 30 mm the beam has shoulders of half its height, which a little range or angle takes away.
+    const double tolerance = theta_rad == 0 && range_m > 35e-3 ? 0.05 : 0.13;
     EXPECT_NEAR(profile.lateral_fwhm_m(range_m, theta_rad) * 1e3 / row.number("lateral_mm"),
                 1,
                 tolerance)

@@ -17,6 +17,19 @@ TEST(PointSpread, AxialWidthFollowsTheBandwidth) {
   EXPECT_NEAR(axial_fwhm_m(default_plan()), 0.3236e-3, 1e-7);
 }
 
+TEST(PointSpread, EachZoneHasItsFocus) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.depth_m = 0.12;
+  acquisition.focal_zones = 3;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  for (const auto& [range_m, focus_m] :
+       {std::pair(0.0, 0.02), {39e-3, 0.02}, {41e-3, 0.06}, {81e-3, 0.1}, {0.12, 0.1}}) {
+    EXPECT_NEAR(transmit_focus_m(plan, range_m), focus_m, 1e-12) << range_m;
+    EXPECT_NEAR(transmit_aperture_m(plan, range_m), focus_m / 4, 1e-12) << range_m;
+  }
+  EXPECT_EQ(transmit_focus_m(default_plan(), 20e-3), 75e-3);
+}
+
 TEST(PointSpread, ApertureEndsWithTheElements) {
   hw::ProbeOptions probe;
   probe.elements = 32;
