@@ -53,7 +53,7 @@ struct SimulationOptions {
 
   /// Minimum number of scatterers in a resolution cell (product of the three -6 dB widths at its
   /// range). With 10 the envelope's mean over sigma is 2 % below Rayleigh's, with 30 less than 1 %.
-  double scatterers_per_cell = 10;
+  double scatterers_per_cell = 12;
   /// -3 dB full width of the specular lobe: about 3 deg for a focused beam (references.md [6]).
   double specular_width_rad = 3 * kDegree;
 

@@ -21,7 +21,7 @@ static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
 constexpr double kPowerBeyond = 8e-3;
 constexpr double kPowerBeyondSideLobes = 5e-5;
 /// Least angle between the sticks that have lateral tables.
-constexpr double kAngleStep_rad = 1.2 * kDegree;
+constexpr double kAngleStep_rad = 0.9 * kDegree;
 
 /// Writes a direction: even rows are summed over the sources, odd ones lie half way between.
 class DirectionWriter {

@@ -3,7 +3,7 @@
 // Two sticks hear the same scatterers with different phases: the correlation of their fields is the
 // overlap of their two-way responses, integral of h1 conj(h2) over the scatterers' places. Out of
 // focus a beam is wide but its phase is curved, so that speckle stays as fine as the aperture makes
-// it (the van Cittert-Zernike theorem; Mallart and Fink, J. Acoust. Soc. Am. 90, 2718 (1991)).
+// it (the van Cittert-Zernike theorem, docs/references.md [21]).
 #pragma once
 
 #include <vector>
