@@ -1,0 +1,213 @@
+#!/usr/bin/env python3
+"""Writes the tables of the yardstick beside this script: make_tables.py [--only NAME]..."""
+import argparse
+import functools
+import math
+import multiprocessing
+import os
+import pathlib
+import random
+
+import numpy as np
+
+import element_sum as es
+import shadow
+from point_spread import PointSpread, peak_of_samples
+from speckle import Speckle
+
+HERE = pathlib.Path(__file__).parent
+DEPTHS_MM = (20, 30, 40, 50, 60, 75, 90, 110, 130, 150, 160)
+FRACTIONS = {"standard": (0, 0.4, 0.78, 0.88, 1.0), "c5_2v": (0, 0.78, 0.88, 1.0),
+             "curvilinear_60": (0, 0.78, 0.88, 1.0)}
+PLACES = [(f, d) for f in FRACTIONS["standard"] for d in (30, 50, 75, 110, 150)]  # of the echoes
+POINTS_PER_PLACE = 40
+
+
+class Table:
+    """A CSV file: `rows(case)` gives the rows, of numbers or text, that follow the case's own fields."""
+
+    def __init__(self, about, keys, columns, cases, rows):
+        self.about, self.keys, self.columns = about, keys, columns
+        self.cases, self.rows = cases, rows
+
+    def lines(self, case):
+        return [",".join(text(value) for value in (*case, *row)) for row in self.rows(*case)]
+
+
+def text(value):
+    return value if isinstance(value, str) else f"{value:.5g}"
+
+
+def decibel(ratio):
+    return 20 * math.log10(ratio)
+
+
+def stick_angle(preset, fraction):
+    return fraction * es.PRESETS[preset].sector / 2
+
+
+def every_stick():
+    return [(preset, fraction, depth) for preset, fractions in FRACTIONS.items()
+            for fraction in fractions for depth in DEPTHS_MM]
+
+
+@functools.lru_cache(None)
+def reference_peak(preset):
+    probe = es.PRESETS[preset]
+    return PointSpread(probe, 0.0, probe.transmit_focus).peak()
+
+
+def point_widths(preset, fraction, depth_mm):
+    theta = stick_angle(preset, fraction)
+    spread = PointSpread(es.PRESETS[preset], theta, depth_mm * 1e-3)
+    return [(theta / es.DEGREE, spread.lateral_width() * 1e3, spread.elevation_width() * 1e3,
+             spread.axial_width() * 1e3, decibel(spread.peak() / reference_peak(preset)))]
+
+
+@functools.lru_cache(None)
+def reference_power(preset):
+    probe = es.PRESETS[preset]
+    return Speckle(probe, 0.0, probe.transmit_focus).power_spectrum().sum()
+
+
+def speckle(preset, fraction, depth_mm):
+    theta = stick_angle(preset, fraction)
+    field = Speckle(es.PRESETS[preset], theta, depth_mm * 1e-3)
+    spectrum = field.power_spectrum()
+    return [(theta / es.DEGREE, field.lateral_width() * 1e3, field.elevation_width() * 1e3,
+             field.axial_width(spectrum) * 1e3, decibel(spectrum.sum() / reference_power(preset)) / 2)]
+
+
+def neighbours(depth_mm):
+    probe, depth = es.PRESETS["standard"], depth_mm * 1e-3
+    line, frame = 77 * es.DEGREE / 63, 61 * es.DEGREE / 36
+    field = Speckle(probe, 0.0, depth, wider=1.2)
+    return [(line * (probe.radius + depth) * 1e3, field.lateral_correlation([line])[0],
+             frame * es.motor_lever(probe, 0.0, depth) * 1e3, field.elevation_correlation(frame))]
+
+
+def attenuation(alpha, depth_mm):
+    probe, depth = es.PRESETS["standard"], depth_mm * 1e-3
+    band = es.Band(probe, 90, 3.3, lowest=0.08)  # the echo's centre falls far
+
+    def loss(f, r):
+        return 10 ** (-2 * alpha * f * 1e-6 * r * 1e2 / 20)
+
+    spread = PointSpread(probe, 0.0, depth, loss, band)
+    active = es.active_elements(probe, [0.0], depth)
+    response = es.element_response(probe, band, spread.point, active)[0]
+    echo = spread.spectrum.copy()
+    for weights in (es.transmit(probe, band, 0.0), es.receive(probe, band, 0.0, depth)):
+        echo = echo * np.sum(response * weights[active], 0)
+    power = np.abs(echo) ** 2
+    return [(decibel(spread.peak() / PointSpread(probe, 0.0, depth, band=band).peak()),
+             decibel(loss(probe.centre_frequency, depth)), np.sum(power * band.f) / np.sum(power) * 1e-6,
+             spread.axial_width() * 1e3, spread.lateral_width() * 1e3, spread.elevation_width() * 1e3)]
+
+
+def half_plane(edge, depth_mm):
+    crossings = np.arange(-12e-3, 12.01e-3, 0.5e-3)
+    across = {"lateral": shadow.across_lines, "elevation": shadow.across_frames}[edge]
+    power = across(es.PRESETS["standard"], depth_mm * 1e-3, crossings)
+    rise = shadow.rise_width(crossings, power)
+    return [(x * 1e3, decibel(p) / 2, rise * 1e3) for x, p in zip(crossings, power)]
+
+
+def random_points(place):
+    """Axial, lateral, elevation in mm and amplitude, rounded as the table has them."""
+    depth = PLACES[place][1]
+    draw = random.Random(f"yardstick {place}")
+    return [(round(depth + draw.uniform(-1.5, 1.5), 3), round(draw.uniform(-6, 6), 3),
+             round(draw.uniform(-5, 5), 3), round(draw.uniform(0.2, 1) * draw.choice((-1, 1)), 3))
+            for _ in range(POINTS_PER_PLACE)]
+
+
+def echo_points(place, fraction, depth_mm):
+    return random_points(place)
+
+
+def echo_envelope(place, fraction, depth_mm):
+    probe = es.PRESETS["standard"]
+    theta, depth = stick_angle("standard", fraction), depth_mm * 1e-3
+    axial, lateral, elevation, amplitude = np.array(random_points(place)).T
+    points = es.stick_points(probe, theta, axial * 1e-3, lateral * 1e-3, elevation * 1e-3)
+    band = es.pulse_band(probe, 80)
+    gates = depth + np.linspace(-2.5e-3, 2.5e-3, 64)
+    active = es.active_elements(probe, [theta], gates[-1])
+    response = es.element_response(probe, band, points, active)
+    envelope = np.abs(amplitude @ es.echoes(probe, band, response, active, theta, gates))
+    one = PointSpread(probe, 0.0, depth, band=band).peak()
+    return [(f"{g * 1e3:.4f}", e / one) for g, e in zip(gates, envelope)]
+
+
+TABLES = {
+    "point_widths": Table(
+        "A point on a stick's axis: -6 dB full widths of the peak envelope as sticks (lateral) and frames "
+        "(elevation) turn past it, and of the echo along the stick (axial), each between the first places "
+        "on either side of the maximum; level of its echo on that stick re the preset's axis at 75 mm; "
+        "no frequency below 0.2 of the centre's",
+        ("preset", "sector_fraction", "depth_mm"),
+        ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), point_widths),
+    "speckle": Table(
+        "Fully developed speckle: full width at half maximum of the intensity autocovariance across lines, "
+        "frames and range; mean echo power re the preset's axis at 75 mm; no frequency below "
+        "0.2 of the centre's: matters to curvilinear_60, whose widths depend on it by a tenth",
+        ("preset", "sector_fraction", "depth_mm"),
+        ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), speckle),
+    "neighbours": Table(
+        "Speckle of the default scan, middle stick, standard probe: intensity correlation of neighbouring "
+        "lines (77 deg / 63 apart) and frames (61 deg / 36)",
+        ("depth_mm",), ("line_spacing_mm", "line_correlation", "frame_spacing_mm", "frame_correlation"),
+        [(depth,) for depth in DEPTHS_MM], neighbours),
+    "attenuation": Table(
+        "Standard probe, axis, all tissue attenuating: echo of a point re none, closed form of the loss at "
+        "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv; "
+        "no frequency below 0.28 MHz, which alpha 1 meets beyond 110 mm",
+        ("alpha_db_cm_mhz", "depth_mm"),
+        ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
+        [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
+    "shadow": Table(
+        "Standard probe: mean echo power of even tissue re no plane, behind a half plane at 60 mm that "
+        "passes 0.1 of the amplitude each way and lies at lateral > 0 (or elevation > 0); crossing: where "
+        "the stick's axis meets the plane, from its edge; rise: 10-90 % of amplitude, same for the block",
+        ("edge", "depth_mm"), ("crossing_mm", "power_db", "rise_mm"),
+        [(edge, depth) for edge in ("lateral", "elevation") for depth in (65, 80, 100, 130)], half_plane),
+    "echo_points": Table(
+        "Standard probe: points of echoes.csv in their stick's coordinates: axial: range from the face "
+        "along the stick, lateral: across it towards larger stick angles, elevation: towards +y of the "
+        "probe frame (smaller motor angles), straight lengths; amplitude: echo factor of a point",
+        ("place", "sector_fraction", "depth_mm"), ("axial_mm", "lateral_mm", "elevation_mm", "amplitude"),
+        [(i, *place) for i, place in enumerate(PLACES)], echo_points),
+    "echoes": Table(
+        "Standard probe: envelope of the summed echo of a place's points on the stick at sector_fraction x "
+        "38.5 deg, motor at rest, re the envelope's peak for one point of amplitude 1 on the middle "
+        "stick's axis at depth_mm",
+        ("place", "sector_fraction", "depth_mm"), ("range_mm", "envelope"),
+        [(i, *place) for i, place in enumerate(PLACES)], echo_envelope),
+}
+
+
+def lines_of(job):
+    name, case = job
+    return TABLES[name].lines(case)
+
+
+def write(name, pool):
+    table = TABLES[name]
+    parts = pool.map(lines_of, [(name, case) for case in table.cases], chunksize=1)
+    head = [f"# tests/yardstick/make_tables.py: {table.about}.", ",".join(table.keys + table.columns)]
+    (HERE / f"{name}.csv").write_text("\n".join(head + sum(parts, [])) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", action="append", choices=sorted(TABLES), metavar="NAME",
+                        help="one of " + ", ".join(TABLES))
+    names = parser.parse_args().only or list(TABLES)
+    with multiprocessing.Pool(os.cpu_count()) as pool:
+        for name in names:
+            write(name, pool)
+
+
+if __name__ == "__main__":
+    main()
