@@ -16,7 +16,7 @@
 namespace wobblebench::bench {
 
 StudyReport attenuation_report(const AttenuationInputs& inputs = {});
-StudyReport point_target_report(const PointInputs& inputs = {});
+StudyReport point_target_report();
 StudyReport reflection_report(const ReflectionInputs& inputs = {});
 StudyReport repeatability_report(const RepeatabilityInputs& inputs = {});
 StudyReport rung_agreement_report(const AgreementInputs& inputs = {});
