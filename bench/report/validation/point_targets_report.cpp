@@ -28,11 +28,13 @@ void add_checks(const std::string& name,
     const bool axis = places == StickPlaces::axis;
     const auto here = at_places(found, places, kFrom_m, kTo_m);
     const std::string where = axis ? ".axis" : ".edge";
+    const bool field = variant.rung.rung == sim::Rung::field;
     for (const BeamWidth& width : {kLateral, kElevation, kAxial}) {
+      if (field && width.value == kAxial.value) continue;
       report.checks.push_back(
           worst_width(name + "." + width.name + where, here, width, axis ? kAxisBar : kEdgeBar));
     }
-    if (variant.rung.rung == sim::Rung::field) continue;
+    if (field) continue;
     report.checks.push_back(worst_level(name + ".level" + where, here, kLevelBar_db));
   }
 }

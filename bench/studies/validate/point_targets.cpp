@@ -10,7 +10,6 @@
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/beam/beam_profile.h"
-#include "sim/beam/point_spread.h"
 
 namespace wobblebench::bench {
 
@@ -93,8 +92,7 @@ std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const
     BeamRow found = place;
     found.lateral_m = profile.lateral_fwhm_m(place.range_m, place.theta_rad);
     found.elevation_m = profile.elevation_fwhm_m(place.range_m);
-    found.axial_m = sim::axial_fwhm_m(plan);
-    found.level_db = std::numeric_limits<double>::quiet_NaN();
+    found.axial_m = found.level_db = std::numeric_limits<double>::quiet_NaN();
     results.push_back({place, found});
   }
   return results;

@@ -19,7 +19,8 @@ struct PointRung {
 /// At each of `places`. `scatterers` and `reference`: one point on the axis of the stick, heard by
 /// sticks that turn past it in the image plane and by frames that turn past it; -6 dB widths of the
 /// peak of the envelope, between the first places on either side of its maximum. `field`: widths
-/// of its sim::BeamProfile, by which it blurs what it shows; no level.
+/// of its sim::BeamProfile, by which it blurs what it shows; NaN along
+/// the stick, and for the level.
 std::vector<BeamComparison> measure_points(hw::ProbePreset preset,
                                            const PointRung& rung,
                                            std::span<const BeamRow> places);

@@ -1,6 +1,7 @@
 #include "bench/studies/validate/yardstick.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "base/units.h"
@@ -27,15 +28,20 @@ std::vector<BeamRow> beam_rows(std::string_view file, hw::ProbePreset preset) {
                     length_m("axial_mm"),
                     csv.number(i, "level_db")});
   }
-  std::vector<BeamRow> relative = rows;
-  for (BeamRow& row : relative) {
-    const auto middle = std::ranges::find_if(rows, [&](const BeamRow& other) {
+  return rows;
+}
+
+/// Levels re the middle stick at the same range, instead of re one range.
+std::vector<BeamRow> re_middle(std::vector<BeamRow> rows) {
+  const std::vector<BeamRow> all = rows;
+  for (BeamRow& row : rows) {
+    const auto middle = std::ranges::find_if(all, [&](const BeamRow& other) {
       return other.sector_fraction == 0 && other.range_m == row.range_m;
     });
-    if (middle == rows.end()) throw std::invalid_argument("no middle stick at a range");
+    if (middle == all.end()) throw std::invalid_argument("no middle stick at a range");
     row.level_db -= middle->level_db;
   }
-  return relative;
+  return rows;
 }
 
 }  // namespace
@@ -53,11 +59,21 @@ std::string_view table_name(hw::ProbePreset preset) {
 }
 
 std::vector<BeamRow> point_width_rows(hw::ProbePreset preset) {
-  return beam_rows("point_widths.csv", preset);
+  return re_middle(beam_rows("point_widths.csv", preset));
+}
+
+double axis_level_db(hw::ProbePreset preset, double range_m) {
+  std::vector<BeamRow> axis = beam_rows("point_widths.csv", preset);
+  std::erase_if(axis, [](const BeamRow& row) { return row.sector_fraction != 0; });
+  std::size_t next = 1;
+  while (next + 1 < axis.size() && axis[next].range_m < range_m) ++next;
+  const BeamRow &from = axis.at(next - 1), &to = axis.at(next);
+  return std::lerp(
+      from.level_db, to.level_db, (range_m - from.range_m) / (to.range_m - from.range_m));
 }
 
 std::vector<BeamRow> speckle_rows(hw::ProbePreset preset) {
-  return beam_rows("speckle.csv", preset);
+  return re_middle(beam_rows("speckle.csv", preset));
 }
 
 std::vector<NeighbourRow> neighbour_rows() {

@@ -37,6 +37,9 @@ struct BeamComparison {
 
 /// -6 dB widths of the echo of one point, by angle and range.
 std::vector<BeamRow> point_width_rows(hw::ProbePreset preset);
+/// Echo of a point on the middle stick's axis over that at the transmit focus: linear between the
+/// table's ranges, and beyond them from the last two.
+double axis_level_db(hw::ProbePreset preset, double range_m);
 /// Widths at half maximum of the autocovariance of the intensity of speckle.
 std::vector<BeamRow> speckle_rows(hw::ProbePreset preset);
 
