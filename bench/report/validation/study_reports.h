@@ -25,6 +25,6 @@ StudyReport scatterer_density_report(const DensityInputs& inputs = {});
 StudyReport shear_report(const ShearInputs& inputs = {});
 StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs = {});
 StudyReport speckle_size_report();
-StudyReport speckle_statistics_report(const SpeckleInputs& inputs = {});
+StudyReport speckle_statistics_report();
 
 }  // namespace wobblebench::bench

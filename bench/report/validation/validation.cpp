@@ -51,14 +51,19 @@ void write_summary(const std::vector<StudyReport>& reports,
   std::size_t count = 0;
   for (const auto& report : reports) count += report.checks.size();
   const int failed = failed_checks(reports);
-  markdown << "# Validation of the simulated probe\n\n"
-           << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
-           << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
-           << " threads. Every point is in `validation.csv`, every check in `report.json`. "
-              "Expected values are closed forms or published ones; the studies hold no model of "
-              "their own. Numbers in brackets are those of `docs/references.md`.\n\n"
-           << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, "
-           << failed << " failed.\n";
+  markdown
+      << "# Validation of the simulated probe\n\n"
+      << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+      << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+      << " threads. Every point is in `validation.csv`, every check in `report.json`. "
+         "Of the beam and of speckle, expected values are the tables of `tests/yardstick`: a sum "
+         "over the probe's elements in Python and NumPy, frequency by frequency, written apart "
+         "from the simulator, with which it shares no code; its own tests hold it against closed "
+         "forms. It is linear acoustics, as the simulator is: what both leave out is at the end. "
+         "Other expected values are closed forms or published ones. Numbers in brackets are those "
+         "of `docs/references.md`.\n\n"
+      << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
+      << " failed.\n";
   if (failed > 0) markdown << "\nFailed:\n\n";
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {
@@ -86,6 +91,19 @@ void write_study(const StudyReport& report,
              << figure.caption << "\n";
   }
 }
+
+constexpr char kNotModelled[] = R"(
+## Not modelled
+
+Neither the simulator nor the yardstick has these. What leaving each out does to the picture:
+
+- Refraction: sound goes straight on at interfaces. Bodies behind a lens of other sound speed, as fat beside muscle or a curved skull, are neither shifted nor doubled sideways, and the edge shadows of round cysts and skulls are missing.
+- Reverberation between strong reflectors: no repeated lines behind bone, gas or the probe's face, and anechoic fluid stays free of clutter.
+- Aberration by layers of uneven sound speed, as of the abdominal wall: beams stay as sharp, and side lobes as low, as in even tissue; real ones are wider and their clutter is higher.
+- Harmonics of non-linear propagation: no harmonic imaging, with its lower side lobes and less clutter near the face; echoes are those of the fundamental at any pressure.
+- Shear waves in bone (mode conversion at its surface): beyond the critical angle of longitudinal waves nothing passes bone, where in truth a part passes as shear waves, so that shadows of slanted bone are too dark.
+- Cross-talk between elements, and the obliquity factor of a soft or hard baffle: elements are as directive as their width makes them; sticks steered far off their elements' axes would be a little weaker and narrower in angle.
+)";
 
 /// Fields with a comma or a quote are quoted.
 std::string csv_field(const std::string& text) {
@@ -163,6 +181,7 @@ std::string validation_markdown(const std::vector<StudyReport>& reports,
   std::ostringstream markdown;
   write_summary(reports, provenance, markdown);
   for (const auto& report : reports) write_study(report, figure_path, markdown);
+  markdown << kNotModelled;
   return markdown.str();
 }
 

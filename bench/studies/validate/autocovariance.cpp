@@ -41,13 +41,15 @@ double intensity_correlation(const SpeckleGrid& grid,
 
 double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window) {
   const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
-  Moments all;
+  double logarithms = 0;
   for (int line = 0; line < grid.lines(); ++line) {
+    Moments all;
     for (int f = 0; f < grid.frames; ++f) {
       for (int k = first; k < last; ++k) all.add(intensity(grid, f, line, k));
     }
+    logarithms += std::log(all.mean());
   }
-  return all.mean();
+  return std::exp(logarithms / grid.lines());
 }
 
 double autocovariance_fwhm_m(const std::vector<double>& values, double lag_m) {

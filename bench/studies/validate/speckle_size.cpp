@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "bench/studies/validate/autocovariance.h"
 #include "bench/studies/validate/scan.h"
-#include "phantoms/material.h"
+#include "bench/studies/validate/speckle_statistics.h"
 
 namespace wobblebench::bench {
 
@@ -31,7 +31,7 @@ DenseGrid dense_grid(BeamDirection direction) {
     case BeamDirection::axial:
       return {{0, 3, 1.2 * kDegree, 48, 1.7 * kDegree, kDepth_m, 4096}, {0, 0, 1}};
     case BeamDirection::lateral:
-      return {{0, 17, 0.2 * kDegree, 48, 1.7 * kDegree, kDepth_m, kSamples}, {0, 1, 0}};
+      return {{0, 21, 0.25 * kDegree, 48, 1.7 * kDegree, kDepth_m, kSamples}, {0, 1, 0}};
     case BeamDirection::elevation:
       return {{0, 2, 2.4 * kDegree, 320, 0.19 * kDegree, kDepth_m, kSamples}, {1, 0, 0}};
   }
@@ -93,8 +93,7 @@ SpeckleWidth width_at(const ScanWindow& window,
     widths.push_back(autocovariance_fwhm_m(covariances(*grid, window, step), lag_m));
     powers.push_back(mean_intensity(*grid, window));
   }
-  const double material_db = phantoms::material("soft_tissue").backscatter_db;
-  return {mean(widths), 10 * std::log10(mean(powers)) - material_db, relative_error(widths)};
+  return {mean(widths), level_over_material_db(mean(powers)), relative_error(widths)};
 }
 
 double root_mean_square(const std::vector<SpeckleWidth>& widths) {
