@@ -3,11 +3,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "base/units.h"
 #include "bench/studies/validate/statistics.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// Near the array's end the level falls by some dB a degree.
+constexpr double kMiddle_rad = 0.3 * kDegree;
 
 double intensity(const SpeckleGrid& grid, int frame, int line, int sample) {
   const double amplitude = grid.at(frame, line, sample);
@@ -41,15 +45,16 @@ double intensity_correlation(const SpeckleGrid& grid,
 
 double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window) {
   const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
-  double logarithms = 0;
+  const double middle_rad = 0.5 * (grid.theta_rad.front() + grid.theta_rad.back());
+  Moments all;
   for (int line = 0; line < grid.lines(); ++line) {
-    Moments all;
+    const double away = grid.theta_rad[static_cast<std::size_t>(line)] - middle_rad;
+    if (std::abs(away) > kMiddle_rad) continue;
     for (int f = 0; f < grid.frames; ++f) {
       for (int k = first; k < last; ++k) all.add(intensity(grid, f, line, k));
     }
-    logarithms += std::log(all.mean());
   }
-  return std::exp(logarithms / grid.lines());
+  return all.mean();
 }
 
 double autocovariance_fwhm_m(const std::vector<double>& values, double lag_m) {

@@ -26,8 +26,7 @@ double intensity_correlation(const SpeckleGrid& grid,
                              const ScanWindow& window,
                              const ScanStep& step);
 
-/// Mean intensity in the window, the geometric mean over lines: that of the middle line where the
-/// level falls evenly, in dB, from line to line.
+/// Mean intensity in the window, of the lines next to the grid's middle; NaN if there is none.
 double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window);
 
 /// Full width at half maximum of a covariance that is 1 at lag 0 and `values[i]` at (i + 1) *
