@@ -39,6 +39,19 @@ void add_checks(const std::string& name,
   }
 }
 
+constexpr char kText[] =
+    "One point on the axis of a stick, heard by sticks that turn past it in the image plane and "
+    "by frames that turn past it about the motor's axis, at every depth, angle and preset of "
+    "`tests/yardstick/point_widths.csv`. Widths are those at half amplitude (-6 dB), between "
+    "the first places on either side of the maximum. `scatterers` (main lobe, and with side "
+    "lobes) and `reference` hear the point by their own sums of echoes; `field` has no points: "
+    "shown are the widths by which it blurs the edges of tissue. A level is that of the stick "
+    "through the point over the middle stick's at the same range, since both rungs are "
+    "normalised to the middle stick at every range; how the level falls with range there is "
+    "left out of both. A few sticks beyond the sector's edge are scanned where a profile needs "
+    "them; the array ends where it does. Checks name the worst of the depths from 30 mm on: "
+    "`axis`, the middle stick; `edge`, all others up to the last one.";
+
 }  // namespace
 
 StudyReport point_target_report() {
@@ -55,31 +68,9 @@ StudyReport point_target_report() {
       add_points(std::string(variant.name) + " " + preset_name, found, report);
       rungs.push_back({variant.name, variant.mark, found});
     }
-    report.figures.push_back(
-        {"points_" + preset_name,
-         "Widths of one point's echo, preset " + preset_name +
-             ": on the axis and towards the edge of the sector. Lines: tables of tests/yardstick.",
-         side_by_side({draw_widths("Across lines", kLateral, rungs, {620, 460}),
-                       draw_widths("Across frames", kElevation, rungs, {620, 460})})});
+    report.figures.push_back(widths_figure("points", "one point's echo", preset, rungs));
   }
-  report.text =
-      "One point on the axis of a stick, heard by sticks that turn past it in the image plane and "
-      "by "
-      "frames that turn past it about the motor's axis, at every depth, angle and preset of "
-      "`tests/yardstick/point_widths.csv`. Widths are those at half amplitude (-6 dB), between the "
-      "first places on either side of the maximum. `scatterers` (main lobe, and with side lobes) "
-      "and "
-      "`reference` hear the point by their own sums of echoes; `field` has no points: shown are "
-      "the "
-      "widths by which it blurs the edges of tissue. A level is that of the stick through the "
-      "point "
-      "over the middle stick's at the same range, since both rungs are normalised to the middle "
-      "stick at every range; how the level falls with range there is left out of both. A few "
-      "sticks "
-      "beyond the sector's edge are scanned where a profile needs them; the array ends where it "
-      "does. "
-      "Checks name the worst of the depths from 30 mm on: `axis`, the middle stick; `edge`, all "
-      "others up to the last one.";
+  report.text = kText;
   return report;
 }
 

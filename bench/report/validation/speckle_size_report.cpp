@@ -103,56 +103,50 @@ void add_neighbours(const Variant& variant, const NeighbourInputs& inputs, Study
   }
 }
 
+constexpr char kText[] =
+    "Even tissue without losses, scanned densely in one direction and sparsely in the others: "
+    "the full width at half maximum of the normalised autocovariance of the intensity across "
+    "lines, across frames and along the stick, and the mean echo power, at the places of "
+    "`tests/yardstick/speckle.csv`. Of fully developed speckle the autocovariance is the "
+    "squared magnitude of the correlation of two sticks' fields, which the yardstick integrates "
+    "over the scatterers' places. Out of focus the beam is wide, but its phase is curved: "
+    "speckle stays as fine as the aperture makes it. Widths are means over 5 mm of range about "
+    "each depth. A level is over the material's mean echo; the table's is over the middle stick "
+    "at the same range, to which both rungs are normalised. Neighbours: the default scan, 64 "
+    "lines over 77 degrees and 37 frames over 61, correlation of intensities with the next line "
+    "and the next frame, the middle 16 lines (`tests/yardstick/neighbours.csv`). Checks name "
+    "the worst of the depths from 20 to 150 mm: `axis`, the middle stick; `edge`, all others up "
+    "to the last one. A few degrees beyond it are scanned too; the array ends where it does. With "
+    "side lobes, which take longest, the standard preset alone.";
+
+void add_preset(hw::ProbePreset preset, StudyReport& report) {
+  const std::string preset_name(table_name(preset));
+  const auto places = speckle_rows(preset);
+  std::vector<ChartedRung> rungs;
+  for (const Variant& variant : kVariants) {
+    if (!measured(variant, preset)) continue;
+    SpeckleSizeInputs inputs;
+    inputs.preset = preset;
+    inputs.rung = variant.rung;
+    inputs.side_lobes = variant.side_lobes;
+    const SpeckleSize size = measure_speckle_size(inputs, places);
+    const std::string name = variant.name;
+    add_checks("speckle_size." + name + "." + preset_name, size, inputs.seeds, report);
+    add_points(name + " " + preset_name, size.places, report);
+    rungs.push_back({name, variant.mark, size.places});
+  }
+  report.figures.push_back(widths_figure("speckle_size", "speckle", preset, rungs));
+}
+
 }  // namespace
 
 StudyReport speckle_size_report() {
   StudyReport report;
   report.id = "speckle_size";
   report.title = "Size of speckle";
-  SpeckleSizeInputs inputs;
-  for (const hw::ProbePreset preset : kPresets) {
-    const std::string preset_name(table_name(preset));
-    const auto places = speckle_rows(preset);
-    std::vector<ChartedRung> rungs;
-    for (const Variant& variant : kVariants) {
-      if (!measured(variant, preset)) continue;
-      inputs.preset = preset;
-      inputs.rung = variant.rung;
-      inputs.side_lobes = variant.side_lobes;
-      const SpeckleSize size = measure_speckle_size(inputs, places);
-      add_checks("speckle_size." + std::string(variant.name) + "." + preset_name,
-                 size,
-                 inputs.seeds,
-                 report);
-      add_points(std::string(variant.name) + " " + preset_name, size.places, report);
-      rungs.push_back({variant.name, variant.mark, size.places});
-    }
-    report.figures.push_back(
-        {"speckle_size_" + preset_name,
-         "Width of speckle, preset " + preset_name +
-             ": on the axis and towards the edge of the sector. Lines: tables of tests/yardstick.",
-         side_by_side({draw_widths("Across lines", kLateral, rungs, {620, 460}),
-                       draw_widths("Across frames", kElevation, rungs, {620, 460})})});
-  }
+  for (const hw::ProbePreset preset : kPresets) add_preset(preset, report);
   for (const Variant& variant : kVariants) add_neighbours(variant, {}, report);
-  report.text =
-      "Even tissue without losses, scanned densely in one direction and sparsely in the others: "
-      "the "
-      "full width at half maximum of the normalised autocovariance of the intensity across lines, "
-      "across frames and along the stick, and the mean echo power, at the places of "
-      "`tests/yardstick/speckle.csv`. Of fully developed speckle the autocovariance is the squared "
-      "magnitude of the correlation of two sticks' fields, which the yardstick integrates over the "
-      "scatterers' places. Out of focus the beam is wide, but its phase is curved: speckle stays "
-      "as "
-      "fine as the aperture makes it. Widths are means over 5 mm of range about each depth. A "
-      "level is over the material's mean echo; the table's is over the middle stick at "
-      "the same range, to which both rungs are normalised. Neighbours: the default scan, 64 lines "
-      "over 77 degrees and 37 frames over 61, correlation of intensities with the next line and "
-      "the "
-      "next frame, the middle 16 lines (`tests/yardstick/neighbours.csv`). Checks "
-      "name the worst of the depths from 20 to 150 mm: `axis`, the middle stick; `edge`, all "
-      "others "
-      "up to the last one.";
+  report.text = kText;
   return report;
 }
 

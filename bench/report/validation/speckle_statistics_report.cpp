@@ -119,46 +119,53 @@ std::string introduction(const SpeckleInputs& inputs) {
   return text.str();
 }
 
+/// Where the results of a place go.
+struct Parts {
+  StudyReport report;
+  Chart chart;
+  std::ostringstream table;
+};
+
+void add_place(const Variant& variant, SpeckleInputs inputs, Parts& parts) {
+  inputs.rung = variant.rung;
+  inputs.side_lobes = variant.side_lobes;
+  const SpeckleResult result = measure_speckle(inputs);
+  const std::string rung = variant.name, preset(table_name(inputs.preset));
+  const bool axis = inputs.sector_fraction == 0;
+  const std::string place = axis ? "axis" : "edge";
+  add_checks("speckle." + rung + "." + preset + "." + place, inputs, result, parts.report);
+  add_distances(rung + " " + preset + " " + place, inputs, result, parts.report);
+  add_points(rung + " " + preset, result.levels, parts.report);
+  add_row(rung + ", " + preset + ", " + place, result, parts.table);
+  if (inputs.preset != hw::ProbePreset::standard || !axis) return;
+  parts.chart.series.push_back(histogram(variant, result));
+  parts.chart.series.back().colour = static_cast<int>(parts.chart.series.size()) - 2;
+}
+
 }  // namespace
 
 StudyReport speckle_statistics_report() {
-  StudyReport report;
-  report.id = "speckle";
-  report.title = "Speckle statistics";
-  Chart chart{"Envelope of speckle", {"envelope / root mean square"}, {"probability density"}};
-  chart.series.push_back(rayleigh_density());
+  Parts parts;
+  parts.report.id = "speckle";
+  parts.report.title = "Speckle statistics";
+  parts.chart = {"Envelope of speckle", {"envelope / root mean square"}, {"probability density"}};
+  parts.chart.series.push_back(rayleigh_density());
   SpeckleInputs inputs;
-  std::ostringstream table;
   for (const hw::ProbePreset preset : kPresets) {
     for (const Variant& variant : kVariants) {
       for (const double fraction : {0.0, 1.0}) {
         inputs.preset = preset;
-        inputs.rung = variant.rung;
-        inputs.side_lobes = variant.side_lobes;
         inputs.sector_fraction = fraction;
-        const SpeckleResult result = measure_speckle(inputs);
-        const std::string preset_name(table_name(preset)), place = fraction == 0 ? "axis" : "edge";
-        const std::string series = std::string(variant.name) + " " + preset_name;
-        add_checks("speckle." + std::string(variant.name) + "." + preset_name + "." + place,
-                   inputs,
-                   result,
-                   report);
-        add_distances(series + " " + place, inputs, result, report);
-        add_points(series, result.levels, report);
-        add_row(std::string(variant.name) + ", " + preset_name + ", " + place, result, table);
-        if (preset == hw::ProbePreset::standard && fraction == 0) {
-          chart.series.push_back(histogram(variant, result));
-          chart.series.back().colour = static_cast<int>(chart.series.size()) - 2;
-        }
+        add_place(variant, inputs, parts);
       }
     }
   }
-  report.figures.push_back(
+  parts.report.figures.push_back(
       {"speckle",
        "Histogram of the envelope on Rayleigh's density, standard preset, middle of the sector.",
-       draw(chart)});
-  report.text = introduction(inputs) + table.str();
-  return report;
+       draw(parts.chart)});
+  parts.report.text = introduction(inputs) + parts.table.str();
+  return parts.report;
 }
 
 }  // namespace wobblebench::bench

@@ -84,6 +84,35 @@ Series width_series(const std::string& name,
   return series;
 }
 
+Picture3 draw_widths(const std::string& title,
+                     const BeamWidth& width,
+                     std::span<const ChartedRung> rungs) {
+  Chart chart{title, {"range (mm)"}, {std::string(width.name) + " width (mm)"}};
+  chart.y.low = 0.0;
+  const auto& table = rungs.front().found;
+  const auto fractions = fractions_of(table);
+  for (std::size_t i = 0; i < fractions.size(); ++i) {
+    const std::string name = "table, " + fraction_text(fractions[i]);
+    chart.series.push_back(
+        width_series(name, table, fractions[i], &BeamComparison::expected, width.value));
+    chart.series.back().colour = static_cast<int>(i);
+  }
+  for (const ChartedRung& rung : rungs) {
+    for (std::size_t i = 0; i < fractions.size(); ++i) {
+      Series series = width_series(i == 0 ? rung.name : "",
+                                   rung.found,
+                                   fractions[i],
+                                   &BeamComparison::measured,
+                                   width.value);
+      series.stroke = Stroke::none;
+      series.mark = rung.mark;
+      series.colour = static_cast<int>(i);
+      chart.series.push_back(std::move(series));
+    }
+  }
+  return draw(chart, {620, 460});
+}
+
 }  // namespace
 
 std::vector<BeamComparison> at_places(std::span<const BeamComparison> found,
@@ -150,34 +179,16 @@ void add_points(const std::string& series,
   }
 }
 
-Picture3 draw_widths(const std::string& title,
-                     const BeamWidth& width,
-                     std::span<const ChartedRung> rungs,
-                     PictureSize size) {
-  Chart chart{title, {"range (mm)"}, {std::string(width.name) + " width (mm)"}};
-  chart.y.low = 0.0;
-  const auto& table = rungs.front().found;
-  const auto fractions = fractions_of(table);
-  for (std::size_t i = 0; i < fractions.size(); ++i) {
-    const std::string name = "table, " + fraction_text(fractions[i]);
-    chart.series.push_back(
-        width_series(name, table, fractions[i], &BeamComparison::expected, width.value));
-    chart.series.back().colour = static_cast<int>(i);
-  }
-  for (const ChartedRung& rung : rungs) {
-    for (std::size_t i = 0; i < fractions.size(); ++i) {
-      Series series = width_series(i == 0 ? rung.name : "",
-                                   rung.found,
-                                   fractions[i],
-                                   &BeamComparison::measured,
-                                   width.value);
-      series.stroke = Stroke::none;
-      series.mark = rung.mark;
-      series.colour = static_cast<int>(i);
-      chart.series.push_back(std::move(series));
-    }
-  }
-  return draw(chart, size);
+Figure widths_figure(const std::string& study,
+                     const std::string& what,
+                     hw::ProbePreset preset,
+                     std::span<const ChartedRung> rungs) {
+  const std::string name(table_name(preset));
+  return {study + "_" + name,
+          "Widths of " + what + ", preset " + name +
+              ": on the axis and towards the edge of the sector. Lines: tables of tests/yardstick.",
+          side_by_side({draw_widths("Across lines", kLateral, rungs),
+                        draw_widths("Across frames", kElevation, rungs)})};
 }
 
 }  // namespace wobblebench::bench

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/report/chart/chart.h"
+#include "bench/report/figure.h"
 #include "bench/report/validation/study_report.h"
 #include "bench/studies/validate/yardstick.h"
 
@@ -57,10 +57,11 @@ struct ChartedRung {
   Mark mark = Mark::disc;
   std::vector<BeamComparison> found;
 };
-/// A width over range: lines are the table's, one colour for each of its angles.
-Picture3 draw_widths(const std::string& title,
-                     const BeamWidth& width,
-                     std::span<const ChartedRung> rungs,
-                     PictureSize size);
+/// Figure `study`_PRESET: widths across lines and across frames over range. Lines are the table's,
+/// one colour for each of its angles. `what`: whose widths, for the caption.
+Figure widths_figure(const std::string& study,
+                     const std::string& what,
+                     hw::ProbePreset preset,
+                     std::span<const ChartedRung> rungs);
 
 }  // namespace wobblebench::bench
