@@ -1,4 +1,5 @@
-// The physics of the simulated probe against closed forms and publications.
+// The physics of the simulated probe against an independent sum over its elements, closed forms and
+// publications.
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -98,8 +99,10 @@ int validate(const Arguments& arguments) {
 
 Command add_validate_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = add_subcommand(
-      app, "validate", "The simulated probe's physics against closed forms and publications");
+  CLI::App& command = add_subcommand(app,
+                                     "validate",
+                                     "The simulated probe's physics against an independent sum "
+                                     "over its elements, closed forms and publications");
   add_output_options(command, arguments->output);
   add_list(command,
            "--study",

@@ -13,7 +13,7 @@
 
 namespace wobblebench::render {
 
-/// Text of a shader file, embedded at build time (shaders/embed.cmake); empty if there is none of
+/// Text of a shader file, embedded at build time (cmake/EmbedText.cmake); empty if there is none of
 /// that name.
 std::string_view shader_text(std::string_view file);
 

@@ -1,68 +1,124 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "bench/report/validation/study_reports.h"
-#include "hw/probe/probe.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kLeast = 0.98;
-/// Main lobe alone: lower, as the side lobes are missing in tissue wider than the beam.
-constexpr double kLeastMainLobe = 0.96;
-/// Away from the foci pulses from the edges of the apertures arrive later than those from their
-/// middle, which a table of one delay and one frequency slope does not reproduce.
-constexpr double kLeastUnfocused = 0.95;
+constexpr double kFrom_m = 30e-3;
+constexpr double kLeast = 0.95, kLeastReference = 0.99;
+constexpr double kLevelBar_db = 0.5;
 
-double least(bool side_lobes, double range_m) {
-  const bool in_focus = std::abs(range_m / hw::ProbeOptions().transmit_focus_m - 1) < 0.1;
-  if (!in_focus) return kLeastUnfocused;
-  return side_lobes ? kLeast : kLeastMainLobe;
+struct Variant {
+  const char* name;
+  PointRung rung;
+};
+constexpr Variant kVariants[] = {{"main_lobe", {sim::Rung::scatterers, false}},
+                                 {"side_lobes", {sim::Rung::scatterers, true}},
+                                 {"reference", {sim::Rung::reference, false}}};
+
+std::string place_text(const EchoAgreement& place) {
+  const std::string mm = std::to_string(std::lround(place.range_m * 1e3)) + " mm";
+  if (place.sector_fraction == 0) return "worst at " + mm;
+  return "worst at " + mm + ", " + significant(place.sector_fraction, 3) + " of the half sector";
 }
 
-std::string text_of(const AgreementInputs& inputs) {
-  std::ostringstream text;
-  text << "A tile of tissue " << 1e3 * inputs.thickness_m << " mm thick and "
-       << 2e3 * inputs.half_width_m << " mm wide in fluid, across the axis, seen by "
-       << inputs.sticks << " sticks over " << inputs.sector_rad / kDegree
-       << " degrees. Both rungs hear the same scatterers. `scatterers` looks up the beam in a "
-          "table, its main lobe alone or with side lobes; `reference` sums over the elements, "
-          "there and back, at each frequency of the band.";
-  return text.str();
+void add_checks(const Variant& variant,
+                const std::vector<EchoAgreement>& found,
+                bool axis,
+                StudyReport& report) {
+  std::vector<EchoAgreement> here;
+  std::ranges::copy_if(found, std::back_inserter(here), [&](const EchoAgreement& one) {
+    return (one.sector_fraction == 0) == axis && one.range_m > kFrom_m - 1e-6;
+  });
+  const auto lowest = std::ranges::min_element(here, {}, &EchoAgreement::correlation);
+  const auto farthest = std::ranges::max_element(
+      here, {}, [](const EchoAgreement& one) { return std::abs(one.level_db); });
+  const std::string name = std::string("agreement.") + variant.name + (axis ? ".axis" : ".edge");
+  const long n = static_cast<long>(here.size());
+  const bool reference = variant.rung.rung == sim::Rung::reference;
+  report.checks.push_back({name + ".correlation",
+                           Check::Kind::at_least,
+                           lowest->correlation,
+                           reference ? kLeastReference : kLeast,
+                           0,
+                           "1",
+                           place_text(*lowest),
+                           n,
+                           "places",
+                           {}});
+  report.checks.push_back({name + ".level",
+                           Check::Kind::at_most,
+                           std::abs(farthest->level_db),
+                           kLevelBar_db,
+                           0,
+                           "dB",
+                           place_text(*farthest),
+                           n,
+                           "places",
+                           {}});
 }
 
-Check check(bool side_lobes, double range_m, double found, long n, std::uint64_t seed) {
-  return {std::string("agreement.") + (side_lobes ? "side_lobes" : "main_lobe") + "_at_" +
-              std::to_string(std::lround(range_m * 1e3)) + "mm",
-          Check::Kind::at_least,
-          found,
-          least(side_lobes, range_m),
-          0,
-          "1",
-          "correlation of envelopes with the sum over elements",
-          n,
-          "samples",
-          {seed}};
+/// Correlations by depth and angle.
+void write_table(const Variant& variant,
+                 const std::vector<EchoAgreement>& found,
+                 std::ostream& text) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const bool first = i == 0 || found[i].sector_fraction != found[i - 1].sector_fraction;
+    if (first) text << "\n| " << variant.name << " | " << significant(found[i].sector_fraction, 3);
+    text << " | " << fixed(found[i].correlation, 3) << " (" << fixed(found[i].level_db, 1) << ")";
+    const bool last =
+        i + 1 == found.size() || found[i].sector_fraction != found[i + 1].sector_fraction;
+    if (last) text << " |";
+  }
+}
+
+void add_points(const Variant& variant,
+                const std::vector<EchoAgreement>& found,
+                StudyReport& report) {
+  for (const EchoAgreement& one : found) {
+    const std::string series =
+        std::string(variant.name) + " " + significant(one.sector_fraction, 3);
+    const double mm = one.range_m * 1e3;
+    report.points.push_back({series, "range_mm", mm, "correlation", one.correlation, 1.0});
+    report.points.push_back({series, "range_mm", mm, "level_db", one.level_db, 0.0});
+  }
 }
 
 }  // namespace
 
-StudyReport rung_agreement_report(const AgreementInputs& inputs) {
+StudyReport rung_agreement_report() {
   StudyReport report;
   report.id = "agreement";
-  report.title = "Scatterers against reference";
-  report.text = text_of(inputs);
-  for (const double range_m : inputs.ranges_m) {
-    const AgreementResult found = measure_agreement(range_m, inputs);
-    report.checks.push_back(check(false, range_m, found.main_lobe, found.n, inputs.seed));
-    report.checks.push_back(check(true, range_m, found.side_lobes, found.n, inputs.seed));
-    const double mm = range_m * 1e3;
-    report.points.push_back({"main_lobe", "range_mm", mm, "correlation", found.main_lobe, {}});
-    report.points.push_back({"side_lobes", "range_mm", mm, "correlation", found.side_lobes, {}});
-    report.points.push_back({"main_lobe", "range_mm", mm, "level_db", found.main_lobe_db, 0.0});
-    report.points.push_back({"side_lobes", "range_mm", mm, "level_db", found.side_lobes_db, 0.0});
+  report.title = "Echoes of many points";
+  const auto places = echo_places();
+  std::ostringstream text;
+  text
+      << "At each of " << places.size() << " places " << places.front().points.size()
+      << " points of either sign, within 6 mm across the stick, 5 mm across the image plane and "
+         "1.5 mm along the stick (`tests/yardstick/echo_points.csv`): the envelope of their summed "
+         "echo on one stick of the standard preset, against that of the yardstick's sum over "
+         "elements (`echoes.csv`). `scatterers` looks up the beam in a table, its main lobe alone "
+         "or with side lobes; `reference` sums over the elements itself. In the table: correlation "
+         "and, in brackets, level in dB, by part of the half sector and depth.\n\n| rung | angle";
+  for (const EchoPlace& place : places) {
+    if (place.sector_fraction == places.front().sector_fraction) {
+      text << " | " << std::lround(place.range_m * 1e3) << " mm";
+    }
   }
+  text << " |\n| --- | --- | --- | --- | --- | --- | --- |";
+  for (const Variant& variant : kVariants) {
+    const auto found = measure_agreement(variant.rung, places);
+    add_checks(variant, found, true, report);
+    add_checks(variant, found, false, report);
+    add_points(variant, found, report);
+    write_table(variant, found, text);
+  }
+  report.text = text.str();
   return report;
 }
 

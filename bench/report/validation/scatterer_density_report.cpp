@@ -12,7 +12,7 @@ constexpr double kTolerance = 0.04;  // of the intensity's mean / sigma
 
 Chart make_chart(const std::vector<DensityPoint>& found) {
   Chart chart{"Speckle against scatterers in a resolution cell",
-              {"scatterers in the smallest resolution cell", Scale::logarithmic},
+              {"scatterers in a resolution cell", Scale::logarithmic},
               {"mean / sigma"}};
   Series envelope{"envelope", {}, {}, Stroke::none, Mark::disc, 0};
   Series intensity{"intensity", {}, {}, Stroke::none, Mark::square, 1};
@@ -89,13 +89,14 @@ StudyReport scatterer_density_report(const DensityInputs& inputs) {
        "Mean over sigma of envelope and intensity; bars are two standard errors.",
        draw(make_chart(found))});
   std::ostringstream text;
-  text << "As above, " << 1e3 * inputs.speckle.from_m << " to " << 1e3 * inputs.speckle.to_m
-       << " mm from the face, about the focus, where the resolution cell is smallest. "
-          "`simulation.scatterers_per_cell` counts scatterers in the product of the three -6 dB "
-          "widths; the effective number N that a sample hears is 1.064 cubed times that, and more "
-          "away from the focus. Intensity follows 1/sqrt(1 + 1/N); the envelope that of a K "
-          "distribution with the same (Jakeman and Pusey, IEEE Trans. Antennas Propag. 24, 806 "
-          "(1976)).";
+  text
+      << "The rung `scatterers`, standard preset, middle stick, " << 1e3 * inputs.speckle.from_m
+      << " to " << 1e3 * inputs.speckle.to_m
+      << " mm from the face. `simulation.scatterers_per_cell` counts scatterers in the product of "
+         "the three -6 dB widths; in a Gaussian beam the effective number N that a sample hears is "
+         "1.064 cubed times that. Intensity follows 1/sqrt(1 + 1/N); the envelope that of a K "
+         "distribution with the same (Jakeman and Pusey, IEEE Trans. Antennas Propag. 24, 806 "
+         "(1976)).";
   report.text = text.str();
   return report;
 }

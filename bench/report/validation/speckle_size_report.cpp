@@ -1,140 +1,152 @@
-#include <array>
+#include <algorithm>
 #include <cmath>
 
+#include "base/number_text.h"
 #include "bench/report/validation/study_reports.h"
-#include "sim/fidelity.h"
+#include "bench/report/validation/table_comparison.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kTolerance = 0.05;
-/// Of `scatterers` without side lobes, and along the stick away from the foci, where its beam's
-/// table loses a part of the band.
-constexpr double kLooseTolerance = 0.12;
-
-struct Named {
-  BeamDirection direction;
-  const char* name;
-};
-constexpr std::array<Named, 3> kDirections = {{{BeamDirection::axial, "axial"},
-                                               {BeamDirection::lateral, "lateral"},
-                                               {BeamDirection::elevation, "elevation"}}};
+constexpr double kFrom_m = 20e-3, kTo_m = 150e-3;
+constexpr double kWidthBar = 10;  // percent
+constexpr double kLevelBar_db = 0.5;
+constexpr double kErrorBar = 3;  // percent
+constexpr double kNeighbourBar = 0.05;
 
 struct Variant {
   const char* name;
-  const char* title;
   sim::Rung rung;
   bool side_lobes;
   Mark mark;
 };
-constexpr std::array<Variant, 3> kVariants = {
-    {{"field", "field", sim::Rung::field, false, Mark::disc},
-     {"scatterers_side_lobes", "with side lobes", sim::Rung::scatterers, true, Mark::ring},
-     {"scatterers", "main lobe", sim::Rung::scatterers, false, Mark::triangle}}};
+constexpr Variant kVariants[] = {
+    {"field", sim::Rung::field, false, Mark::square},
+    {"scatterers", sim::Rung::scatterers, false, Mark::disc},
+    {"scatterers_side_lobes", sim::Rung::scatterers, true, Mark::triangle}};
 
-double tolerance(const Variant& variant, BeamDirection direction, double range_m) {
-  if (variant.rung == sim::Rung::field) return kTolerance;
-  const bool in_focus = std::abs(range_m / hw::ProbeOptions().transmit_focus_m - 1) < 0.1;
-  if (direction == BeamDirection::axial) return in_focus ? kTolerance : kLooseTolerance;
-  return variant.side_lobes ? kTolerance : kLooseTolerance;
+/// With side lobes, which take longest: the standard preset.
+bool measured(const Variant& variant, hw::ProbePreset preset) {
+  return !variant.side_lobes || preset == hw::ProbePreset::standard;
 }
 
-std::string whole_mm(double metres) {
-  return std::to_string(std::lround(metres * 1e3));
-}
-
-void add_result(const std::string& series,
-                const Autocorrelation& found,
-                const SpeckleSizeInputs& inputs,
-                double tolerance,
+void add_checks(const std::string& name,
+                const SpeckleSize& size,
+                const std::vector<std::uint64_t>& seeds,
                 StudyReport& report) {
-  report.checks.push_back(
-      {"speckle_size." + series + "_at_" + whole_mm(found.range_m) + "mm",
-       Check::Kind::within,
-       found.fwhm_m * 1e3,
-       found.expected_m * 1e3,
-       tolerance * found.expected_m * 1e3,
-       "mm",
-       "full width at half maximum of the point spread's autocorrelation, squared",
-       found.cells,
-       "resolution cells",
-       inputs.seeds});
-  for (std::size_t i = 0; i < found.lag_m.size(); ++i) {
-    const double u = 2 * found.lag_m[i] / found.expected_m;
-    report.points.push_back({series + " " + whole_mm(found.range_m) + " mm",
-                             "lag_mm",
-                             found.lag_m[i] * 1e3,
-                             "autocovariance",
-                             found.value[i],
-                             std::exp2(-u * u)});
+  const CheckedOver over{"places", seeds};
+  for (const StickPlaces places : {StickPlaces::axis, StickPlaces::edge}) {
+    const std::string where = places == StickPlaces::axis ? ".axis" : ".edge";
+    const auto here = at_places(size.places, places, kFrom_m, kTo_m);
+    for (const BeamWidth& width : {kLateral, kElevation, kAxial}) {
+      report.checks.push_back(
+          worst_width(name + "." + width.name + where, here, width, kWidthBar, over));
+    }
+    report.checks.push_back(worst_level(name + ".level" + where, here, kLevelBar_db, over));
+  }
+  report.checks.push_back({name + ".standard_error",
+                           Check::Kind::at_most,
+                           100 * *std::ranges::max_element(size.relative_error),
+                           kErrorBar,
+                           0,
+                           "%",
+                           "of a width by chance, from the seeds' spread, root mean square over "
+                           "the places, of the worst direction",
+                           static_cast<long>(size.places.size()),
+                           "places",
+                           seeds});
+}
+
+Check neighbour_check(const std::string& name,
+                      const std::vector<NeighbourRow>& found,
+                      double NeighbourRow::*value,
+                      const std::vector<std::uint64_t>& seeds) {
+  const auto table = neighbour_rows();
+  std::size_t worst = 0;
+  const auto error = [&](std::size_t i) { return std::abs(found[i].*value - table[i].*value); };
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    if (error(i) > error(worst)) worst = i;
+  }
+  return {name,
+          Check::Kind::at_most,
+          error(worst),
+          kNeighbourBar,
+          0,
+          "1",
+          "worst at " + std::to_string(std::lround(table[worst].range_m * 1e3)) +
+              " mm: " + fixed(found[worst].*value, 3) + ", table " + fixed(table[worst].*value, 3),
+          static_cast<long>(table.size()),
+          "depths",
+          seeds};
+}
+
+void add_neighbours(const Variant& variant, const NeighbourInputs& inputs, StudyReport& report) {
+  const auto found = measure_neighbours(variant.rung, variant.side_lobes, inputs);
+  const auto table = neighbour_rows();
+  const std::string name = std::string("speckle_size.") + variant.name;
+  report.checks.push_back(neighbour_check(
+      name + ".neighbouring_lines", found, &NeighbourRow::line_correlation, inputs.seeds));
+  report.checks.push_back(neighbour_check(
+      name + ".neighbouring_frames", found, &NeighbourRow::frame_correlation, inputs.seeds));
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const auto add = [&](const std::string& what, double NeighbourRow::*value) {
+      report.points.push_back({std::string(variant.name) + " default scan",
+                               "range_mm",
+                               table[i].range_m * 1e3,
+                               what,
+                               found[i].*value,
+                               table[i].*value});
+    };
+    add("neighbouring_lines_correlation", &NeighbourRow::line_correlation);
+    add("neighbouring_frames_correlation", &NeighbourRow::frame_correlation);
   }
 }
 
-/// All directions and depths on one curve: lags over the expected width.
-void add_series(const std::string& name,
-                int colour,
-                Mark mark,
-                const std::vector<Autocorrelation>& found,
-                Chart& chart) {
-  Series series{name, {}, {}, Stroke::none, mark, colour};
-  for (const Autocorrelation& one : found) {
-    const std::size_t stride = std::max<std::size_t>(1, one.lag_m.size() / 12);
-    for (std::size_t i = 0; i < one.lag_m.size(); i += stride) {
-      series.x.push_back(one.lag_m[i] / one.expected_m);
-      series.y.push_back(one.value[i]);
-    }
+constexpr char kText[] =
+    "Even tissue without losses, scanned densely in one direction and sparsely in the others: "
+    "the full width at half maximum of the normalised autocovariance of the intensity across "
+    "lines, across frames and along the stick, and the mean echo power, at the places of "
+    "`tests/yardstick/speckle.csv`. Of fully developed speckle the autocovariance is the "
+    "squared magnitude of the correlation of two sticks' fields, which the yardstick integrates "
+    "over the scatterers' places. Out of focus the beam is wide, but its phase is curved: "
+    "speckle stays as fine as the aperture makes it. Widths are means over 5 mm of range about "
+    "each depth. A level is over the material's mean echo; the table's is over the middle stick "
+    "at the same range, to which both rungs are normalised. Neighbours: the default scan, 64 "
+    "lines over 77 degrees and 37 frames over 61, correlation of intensities with the next line "
+    "and the next frame, the middle 16 lines (`tests/yardstick/neighbours.csv`). Checks name "
+    "the worst of the depths from 20 to 150 mm: `axis`, the middle stick; `edge`, all others up "
+    "to the last one. A few degrees beyond it are scanned too; the array ends where it does. With "
+    "side lobes, which take longest, the standard preset alone.";
+
+void add_preset(hw::ProbePreset preset, StudyReport& report) {
+  const std::string preset_name(table_name(preset));
+  const auto places = speckle_rows(preset);
+  std::vector<ChartedRung> rungs;
+  for (const Variant& variant : kVariants) {
+    if (!measured(variant, preset)) continue;
+    SpeckleSizeInputs inputs;
+    inputs.preset = preset;
+    inputs.rung = variant.rung;
+    inputs.side_lobes = variant.side_lobes;
+    const SpeckleSize size = measure_speckle_size(inputs, places);
+    const std::string name = variant.name;
+    add_checks("speckle_size." + name + "." + preset_name, size, inputs.seeds, report);
+    add_points(name + " " + preset_name, size.places, report);
+    rungs.push_back({name, variant.mark, size.places});
   }
-  chart.series.push_back(series);
+  report.figures.push_back(widths_figure("speckle_size", "speckle", preset, rungs));
 }
 
 }  // namespace
 
-StudyReport speckle_size_report(const SpeckleSizeInputs& inputs) {
+StudyReport speckle_size_report() {
   StudyReport report;
   report.id = "speckle_size";
   report.title = "Size of speckle";
-  Chart chart{"Autocovariance of the intensity",
-              {"lag / expected full width at half maximum"},
-              {"autocovariance / variance"}};
-  Series gaussian{"Gaussian"};
-  gaussian.colour = 6;
-  for (int i = 0; i <= 75; ++i) {
-    const double u = 0.02 * i;
-    gaussian.x.push_back(u);
-    gaussian.y.push_back(std::exp2(-4 * u * u));
-  }
-  chart.series.push_back(gaussian);
-  for (const Variant& variant : kVariants) {
-    SpeckleSizeInputs asked = inputs;
-    asked.side_lobes = variant.side_lobes;
-    int colour = 0;
-    for (const Named& direction : kDirections) {
-      const auto found = measure_speckle_size(variant.rung, direction.direction, asked);
-      for (const Autocorrelation& one : found) {
-        add_result(std::string(variant.name) + "." + direction.name,
-                   one,
-                   inputs,
-                   tolerance(variant, direction.direction, one.range_m),
-                   report);
-      }
-      add_series(
-          std::string(variant.title) + ", " + direction.name, colour++, variant.mark, found, chart);
-    }
-  }
-  report.figures.push_back({"speckle_size",
-                            "Autocovariance of the intensity in three directions at three depths, "
-                            "lags over the expected width.",
-                            draw(chart, {720, 420})});
-  report.text =
-      "Even tissue, scanned densely in one direction and sparsely in the others. The normalised "
-      "autocovariance of the intensity of circular Gaussian speckle is the squared magnitude of "
-      "the point spread's autocorrelation. For the Gaussian point spread of `field` it is as wide, "
-      "at half maximum, as the point spread's amplitude. The beam of `scatterers` comes from "
-      "rectangular apertures: its expected width is that of the autocorrelation of the apertures' "
-      "two-way response (sim/beam/beam_pattern.h) over the pulse's band. With side lobes it has "
-      "that width; its main lobe alone, the default, makes speckle up to a tenth smaller, which is "
-      "what leaving them out costs.";
+  for (const hw::ProbePreset preset : kPresets) add_preset(preset, report);
+  for (const Variant& variant : kVariants) add_neighbours(variant, {}, report);
+  report.text = kText;
   return report;
 }
 

@@ -10,20 +10,21 @@
 #include "bench/studies/validate/scatterer_density.h"
 #include "bench/studies/validate/shear.h"
 #include "bench/studies/validate/speckle_motion.h"
+#include "bench/studies/validate/speckle_neighbours.h"
 #include "bench/studies/validate/speckle_size.h"
 #include "bench/studies/validate/speckle_statistics.h"
 
 namespace wobblebench::bench {
 
 StudyReport attenuation_report(const AttenuationInputs& inputs = {});
-StudyReport point_target_report(const PointInputs& inputs = {});
+StudyReport point_target_report();
 StudyReport reflection_report(const ReflectionInputs& inputs = {});
 StudyReport repeatability_report(const RepeatabilityInputs& inputs = {});
-StudyReport rung_agreement_report(const AgreementInputs& inputs = {});
+StudyReport rung_agreement_report();
 StudyReport scatterer_density_report(const DensityInputs& inputs = {});
 StudyReport shear_report(const ShearInputs& inputs = {});
 StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs = {});
-StudyReport speckle_size_report(const SpeckleSizeInputs& inputs = {});
-StudyReport speckle_statistics_report(const SpeckleInputs& inputs = {});
+StudyReport speckle_size_report();
+StudyReport speckle_statistics_report();
 
 }  // namespace wobblebench::bench

@@ -16,7 +16,8 @@ struct AttenuationInputs {
   std::vector<std::uint64_t> seeds = seeds_from(1, 2);
   int sticks = 24;
   int frames = 16;
-  double sector_rad = 77 * kDegree;  ///< of the homogeneous tissue
+  /// Of the homogeneous tissue: no aperture reaches the array's end, where echoes fall with range.
+  double sector_rad = 30 * kDegree;
   double fan_rad = 61 * kDegree;
 };
 

@@ -2,122 +2,115 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <functional>
-#include <memory>
+#include <limits>
+#include <stdexcept>
 
-#include "bench/studies/validate/bodies.h"
-#include "bench/studies/validate/scan.h"
+#include "base/parallel.h"
+#include "bench/studies/validate/point_echoes.h"
+#include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/beam/beam_profile.h"
-#include "sim/beam/point_spread.h"
-#include "sim/echo/reference_scene.h"
-#include "sim/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Half length of a profile, in full widths at half maximum.
-constexpr double kReachFwhm = 1.7;
+constexpr double kDepth_m = 0.17;
+constexpr int kSamples = 4096;  // IQ samples then need no oversampling
+constexpr int kBeyond = 8;      // lines: half the widest profile
+/// Sticks of a profile, and how far it reaches at first, in expected widths.
+constexpr int kAcross = 49;
+constexpr double kReach = 1.0;
+constexpr double kWider = 1.5;
+constexpr int kTries = 4;
 
-/// A single scatterer, and a rung that computes its echo.
-class PointTarget {
- public:
-  PointTarget(sim::Rung rung, const hw::AcquisitionPlan& plan, double range_m, bool side_lobes)
-      : plan_(plan), point_{{0, 0, plan.probe().radius_m + range_m}, 1} {
-    auto options = lossless_envelope(rung, 1);
-    options.side_lobes = side_lobes;
-    const auto water = open_tissue("amniotic_fluid");
-    const sim::ScannedTissue subject{
-        std::make_shared<const sim::TissueMap>(water, 1e-3, options.threads),
-        water.materials(),
-        {},
-        {}};
-    if (rung == sim::Rung::reference) {
-      const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
-      add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
-    } else {
-      const auto field = std::make_shared<const sim::ScattererField>(subject, plan, options);
-      add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };
+hw::AcquisitionPlan plan_of(hw::ProbePreset preset) {
+  return preset_plan(preset,
+                     {.depth_m = kDepth_m, .samples_per_stick = kSamples, .frames_per_volume = 1},
+                     kBeyond);
+}
+
+/// Full width at half of the largest of `value(offset_m)`, over a reach that grows until it holds
+/// it.
+template <class Value>
+double width_m(double expected_m, const Value& value) {
+  double reach_m = kReach * expected_m;
+  for (int i = 0; i < kTries; ++i, reach_m *= kWider) {
+    std::vector<double> offsets_m, values;
+    for (int j = 0; j < kAcross; ++j) {
+      offsets_m.push_back(reach_m * (2.0 * j / (kAcross - 1) - 1));
+      values.push_back(value(offsets_m.back()));
     }
+    const double half = 0.5 * *std::ranges::max_element(values);
+    if (values.front() < half && values.back() < half) return full_width_at_half(offsets_m, values);
   }
+  throw std::runtime_error("points: a profile does not fall to half on both sides");
+}
 
-  /// Envelope of a stick.
-  std::vector<double> stick(double theta_rad, double phi_rad) const {
-    const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
-    const std::vector<float> left(samples, 1.0f);
-    std::vector<std::complex<float>> iq(samples);
-    const sim::TimedRay line{plan_.geometry().stick(theta_rad, phi_rad), 0};
-    add_({line, plan_.sample_spacing_m(), left, {}}, std::span(&point_, 1), iq);
-    std::vector<double> envelope;
-    for (const auto& value : iq) envelope.push_back(static_cast<double>(std::abs(value)));
-    return envelope;
+class PointScan {
+ public:
+  PointScan(hw::ProbePreset preset, const PointRung& rung)
+      : plan_(plan_of(preset)), echoes_(rung.rung, plan_, rung.side_lobes) {}
+
+  BeamRow measure(const BeamRow& place) const {
+    const hw::ProbeGeometry geometry = plan_.geometry();
+    const sim::PointEcho point{geometry.to_cartesian({place.range_m, place.theta_rad, 0}), 1};
+    const auto stick = [&](double turn_rad, double phi_rad) {
+      return echoes_.envelope(place.theta_rad + turn_rad, phi_rad, {&point, 1});
+    };
+    const auto peak = [&](double turn_rad, double phi_rad) {
+      return gaussian_peak(stick(turn_rad, phi_rad)).value;
+    };
+    const double radius_m = geometry.radius_m() + place.range_m;
+    const double lever_m = radius_m * std::cos(place.theta_rad) - geometry.axis_z_m();
+    const auto across_lines = [&](double offset_m) { return peak(offset_m / radius_m, 0); };
+    const auto across_frames = [&](double offset_m) { return peak(0, offset_m / lever_m); };
+    BeamRow found = place;
+    found.lateral_m = width_m(place.lateral_m, across_lines);
+    found.elevation_m = width_m(place.elevation_m, across_frames);
+    found.axial_m = full_width_at_half(sample_ranges_m(), stick(0, 0));
+    found.level_db = 20 * std::log10(peak(0, 0));
+    return found;
   }
 
  private:
+  std::vector<double> sample_ranges_m() const {
+    std::vector<double> ranges_m;
+    for (int k = 0; k < kSamples; ++k) ranges_m.push_back(plan_.sample_range_m(k));
+    return ranges_m;
+  }
+
   hw::AcquisitionPlan plan_;
-  sim::PointEcho point_;
-  std::function<void(
-      const sim::StickPath&, std::span<const sim::PointEcho>, std::span<std::complex<float>>)>
-      add_;
+  PointEchoes echoes_;
 };
 
-Profile make_profile(std::vector<double> offsets_m,
-                     std::vector<double> amplitudes,
-                     double formula_m) {
-  const Peak peak = gaussian_peak(amplitudes);
-  const double middle_m = offsets_m.front() + peak.position * (offsets_m[1] - offsets_m[0]);
-  for (double& offset_m : offsets_m) offset_m -= middle_m;
-  for (double& amplitude : amplitudes) amplitude /= peak.value;
-  Profile profile{std::move(offsets_m), std::move(amplitudes), 0, formula_m};
-  profile.fwhm_m = full_width_at_half(profile.offset_m, profile.amplitude);
-  return profile;
-}
-
-Profile along(const hw::AcquisitionPlan& plan, const std::vector<double>& stick) {
-  const double formula_m = sim::axial_fwhm_m(plan);
-  const auto top = std::max_element(stick.begin(), stick.end()) - stick.begin();
-  const auto reach = static_cast<std::ptrdiff_t>(kReachFwhm * formula_m / plan.sample_spacing_m());
-  std::vector<double> offsets_m, amplitudes;
-  for (auto k = top - reach; k <= top + reach; ++k) {
-    offsets_m.push_back(plan.sample_range_m(static_cast<int>(k)));
-    amplitudes.push_back(stick.at(static_cast<std::size_t>(k)));
+std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const BeamRow> places) {
+  const hw::AcquisitionPlan plan = plan_of(preset);
+  const sim::BeamProfile profile(plan, {});
+  std::vector<BeamComparison> results;
+  for (const BeamRow& place : places) {
+    BeamRow found = place;
+    found.lateral_m = profile.lateral_fwhm_m(place.range_m, place.theta_rad);
+    found.elevation_m = profile.elevation_fwhm_m(place.range_m);
+    found.axial_m = found.level_db = std::numeric_limits<double>::quiet_NaN();
+    results.push_back({place, found});
   }
-  return make_profile(std::move(offsets_m), std::move(amplitudes), formula_m);
+  return results;
 }
 
 }  // namespace
 
-PointResult measure_point(sim::Rung rung,
-                          double range_m,
-                          bool side_lobes,
-                          const PointInputs& inputs) {
-  hw::ProbeOptions probe;
-  if (inputs.in_focus) probe.transmit_focus_m = probe.elevation_focus_m = range_m;
-  // Samples so fine that IQ samples need no oversampling.
-  const hw::AcquisitionPlan plan(probe, {.depth_m = range_m + 10e-3, .samples_per_stick = 4096});
-  const PointTarget point(rung, plan, range_m, side_lobes);
-  const sim::BeamProfile profile(plan, {});
-  const auto across = [&](bool in_plane, double radius_m, double formula_m) {
-    std::vector<double> offsets_m, amplitudes;
-    for (int i = 0; i < inputs.across; ++i) {
-      const double offset_m = kReachFwhm * formula_m * (2.0 * i / (inputs.across - 1) - 1);
-      const double angle = offset_m / radius_m;
-      offsets_m.push_back(offset_m);
-      amplitudes.push_back(
-          gaussian_peak(in_plane ? point.stick(angle, 0) : point.stick(0, angle)).value);
-    }
-    return make_profile(std::move(offsets_m), std::move(amplitudes), formula_m);
-  };
-  const auto middle = point.stick(0, 0);
-  const double to_center_m = plan.probe().radius_m + range_m;
-  const double to_axis_m = to_center_m - plan.geometry().axis_z_m();
-  return {range_m,
-          gaussian_peak(middle).value,
-          along(plan, middle),
-          across(true, to_center_m, profile.lateral_fwhm_m(range_m)),
-          across(false, to_axis_m, profile.elevation_fwhm_m(range_m))};
+std::vector<BeamComparison> measure_points(hw::ProbePreset preset,
+                                           const PointRung& rung,
+                                           std::span<const BeamRow> places) {
+  if (rung.rung == sim::Rung::field) return field_widths(preset, places);
+  const PointScan scan(preset, rung);
+  std::vector<BeamComparison> results(places.size());
+  parallel_rows(static_cast<int>(places.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    results[at] = {places[at], scan.measure(places[at])};
+  });
+  return results;
 }
 
 }  // namespace wobblebench::bench

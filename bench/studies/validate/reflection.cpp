@@ -65,6 +65,10 @@ phantoms::Phantom tilted(double angle_rad, int index, const std::string& materia
   return bare_plane(about_x ? angle_rad : 0, about_x ? 0 : -angle_rad, 0, material_name);
 }
 
+/// Angles come from the fan: in a narrow sector no aperture reaches the array's end, where echoes
+/// are weaker.
+constexpr double kDiffuseSector_rad = 30 * kDegree, kDiffuseFan_rad = 90 * kDegree;
+
 }  // namespace
 
 double fresnel(const phantoms::Material& before,
@@ -114,6 +118,8 @@ std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& 
   const double depth_m = 0.105;  // ends before the back of the slab
   const hw::AcquisitionPlan plan({},
                                  {.depth_m = depth_m,
+                                  .sector_rad = kDiffuseSector_rad,
+                                  .fan_rad = kDiffuseFan_rad,
                                   .sticks_per_frame = inputs.sticks,
                                   .samples_per_stick = static_cast<int>(depth_m / kSpacing_m),
                                   .frames_per_volume = inputs.frames});

@@ -1,66 +1,75 @@
 #include "bench/studies/validate/rung_agreement.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "bench/studies/validate/bodies.h"
-#include "bench/studies/validate/scan.h"
+#include "base/parallel.h"
+#include "bench/studies/validate/point_echoes.h"
 #include "bench/studies/validate/statistics.h"
+#include "hw/probe/acquisition_plan.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Margin in range on both sides of the tile, for the length of the pulse.
-constexpr double kMargin_m = 1e-3;
+constexpr double kDepth_m = 0.16;
+constexpr int kSamples = 4096;  // IQ samples then need no oversampling
 
-Scan scan_tile(sim::Rung rung, double range_m, bool side_lobes, const AgreementInputs& inputs) {
-  const double end_m = range_m + 0.5 * inputs.thickness_m + 2 * kMargin_m;
-  const hw::AcquisitionPlan plan({},
-                                 {.depth_m = end_m,
-                                  .sector_rad = inputs.sector_rad,
-                                  .sticks_per_frame = inputs.sticks,
-                                  .samples_per_stick = static_cast<int>(end_m / 0.1e-3),
-                                  .frames_per_volume = 1});
-  auto options = lossless_envelope(rung, inputs.seed);
-  options.side_lobes = side_lobes;
-  const auto body =
-      block({inputs.half_width_m, inputs.half_width_m, 0.5 * inputs.thickness_m}, 0.5e-3);
-  return scan(phantoms::still_at(body, {0, 0, plan.probe().radius_m + range_m}), plan, options);
-}
-
-std::vector<double> within(const Scan& volume, double range_m, double half_m) {
-  std::vector<double> values;
-  for (int line = 0; line < volume.plan.acquisition().sticks_per_frame; ++line) {
-    for (int k = volume.sample_at(range_m - half_m); k < volume.sample_at(range_m + half_m); ++k) {
-      values.push_back(volume.at(0, line, k));
-    }
+/// Points of a stick in the probe frame, with the amplitudes that the rungs take.
+std::vector<sim::PointEcho> points_of(const EchoPlace& place, const hw::Ray& stick) {
+  // The image plane is y = 0: lateral is in it, across the stick.
+  const glm::dvec3 lateral(stick.direction.z, 0, -stick.direction.x), elevation(0, 1, 0);
+  const double here_db = axis_level_db(hw::ProbePreset::standard, place.range_m);
+  std::vector<sim::PointEcho> points;
+  for (const EchoPlace::Point& point : place.points) {
+    const double db = axis_level_db(hw::ProbePreset::standard, point.axial_m) - here_db;
+    points.push_back(
+        {stick.at(point.axial_m) + point.lateral_m * lateral + point.elevation_m * elevation,
+         static_cast<float>(point.amplitude * std::pow(10, db / 20))});
   }
-  return values;
+  return points;
 }
 
-double level_db(const std::vector<double>& values, const std::vector<double>& others) {
-  double sum = 0, other_sum = 0;
-  for (const double value : values) sum += value * value;
-  for (const double value : others) other_sum += value * value;
-  return 10 * std::log10(sum / other_sum);
+/// Linear between samples at (k + 1/2) * spacing_m.
+double at_range(const std::vector<double>& envelope, double spacing_m, double range_m) {
+  const double at = range_m / spacing_m - 0.5;
+  const auto before = static_cast<std::size_t>(at);
+  const double share = at - static_cast<double>(before);
+  return (1 - share) * envelope.at(before) + share * envelope.at(before + 1);
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  Moments moments;
+  for (const double value : values) moments.add(value);
+  return std::sqrt(moments.mean_square());
 }
 
 }  // namespace
 
-AgreementResult measure_agreement(double range_m, const AgreementInputs& inputs) {
-  const double half_m = 0.5 * inputs.thickness_m + kMargin_m;
-  const auto envelope = [&](sim::Rung rung, bool side_lobes) {
-    return within(scan_tile(rung, range_m, side_lobes, inputs), range_m, half_m);
-  };
-  const auto reference = envelope(sim::Rung::reference, false);
-  const auto main = envelope(sim::Rung::scatterers, false);
-  const auto lobes = envelope(sim::Rung::scatterers, true);
-  return {range_m,
-          correlation(main, reference),
-          correlation(lobes, reference),
-          level_db(main, reference),
-          level_db(lobes, reference),
-          static_cast<long>(reference.size())};
+std::vector<EchoAgreement> measure_agreement(const PointRung& rung,
+                                             std::span<const EchoPlace> places) {
+  const hw::AcquisitionPlan plan(
+      {}, {.depth_m = kDepth_m, .samples_per_stick = kSamples, .frames_per_volume = 1});
+  const double edge_rad = 0.5 * plan.acquisition().sector_rad;
+  const PointEchoes echoes(rung.rung, plan, rung.side_lobes);
+  std::vector<EchoAgreement> results(places.size());
+  parallel_rows(static_cast<int>(places.size()), [&](int i) {
+    const EchoPlace& place = places[static_cast<std::size_t>(i)];
+    const double theta_rad = place.sector_fraction * edge_rad;
+    const auto points = points_of(place, plan.geometry().stick(theta_rad, 0));
+    const auto stick = echoes.envelope(theta_rad, 0, points);
+    std::vector<double> found;
+    for (const double range_m : place.ranges_m) {
+      found.push_back(at_range(stick, plan.sample_spacing_m(), range_m));
+    }
+    results[static_cast<std::size_t>(i)] = {
+        place.sector_fraction,
+        place.range_m,
+        correlation(found, place.envelope),
+        20 * std::log10(root_mean_square(found) / root_mean_square(place.envelope)),
+        static_cast<long>(found.size())};
+  });
+  return results;
 }
 
 }  // namespace wobblebench::bench

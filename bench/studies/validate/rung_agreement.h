@@ -1,36 +1,26 @@
-// The rung `scatterers` against `reference`: the same scatterers, two methods of summing their
-// echoes.
+// Echoes of many points at once against tests/yardstick: echo_points.csv, echoes.csv.
 #pragma once
 
-#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "base/units.h"
-#include "hw/probe/acquisition_plan.h"
-#include "sim/options.h"
+#include "bench/studies/validate/point_targets.h"
+#include "bench/studies/validate/yardstick.h"
 
 namespace wobblebench::bench {
 
-/// A tile of tissue on the axis, wider than the main lobe, scanned by a narrow sector.
-struct AgreementInputs {
-  std::vector<double> ranges_m = {50e-3, 75e-3, 110e-3};  ///< of its middle, from the face
-  double thickness_m = 2e-3;
-  double half_width_m = 9e-3;
-  int sticks = 10;
-  double sector_rad = 7 * kDegree;
-  std::uint64_t seed = 1;
+struct EchoAgreement {
+  double sector_fraction = 0;
+  double range_m = 0;
+  double correlation = 0;  ///< of the envelope with the table's
+  double level_db = 0;     ///< its root mean square over the table's
+  long n = 0;              ///< samples
 };
 
-struct AgreementResult {
-  double range_m = 0;
-  /// Correlation of the envelope with that of `reference`.
-  double main_lobe = 0;
-  double side_lobes = 0;
-  /// RMS of the envelope over that of `reference`.
-  double main_lobe_db = 0;
-  double side_lobes_db = 0;
-  long n = 0;  ///< samples
-};
-AgreementResult measure_agreement(double range_m, const AgreementInputs& inputs);
+/// At each of `places`, of the standard preset. Rungs `scatterers` and `reference`. These normalise
+/// a point's echo to the middle stick's axis at the point's own range, the table at the place's
+/// range: amplitudes are multiplied by the ratio, from the levels of point_widths.csv.
+std::vector<EchoAgreement> measure_agreement(const PointRung& rung,
+                                             std::span<const EchoPlace> places);
 
 }  // namespace wobblebench::bench

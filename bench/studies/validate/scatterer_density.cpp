@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/beam/beam_profile.h"
+#include "base/units.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-double cell_m3(const hw::AcquisitionPlan& plan, double range_m) {
-  return sim::BeamProfile(plan, {}).resolution_cell_m3(range_m);
-}
 
 /// Mean of mean / sigma over groups of `values`, and its standard error.
 struct Grouped {
@@ -45,20 +41,8 @@ double envelope_snr(double effective) {
   return mean / std::sqrt(1 - mean * mean);
 }
 
-double effective_scatterers(const DensityInputs& inputs, double per_cell) {
-  const hw::AcquisitionPlan plan({}, inputs.speckle.acquisition);
-  double smallest = HUGE_VAL;
-  for (int k = 0; k < inputs.speckle.acquisition.samples_per_stick; ++k) {
-    smallest = std::min(smallest, cell_m3(plan, plan.sample_range_m(k)));
-  }
-  const double per_fwhm = std::pow(std::sqrt(2 * kPi) / 2.354820, 3);
-  const int count = 1 + static_cast<int>((inputs.speckle.to_m - inputs.speckle.from_m) / 1e-3);
-  double sum = 0;
-  for (int i = 0; i < count; ++i) {
-    // Averages 1 / N, in which the statistics are linear.
-    sum += smallest / cell_m3(plan, inputs.speckle.from_m + 1e-3 * i);
-  }
-  return per_cell * per_fwhm * count / sum;
+double effective_scatterers(double per_cell) {
+  return per_cell * std::pow(std::sqrt(2 * kPi) / (2 * std::sqrt(2 * std::log(2.0))), 3);
 }
 
 std::vector<DensityPoint> measure_density(const DensityInputs& inputs) {
@@ -66,9 +50,9 @@ std::vector<DensityPoint> measure_density(const DensityInputs& inputs) {
   for (const double per_cell : inputs.per_cell) {
     SpeckleInputs speckle = inputs.speckle;
     speckle.scatterers_per_cell = per_cell;
-    const SpeckleResult result = measure_speckle(sim::Rung::scatterers, speckle);
+    const SpeckleResult result = measure_speckle(speckle);
     found.push_back({per_cell,
-                     effective_scatterers(inputs, per_cell),
+                     effective_scatterers(per_cell),
                      result.envelope.snr(),
                      snr_of_groups(result.values, 1).error,
                      result.intensity.snr(),

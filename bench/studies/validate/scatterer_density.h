@@ -9,8 +9,8 @@ namespace wobblebench::bench {
 
 struct DensityInputs {
   std::vector<double> per_cell = {1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30};
-  /// Ranges about the smallest resolution cell of the default probe, which `per_cell` counts.
-  SpeckleInputs speckle = {.seeds = seeds_from(1, 3), .from_m = 66e-3, .to_m = 82e-3};
+  /// Ranges about the focus of the standard preset.
+  SpeckleInputs speckle = {.from_m = 60e-3, .to_m = 90e-3};
 };
 
 struct DensityPoint {
@@ -24,9 +24,9 @@ struct DensityPoint {
 };
 std::vector<DensityPoint> measure_density(const DensityInputs& inputs);
 
-/// Effective number of scatterers for a density: in Gaussian beams and pulses each direction
-/// contributes sqrt(2 pi) sigma = 1.064 FWHM. Mean over the range window.
-double effective_scatterers(const DensityInputs& inputs, double per_cell);
+/// Effective number of scatterers for a number in the product of the three -6 dB widths: in
+/// Gaussian beams and pulses each direction contributes sqrt(2 pi) sigma = 1.064 FWHM.
+double effective_scatterers(double per_cell);
 
 /// mean / sigma of the intensity of N randomly (Poisson) placed scatterers: 1 / sqrt(1 + 1 / N).
 double intensity_snr(double effective);

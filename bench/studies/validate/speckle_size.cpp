@@ -2,169 +2,159 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <stdexcept>
 
-#include "bench/studies/validate/bodies.h"
+#include "base/parallel.h"
+#include "bench/studies/validate/autocovariance.h"
 #include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
-#include "sim/beam/beam_profile.h"
-#include "sim/beam/point_spread.h"
+#include "bench/studies/validate/speckle_statistics.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr double kDepth_m = 0.12;
-constexpr int kFineSamples = 4096;
-constexpr int kSamples = 480;
-/// Largest lag, in expected widths.
-constexpr double kLagFwhm = 1.5;
-/// Dense sectors and fans: steps of about a third of the width at the evaluated ranges.
-constexpr double kDenseSector_rad = 32 * kDegree;
-constexpr double kDenseFan_rad = 61 * kDegree;
-constexpr double kSparseSector_rad = 30 * kDegree;
+constexpr double kDepth_m = 0.165;
+constexpr int kSamples = 1500;  // IQ samples then need no oversampling
+/// Lags are measured until the covariance is well below a half.
+constexpr double kEnough = 0.4;
+constexpr int kMostLags = 60;
 
-hw::AcquisitionOptions plan_for(BeamDirection direction, const SpeckleSizeInputs& inputs) {
-  hw::AcquisitionOptions acquisition{.depth_m = kDepth_m, .samples_per_stick = kSamples};
-  acquisition.sticks_per_frame = inputs.sparse;
-  acquisition.frames_per_volume = inputs.sparse;
+/// Sticks about a place: in the dense direction a quarter of the width apart or less, in the others
+/// about the width or more.
+struct DenseGrid {
+  GridPlan plan;
+  ScanStep step;
+};
+
+DenseGrid dense_grid(BeamDirection direction) {
   switch (direction) {
     case BeamDirection::axial:
-      acquisition.samples_per_stick = kFineSamples;
-      break;
+      return {{0, 3, 1.2 * kDegree, 48, 1.7 * kDegree, kDepth_m, 4096}, {0, 0, 1}};
     case BeamDirection::lateral:
-      acquisition.sector_rad = kDenseSector_rad;
-      acquisition.sticks_per_frame = inputs.dense;
-      break;
+      return {{0, 21, 0.25 * kDegree, 48, 1.7 * kDegree, kDepth_m, kSamples}, {0, 1, 0}};
     case BeamDirection::elevation:
-      acquisition.sector_rad = kSparseSector_rad;
-      acquisition.fan_rad = kDenseFan_rad;
-      acquisition.frames_per_volume = inputs.dense;
-      break;
-  }
-  return acquisition;
-}
-
-/// Spacing in the dense direction; across frames the mean over the lines.
-double step_m(BeamDirection direction, const hw::AcquisitionPlan& plan, double range_m) {
-  if (direction == BeamDirection::axial) return plan.sample_spacing_m();
-  if (direction == BeamDirection::lateral) {
-    return (plan.probe().radius_m + range_m) * plan.theta_step_rad();
-  }
-  double sum = 0;
-  const int lines = plan.acquisition().sticks_per_frame;
-  for (int line = 0; line < lines; ++line) sum += sim::frame_distance_m(plan, line, range_m);
-  return sum / lines;
-}
-
-double point_spread_m(BeamDirection direction, const hw::AcquisitionPlan& plan, double range_m) {
-  switch (direction) {
-    case BeamDirection::axial:
-      return sim::axial_fwhm_m(plan);
-    case BeamDirection::lateral:
-      return sim::BeamProfile(plan, {}).lateral_fwhm_m(range_m);
-    case BeamDirection::elevation:
-      return sim::BeamProfile(plan, {}).elevation_fwhm_m(range_m);
+      return {{0, 2, 2.4 * kDegree, 320, 0.19 * kDegree, kDepth_m, kSamples}, {1, 0, 0}};
   }
   throw std::logic_error("BeamDirection: no such direction");
 }
 
-/// Intensities of neighbours, `lag` steps apart in the dense direction.
-struct Pairs {
-  BeamDirection direction;
-  int first;  ///< sample
-  int last;
-
-  template <class Body>
-  void for_each(const Scan& volume, int lag, const Body& body) const {
-    const auto& a = volume.plan.acquisition();
-    const int df = direction == BeamDirection::elevation ? lag : 0;
-    const int dl = direction == BeamDirection::lateral ? lag : 0;
-    const int dk = direction == BeamDirection::axial ? lag : 0;
-    for (int f = 0; f + df < a.frames_per_volume; ++f) {
-      for (int l = 0; l + dl < a.sticks_per_frame; ++l) {
-        for (int k = first; k + dk < last; ++k) {
-          const double x = volume.at(f, l, k), y = volume.at(f + df, l + dl, k + dk);
-          body(x * x, y * y);
-        }
-      }
-    }
+/// Between neighbours in the dense direction.
+double step_m(BeamDirection direction,
+              const GridPlan& plan,
+              const hw::ProbeGeometry& geometry,
+              const BeamRow& place) {
+  const double radius_m = geometry.radius_m() + place.range_m;
+  switch (direction) {
+    case BeamDirection::axial:
+      return plan.depth_m / plan.samples;
+    case BeamDirection::lateral:
+      return radius_m * plan.theta_step_rad;
+    case BeamDirection::elevation:
+      return (radius_m * std::cos(place.theta_rad) - geometry.axis_z_m()) * plan.phi_step_rad;
   }
-};
+  throw std::logic_error("BeamDirection: no such direction");
+}
 
-/// Lag at which the value is one half, interpolated as a Gaussian between lags.
-double half_width(const std::vector<double>& lag_m, const std::vector<double>& value) {
-  for (std::size_t i = 1; i < value.size(); ++i) {
-    if (value[i] > 0.5) continue;
-    const double before = -std::log(value[i - 1]);
-    const double behind = -std::log(std::max(value[i], 1e-3));
-    const double fraction = (std::log(2.0) - before) / (behind - before);
-    const double low2 = lag_m[i - 1] * lag_m[i - 1], high2 = lag_m[i] * lag_m[i];
-    return std::sqrt(low2 + fraction * (high2 - low2));
+ScanStep times(const ScanStep& step, int lag) {
+  return {step.frames * lag, step.lines * lag, step.samples * lag};
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Standard error of the mean over the mean.
+double relative_error(const std::vector<double>& values) {
+  double squares = 0;
+  for (const double value : values) squares += (value - mean(values)) * (value - mean(values));
+  const double n = static_cast<double>(values.size());
+  return std::sqrt(squares / (n - 1) / n) / mean(values);
+}
+
+/// Of one seed: the covariance at lags 1, 2, ... until it is low.
+std::vector<double> covariances(const SpeckleGrid& grid,
+                                const ScanWindow& window,
+                                const ScanStep& step) {
+  std::vector<double> values;
+  for (int lag = 1; lag <= kMostLags && (values.empty() || values.back() > kEnough); ++lag) {
+    values.push_back(intensity_correlation(grid, window, times(step, lag)));
   }
-  throw std::runtime_error("speckle size: the autocorrelation does not fall to half");
+  return values;
+}
+
+SpeckleWidth width_at(const ScanWindow& window,
+                      const ScanStep& step,
+                      double lag_m,
+                      const std::vector<const SpeckleGrid*>& grids) {
+  std::vector<double> widths, powers;
+  for (const SpeckleGrid* grid : grids) {
+    widths.push_back(autocovariance_fwhm_m(covariances(*grid, window, step), lag_m));
+    powers.push_back(mean_intensity(*grid, window));
+  }
+  return {mean(widths), level_over_material_db(mean(powers)), relative_error(widths)};
+}
+
+double root_mean_square(const std::vector<SpeckleWidth>& widths) {
+  double squares = 0;
+  for (const SpeckleWidth& width : widths) squares += width.relative_error * width.relative_error;
+  return std::sqrt(squares / static_cast<double>(widths.size()));
 }
 
 }  // namespace
 
-double expected_speckle_m(sim::Rung,
-                          BeamDirection direction,
-                          const hw::AcquisitionPlan& plan,
-                          double range_m) {
-  return point_spread_m(direction, plan, range_m);
+std::vector<SpeckleWidth> measure_speckle_widths(BeamDirection direction,
+                                                 const SpeckleSizeInputs& inputs,
+                                                 std::span<const BeamRow> places) {
+  const DenseGrid dense = dense_grid(direction);
+  const hw::ProbeGeometry geometry(hw::probe_preset(inputs.preset).probe);
+  std::vector<GridPlan> plans;  // one for each angle
+  std::vector<std::size_t> plan_of;
+  for (const BeamRow& place : places) {
+    if (plans.empty() || plans.back().theta_rad != place.theta_rad) {
+      plans.push_back(dense.plan);
+      plans.back().theta_rad = place.theta_rad;
+    }
+    plan_of.push_back(plans.size() - 1);
+  }
+  std::vector<std::vector<SpeckleGrid>> grids;  // [seed][angle]
+  for (const std::uint64_t seed : inputs.seeds) {
+    auto options = lossless_envelope(inputs.rung, seed);
+    options.side_lobes = inputs.side_lobes;
+    grids.push_back(speckle_grids(inputs.preset, options, plans));
+  }
+  std::vector<SpeckleWidth> found(places.size());
+  parallel_rows(static_cast<int>(places.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    std::vector<const SpeckleGrid*> of_seeds;
+    for (const auto& of_seed : grids) of_seeds.push_back(&of_seed[plan_of[at]]);
+    const double range_m = places[at].range_m, half_m = inputs.half_window_m;
+    found[at] = width_at({range_m - half_m, range_m + half_m},
+                         dense.step,
+                         step_m(direction, dense.plan, geometry, places[at]),
+                         of_seeds);
+  });
+  return found;
 }
 
-std::vector<Autocorrelation> measure_speckle_size(sim::Rung rung,
-                                                  BeamDirection direction,
-                                                  const SpeckleSizeInputs& inputs) {
-  const hw::AcquisitionPlan plan({}, plan_for(direction, inputs));
-  const auto tissue = open_tissue();
-  std::vector<Scan> volumes;
-  for (const std::uint64_t seed : inputs.seeds) {
-    auto options = lossless_envelope(rung, seed);
-    options.side_lobes = inputs.side_lobes && rung == sim::Rung::scatterers;
-    volumes.push_back(scan({tissue}, plan, options));
+SpeckleSize measure_speckle_size(const SpeckleSizeInputs& inputs, std::span<const BeamRow> places) {
+  const auto lateral = measure_speckle_widths(BeamDirection::lateral, inputs, places);
+  const auto elevation = measure_speckle_widths(BeamDirection::elevation, inputs, places);
+  const auto axial = measure_speckle_widths(BeamDirection::axial, inputs, places);
+  SpeckleSize size;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    BeamRow found = places[i];
+    found.lateral_m = lateral[i].fwhm_m;
+    found.elevation_m = elevation[i].fwhm_m;
+    found.axial_m = axial[i].fwhm_m;
+    found.level_db = lateral[i].level_db;
+    size.places.push_back({places[i], found});
   }
-  std::vector<Autocorrelation> results;
-  for (const double range_m : inputs.ranges_m) {
-    const Pairs pairs{direction,
-                      volumes.front().sample_at(range_m - inputs.half_window_m),
-                      volumes.front().sample_at(range_m + inputs.half_window_m)};
-    Moments intensity;
-    for (const Scan& volume : volumes) {
-      pairs.for_each(volume, 0, [&](double x, double) { intensity.add(x); });
-    }
-    const double mean = intensity.mean();
-    Autocorrelation result;
-    result.range_m = range_m;
-    // Mean over the window: near the foci the width varies within it.
-    for (const double fraction : {-0.8, -0.4, 0.0, 0.4, 0.8}) {
-      result.expected_m +=
-          0.2 *
-          expected_speckle_m(rung, direction, plan, range_m + fraction * inputs.half_window_m);
-    }
-    const double step = step_m(direction, plan, range_m);
-    for (int lag = 0; lag * step < kLagFwhm * result.expected_m || lag < 4; ++lag) {
-      double sum = 0, count = 0;
-      for (const Scan& volume : volumes) {
-        pairs.for_each(volume, lag, [&](double x, double y) {
-          sum += (x - mean) * (y - mean);
-          ++count;
-        });
-      }
-      result.lag_m.push_back(lag * step);
-      result.value.push_back(sum / count / (intensity.sigma() * intensity.sigma()));
-    }
-    result.fwhm_m = 2 * half_width(result.lag_m, result.value);
-    const double axial_cells = 2 * inputs.half_window_m / sim::axial_fwhm_m(plan);
-    const double across_cells =
-        direction == BeamDirection::axial ? inputs.sparse : inputs.dense * step / result.expected_m;
-    result.cells = static_cast<long>(axial_cells * across_cells * inputs.sparse *
-                                     static_cast<double>(inputs.seeds.size()));
-    results.push_back(std::move(result));
-  }
-  return results;
+  size.relative_error[0] = root_mean_square(lateral);
+  size.relative_error[1] = root_mean_square(elevation);
+  size.relative_error[2] = root_mean_square(axial);
+  return size;
 }
 
 }  // namespace wobblebench::bench

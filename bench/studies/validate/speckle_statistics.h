@@ -1,32 +1,32 @@
-// Envelope of fully developed speckle against the Rayleigh distribution (references.md [7]).
+// Envelope of fully developed speckle against the Rayleigh distribution (references.md [7]), and
+// its level against tests/yardstick/speckle.csv.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "base/units.h"
 #include "bench/studies/validate/seeds.h"
 #include "bench/studies/validate/statistics.h"
-#include "hw/probe/acquisition_plan.h"
+#include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
 
-/// Sticks, frames and samples are so far apart that no two share a resolution cell.
+/// Sticks, frames and samples are about as far apart as the point spread is wide or more.
 struct SpeckleInputs {
-  std::vector<std::uint64_t> seeds = seeds_from(1, 10);
-  /// As at the end of the published curves; with the simulator's default of 10 mean / sigma is 2 %
-  /// below its limit (scatterer_density.h).
-  double scatterers_per_cell = 30;
-  hw::AcquisitionOptions acquisition = {
-      .depth_m = 0.12, .fan_rad = 100 * kDegree, .sticks_per_frame = 24, .frames_per_volume = 20};
-  double from_m = 60e-3;  ///< range window
-  double to_m = 100e-3;
+  hw::ProbePreset preset = hw::ProbePreset::standard;
+  sim::Rung rung = sim::Rung::scatterers;
+  bool side_lobes = false;
+  double scatterers_per_cell = sim::SimulationOptions().scatterers_per_cell;
+  double sector_fraction = 0;  ///< angle of the middle line over half the sector
+  std::vector<std::uint64_t> seeds = seeds_from(1, 2);
+  double from_m = 30e-3;  ///< range window
+  double to_m = 150e-3;
   double step_m = 1e-3;
 };
 
 struct SpeckleResult {
-  Moments envelope;   ///< over the mean of the material table
+  Moments envelope;   ///< over the root mean square of its line and range
   Moments intensity;  ///< its square
   struct Seed {
     double distance = 0;  ///< Kolmogorov-Smirnov, from Rayleigh
@@ -34,12 +34,19 @@ struct SpeckleResult {
   };
   std::vector<Seed> seeds;
   std::vector<double> values;  ///< envelopes of all seeds, as above
+  /// At the table's depths in the range window: only the level is measured.
+  std::vector<BeamComparison> levels;
 
   int rejected() const;  ///< seeds whose distance exceeds the 1 % level
 };
 
 /// Tissue without losses.
-SpeckleResult measure_speckle(sim::Rung rung, const SpeckleInputs& inputs);
+SpeckleResult measure_speckle(const SpeckleInputs& inputs);
+
+/// Mean power of speckle over that of the material: `power` of the linear envelope re a mirror. A
+/// material's backscatter_db is a mean amplitude; of Rayleigh's, the mean power is 4 / pi of its
+/// square.
+double level_over_material_db(double power);
 
 /// mean / sigma of a Rayleigh envelope, sqrt(pi / (4 - pi)) = 1.913.
 double rayleigh_snr();

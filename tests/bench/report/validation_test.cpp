@@ -57,6 +57,8 @@ TEST(Validation, MarkdownNamesFailuresAndLinksFigures) {
   EXPECT_NE(markdown.find("Commit abc"), std::string::npos);
   EXPECT_NE(markdown.find("1.05 mm | 1 ± 0.1"), std::string::npos);
   EXPECT_NE(markdown.find("**failed**"), std::string::npos);
+  EXPECT_NE(markdown.find("tests/yardstick"), std::string::npos);
+  EXPECT_NE(markdown.find("## Not modelled"), std::string::npos);
 }
 
 TEST(Validation, CsvHasEveryPoint) {

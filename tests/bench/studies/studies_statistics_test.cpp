@@ -96,12 +96,10 @@ TEST(ScattererDensity, ClosedFormsHaveTheirLimits) {
   EXPECT_NEAR(envelope_snr(100), rayleigh_snr() - 0.557 / 100, 1e-4);
 }
 
-TEST(ScattererDensity, EffectiveNumberCountsTheWholeBeam) {
-  DensityInputs inputs;
-  EXPECT_NEAR(effective_scatterers(inputs, 20) / effective_scatterers(inputs, 10), 2, 1e-12);
-  // At the smallest cell 1.064^3 of the cell's; away from there the beam is wider.
-  EXPECT_GT(effective_scatterers(inputs, 10), 12.0);
-  EXPECT_LT(effective_scatterers(inputs, 10), 20.0);
+TEST(EffectiveScatterers, OfAGaussianBeamAre1206TimesThoseInTheProductOfWidths) {
+  // integral of exp(-4 ln 2 (x / FWHM)^2), the power's square root twice, over FWHM: sqrt(pi / 4 ln
+  // 2)
+  EXPECT_NEAR(effective_scatterers(10), 10 * std::pow(kPi / (4 * std::log(2.0)), 1.5), 1e-9);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "bench/studies/validate/rung_agreement.h"
 #include "bench/studies/validate/shear.h"
 #include "bench/studies/validate/speckle_motion.h"
+#include "bench/studies/validate/speckle_neighbours.h"
 #include "bench/studies/validate/speckle_size.h"
 #include "bench/studies/validate/speckle_statistics.h"
 #include "phantoms/material.h"
@@ -21,54 +22,97 @@ namespace {
 using sim::Rung;
 
 TEST(SpeckleStudy, FieldIsRayleigh) {
-  SpeckleInputs inputs;
-  inputs.seeds = seeds_from(1, 2);
-  const auto result = measure_speckle(Rung::field, inputs);
+  const auto result = measure_speckle({.rung = Rung::field});
   EXPECT_NEAR(result.envelope.snr(), rayleigh_snr(), 0.03);
   EXPECT_NEAR(result.intensity.snr(), 1, 0.03);
-  EXPECT_NEAR(result.envelope.mean(), 1, 0.02);
   EXPECT_EQ(result.rejected(), 0);
+  ASSERT_EQ(result.levels.size(), 9u);  // depths from 30 to 150 mm
+  for (const auto& place : result.levels) {
+    EXPECT_NEAR(place.measured.level_db, 0, 0.5) << place.expected.range_m;
+  }
 }
 
 TEST(SpeckleStudy, FewScatterersDifferFromMany) {
-  SpeckleInputs inputs;
-  inputs.seeds = {1};
+  SpeckleInputs inputs{.seeds = {1}, .from_m = 60e-3, .to_m = 90e-3};
   inputs.scatterers_per_cell = 1;
-  const auto few = measure_speckle(Rung::scatterers, inputs);
+  const auto few = measure_speckle(inputs);
   inputs.scatterers_per_cell = 30;
-  const auto many = measure_speckle(Rung::scatterers, inputs);
+  const auto many = measure_speckle(inputs);
   EXPECT_LT(few.envelope.snr(), 1.8);
   EXPECT_NEAR(many.envelope.snr(), rayleigh_snr(), 0.05);
   EXPECT_EQ(few.rejected(), 1);
-  EXPECT_NEAR(few.envelope.mean_square() / many.envelope.mean_square(), 1, 0.05);
 }
 
-TEST(PointTargetStudy, WidthsInTheFocusAreThoseOfTheFormulas) {
-  const auto found = measure_point(Rung::scatterers, 75e-3, false, {.across = 25});
-  EXPECT_NEAR(found.axial.fwhm_m / found.axial.formula_m, 1, 0.05);
-  EXPECT_NEAR(found.lateral.fwhm_m / found.lateral.formula_m, 1, 0.05);
-  EXPECT_NEAR(found.elevation.fwhm_m / found.elevation.formula_m, 1, 0.05);
+/// One place of a table.
+BeamRow row_at(const std::vector<BeamRow>& rows, double fraction, double range_m) {
+  for (const BeamRow& row : rows) {
+    const bool here =
+        std::abs(row.sector_fraction - fraction) < 1e-9 && std::abs(row.range_m - range_m) < 1e-9;
+    if (here) return row;
+  }
+  ADD_FAILURE() << "no such row";
+  return {};
 }
 
-TEST(AgreementStudy, ScatterersInTheFocusAreThoseOfTheReference) {
-  AgreementInputs inputs;
-  inputs.sticks = 4;
-  inputs.sector_rad = 2 * kDegree;
-  inputs.half_width_m = 5e-3;
-  const auto found = measure_agreement(75e-3, inputs);
-  // Tissue wider than the beam: its main lobe alone misses a little.
-  EXPECT_GE(found.main_lobe, 0.95);
-  EXPECT_GE(found.side_lobes, 0.98);
+TEST(PointTargetStudy, ReferenceIsAsWideAsTheTable) {
+  for (const double fraction : {0.0, 1.0}) {
+    const BeamRow place = row_at(point_width_rows(hw::ProbePreset::standard), fraction, 75e-3);
+    const auto found =
+        measure_points(hw::ProbePreset::standard, {Rung::reference, false}, {&place, 1}).front();
+    EXPECT_NEAR(found.measured.lateral_m / place.lateral_m, 1, 0.05) << fraction;
+    EXPECT_NEAR(found.measured.elevation_m / place.elevation_m, 1, 0.05) << fraction;
+    EXPECT_NEAR(found.measured.axial_m / place.axial_m, 1, 0.05) << fraction;
+    EXPECT_NEAR(found.measured.level_db, place.level_db, 0.5) << fraction;
+  }
 }
 
-TEST(SpeckleSizeStudy, FieldIsAsWideAsThePointSpread) {
+TEST(PointTargetStudy, FieldHasNoEchoOfAPoint) {
+  const BeamRow place = row_at(point_width_rows(hw::ProbePreset::standard), 0, 75e-3);
+  const auto found =
+      measure_points(hw::ProbePreset::standard, {Rung::field, false}, {&place, 1}).front();
+  EXPECT_NEAR(found.measured.lateral_m / place.lateral_m, 1, 0.05);
+  EXPECT_TRUE(std::isnan(found.measured.axial_m));
+  EXPECT_TRUE(std::isnan(found.measured.level_db));
+}
+
+TEST(AgreementStudy, ReferenceMakesTheTablesEchoes) {
+  auto places = echo_places();
+  // One on the axis and one at the edge, where a wrong sign of a coordinate would show.
+  std::erase_if(places, [](const EchoPlace& place) {
+    return std::abs(place.range_m - 75e-3) > 1e-6 ||
+           (place.sector_fraction != 0 && place.sector_fraction != 1);
+  });
+  ASSERT_EQ(places.size(), 2u);
+  for (const auto& found : measure_agreement({Rung::reference, false}, places)) {
+    EXPECT_GE(found.correlation, 0.99) << found.sector_fraction;
+    EXPECT_NEAR(found.level_db, 0, 0.5) << found.sector_fraction;
+  }
+  for (EchoPlace::Point& point : places[1].points) point.lateral_m *= -1;
+  EXPECT_LT(measure_agreement({Rung::reference, false}, {&places[1], 1}).front().correlation, 0.9);
+}
+
+TEST(SpeckleSizeStudy, ScatterersWithSideLobesAreAsWideAsTheTable) {
   SpeckleSizeInputs inputs;
-  inputs.ranges_m = {75e-3};
+  inputs.rung = Rung::scatterers;
+  inputs.side_lobes = true;
+  const BeamRow place = row_at(speckle_rows(hw::ProbePreset::standard), 0, 75e-3);
+  const auto size = measure_speckle_size(inputs, {&place, 1});
+  const BeamRow& found = size.places.front().measured;
+  EXPECT_NEAR(found.lateral_m / place.lateral_m, 1, 0.1);
+  EXPECT_NEAR(found.elevation_m / place.elevation_m, 1, 0.1);
+  EXPECT_NEAR(found.axial_m / place.axial_m, 1, 0.1);
+  EXPECT_NEAR(found.level_db, 0, 0.5);
+}
+
+TEST(SpeckleNeighbours, AreThoseOfTheTable) {
+  NeighbourInputs inputs;
   inputs.seeds = {1};
-  for (const auto direction :
-       {BeamDirection::axial, BeamDirection::lateral, BeamDirection::elevation}) {
-    const auto found = measure_speckle_size(Rung::field, direction, inputs).front();
-    EXPECT_NEAR(found.fwhm_m / found.expected_m, 1, 0.07) << static_cast<int>(direction);
+  const auto found = measure_neighbours(Rung::field, false, inputs);
+  const auto table = neighbour_rows();
+  ASSERT_EQ(found.size(), table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    EXPECT_NEAR(found[i].line_correlation, table[i].line_correlation, 0.1) << table[i].range_m;
+    EXPECT_NEAR(found[i].frame_correlation, table[i].frame_correlation, 0.1) << table[i].range_m;
   }
 }
 

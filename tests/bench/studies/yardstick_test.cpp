@@ -1,0 +1,103 @@
+// The tables of tests/yardstick as the program has them, and how they are read.
+#include "bench/studies/validate/yardstick.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <stdexcept>
+
+namespace wobblebench::bench {
+namespace {
+
+std::string what_is_wrong_with(const std::string& text) {
+  try {
+    const CsvTable table(text);
+    for (std::size_t i = 0; i < table.rows(); ++i) table.number(i, "mm");
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CsvTable, HasTextAndNumbersByColumn) {
+  const CsvTable table("# about, this\nname,mm\na,1.5\n\nb,-2e1");
+  ASSERT_EQ(table.rows(), 2u);
+  EXPECT_EQ(table.text(0, "name"), "a");
+  EXPECT_DOUBLE_EQ(table.number(0, "mm"), 1.5);
+  EXPECT_DOUBLE_EQ(table.number(1, "mm"), -20);
+}
+
+TEST(CsvTable, SaysWhatIsWrong) {
+  EXPECT_EQ(what_is_wrong_with("# only\n"), "a table without a heading");
+  EXPECT_EQ(what_is_wrong_with("name,mm\na,1\nb\n"), "line 3: 1 fields where the heading has 2");
+  EXPECT_EQ(what_is_wrong_with("name,mm\na,1,2\n"), "line 2: 3 fields where the heading has 2");
+  EXPECT_EQ(what_is_wrong_with("name\na\n"), "no column mm");
+  EXPECT_EQ(what_is_wrong_with("name,mm\na,1x\n"), "mm = 1x: not a number");
+  EXPECT_EQ(what_is_wrong_with("name,mm\na,\n"), "mm = : not a number");
+}
+
+TEST(Yardstick, HasEveryPresetAngleAndDepth) {
+  for (const hw::ProbePreset preset : kPresets) {
+    for (const auto& rows : {point_width_rows(preset), speckle_rows(preset)}) {
+      std::set<double> fractions, ranges_m;
+      for (const BeamRow& row : rows) {
+        fractions.insert(row.sector_fraction);
+        ranges_m.insert(row.range_m);
+        EXPECT_NEAR(
+            row.theta_rad, row.sector_fraction * 0.5 * hw::probe_preset(preset).sector_rad, 1e-4);
+        if (row.sector_fraction == 0) {
+          EXPECT_EQ(row.level_db, 0);
+        }
+      }
+      EXPECT_EQ(rows.size(), fractions.size() * ranges_m.size());
+      EXPECT_EQ(ranges_m.size(), 11u);
+      EXPECT_EQ(fractions.size(), preset == hw::ProbePreset::standard ? 5u : 4u);
+    }
+  }
+}
+
+/// Lines of the files, by eye: standard,1,90,38.5,3.4968,2.7604,0.33063,-14.821 and its middle
+/// stick's -2.7835.
+TEST(Yardstick, RowsAreInMetresAndLevelsOverTheMiddleStick) {
+  for (const BeamRow& row : point_width_rows(hw::ProbePreset::standard)) {
+    if (row.sector_fraction != 1 || row.range_m < 85e-3 || row.range_m > 95e-3) continue;
+    EXPECT_DOUBLE_EQ(row.range_m, 90e-3);
+    EXPECT_DOUBLE_EQ(row.lateral_m, 3.4968e-3);
+    EXPECT_DOUBLE_EQ(row.elevation_m, 2.7604e-3);
+    EXPECT_DOUBLE_EQ(row.axial_m, 0.33063e-3);
+    EXPECT_NEAR(row.level_db, -14.821 + 2.7835, 1e-9);
+    return;
+  }
+  FAIL() << "no such row";
+}
+
+TEST(Yardstick, AxisLevelIsLinearBetweenDepths) {
+  EXPECT_NEAR(axis_level_db(hw::ProbePreset::standard, 75e-3), 0, 1e-9);
+  EXPECT_NEAR(axis_level_db(hw::ProbePreset::standard, 90e-3), -2.7835, 1e-9);
+  EXPECT_NEAR(axis_level_db(hw::ProbePreset::standard, 80e-3), -2.7835 / 3, 1e-9);
+  EXPECT_NEAR(axis_level_db(hw::ProbePreset::standard, 19e-3), -24.427 - 0.381, 1e-9) << "beyond";
+}
+
+TEST(Yardstick, EchoPlacesHavePointsAndEnvelopes) {
+  const auto places = echo_places();
+  ASSERT_EQ(places.size(), 25u);
+  for (const EchoPlace& place : places) {
+    EXPECT_EQ(place.points.size(), 40u);
+    EXPECT_EQ(place.ranges_m.size(), 64u);
+    EXPECT_EQ(place.envelope.size(), 64u);
+    EXPECT_NEAR(0.5 * (place.ranges_m.front() + place.ranges_m.back()), place.range_m, 1e-6);
+  }
+  EXPECT_DOUBLE_EQ(places[0].points[0].axial_m, 30.208e-3);
+  EXPECT_DOUBLE_EQ(places[0].points[0].elevation_m, -2.945e-3);
+  EXPECT_DOUBLE_EQ(places[0].envelope[1], 0.0014181);
+}
+
+TEST(Yardstick, NeighboursAreCorrelations) {
+  const auto rows = neighbour_rows();
+  ASSERT_EQ(rows.size(), 11u);
+  EXPECT_DOUBLE_EQ(rows[0].line_correlation, 0.28416);
+  EXPECT_DOUBLE_EQ(rows[0].frame_correlation, 0.00064135);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
