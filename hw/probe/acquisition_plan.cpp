@@ -107,8 +107,8 @@ double AcquisitionPlan::stick_period_s() const {
 DeviceTime AcquisitionPlan::time_after(std::uint64_t sticks, std::uint64_t fly_backs) const {
   // Extended precision: the rounding of a period stays below 1 ns at any sequence number.
   const long double count = sticks;
-  const long double echo_ns =
-      count * acquisition_.focal_zones * 2e9L * acquisition_.depth_m / static_cast<long double>(acquisition_.sound_speed_m_s);
+  const long double echo_ns = count * acquisition_.focal_zones * 2e9L * acquisition_.depth_m /
+                              static_cast<long double>(acquisition_.sound_speed_m_s);
   const long double dead_ns = count * 1e9L * acquisition_.dead_time_s;
   const bool returns = acquisition_.motor == MotorMode::fly_back;
   const long double fly_back_ns =

@@ -74,9 +74,10 @@ struct StickIndex {
   friend bool operator==(const StickIndex&, const StickIndex&) = default;
 };
 
-/// The echo-ranging schedule: a stick takes 2 d / c for each of its zones + dead time, sticks follow each other, frames
-/// follow the motor. A volume sweeps the fan from its negative to its positive end, or back where
-/// sweep_direction() is -1. In both directions the lines of a frame are acquired from 0 to L - 1.
+/// The echo-ranging schedule: a stick takes 2 d / c for each of its zones + dead time, sticks
+/// follow each other, frames follow the motor. A volume sweeps the fan from its negative to its
+/// positive end, or back where sweep_direction() is -1. In both directions the lines of a frame are
+/// acquired from 0 to L - 1.
 ///
 /// @code
 /// hw::AcquisitionOptions acquisition;

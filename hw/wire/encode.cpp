@@ -40,6 +40,7 @@ void encode(const ConfigurationPacket& packet, std::vector<std::byte>& out) {
   put(header + kTimeOffset, static_cast<std::int64_t>(packet.time.time_since_epoch().count()));
   std::byte* payload = header + kWireHeaderBytes;
   ConfigurationPacket copy = packet;
+  copy.acquisition = with_one_zone(packet.acquisition);
   visit_configuration(copy, [&](std::size_t offset, auto& value) { put(payload + offset, value); });
   put(payload + kMotorModeOffset, static_cast<std::uint32_t>(packet.acquisition.motor));
   put(payload + kSourceOffset, static_cast<std::uint32_t>(packet.source));

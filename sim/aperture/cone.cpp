@@ -34,8 +34,8 @@ ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid
   }
   for (int end = 0; end < kEnds; ++end) {
     for (int to = 0; to < grid.nodes; ++to) {
-      const double aperture_m =
-          end == 0 ? transmit_aperture_m(plan, to * grid.step_m) : receive_aperture_m(plan, to * grid.step_m);
+      const double aperture_m = end == 0 ? transmit_aperture_m(plan, to * grid.step_m)
+                                         : receive_aperture_m(plan, to * grid.step_m);
       widest_m_ = std::max(widest_m_, aperture_m);
       place(aperture_m, to);
       weigh(aperture_m);

@@ -81,9 +81,9 @@ class BeamNodes {
   std::size_t materials_;
   bool interface_echo_;
   double spacing_m_;
-  float pulse2_;                ///< squared sigma of the pulse's power
-  float max2_;                  ///< largest squared sigma that the reach allows
-  float interface_gain_;        ///< factor of an interface's power: pulse and speckle statistics
+  float pulse2_;          ///< squared sigma of the pulse's power
+  float max2_;            ///< largest squared sigma that the reach allows
+  float interface_gain_;  ///< factor of an interface's power: pulse and speckle statistics
   int samples_;
   std::vector<Crossing> crossings_;  ///< [before][behind]
   std::vector<BeamAtSample> beam_;   ///< at each node

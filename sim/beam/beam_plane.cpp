@@ -10,9 +10,9 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr int kSearchColumns = 96;
-constexpr int kSearchRows = 8;      // ranges between those at which the reach is searched
-constexpr double kMainLobe = 0.8;   // of the distance to the first zero
-constexpr double kLobes = 6;        // searched: the main lobe and side lobes
+constexpr int kSearchRows = 8;     // ranges between those at which the reach is searched
+constexpr double kMainLobe = 0.8;  // of the distance to the first zero
+constexpr double kLobes = 6;       // searched: the main lobe and side lobes
 
 }  // namespace
 

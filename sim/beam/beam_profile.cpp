@@ -56,8 +56,7 @@ double power_m(const SampledRow& row, std::size_t node) {
 }
 
 /// Peaks of the echoes along a row, given the response of the other direction on the axis.
-std::vector<double> peaks(const SampledRow& row,
-                          const PulseBand::Values& other) {
+std::vector<double> peaks(const SampledRow& row, const PulseBand::Values& other) {
   std::vector<double> result;
   for (PulseBand::Values value : row.values) {
     for (std::size_t i = 0; i < value.size(); ++i) value[i] *= other[i];
@@ -75,8 +74,7 @@ PulseBand::Values on_axis(const PlaneResponse& response, double range_m) {
 
 BeamGrid::BeamGrid(const hw::AcquisitionPlan& plan, double range_step_m, double angle_step_rad) {
   const double depth_m = plan.acquisition().depth_m;
-  ranges_ = std::clamp(
-      static_cast<int>(std::ceil(depth_m / range_step_m)), kMinRanges, kMaxRanges);
+  ranges_ = std::clamp(static_cast<int>(std::ceil(depth_m / range_step_m)), kMinRanges, kMaxRanges);
   range_step_m_ = depth_m / ranges_;
   const int last = plan.acquisition().sticks_per_frame - 1;
   const double farthest = std::max(std::abs(plan.theta_rad(0)), std::abs(plan.theta_rad(last)));
@@ -118,8 +116,7 @@ BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOption
 void BeamProfile::measure(int range) {
   const double range_m = grid_.range_m(range);
   const auto& probe = plan_.probe();
-  const double wavelength_m =
-      plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
+  const double wavelength_m = plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double height_m = probe.element_height_m;
   const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), plan_);
   const SampledRow across = sample_row(
@@ -145,13 +142,13 @@ void BeamProfile::measure(int range) {
           width_at_half(peaks(across, on_axis(lateral, range_m)), across.step_m());
     }
     for (std::size_t node = 0; node < PulseBand::kNodes; ++node) {
-      entry.power += PulseBand::weight(static_cast<int>(node)) * power_m(along, node) *
-                     power_m(across, node);
+      entry.power +=
+          PulseBand::weight(static_cast<int>(node)) * power_m(along, node) * power_m(across, node);
     }
   }
 }
 
-double BeamProfile::interpolate(double range_m, double theta_rad, double Entry::* value) const {
+double BeamProfile::interpolate(double range_m, double theta_rad, double Entry::*value) const {
   const BeamGrid::Between r = grid_.range_at(range_m), a = grid_.angle_at(theta_rad);
   const auto columns = static_cast<std::size_t>(grid_.angles());
   const auto along = [&](std::size_t row) {

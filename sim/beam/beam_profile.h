@@ -55,10 +55,10 @@ class BeamProfile {
   struct Entry {
     double lateral_fwhm_m;
     double elevation_fwhm_m;  ///< at angle 0 only
-    double power;  ///< of even tissue's echo, not normalised
+    double power;             ///< of even tissue's echo, not normalised
   };
   void measure(int range);
-  double interpolate(double range_m, double theta_rad, double Entry::* value) const;
+  double interpolate(double range_m, double theta_rad, double Entry::*value) const;
 
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;

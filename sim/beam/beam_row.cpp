@@ -34,11 +34,8 @@ std::vector<double> group_delays_m(const SampledRow& row, const PulseBand& band)
 
 }  // namespace
 
-SampledRow sample_row(const PlaneResponse& response,
-                      double range_m,
-                      double reach_m,
-                      bool both_sides,
-                      int columns) {
+SampledRow sample_row(
+    const PlaneResponse& response, double range_m, double reach_m, bool both_sides, int columns) {
   SampledRow row{reach_m, both_sides, {}};
   row.values.resize(static_cast<std::size_t>(both_sides ? 2 * columns : columns));
   std::vector<PlanePoint> points;

@@ -14,18 +14,17 @@ struct SampledRow {
   bool both_sides = false;
   std::vector<PulseBand::Values> values;
 
-  double step_m() const { return (both_sides ? 2 : 1) * reach_m / static_cast<double>(values.size()); }
+  double step_m() const {
+    return (both_sides ? 2 : 1) * reach_m / static_cast<double>(values.size());
+  }
   double offset_m(std::size_t column) const {
     return (static_cast<double>(column) + 0.5) * step_m() - (both_sides ? reach_m : 0);
   }
 };
 
 /// The response over a row whose middle is at `range_m`, in `columns` a side.
-SampledRow sample_row(const PlaneResponse& response,
-                      double range_m,
-                      double reach_m,
-                      bool both_sides,
-                      int columns);
+SampledRow sample_row(
+    const PlaneResponse& response, double range_m, double reach_m, bool both_sides, int columns);
 
 /// The offset beyond which, on both sides together, the share `beyond` of the row's power lies.
 double power_reach_m(const SampledRow& row, double beyond);

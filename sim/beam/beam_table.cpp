@@ -31,11 +31,13 @@ class DirectionWriter {
 
   int summed_rows() const { return rows_ / 2 + 1; }
   double range_m(int summed) const { return (2 * summed + 0.5) / rows_per_m_; }
-  std::vector<double> reaches_m(const BeamPlane& plane) const {
-    return plane.reaches_m(range_m(0), 2 / rows_per_m_, summed_rows());
-  }
-  SampledRow sample(const BeamPlane& plane, int summed, double reach_m) const {
-    return plane.sample(range_m(summed), reach_m, columns_);
+  std::vector<SampledRow> sample(const BeamPlane& plane) const {
+    const auto reaches = plane.reaches_m(range_m(0), 2 / rows_per_m_, summed_rows());
+    std::vector<SampledRow> sampled;
+    for (int i = 0; i < summed_rows(); ++i) {
+      sampled.push_back(plane.sample(range_m(i), reaches[static_cast<std::size_t>(i)], columns_));
+    }
+    return sampled;
   }
 
   /// `scale`: of each summed row.
@@ -74,15 +76,6 @@ class DirectionWriter {
   double rows_per_m_;
 };
 
-/// The middle stick's rows at one range.
-struct MiddleRows {
-  SampledRow lateral;
-  SampledRow elevation;
-  double elevation_scale;
-  double lateral_scale;  ///< makes the peak of an echo on the axis 1
-  double area_m2;
-};
-
 /// Integral over a row of the power at a node.
 double power_m(const SampledRow& row, std::size_t node) {
   double sum = 0;
@@ -96,21 +89,38 @@ double largest_amplitude(const SampledRow& row) {
   return std::sqrt(largest);
 }
 
-void scale_rows(const PulseBand::Values& lateral_axis,
-                const PulseBand::Values& elevation_axis,
-                MiddleRows& rows) {
-  rows.elevation_scale = 1 / largest_amplitude(rows.elevation);
-  PulseBand::Values on_axis;
-  double area = 0;
-  for (std::size_t i = 0; i < on_axis.size(); ++i) {
-    on_axis[i] = rows.elevation_scale * elevation_axis[i] * lateral_axis[i];
-    area += PulseBand::weight(static_cast<int>(i)) * power_m(rows.elevation, i) *
-            power_m(rows.lateral, i);
+/// The middle stick's summed rows, and what is the same for all sticks.
+struct MiddleStick {
+  std::vector<SampledRow> lateral, elevation;
+  std::vector<double> elevation_scale;
+  std::vector<double> lateral_scale;  ///< makes the peak of an echo on the axis 1
+  std::vector<double> area_m2;
+
+  MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
+      : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
+    for (int i = 0; i < writer.summed_rows(); ++i) {
+      const double range_m = writer.range_m(i);
+      scale(static_cast<std::size_t>(i), in_plane.on_axis(range_m), across.on_axis(range_m));
+    }
   }
-  rows.lateral_scale = 1 / PulseBand::peak(on_axis);
-  const double scale = rows.elevation_scale * rows.lateral_scale;
-  rows.area_m2 = area * scale * scale;
-}
+
+ private:
+  void scale(std::size_t row,
+             const PulseBand::Values& lateral_axis,
+             const PulseBand::Values& elevation_axis) {
+    elevation_scale.push_back(1 / largest_amplitude(elevation[row]));
+    PulseBand::Values on_axis;
+    double area = 0;
+    for (std::size_t i = 0; i < on_axis.size(); ++i) {
+      on_axis[i] = elevation_scale[row] * elevation_axis[i] * lateral_axis[i];
+      area += PulseBand::weight(static_cast<int>(i)) * power_m(elevation[row], i) *
+              power_m(lateral[row], i);
+    }
+    lateral_scale.push_back(1 / PulseBand::peak(on_axis));
+    const double both = elevation_scale[row] * lateral_scale[row];
+    area_m2.push_back(area * both * both);
+  }
+};
 
 /// Angles of the sticks on one side of the sector: first, and spacing.
 struct StickAngles {
@@ -142,46 +152,23 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
   angle_step_rad_ = angles.step_rad;
   const double beyond = shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond;
   const DirectionWriter writer(plan, count, columns_, rows_per_m_);
-  const auto lateral_plane = [&](int angle) {
+  const auto in_plane = [&](int angle) {
     return BeamPlane::lateral(
         plan, apodisation, angles.first_rad + angle * angles.step_rad, beyond);
   };
-  const BeamPlane elevation_plane = BeamPlane::elevation(plan, beyond), middle = lateral_plane(0);
-
-  const auto lateral_reach = writer.reaches_m(middle);
-  const auto elevation_reach = writer.reaches_m(elevation_plane);
-  std::vector<SampledRow> lateral, elevation;
-  std::vector<double> lateral_scale, elevation_scale, area;
-  for (int i = 0; i < writer.summed_rows(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    MiddleRows rows{writer.sample(middle, i, lateral_reach[at]),
-                    writer.sample(elevation_plane, i, elevation_reach[at]),
-                    1,
-                    1,
-                    0};
-    scale_rows(middle.on_axis(writer.range_m(i)), elevation_plane.on_axis(writer.range_m(i)), rows);
-    lateral.push_back(std::move(rows.lateral));
-    elevation.push_back(std::move(rows.elevation));
-    lateral_scale.push_back(rows.lateral_scale);
-    elevation_scale.push_back(rows.elevation_scale);
-    area.push_back(rows.area_m2);
-  }
-  elevation_ = writer.write(elevation, elevation_scale);
+  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, beyond));
+  elevation_ = writer.write(middle.elevation, middle.elevation_scale);
   for (int row = 0; row < count; ++row) {
     const auto at = static_cast<std::size_t>(row / 2);
-    area_m2_.push_back(row % 2 == 0 ? area[at] : 0.5 * (area[at] + area[at + 1]));
+    const double next = row % 2 == 0 ? middle.area_m2[at] : middle.area_m2[at + 1];
+    area_m2_.push_back(0.5 * (middle.area_m2[at] + next));
   }
   lateral_.resize(static_cast<std::size_t>(angles.count));
-  lateral_[0] = writer.write(lateral, lateral_scale);
+  lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
   parallel_ranges(angles.count - 1, threads, [&](int first, int last) {
-    for (int a = first + 1; a <= last; ++a) {
-      const BeamPlane plane = lateral_plane(a);
-      const auto reaches = writer.reaches_m(plane);
-      std::vector<SampledRow> sampled;
-      for (int i = 0; i < writer.summed_rows(); ++i) {
-        sampled.push_back(writer.sample(plane, i, reaches[static_cast<std::size_t>(i)]));
-      }
-      lateral_[static_cast<std::size_t>(a)] = writer.write(sampled, lateral_scale);
+    for (int angle = first + 1; angle <= last; ++angle) {
+      lateral_[static_cast<std::size_t>(angle)] =
+          writer.write(writer.sample(in_plane(angle)), middle.lateral_scale);
     }
   });
 }
@@ -198,8 +185,7 @@ double BeamTable::lateral_reach_m(int row) const {
 
 std::size_t BeamTable::lateral_of(double theta_rad) const {
   const double steps = std::round((std::abs(theta_rad) - first_angle_rad_) / angle_step_rad_);
-  return static_cast<std::size_t>(
-      std::clamp(steps, 0.0, static_cast<double>(lateral_.size() - 1)));
+  return static_cast<std::size_t>(std::clamp(steps, 0.0, static_cast<double>(lateral_.size() - 1)));
 }
 
 }  // namespace wobblebench::sim

@@ -70,8 +70,8 @@ ElementSum::ElementSum(const hw::AcquisitionPlan& plan, Apodisation apodisation,
   const double width_rad = plan.probe().pitch_m / radius_m;
   for (std::size_t e = 0; e < aperture_.elements().size(); ++e) {
     for (int c = 0; c < kColumnsPerElement; ++c) {
-      const double at = aperture_.elements()[e].angle_rad +
-                        ((c + 0.5) / kColumnsPerElement - 0.5) * width_rad;
+      const double at =
+          aperture_.elements()[e].angle_rad + ((c + 0.5) / kColumnsPerElement - 0.5) * width_rad;
       columns_.push_back({radius_m * (std::cos(at) - 1), radius_m * std::sin(at), e});
     }
   }
@@ -215,7 +215,8 @@ void ElementSum::add(const BeamPoint& point,
   const Paths paths = paths_to(point.at_m);
   const Extent extent = this->extent(paths, point.at_m.x);
   const Band band = this->band(extent.last_m - extent.first_m);
-  const std::vector<Complex> spectra = element_spectra(paths, band, point.at_m.x, extent.last_m + margin_m);
+  const std::vector<Complex> spectra =
+      element_spectra(paths, band, point.at_m.x, extent.last_m + margin_m);
   std::vector<Complex> sent = transmitted_spectrum(spectra, band, point.at_m.x);
   for (std::size_t f = 0; f < sent.size(); ++f) sent[f] *= point.amplitude * band.power[f];
 

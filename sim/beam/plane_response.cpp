@@ -22,9 +22,9 @@ struct PointLanes {
 
 /// A source seen from a batch of points.
 struct Seen {
-  float excess_m[kBatch];    ///< of the way over the axial one
+  float excess_m[kBatch];  ///< of the way over the axial one
   float amplitude[kBatch];
-  float sine2[kBatch];       ///< squared sine of the angle to the source's normal
+  float sine2[kBatch];  ///< squared sine of the angle to the source's normal
 };
 
 struct Place {
@@ -43,9 +43,9 @@ struct OneWay {
 /// sin(x) / x by x^2, up to x = 3.
 WOBBLEBENCH_INLINE float sinc(float x2) {
   const float q = x2 < 9.0f ? x2 : 9.0f;
-  return 1.0f -
-         q * (1.0f / 6.0f) *
-             (1.0f - q * (1.0f / 20.0f) * (1.0f - q * (1.0f / 42.0f) * (1.0f - q * (1.0f / 72.0f))));
+  return 1.0f - q * (1.0f / 6.0f) *
+                    (1.0f - q * (1.0f / 20.0f) *
+                                (1.0f - q * (1.0f / 42.0f) * (1.0f - q * (1.0f / 72.0f))));
 }
 
 WOBBLEBENCH_SIMD void see(const Place& source,
@@ -58,8 +58,7 @@ WOBBLEBENCH_SIMD void see(const Place& source,
     const float lateral = points.offset_m[i] - from.lateral_m;
     const float distance = std::sqrt(axial * axial + lateral * lateral);
     const float per_distance = 1.0f / distance;
-    const float sine =
-        (axial * from.normal_lateral - lateral * from.normal_axial) * per_distance;
+    const float sine = (axial * from.normal_lateral - lateral * from.normal_axial) * per_distance;
     seen.excess_m[i] = distance - points.axial_m[i] + from.lens_m;
     seen.amplitude[i] = spreads ? per_distance : 1.0f;
     seen.sine2[i] = sine * sine;

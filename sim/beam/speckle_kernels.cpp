@@ -18,7 +18,7 @@ constexpr double kRangeStep_m = 5e-3;
 constexpr double kAngleStep_rad = 13 * kDegree;
 constexpr int kColumns = 48;  ///< a side, over the beam
 constexpr double kUncorrelated = 0.02;
-constexpr int kSampledLags = 16;      ///< over the first lobe; correlations between are interpolated
+constexpr int kSampledLags = 16;  ///< over the first lobe; correlations between are interpolated
 
 /// Turning past a range: where a scatterer of the plane lies for a neighbour.
 struct Turn {
@@ -221,8 +221,7 @@ SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
                                             const SimulationOptions& options) {
   SpeckleKernels kernels(plan);
   const double radius_m = plan.probe().radius_m;
-  const double wavelength_m =
-      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   const auto turn = [&](double range_m, double) {
     const double r = radius_m + range_m;
     const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
@@ -243,8 +242,7 @@ SpeckleKernels SpeckleKernels::across_frames(const hw::AcquisitionPlan& plan,
                                              const SimulationOptions& options) {
   SpeckleKernels kernels(plan);
   const double radius_m = plan.probe().radius_m, axis_m = plan.geometry().axis_z_m();
-  const double wavelength_m =
-      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   const auto turn = [&](double range_m, double theta_rad) {
     // From the motor's axis, in the direction in which the frames turn.
     const double cosine = std::cos(theta_rad);

@@ -16,8 +16,8 @@ struct Element {
 };
 
 /// An aperture is as long along the face as its focus's range over the F-number: so many elements
-/// are switched on, those partly within it weighted by that share. It ends with the array: at the edge of a
-/// sector that the array just spans, half of it is missing.
+/// are switched on, those partly within it weighted by that share. It ends with the array: at the
+/// edge of a sector that the array just spans, half of it is missing.
 class StickAperture {
  public:
   StickAperture(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad);

@@ -179,7 +179,7 @@ bool SimLink::Impl::begin_volume() {
                                      .time = begin,
                                      .source = hw::StreamOrigin::simulated,
                                      .probe = plan.probe(),
-                                     .acquisition = hw::with_one_zone(plan.acquisition()),
+                                     .acquisition = plan.acquisition(),
                                      .subject = source_.subject,
                                      .display_scale = source_.display_scale},
              bytes_);

@@ -185,10 +185,10 @@ void filter_across_frames(IqField& field,
     for (int line = first; line < last; ++line) {
       const auto& of_line =
           by_angle[static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)))];
-      filter_sticks(field.stick(0, line).data(),
-                    field.frames,
-                    frame,
-                    [&](int) -> const RangeKernels& { return of_line; });
+      filter_sticks(
+          field.stick(0, line).data(), field.frames, frame, [&](int) -> const RangeKernels& {
+            return of_line;
+          });
     }
   });
 }

@@ -26,7 +26,8 @@ class MeanPower {
 
   /// Computes the mean power at each sample of `losses.remaining()`, 0 beyond. With speckle it is
   /// that of a Rayleigh envelope whose mean is the material's backscatter; without, the backscatter
-  /// squared. `theta_rad`: angle of the stick. Returns false if there are no echoes, and `power` is all 0.
+  /// squared. `theta_rad`: angle of the stick. Returns false if there are no echoes, and `power` is
+  /// all 0.
   bool compute(const StickTrack& track,
                const StickLosses& losses,
                double theta_rad,

@@ -11,8 +11,8 @@ namespace wobblebench::sim {
 struct EchoConstants {
   const BandValues* lateral;  ///< the tables that ProjectedScatterers index
   const BandValues* elevation;
-  float cycles_per_m;     ///< of range: 2 f0 / c
-  float spacing_m;        ///< of the samples
+  float cycles_per_m;  ///< of range: 2 f0 / c
+  float spacing_m;     ///< of the samples
   /// Phasors at the nodes by which a scatterer's echo differs from one in the middle of its bin, at
   /// kBinPlaces places from the bin's beginning on.
   const BandValues* places;

@@ -153,7 +153,8 @@ void ScattererField::add_points(const StickPath& path,
 std::vector<PointEcho> ScattererField::near(const TimedRay& line, double to_m) const {
   const StickTransform transform(scene_->tissue, line);
   std::vector<TouchedBlock> touched;
-  find_touched_blocks(transform, scene_->beam(line.ray).bounds, scene_->block_grid(), to_m, touched);
+  find_touched_blocks(
+      transform, scene_->beam(line.ray).bounds, scene_->block_grid(), to_m, touched);
   const ScattererSearch search(*scene_, transform, line, to_m);
   std::vector<PointEcho> found;
   for (const TouchedBlock& at : touched) {

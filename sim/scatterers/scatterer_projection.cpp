@@ -137,8 +137,7 @@ WOBBLEBENCH_INLINE void project_cells(int count,
   const HashAxes unit = axes;
   const auto half = static_cast<float>(columns);
   for (int c = 0; c < count; ++c) {
-    const std::uint32_t bits =
-        scatterer_bits(batch.key[c], static_cast<std::uint32_t>(scatterer));
+    const std::uint32_t bits = scatterer_bits(batch.key[c], static_cast<std::uint32_t>(scatterer));
     const CellOffset at = scatterer_offset(bits);
     const float axial =
         batch.axial[c] + at.x * unit.x.axial + at.y * unit.y.axial + at.z * unit.z.axial;
@@ -148,9 +147,10 @@ WOBBLEBENCH_INLINE void project_cells(int count,
                             at.z * unit.z.elevation;
     const float u = lateral * batch.lateral_columns_per_m[c];
     const float v = magnitude(elevation) * batch.elevation_columns_per_m[c];
-    lanes.range_m[c] = batch.delay_m[c] + batch.range_scale[c] * axial +
-                       (batch.lateral_tilt[c] + batch.lateral_curvature_per_m[c] * lateral) * lateral +
-                       batch.elevation_curvature_per_m[c] * elevation * elevation;
+    lanes.range_m[c] =
+        batch.delay_m[c] + batch.range_scale[c] * axial +
+        (batch.lateral_tilt[c] + batch.lateral_curvature_per_m[c] * lateral) * lateral +
+        batch.elevation_curvature_per_m[c] * elevation * elevation;
     lanes.table_index[c] = batch.first_table_index[c] + to_index(u + half) + (to_index(v) << 16);
     lanes.amplitude[c] =
         scatterer_sign(bits) * (scatterer < batch.full_count[c] ? batch.full[c] : batch.partial[c]);

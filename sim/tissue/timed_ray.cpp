@@ -15,9 +15,8 @@ TimedRay stick_ray(const hw::AcquisitionPlan& plan,
                    const hw::ProbeGeometry& geometry,
                    const hw::StickIndex& index) {
   const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
-  return {
-      geometry.stick(plan.theta_rad(static_cast<int>(index.line)), plan.motor_angle_rad(index)),
-      std::chrono::duration<double>(time).count()};
+  return {geometry.stick(plan.theta_rad(static_cast<int>(index.line)), plan.motor_angle_rad(index)),
+          std::chrono::duration<double>(time).count()};
 }
 
 AcrossStick across_stick(const hw::Ray& ray) {

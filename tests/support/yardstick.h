@@ -21,7 +21,8 @@ class YardstickRow {
 };
 
 /// All rows of a table of one preset (empty: of all). Throws std::runtime_error if there are none.
-inline std::vector<YardstickRow> yardstick(const std::string& name, const std::string& preset = "") {
+inline std::vector<YardstickRow> yardstick(const std::string& name,
+                                           const std::string& preset = "") {
   std::ifstream file(std::string(WOBBLEBENCH_YARDSTICK) + "/" + name + ".csv");
   const auto split = [](const std::string& line) {
     std::vector<std::string> cells;

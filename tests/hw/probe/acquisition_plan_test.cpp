@@ -131,12 +131,12 @@ struct OutOfRangeVisitor {
 
 TEST(AcquisitionOptions, RejectsEveryFieldOutOfRange) {
   std::set<std::string> keys;
-  for (int target = 0; target < 10; ++target) {
+  for (int target = 0; target < 11; ++target) {
     for (const bool above : {false, true}) {
       AcquisitionOptions acquisition;
       OutOfRangeVisitor visitor{target, above};
       describe(acquisition, visitor);
-      ASSERT_EQ(visitor.field, 10);
+      ASSERT_EQ(visitor.field, 11);
       try {
         plan_of(acquisition);
         FAIL() << "accepted, wanted: " << visitor.expected;

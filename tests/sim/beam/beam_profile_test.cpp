@@ -30,9 +30,8 @@ TEST(BeamProfile, WidthsAreThoseOfTheElementSum) {
     if (row.number("sector_fraction") == 1 && range_m < 60e-3) continue;
     // At 30 mm the beam has shoulders of half its height, which a little range or angle takes away.
     const double tolerance = theta_rad == 0 && range_m > 35e-3 ? 0.05 : 0.13;
-    EXPECT_NEAR(profile.lateral_fwhm_m(range_m, theta_rad) * 1e3 / row.number("lateral_mm"),
-                1,
-                tolerance)
+    EXPECT_NEAR(
+        profile.lateral_fwhm_m(range_m, theta_rad) * 1e3 / row.number("lateral_mm"), 1, tolerance)
         << range_m << " " << row.number("theta_deg");
     EXPECT_NEAR(profile.elevation_fwhm_m(range_m) * 1e3 / row.number("elevation_mm"), 1, tolerance)
         << range_m << " " << row.number("theta_deg");
@@ -43,8 +42,8 @@ TEST(BeamProfile, LevelsAreThoseOfTheElementSum) {
   const BeamProfile profile(plan(), {});
   for (const auto& row : yardstick("speckle", "standard")) {
     const double range_m = row.number("depth_mm") * 1e-3;
-    const double amplitude = profile.focal_gain(range_m) *
-                             profile.level(range_m, row.number("theta_deg") * kDegree);
+    const double amplitude =
+        profile.focal_gain(range_m) * profile.level(range_m, row.number("theta_deg") * kDegree);
     const double at_75mm = profile.focal_gain(75e-3);
     EXPECT_NEAR(20 * std::log10(amplitude / at_75mm), row.number("level_db"), 0.8)
         << range_m << " " << row.number("theta_deg");
@@ -125,7 +124,8 @@ TEST(SpeckleKernels, NeighboursOfTheDefaultScanCorrelateAsTheElementSumSays) {
   };
   for (const auto& row : yardstick("neighbours")) {
     const double range_m = row.number("depth_mm") * 1e-3;
-    EXPECT_NEAR(neighbours(lines.taps(range_m, 0)), row.number("line_correlation"), 0.05) << range_m;
+    EXPECT_NEAR(neighbours(lines.taps(range_m, 0)), row.number("line_correlation"), 0.05)
+        << range_m;
     EXPECT_NEAR(neighbours(frames.taps(range_m, 0)), row.number("frame_correlation"), 0.05)
         << range_m;
   }

@@ -79,7 +79,8 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
       Agreement agreement;
       for (std::size_t c = 0; c < columns; ++c) {
         const double reach_m = table.reach_m(direction, row);
-        const double offset_m = (2 * (static_cast<double>(c) + 0.5) / static_cast<double>(columns) - 1) * reach_m;
+        const double offset_m =
+            (2 * (static_cast<double>(c) + 0.5) / static_cast<double>(columns) - 1) * reach_m;
         const PlanePoint point{middle_m(table, row), offset_m};
         agreement.add(stored(direction, static_cast<std::size_t>(row), c, columns, offset_m),
                       response.at({&point, 1}).front());
@@ -97,8 +98,7 @@ TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
     const auto& lateral = table.lateral()[0];
     const double step_m = 1 / static_cast<double>(lateral.rows[row].columns_per_m);
     const double across_m = 1 / static_cast<double>(table.elevation().rows[row].columns_per_m);
-    PulseBand::Values product =
-        stored(lateral, row, columns, 2 * columns, 0.5 * step_m);
+    PulseBand::Values product = stored(lateral, row, columns, 2 * columns, 0.5 * step_m);
     const auto elevation = stored(table.elevation(), row, 0, columns, 0.5 * across_m);
     for (std::size_t node = 0; node < product.size(); ++node) product[node] *= elevation[node];
     EXPECT_NEAR(PulseBand::peak(product), 1, 0.04) << row;
@@ -135,7 +135,8 @@ TEST(BeamTable, SticksHaveTheTableOfTheirAngle) {
   for (int line = 0; line < lines / 2; ++line) {
     EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
               table.lateral_of(plan().theta_rad(lines - 1 - line)));
-    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)), static_cast<std::size_t>(lines / 2 - 1 - line));
+    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
+              static_cast<std::size_t>(lines / 2 - 1 - line));
   }
 }
 

@@ -57,7 +57,8 @@ Complex brute_force(double theta_rad, double range_m, double offset_m, double wa
     const Complex middle = place(angle);
     Complex phasor = 0;
     for (int s = 0; s < kStrips; ++s) {
-      const Complex strip = place(angle + ((s + 0.5) / kStrips - 0.5) * probe.pitch_m / probe.radius_m);
+      const Complex strip =
+          place(angle + ((s + 0.5) / kStrips - 0.5) * probe.pitch_m / probe.radius_m);
       const double distance = std::abs(Complex(range_m, offset_m) - strip);
       phasor += std::polar(1 / distance / kStrips, -wavenumber_per_m * (distance - range_m));
     }
@@ -79,8 +80,7 @@ TEST(PlaneResponse, IsTheSumOverTheStripsOfElements) {
     const StickAperture aperture(plan(), Apodisation::rectangular, theta_deg * kDegree);
     for (double range_m : {30e-3, 75e-3, 140e-3}) {
       const auto response = PlaneResponse::lateral(aperture, plan(), range_m);
-      const double largest =
-          std::abs(brute_force(0, range_m, 0, band.wavenumber_per_m(1)));
+      const double largest = std::abs(brute_force(0, range_m, 0, band.wavenumber_per_m(1)));
       for (double offset_m : {-3e-3, -0.6e-3, 0.0, 1.1e-3, 4e-3}) {
         const auto found = at(response, range_m, offset_m);
         for (std::size_t node = 0; node < found.size(); ++node) {

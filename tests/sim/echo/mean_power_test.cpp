@@ -67,7 +67,8 @@ std::vector<float> power_of(const Scanned& scanned,
   const auto& materials = scanned.tissue.materials;
   StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
   losses.compute(track);
-  MeanPower power(plan(), options, profile(), materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
+  MeanPower power(
+      plan(), options, profile(), materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
   std::vector<float> result(kSamples);
   power.compute(track, losses, stick_angle_rad(stick), result);
   return result;

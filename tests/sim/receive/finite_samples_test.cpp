@@ -58,6 +58,8 @@ struct Scene {
     acquisition.sticks_per_frame = acquisition.frames_per_volume = 2;
     acquisition.samples_per_stick = std::min(acquisition.samples_per_stick, 64);
     acquisition.volumes = 1;
+    // More zones take longer than a stick may where the dead time is the longest.
+    if (acquisition.dead_time_s > 1e-3) acquisition.focal_zones = 1;
     options.threads = 1;
     options.scatterers_per_cell = 0.1;
     if (options.fidelity == Rung::reference) options.fidelity = Rung::automatic;
