@@ -90,6 +90,9 @@ class FieldCorrelation {
     }
   }
 
+  /// A stick beyond the end of the array may have no aperture.
+  bool silent() const { return !(power_ > 0); }
+
   std::complex<double> at(double turn_rad) const {
     // What all scatterers move along the stick is a phase of the whole field.
     const double common_m = turn_.place(0, turn_rad).axial_m;
@@ -156,6 +159,7 @@ std::vector<double> taps_at(const hw::AcquisitionPlan& plan,
       across_lines
           ? FieldCorrelation(beam.lateral_response, beam.lateral, beam.elevation, turn, band)
           : FieldCorrelation(beam.elevation_response, beam.elevation, beam.lateral, turn, band);
+  if (correlation.silent()) return {1};
   return taps_of_correlation(correlations(correlation, turn));
 }
 

@@ -2,6 +2,7 @@
 // [7]).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -177,6 +178,31 @@ TEST(Speckle, AReflectorIsAPulseOfItsAmplitude) {
   EXPECT_GE(peak, 0.5 * std::exp(-0.5 * off * off) - 1e-6);
   // A Gaussian's area is peak * FWHM * sqrt(pi / (4 ln 2)).
   EXPECT_NEAR(area / 0.5, axial_fwhm_m(plan) * 1.0645, 1e-6);
+}
+
+TEST(Speckle, SticksBeyondTheArrayAreSilent) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.sector_rad = 110 * kDegree;  // the array spans 77
+  acquisition.sticks_per_frame = 45;
+  acquisition.frames_per_volume = 3;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  const int per_stick = acquisition.samples_per_stick, at_60mm = per_stick * 60 / 160;
+  for (const Rung rung : {Rung::field, Rung::scatterers}) {
+    auto options = linear();
+    options.fidelity = rung;
+    const auto samples = speckle_block(options, plan).volume(0);
+    double outer = 0, middle = 0;
+    for (int i = -40; i < 40; ++i) {
+      outer = std::max(outer, static_cast<double>(samples[static_cast<std::size_t>(at_60mm + i)]));
+      const int stick = 45 + 22;
+      middle = std::max(middle,
+                        static_cast<double>(samples[static_cast<std::size_t>(
+                            stick * per_stick + at_60mm + i)]));
+    }
+    EXPECT_TRUE(std::all_of(
+        samples.begin(), samples.end(), [](float s) { return std::isfinite(s) && s < 1e3f; }));
+    EXPECT_LT(outer, 1e-3 * middle);
+  }
 }
 
 }  // namespace
