@@ -24,12 +24,16 @@ BeamBounds::BeamBounds(const BeamTable& table,
   }
 }
 
-BeamBounds BeamBounds::widened(double factor) const {
+BeamBounds BeamBounds::widened(const std::function<double(double range_m)>& factor) const {
   BeamBounds wider = *this;
-  for (Reach& reach : wider.reach_) {
-    reach = {factor * reach.lateral_m, factor * reach.elevation_m};
+  wider.widest_ = {0, 0};
+  for (std::size_t i = 0; i < reach_.size(); ++i) {
+    const double times = factor(static_cast<double>(i) * kStep_m);
+    Reach& reach = wider.reach_[i];
+    reach = {times * reach.lateral_m, times * reach.elevation_m};
+    wider.widest_.lateral_m = std::max(wider.widest_.lateral_m, reach.lateral_m);
+    wider.widest_.elevation_m = std::max(wider.widest_.elevation_m, reach.elevation_m);
   }
-  wider.widest_ = {factor * widest_.lateral_m, factor * widest_.elevation_m};
   return wider;
 }
 

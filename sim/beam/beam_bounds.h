@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "sim/beam/beam_table.h"
@@ -25,8 +26,8 @@ class BeamBounds {
              double depth_m,
              double margin_m);
 
-  /// The bounds of a beam that is so many times as wide.
-  BeamBounds widened(double factor) const;
+  /// The bounds of a beam that is so many times as wide at each range.
+  BeamBounds widened(const std::function<double(double range_m)>& factor) const;
 
   /// Largest reach within the margin of a range.
   const Reach& reach(double range_m) const {

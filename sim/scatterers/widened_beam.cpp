@@ -1,6 +1,7 @@
 #include "sim/scatterers/widened_beam.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace wobblebench::sim {
 
@@ -23,21 +24,34 @@ WidenedBeam::WidenedBeam(const ScattererScene& scene,
   if (frequency_ratio.empty()) return;
   const float lowest = *std::min_element(frequency_ratio.begin(), frequency_ratio.end());
   if (lowest > kHardlyLower) return;
-  widest_ = 1 / lowest;
-  bounds_ = beam.bounds.widened(static_cast<double>(widest_));
   rows_ = beam.rows;
-  for (std::size_t row = 0; row < rows_.size(); ++row) {
-    const double range_m = (static_cast<double>(row) + 0.5) / scene.table.rows_per_m();
+  const auto count = static_cast<int>(rows_.size());
+  for (int row = 0; row < count; ++row) {
+    const double range_m = (row + 0.5) / scene.table.rows_per_m();
     const auto sample =
         std::min(static_cast<std::size_t>(range_m / spacing_m), frequency_ratio.size() - 1);
-    rows_[row].lateral_columns_per_m *= frequency_ratio[sample];
-    rows_[row].elevation_columns_per_m *= frequency_ratio[sample];
+    rows_[static_cast<std::size_t>(row)].lateral_columns_per_m *= frequency_ratio[sample];
+    rows_[static_cast<std::size_t>(row)].elevation_columns_per_m *= frequency_ratio[sample];
+    factor_.push_back(1 / frequency_ratio[sample]);
   }
+  // A block is tested as a whole: the widest beam in it counts.
+  const int window =
+      1 + static_cast<int>(std::ceil(2 * scene.cells.block_m * scene.table.rows_per_m()));
+  const std::vector<float> exact = factor_;
+  for (int row = 0; row < count; ++row) {
+    const auto from = exact.begin() + std::max(0, row - window);
+    const auto to = exact.begin() + std::min(count, row + window + 1);
+    factor_[static_cast<std::size_t>(row)] = *std::max_element(from, to);
+  }
+  bounds_ = beam.bounds.widened([&](double range_m) {
+    return static_cast<double>(factor_[static_cast<std::size_t>(scene.table.row(range_m))]);
+  });
 }
 
 BlockReach WidenedBeam::reach(std::size_t row) const {
   const BlockReach& reach = beam_.reaches[row];
-  return {times(reach.lateral, widest_), times(reach.elevation, widest_)};
+  if (factor_.empty()) return reach;
+  return {times(reach.lateral, factor_[row]), times(reach.elevation, factor_[row])};
 }
 
 BeamProjection WidenedBeam::projection(const ScattererScene& scene,

@@ -26,7 +26,7 @@ class WidenedBeam {
 
  private:
   const StickBeam& beam_;
-  float widest_ = 1;  ///< largest factor along the stick
+  std::vector<float> factor_;  ///< largest about each row; empty: 1
   std::optional<BeamBounds> bounds_;
   std::vector<BeamAtRow> rows_;
 };

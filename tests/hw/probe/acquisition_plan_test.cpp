@@ -149,7 +149,7 @@ TEST(AcquisitionOptions, RejectsEveryFieldOutOfRange) {
       }
     }
   }
-  EXPECT_EQ(keys.size(), 10U);
+  EXPECT_EQ(keys.size(), 11U);
 }
 
 TEST(AcquisitionOptions, DefaultsPassAndLimitsAreInclusive) {
