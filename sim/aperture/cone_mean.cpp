@@ -136,23 +136,28 @@ void ConeMean::step(int elevation, int from, int to) {
   }
 }
 
+ConeMean::EndMean ConeMean::end_mean(int end, int node, int line) const {
+  double count = 0, sum = 0, absorbed = 0;
+  for (int part = 0; part < ApertureCone::kLateral; ++part) {
+    const auto share = static_cast<double>(cone_.on_array(end, part, node)[line]);
+    const Ways& way = ways_[static_cast<std::size_t>(end * ApertureCone::kLateral + part)];
+    const double amplitude =
+        share * static_cast<double>(way.relative[static_cast<std::size_t>(line)]);
+    count += share;
+    sum += amplitude;
+    absorbed += amplitude * static_cast<double>(way.nepers[static_cast<std::size_t>(line)]);
+  }
+  return {sum / count, absorbed / sum};
+}
+
 void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span<float> frequency) {
   const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
   for (int line = 0; line < grid_.lines; ++line) {
-    const auto i = static_cast<std::size_t>(line);
     double log_mean = 0, more_nepers = 0;
     for (int end = 0; end < ApertureCone::kEnds; ++end) {
-      double count = 0, sum = 0, absorbed = 0;
-      for (int part = 0; part < ApertureCone::kLateral; ++part) {
-        const auto share = static_cast<double>(cone_.on_array(end, part, node)[line]);
-        const Ways& way = ways(end, part);
-        const double amplitude = share * static_cast<double>(way.relative[i]);
-        count += share;
-        sum += amplitude;
-        absorbed += amplitude * static_cast<double>(way.nepers[i]);
-      }
-      log_mean += std::log(sum / count);
-      more_nepers += absorbed / sum;
+      const EndMean mean = end_mean(end, node, line);
+      log_mean += std::log(mean.relative);
+      more_nepers += mean.nepers;
     }
     const double axis_nepers = 2 * static_cast<double>(table_.absorbed(node)[row + line]) /
                                static_cast<double>(table_.transmitted(node)[row + line]);

@@ -32,6 +32,12 @@ class ConeMean {
     std::vector<float> nepers;    ///< absorbed more than on the axis
   };
 
+  /// Means over the ways of one end, transmit or receive.
+  struct EndMean {
+    double relative;  ///< as in Ways
+    double nepers;    ///< weighted with the amplitudes
+  };
+
   bool find_uneven(int frame);
   void follow_to(int node, int frame);
   void load_axis(int from, int frame);
@@ -40,6 +46,7 @@ class ConeMean {
   void extend(std::vector<float>& row) const;
   LossRows rows_at(int lines_aside) const;
   void step(int elevation, int from, int to);
+  EndMean end_mean(int end, int node, int line) const;
   void average(int node, int frame, std::span<float> log_gain, std::span<float> frequency);
   Ways& ways(int end, int part) {
     return ways_[static_cast<std::size_t>(end * ApertureCone::kLateral + part)];

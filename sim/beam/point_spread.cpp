@@ -36,12 +36,6 @@ double transmit_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
   return receive_aperture_m(plan, transmit_focus_m(plan, range_m));
 }
 
-double frame_distance_m(const hw::AcquisitionPlan& plan, int line, double range_m) {
-  const double radius_m = plan.probe().radius_m + range_m;
-  const double to_axis_m = radius_m * std::cos(plan.theta_rad(line)) - plan.geometry().axis_z_m();
-  return std::abs(to_axis_m) * plan.phi_step_rad();
-}
-
 double sigma_of_fwhm(double fwhm) {
   return fwhm / (2 * std::sqrt(2 * std::log(2.0)));
 }

@@ -19,10 +19,6 @@ double transmit_focus_m(const hw::AcquisitionPlan& plan, double range_m);
 double receive_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
 double transmit_aperture_m(const hw::AcquisitionPlan& plan, double range_m);
 
-/// Distance between neighbouring image planes at a sample, (r cos(theta) - b) d phi; 0 for one
-/// frame.
-double frame_distance_m(const hw::AcquisitionPlan& plan, int line, double range_m);
-
 /// Sigma of a Gaussian of this full width at half maximum: FWHM / 2.3548.
 double sigma_of_fwhm(double fwhm);
 

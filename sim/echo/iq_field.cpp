@@ -5,7 +5,7 @@
 
 #include "base/parallel.h"
 #include "sim/beam/point_spread.h"
-#include "sim/beam/speckle_kernels.h"
+#include "sim/beam/profile/speckle_kernels.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {

@@ -55,8 +55,8 @@ void fill_speckle(std::span<std::complex<float>> stick,
                   double pulse_sigma_samples);
 
 /// Filters each range so that white noise gets the correlation of speckle there
-/// (sim/beam/speckle_kernels.h), across the lines of each frame or across frames. Keeps the mean
-/// power.
+/// (sim/beam/profile/speckle_kernels.h), across the lines of each frame or across frames. Keeps the
+/// mean power.
 void filter_across_lines(IqField& field,
                          const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options);

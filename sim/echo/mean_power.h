@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/beam/beam_nodes.h"
+#include "sim/beam/profile/beam_nodes.h"
 
 namespace wobblebench::sim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "sim/beam/beam_table.h"
+#include "sim/beam/table/beam_table.h"
 #include "sim/scatterers/stick_path.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -22,12 +22,10 @@ class PointsInBeam {
   PointsInBeam(const ScannedTissue& tissue, const BeamTable& beam);
 
   /// Those within the beam's reach of the stick's axis, an ellipse at each range, where they are at
-  /// the stick's time, up to a true range.
-  std::span<const PointEcho> find(const TimedRay& line, double to_m);
-  std::span<const PointEcho> find(const StickPath& path) {
-    return path.remaining.empty() ? std::span<const PointEcho>()
-                                  : find(path.line, echo_range_m(path));
-  }
+  /// the stick's time, up to a true range. `wider`: factor on the reach.
+  std::span<const PointEcho> find(const TimedRay& line, double to_m, double wider = 1);
+  /// The same as far as sound remains. A pulse that has lost its high frequencies has a wider beam.
+  std::span<const PointEcho> find(const StickPath& path);
 
  private:
   /// Of the beam at the ranges of a row of its table.
@@ -39,6 +37,7 @@ class PointsInBeam {
     hw::Ray ray;
     AcrossStick across;
     double to_m;
+    double wider;
     phantoms::Deformation now;
   };
 

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "base/parallel.h"
-#include "sim/beam/element_sum.h"
+#include "sim/beam/response/element_sum.h"
 #include "sim/echo/stick_propagation.h"
 
 namespace wobblebench::sim {

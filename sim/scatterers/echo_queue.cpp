@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/scatterers/echoes/stream_compaction.h"
 #include "sim/scatterers/scatterer_scene.h"
 #include "sim/scatterers/stick_path.h"
-#include "sim/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {
 

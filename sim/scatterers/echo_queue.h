@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/scatterers/projected_scatterers.h"
-#include "sim/scatterers/range_bins.h"
+#include "sim/scatterers/echoes/projected_scatterers.h"
+#include "sim/scatterers/echoes/range_bins.h"
 
 namespace wobblebench::sim {
 

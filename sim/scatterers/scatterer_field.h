@@ -3,8 +3,8 @@
 //
 // For a stick, the hash cells that the beam touches are found, without those in anechoic tissue,
 // beyond the beam's reach or beyond the range at which all sound is lost. Their scatterers echo
-// with the beam's response (sim/beam/beam_table.h), the phase of the path, and an amplitude for
-// which homogeneous tissue has the mean echo power of its material at every range:
+// with the beam's response (sim/beam/table/beam_table.h), the phase of the path, and an amplitude
+// for which homogeneous tissue has the mean echo power of its material at every range:
 //   amplitude^2 = power / (density * integral of |point spread|^2).
 #pragma once
 

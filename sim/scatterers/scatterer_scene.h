@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "hw/probe/probe.h"
-#include "sim/beam/beam_bounds.h"
-#include "sim/beam/beam_profile.h"
-#include "sim/scatterers/block_search.h"
-#include "sim/scatterers/cell_search.h"
-#include "sim/scatterers/range_bins.h"
-#include "sim/scatterers/scatterer_cells.h"
-#include "sim/scatterers/scatterer_projection.h"
+#include "sim/beam/profile/beam_profile.h"
+#include "sim/beam/table/beam_bounds.h"
+#include "sim/scatterers/cells/block_search.h"
+#include "sim/scatterers/cells/cell_search.h"
+#include "sim/scatterers/cells/scatterer_cells.h"
+#include "sim/scatterers/cells/tissue_blocks.h"
+#include "sim/scatterers/echoes/range_bins.h"
+#include "sim/scatterers/echoes/scatterer_projection.h"
 #include "sim/scatterers/scatterer_settings.h"
-#include "sim/scatterers/tissue_blocks.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {

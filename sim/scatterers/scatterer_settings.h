@@ -1,7 +1,7 @@
 // Choices within the scatterer rungs.
 #pragma once
 
-#include "sim/beam/beam_table.h"
+#include "sim/beam/table/beam_table.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {
@@ -9,7 +9,8 @@ namespace wobblebench::sim {
 /// The defaults are those of the rung `scatterers`.
 struct ScattererSettings {
   BeamShape beam = BeamShape::main_lobe;
-  bool all_octaves = false;  ///< full density at every range (sim/scatterers/scatterer_cells.h)
+  bool all_octaves =
+      false;  ///< full density at every range (sim/scatterers/cells/scatterer_cells.h)
 
   static ScattererSettings of(const SimulationOptions& options) {
     return {options.side_lobes ? BeamShape::side_lobes : BeamShape::main_lobe, false};

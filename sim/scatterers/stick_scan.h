@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "sim/scatterers/echo_queue.h"
-#include "sim/scatterers/hash_cell_queue.h"
+#include "sim/scatterers/echoes/hash_cell_queue.h"
+#include "sim/scatterers/echoes/stream_compaction.h"
 #include "sim/scatterers/scatterer_scene.h"
 #include "sim/scatterers/stick_path.h"
-#include "sim/scatterers/stream_compaction.h"
 #include "sim/scatterers/widened_beam.h"
 
 namespace wobblebench::sim {

@@ -15,19 +15,8 @@ constexpr double kLevelBar_db = 0.5;
 constexpr double kErrorBar = 3;  // percent
 constexpr double kNeighbourBar = 0.05;
 
-struct Variant {
-  const char* name;
-  sim::Rung rung;
-  bool side_lobes;
-  Mark mark;
-};
-constexpr Variant kVariants[] = {
-    {"field", sim::Rung::field, false, Mark::square},
-    {"scatterers", sim::Rung::scatterers, false, Mark::disc},
-    {"scatterers_side_lobes", sim::Rung::scatterers, true, Mark::triangle}};
-
 /// With side lobes, which take longest: the standard preset.
-bool measured(const Variant& variant, hw::ProbePreset preset) {
+bool measured(const SpeckleRung& variant, hw::ProbePreset preset) {
   return !variant.side_lobes || preset == hw::ProbePreset::standard;
 }
 
@@ -81,7 +70,9 @@ Check neighbour_check(const std::string& name,
           seeds};
 }
 
-void add_neighbours(const Variant& variant, const NeighbourInputs& inputs, StudyReport& report) {
+void add_neighbours(const SpeckleRung& variant,
+                    const NeighbourInputs& inputs,
+                    StudyReport& report) {
   const auto found = measure_neighbours(variant.rung, variant.side_lobes, inputs);
   const auto table = neighbour_rows();
   const std::string name = std::string("speckle_size.") + variant.name;
@@ -123,7 +114,7 @@ void add_preset(hw::ProbePreset preset, StudyReport& report) {
   const std::string preset_name(table_name(preset));
   const auto places = speckle_rows(preset);
   std::vector<ChartedRung> rungs;
-  for (const Variant& variant : kVariants) {
+  for (const SpeckleRung& variant : kSpeckleRungs) {
     if (!measured(variant, preset)) continue;
     SpeckleSizeInputs inputs;
     inputs.preset = preset;
@@ -145,7 +136,7 @@ StudyReport speckle_size_report() {
   report.id = "speckle_size";
   report.title = "Size of speckle";
   for (const hw::ProbePreset preset : kPresets) add_preset(preset, report);
-  for (const Variant& variant : kVariants) add_neighbours(variant, {}, report);
+  for (const SpeckleRung& variant : kSpeckleRungs) add_neighbours(variant, {}, report);
   report.text = kText;
   return report;
 }

@@ -12,19 +12,8 @@ namespace {
 constexpr double kSnrTolerance = 0.03;
 constexpr double kLevelBar_db = 0.5;
 
-struct Variant {
-  const char* name;
-  sim::Rung rung;
-  bool side_lobes;
-  Mark mark;
-};
-constexpr Variant kVariants[] = {
-    {"field", sim::Rung::field, false, Mark::disc},
-    {"scatterers", sim::Rung::scatterers, false, Mark::ring},
-    {"scatterers_side_lobes", sim::Rung::scatterers, true, Mark::triangle}};
-
 /// Probability density of the envelope over its RMS.
-Series histogram(const Variant& variant, const SpeckleResult& result) {
+Series histogram(const SpeckleRung& variant, const SpeckleResult& result) {
   constexpr int kBins = 40;
   constexpr double kHighest = 3;
   std::vector<double> counts(kBins, 0.0);
@@ -126,7 +115,7 @@ struct Parts {
   std::ostringstream table;
 };
 
-void add_place(const Variant& variant, SpeckleInputs inputs, Parts& parts) {
+void add_place(const SpeckleRung& variant, SpeckleInputs inputs, Parts& parts) {
   inputs.rung = variant.rung;
   inputs.side_lobes = variant.side_lobes;
   const SpeckleResult result = measure_speckle(inputs);
@@ -152,7 +141,7 @@ StudyReport speckle_statistics_report() {
   parts.chart.series.push_back(rayleigh_density());
   SpeckleInputs inputs;
   for (const hw::ProbePreset preset : kPresets) {
-    for (const Variant& variant : kVariants) {
+    for (const SpeckleRung& variant : kSpeckleRungs) {
       for (const double fraction : {0.0, 1.0}) {
         inputs.preset = preset;
         inputs.sector_fraction = fraction;

@@ -8,7 +8,8 @@
 
 #include "bench/report/figure.h"
 #include "bench/report/validation/study_report.h"
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/yardstick/yardstick.h"
+#include "sim/options.h"
 
 namespace wobblebench::bench {
 
@@ -50,6 +51,18 @@ Check worst_level(const std::string& name,
 void add_points(const std::string& series,
                 std::span<const BeamComparison> found,
                 StudyReport& report);
+
+/// A rung whose speckle is measured.
+struct SpeckleRung {
+  const char* name;
+  sim::Rung rung;
+  bool side_lobes;
+  Mark mark;
+};
+inline constexpr SpeckleRung kSpeckleRungs[] = {
+    {"field", sim::Rung::field, false, Mark::square},
+    {"scatterers", sim::Rung::scatterers, false, Mark::disc},
+    {"scatterers_side_lobes", sim::Rung::scatterers, true, Mark::triangle}};
 
 /// A rung in a chart.
 struct ChartedRung {

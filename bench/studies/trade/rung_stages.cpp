@@ -111,7 +111,8 @@ struct Worker {
   }
 };
 
-/// Fills the caches of the tissue (sim/scatterers/tissue_blocks.h), so that this is not timed.
+/// Fills the caches of the tissue (sim/scatterers/cells/tissue_blocks.h), so that this is not
+/// timed.
 void warm_up(const TradeScene& scene,
              const sim::ScannedTissue& subject,
              const sim::IqMaker& make,

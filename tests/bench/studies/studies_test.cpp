@@ -4,16 +4,16 @@
 
 #include <cmath>
 
-#include "bench/studies/validate/attenuation.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/reflection.h"
-#include "bench/studies/validate/repeatability.h"
-#include "bench/studies/validate/rung_agreement.h"
-#include "bench/studies/validate/shear.h"
-#include "bench/studies/validate/speckle_motion.h"
-#include "bench/studies/validate/speckle_neighbours.h"
-#include "bench/studies/validate/speckle_size.h"
-#include "bench/studies/validate/speckle_statistics.h"
+#include "bench/studies/validate/beam/point_targets.h"
+#include "bench/studies/validate/beam/rung_agreement.h"
+#include "bench/studies/validate/speckle/speckle_motion.h"
+#include "bench/studies/validate/speckle/speckle_neighbours.h"
+#include "bench/studies/validate/speckle/speckle_size.h"
+#include "bench/studies/validate/speckle/speckle_statistics.h"
+#include "bench/studies/validate/tissue/attenuation.h"
+#include "bench/studies/validate/tissue/reflection.h"
+#include "bench/studies/validate/tissue/repeatability.h"
+#include "bench/studies/validate/tissue/shear.h"
 #include "phantoms/material.h"
 
 namespace wobblebench::bench {

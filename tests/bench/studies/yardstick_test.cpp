@@ -1,5 +1,5 @@
 // The tables of tests/yardstick as the program has them, and how they are read.
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/yardstick/yardstick.h"
 
 #include <gtest/gtest.h>
 

@@ -236,6 +236,26 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
 }
 
 /// A stick and a frame through each target of the phantom `points`.
+TEST(PointsInBeam, APulseThatHasLostItsHighFrequenciesHearsFartherAside) {
+  const hw::AcquisitionPlan plan({}, {});
+  const BeamTable beam(plan, BeamShape::main_lobe);
+  const double range_m = 75e-3, reach_m = beam.lateral_reach_m(beam.row(range_m));
+  PointScatterers points;
+  points.add({{1.5 * reach_m, 0, range_m}, 0.1});
+  const auto scene = scene_of(points);
+  const ScannedTissue tissue{std::make_shared<const TissueMap>(scene.phantom, 2e-3, 1),
+                             scene.phantom.materials(),
+                             scene.placement,
+                             {},
+                             scene.phantom.shared_scatterers()};
+  PointsInBeam in_beam(tissue, beam);
+  const std::vector<float> remaining(1024, 1.0f), lower(1024, 0.5f);
+  const hw::Ray axis = plan.geometry().stick(0, 0);
+  const double spacing_m = plan.acquisition().depth_m / 1024;
+  EXPECT_EQ(in_beam.find({{axis, 0}, spacing_m, remaining, {}, {}}).size(), 0u);
+  EXPECT_EQ(in_beam.find({{axis, 0}, spacing_m, remaining, {}, lower}).size(), 1u);
+}
+
 hw::AcquisitionPlan plan_through_targets() {
   hw::AcquisitionOptions acquisition;
   acquisition.sector_rad = 60 * kDegree;

@@ -13,7 +13,7 @@
 #include "sim/echo/iq_field.h"
 #include "sim/echo/stick_propagation.h"
 #include "sim/receive/losses.h"
-#include "sim/scatterers/scatterer_cells.h"
+#include "sim/scatterers/cells/scatterer_cells.h"
 #include "sim/scatterers/scatterer_settings.h"
 #include "sim/tissue/scanned_tissue.h"
 

@@ -1,0 +1,115 @@
+#include "bench/studies/validate/yardstick/yardstick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/units.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+CsvTable table(std::string_view file) {
+  return CsvTable(yardstick_text(file));
+}
+
+std::vector<BeamRow> beam_rows(std::string_view file, hw::ProbePreset preset) {
+  const CsvTable csv = table(file);
+  std::vector<BeamRow> rows;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    if (csv.text(i, "preset") != table_name(preset)) continue;
+    const auto length_m = [&](std::string_view column) { return csv.number(i, column) * 1e-3; };
+    rows.push_back({csv.number(i, "sector_fraction"),
+                    length_m("depth_mm"),
+                    csv.number(i, "theta_deg") * kDegree,
+                    length_m("lateral_mm"),
+                    length_m("elevation_mm"),
+                    length_m("axial_mm"),
+                    csv.number(i, "level_db")});
+  }
+  return rows;
+}
+
+/// Levels re the middle stick at the same range, instead of re one range.
+std::vector<BeamRow> re_middle(std::vector<BeamRow> rows) {
+  const std::vector<BeamRow> all = rows;
+  for (BeamRow& row : rows) {
+    const auto middle = std::ranges::find_if(all, [&](const BeamRow& other) {
+      return other.sector_fraction == 0 && other.range_m == row.range_m;
+    });
+    if (middle == all.end()) throw std::invalid_argument("no middle stick at a range");
+    row.level_db -= middle->level_db;
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string_view table_name(hw::ProbePreset preset) {
+  switch (preset) {
+    case hw::ProbePreset::standard:
+      return "standard";
+    case hw::ProbePreset::c5_2v:
+      return "c5_2v";
+    case hw::ProbePreset::curvilinear_60:
+      return "curvilinear_60";
+  }
+  throw std::logic_error("ProbePreset: no such preset");
+}
+
+std::vector<BeamRow> point_width_rows(hw::ProbePreset preset) {
+  return re_middle(beam_rows("point_widths.csv", preset));
+}
+
+double axis_level_db(hw::ProbePreset preset, double range_m) {
+  std::vector<BeamRow> axis = beam_rows("point_widths.csv", preset);
+  std::erase_if(axis, [](const BeamRow& row) { return row.sector_fraction != 0; });
+  std::size_t next = 1;
+  while (next + 1 < axis.size() && axis[next].range_m < range_m) ++next;
+  const BeamRow &from = axis.at(next - 1), &to = axis.at(next);
+  return std::lerp(
+      from.level_db, to.level_db, (range_m - from.range_m) / (to.range_m - from.range_m));
+}
+
+std::vector<BeamRow> speckle_rows(hw::ProbePreset preset) {
+  return re_middle(beam_rows("speckle.csv", preset));
+}
+
+std::vector<NeighbourRow> neighbour_rows() {
+  const CsvTable csv = table("neighbours.csv");
+  std::vector<NeighbourRow> rows;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    rows.push_back({csv.number(i, "depth_mm") * 1e-3,
+                    csv.number(i, "line_correlation"),
+                    csv.number(i, "frame_correlation")});
+  }
+  return rows;
+}
+
+std::vector<EchoPlace> echo_places() {
+  std::vector<EchoPlace> places;
+  const auto place_of = [&](const CsvTable& csv, std::size_t i) -> EchoPlace& {
+    const auto number = static_cast<std::size_t>(csv.number(i, "place"));
+    if (number >= places.size()) places.resize(number + 1);
+    places[number].sector_fraction = csv.number(i, "sector_fraction");
+    places[number].range_m = csv.number(i, "depth_mm") * 1e-3;
+    return places[number];
+  };
+  const CsvTable points = table("echo_points.csv");
+  for (std::size_t i = 0; i < points.rows(); ++i) {
+    place_of(points, i).points.push_back({points.number(i, "axial_mm") * 1e-3,
+                                          points.number(i, "lateral_mm") * 1e-3,
+                                          points.number(i, "elevation_mm") * 1e-3,
+                                          points.number(i, "amplitude")});
+  }
+  const CsvTable echoes = table("echoes.csv");
+  for (std::size_t i = 0; i < echoes.rows(); ++i) {
+    EchoPlace& place = place_of(echoes, i);
+    place.ranges_m.push_back(echoes.number(i, "range_mm") * 1e-3);
+    place.envelope.push_back(echoes.number(i, "envelope"));
+  }
+  return places;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,71 @@
+// The tables of tests/yardstick: what a sum over the probe's elements, written apart from the
+// simulator, makes of the presets' beams. They are embedded in the program at build time.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "bench/studies/validate/yardstick/csv_table.h"
+#include "hw/probe/probe_presets.h"
+
+namespace wobblebench::bench {
+
+/// Text of a table, by its file name; empty if there is none of that name.
+std::string_view yardstick_text(std::string_view file);
+
+inline constexpr hw::ProbePreset kPresets[] = {
+    hw::ProbePreset::standard, hw::ProbePreset::c5_2v, hw::ProbePreset::curvilinear_60};
+
+/// As in the tables: "standard", "c5_2v", "curvilinear_60".
+std::string_view table_name(hw::ProbePreset preset);
+
+/// A row of point_widths.csv or speckle.csv: the beam at one place.
+struct BeamRow {
+  double sector_fraction = 0;  ///< stick's angle over half the sector
+  double range_m = 0;
+  double theta_rad = 0;
+  double lateral_m = 0;
+  double elevation_m = 0;
+  double axial_m = 0;
+  double level_db = 0;  ///< re the middle stick at the same range
+};
+/// What was measured at a row's place; NaN: the rung has no such figure.
+struct BeamComparison {
+  BeamRow expected;  ///< the table's
+  BeamRow measured;
+};
+
+/// -6 dB widths of the echo of one point, by angle and range.
+std::vector<BeamRow> point_width_rows(hw::ProbePreset preset);
+/// Echo of a point on the middle stick's axis over that at the transmit focus: linear between the
+/// table's ranges, and beyond them from the last two.
+double axis_level_db(hw::ProbePreset preset, double range_m);
+/// Widths at half maximum of the autocovariance of the intensity of speckle.
+std::vector<BeamRow> speckle_rows(hw::ProbePreset preset);
+
+/// A row of neighbours.csv: the middle stick of the default scan.
+struct NeighbourRow {
+  double range_m = 0;
+  double line_correlation = 0;
+  double frame_correlation = 0;
+};
+std::vector<NeighbourRow> neighbour_rows();
+
+/// Points about one place of a stick, and the envelope of their echo: echo_points.csv, echoes.csv.
+struct EchoPlace {
+  double sector_fraction = 0;
+  double range_m = 0;
+  struct Point {
+    double axial_m = 0;      ///< range along the stick
+    double lateral_m = 0;    ///< towards larger stick angles
+    double elevation_m = 0;  ///< towards +y of the probe frame
+    double amplitude = 0;
+  };
+  std::vector<Point> points;
+  std::vector<double> ranges_m;
+  /// Re the peak for one point of amplitude 1 on the middle stick at the place's range.
+  std::vector<double> envelope;
+};
+std::vector<EchoPlace> echo_places();
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,93 @@
+#include "sim/beam/profile/field_correlation.h"
+
+#include <cmath>
+
+#include "sim/beam/point_spread.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr int kColumns = 48;  ///< a side, over the beam
+
+/// Half of the beam: three lobes, and the shadow of the transmitting aperture.
+double reach_m(double lobe_m, double transmit_m, double range_m, double focus_m) {
+  return 3 * lobe_m + 0.6 * transmit_m * std::abs(1 - range_m / focus_m);
+}
+
+BeamAtRange::Plane sampled(PlaneResponse response, double range_m, double reach_m) {
+  SampledRow row = sample_row(response, range_m, reach_m, true, kColumns);
+  return {std::move(response), std::move(row)};
+}
+
+BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
+                                 Apodisation apodisation,
+                                 double range_m,
+                                 double theta_rad,
+                                 double wavelength_m) {
+  const StickAperture aperture(plan, apodisation, theta_rad);
+  return sampled(PlaneResponse::lateral(aperture, plan, range_m),
+                 range_m,
+                 reach_m(wavelength_m * range_m / receive_aperture_m(plan, range_m),
+                         transmit_aperture_m(plan, range_m),
+                         range_m,
+                         transmit_focus_m(plan, range_m)));
+}
+
+BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
+                                   double range_m,
+                                   double wavelength_m) {
+  const double height_m = plan.probe().element_height_m;
+  return sampled(
+      PlaneResponse::elevation(ElevationSources(plan), plan),
+      range_m,
+      reach_m(
+          wavelength_m * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m));
+}
+
+double wavelength_m(const hw::AcquisitionPlan& plan) {
+  return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+}
+
+}  // namespace
+
+BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
+                         Apodisation apodisation,
+                         double range_m,
+                         double theta_rad)
+    : lateral(lateral_plane(plan, apodisation, range_m, theta_rad, wavelength_m(plan))),
+      elevation(elevation_plane(plan, range_m, wavelength_m(plan))) {}
+
+FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
+                                   const SampledRow& other,
+                                   const Turn& turn,
+                                   const PulseBand& band)
+    : plane_(plane), turn_(turn), band_(band) {
+  for (std::size_t node = 0; node < shares_.size(); ++node) {
+    for (const auto& value : other.values) shares_[node] += std::norm(value[node]);
+    shares_[node] *= PulseBand::weight(static_cast<int>(node));
+    for (const auto& value : plane.row.values) power_ += shares_[node] * std::norm(value[node]);
+  }
+}
+
+std::complex<double> FieldCorrelation::at(double turn_rad) const {
+  // What all scatterers move along the stick is a phase of the whole field.
+  const double common_m = turn_.place(0, turn_rad).axial_m;
+  const SampledRow& here = plane_.row;
+  std::vector<PlanePoint> points;
+  for (std::size_t i = 0; i < here.values.size(); ++i) {
+    points.push_back(turn_.place(here.offset_m(i), turn_rad));
+  }
+  const auto there = plane_.response.at(points);
+  std::complex<double> sum = 0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    for (std::size_t n = 0; n < shares_.size(); ++n) {
+      const double nearer_m = points[i].axial_m - common_m;
+      sum += shares_[n] * here.values[i][n] * std::conj(there[i][n]) *
+             std::polar(1.0, 2 * band_.wavenumber_per_m(static_cast<int>(n)) * nearer_m);
+    }
+  }
+  return sum / power_;
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,59 @@
+// The correlation of the echoes of two sticks that hear the same scatterers.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <functional>
+
+#include "sim/beam/table/beam_row.h"
+
+namespace wobblebench::sim {
+
+/// Turning past a range: where a scatterer of the plane lies for a neighbour.
+struct Turn {
+  double step_rad;       ///< between neighbours
+  int most_lags;         ///< neighbours that there are
+  double coherence_rad;  ///< turn by which the aperture decorrelates, about
+  /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
+  std::function<PlanePoint(double offset_m, double turn_rad)> place;
+};
+
+/// The beam of a stick at a range, in both planes.
+struct BeamAtRange {
+  struct Plane {
+    PlaneResponse response;
+    SampledRow row;
+  };
+  Plane lateral;
+  Plane elevation;
+
+  BeamAtRange(const hw::AcquisitionPlan& plan,
+              Apodisation apodisation,
+              double range_m,
+              double theta_rad);
+};
+
+/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`; 1 for
+/// one stick. Each frequency counts by the beam's power across the other plane: out of focus low
+/// ones have more of it.
+class FieldCorrelation {
+ public:
+  /// All must outlive it.
+  FieldCorrelation(const BeamAtRange::Plane& plane,
+                   const SampledRow& other,
+                   const Turn& turn,
+                   const PulseBand& band);
+
+  /// A stick beyond the end of the array may have no aperture.
+  bool silent() const { return !(power_ > 0); }
+  std::complex<double> at(double turn_rad) const;
+
+ private:
+  const BeamAtRange::Plane& plane_;
+  const Turn& turn_;
+  const PulseBand& band_;
+  std::array<double, PulseBand::kNodes> shares_ = {};
+  double power_ = 0;
+};
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,45 @@
+// How speckle correlates between sticks, and filters that give white noise this correlation.
+//
+// Two sticks hear the same scatterers with different phases: the correlation of their fields is the
+// overlap of their two-way responses, integral of h1 conj(h2) over the scatterers' places. Out of
+// focus a beam is wide but its phase is curved, so that speckle stays as fine as the aperture makes
+// it (the van Cittert-Zernike theorem, docs/references.md [21]).
+#pragma once
+
+#include <vector>
+
+#include "sim/beam/profile/beam_profile.h"
+
+namespace wobblebench::sim {
+
+/// Filters across lines or across frames, by range and angle of the stick.
+class SpeckleKernels {
+ public:
+  static SpeckleKernels across_lines(const hw::AcquisitionPlan& plan,
+                                     const SimulationOptions& options);
+  static SpeckleKernels across_frames(const hw::AcquisitionPlan& plan,
+                                      const SimulationOptions& options);
+
+  int angles() const { return grid_.angles(); }
+  /// The tabulated angle nearest to a stick's.
+  int angle_of(double theta_rad) const;
+  /// Taps from the middle on (the filter is symmetric), with the sum of squares of the whole
+  /// filter 1, so that filtered white noise keeps its power.
+  std::vector<float> taps(double range_m, int angle) const;
+  /// Largest number of taps.
+  int count() const { return count_; }
+
+ private:
+  explicit SpeckleKernels(const hw::AcquisitionPlan& plan);
+
+  BeamGrid grid_;
+  std::vector<std::vector<double>> taps_;  ///< [range][angle]
+  int count_ = 1;
+};
+
+/// Taps, from the middle on, of the symmetric filter of unit power whose autocorrelation is
+/// `correlation` at lags 0, 1, ... (1 at lag 0), by the square root of its spectrum. Negative parts
+/// of the spectrum, which no correlation has, are left out.
+std::vector<double> taps_of_correlation(const std::vector<double>& correlation);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,47 @@
+// The two directions across the beam, as functions of range: responses, and how far they reach.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "sim/beam/table/beam_row.h"
+
+namespace wobblebench::sim {
+
+/// One direction across one stick's beam.
+class BeamPlane {
+ public:
+  /// In the image plane, for a stick at an angle; and across it. `plan` must outlive it. `beyond`:
+  /// share of the beam's power that its reach leaves out.
+  static BeamPlane lateral(const hw::AcquisitionPlan& plan,
+                           Apodisation apodisation,
+                           double theta_rad,
+                           double beyond);
+  static BeamPlane elevation(const hw::AcquisitionPlan& plan, double beyond);
+
+  /// Largest offset at a range: where the given share of the power lies beyond, but at least most
+  /// of the focused beam's main lobe.
+  double reach_m(double range_m) const;
+  /// Reaches at evenly spaced ranges from `first_m` on, searched at a few of them.
+  std::vector<double> reaches_m(double first_m, double step_m, int count) const;
+  SampledRow sample(double range_m, double reach_m, int columns) const {
+    return sample_row(response_(range_m), range_m, reach_m, both_sides_, columns);
+  }
+  PulseBand::Values on_axis(double range_m) const;
+
+ private:
+  using OfRange = std::function<double(double range_m)>;
+
+  BeamPlane(const hw::AcquisitionPlan& plan, double beyond, bool both_sides);
+  /// From the axis to the first zero of the focused beam.
+  double lobe_m(double range_m) const { return wavelength_m_ * range_m / aperture_m_(range_m); }
+
+  std::function<PlaneResponse(double range_m)> response_;
+  OfRange aperture_m_;  ///< on receive
+  OfRange shadow_m_;    ///< width of the transmitted beam by geometry
+  double wavelength_m_;
+  double beyond_;
+  bool both_sides_;
+};
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,191 @@
+#include "sim/beam/table/beam_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/units.h"
+#include "sim/beam/table/beam_plane.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr double kRow_m = 1e-3;
+constexpr int kMaxRows = 320;
+constexpr int kMinRows = 16;
+constexpr int kColumns = 40;  // an error of -38 dB, from using the middle of the column
+constexpr int kSideLobeColumns = 96;
+static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
+/// Share of the beam's power that the reach in each direction leaves out.
+constexpr double kPowerBeyond = 8e-3;
+constexpr double kPowerBeyondSideLobes = 5e-5;
+/// Least angle between the sticks that have lateral tables.
+constexpr double kAngleStep_rad = 0.9 * kDegree;
+
+/// Writes a direction: even rows are summed over the sources, odd ones lie half way between.
+class DirectionWriter {
+ public:
+  DirectionWriter(const hw::AcquisitionPlan& plan, int rows, int columns, double rows_per_m)
+      : band_(plan), rows_(rows), columns_(columns), rows_per_m_(rows_per_m) {}
+
+  int summed_rows() const { return rows_ / 2 + 1; }
+  double range_m(int summed) const { return (2 * summed + 0.5) / rows_per_m_; }
+  std::vector<SampledRow> sample(const BeamPlane& plane) const {
+    const auto reaches = plane.reaches_m(range_m(0), 2 / rows_per_m_, summed_rows());
+    std::vector<SampledRow> sampled;
+    for (int i = 0; i < summed_rows(); ++i) {
+      sampled.push_back(plane.sample(range_m(i), reaches[static_cast<std::size_t>(i)], columns_));
+    }
+    return sampled;
+  }
+
+  /// `scale`: of each summed row.
+  BeamTable::Direction write(const std::vector<SampledRow>& sampled,
+                             const std::vector<double>& scale) const {
+    BeamTable::Direction direction;
+    std::vector<AlignedRow> summed;
+    for (std::size_t i = 0; i < sampled.size(); ++i) {
+      summed.push_back(aligned(sampled[i], band_, scale[i]));
+    }
+    for (int row = 0; row < rows_; ++row) {
+      const auto at = static_cast<std::size_t>(row / 2);
+      append(row % 2 == 0 ? summed[at] : half_way(summed[at], summed[at + 1]), direction);
+    }
+    return direction;
+  }
+
+ private:
+  void append(const AlignedRow& row, BeamTable::Direction& to) const {
+    to.rows.push_back({static_cast<float>(columns_ / row.reach_m),
+                       static_cast<float>(row.delay.delay_m),
+                       static_cast<float>(row.delay.tilt),
+                       static_cast<float>(row.delay.curvature_per_m)});
+    for (const PulseBand::Values& from : row.values) {
+      BandValues& value = to.values.emplace_back();
+      for (std::size_t node = 0; node < from.size(); ++node) {
+        value.re[node] = static_cast<float>(from[node].real());
+        value.im[node] = static_cast<float>(from[node].imag());
+      }
+    }
+  }
+
+  PulseBand band_;
+  int rows_;
+  int columns_;
+  double rows_per_m_;
+};
+
+/// Integral over a row of the power at a node.
+double power_m(const SampledRow& row, std::size_t node) {
+  double sum = 0;
+  for (const auto& value : row.values) sum += std::norm(value[node]);
+  return (row.both_sides ? 1 : 2) * row.step_m() * sum;
+}
+
+double largest_amplitude(const SampledRow& row) {
+  double largest = 0;
+  for (const auto& value : row.values) largest = std::max(largest, PulseBand::power(value));
+  return std::sqrt(largest);
+}
+
+/// The middle stick's summed rows, and what is the same for all sticks.
+struct MiddleStick {
+  std::vector<SampledRow> lateral, elevation;
+  std::vector<double> elevation_scale;
+  std::vector<double> lateral_scale;  ///< makes the peak of an echo on the axis 1
+  std::vector<double> area_m2;
+
+  MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
+      : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
+    for (int i = 0; i < writer.summed_rows(); ++i) {
+      const double range_m = writer.range_m(i);
+      scale(static_cast<std::size_t>(i), in_plane.on_axis(range_m), across.on_axis(range_m));
+    }
+  }
+
+ private:
+  void scale(std::size_t row,
+             const PulseBand::Values& lateral_axis,
+             const PulseBand::Values& elevation_axis) {
+    elevation_scale.push_back(1 / largest_amplitude(elevation[row]));
+    PulseBand::Values on_axis;
+    double area = 0;
+    for (std::size_t i = 0; i < on_axis.size(); ++i) {
+      on_axis[i] = elevation_scale[row] * elevation_axis[i] * lateral_axis[i];
+      area += PulseBand::weight(static_cast<int>(i)) * power_m(elevation[row], i) *
+              power_m(lateral[row], i);
+    }
+    lateral_scale.push_back(1 / PulseBand::peak(on_axis));
+    const double both = elevation_scale[row] * lateral_scale[row];
+    area_m2.push_back(area * both * both);
+  }
+};
+
+/// Angles of the sticks on one side of the sector: first, and spacing.
+struct StickAngles {
+  double first_rad;
+  double step_rad;
+  int count;
+
+  explicit StickAngles(const hw::AcquisitionPlan& plan) {
+    const int sticks = plan.acquisition().sticks_per_frame;
+    first_rad = std::abs(plan.theta_rad(sticks / 2));
+    step_rad = std::max(kAngleStep_rad, plan.theta_step_rad());
+    const double farthest = std::abs(plan.theta_rad(sticks - 1));
+    count = 1 + static_cast<int>(std::ceil((farthest - first_rad) / step_rad - 0.5));
+  }
+};
+
+}  // namespace
+
+BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
+                     BeamShape shape,
+                     Apodisation apodisation,
+                     int threads)
+    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns) {
+  const double depth_m = plan.acquisition().depth_m;
+  const int count = std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kMinRows, kMaxRows);
+  rows_per_m_ = count / depth_m;
+  const StickAngles angles(plan);
+  first_angle_rad_ = angles.first_rad;
+  angle_step_rad_ = angles.step_rad;
+  const double beyond = shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond;
+  const DirectionWriter writer(plan, count, columns_, rows_per_m_);
+  const auto in_plane = [&](int angle) {
+    return BeamPlane::lateral(
+        plan, apodisation, angles.first_rad + angle * angles.step_rad, beyond);
+  };
+  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, beyond));
+  elevation_ = writer.write(middle.elevation, middle.elevation_scale);
+  for (int row = 0; row < count; ++row) {
+    const auto at = static_cast<std::size_t>(row / 2);
+    const double next = row % 2 == 0 ? middle.area_m2[at] : middle.area_m2[at + 1];
+    area_m2_.push_back(0.5 * (middle.area_m2[at] + next));
+  }
+  lateral_.resize(static_cast<std::size_t>(angles.count));
+  lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
+  parallel_ranges(angles.count - 1, threads, [&](int first, int last) {
+    for (int angle = first + 1; angle <= last; ++angle) {
+      lateral_[static_cast<std::size_t>(angle)] =
+          writer.write(writer.sample(in_plane(angle)), middle.lateral_scale);
+    }
+  });
+}
+
+int BeamTable::row(double range_m) const {
+  return std::clamp(static_cast<int>(range_m * rows_per_m_), 0, rows() - 1);
+}
+
+double BeamTable::lateral_reach_m(int row) const {
+  double most = 0;
+  for (const Direction& lateral : lateral_) most = std::max(most, reach_m(lateral, row));
+  return most;
+}
+
+std::size_t BeamTable::lateral_of(double theta_rad) const {
+  const double steps = std::round((std::abs(theta_rad) - first_angle_rad_) / angle_step_rad_);
+  return static_cast<std::size_t>(std::clamp(steps, 0.0, static_cast<double>(lateral_.size() - 1)));
+}
+
+}  // namespace wobblebench::sim

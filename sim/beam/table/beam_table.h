@@ -1,0 +1,82 @@
+// The two-way beam as a table: responses over the band for a scatterer off the stick's axis.
+//
+// The curvature of the wave front is stored apart, so that responses vary slowly: at an offset u
+// an echo appears delay + tilt * u + curvature * u^2 farther away. Sticks near the end of the array
+// have a lateral table of their own, because part of their aperture is missing.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sim/beam/response/pulse_band.h"
+#include "sim/options.h"
+
+namespace wobblebench::sim {
+
+enum class BeamShape {
+  main_lobe,   ///< the response to the edge of its main lobe
+  side_lobes,  ///< the same with three side lobes
+};
+
+/// One direction across the beam at one range.
+struct BeamRow {
+  float columns_per_m = 0;  ///< of offset; there is no echo beyond the last column
+  float delay_m = 0;        ///< of the echo's apparent range
+  float tilt = 0;
+  float curvature_per_m = 0;
+};
+
+class BeamTable {
+ public:
+  /// Upper bound of the entries in one direction: their index fits 16 bits.
+  static constexpr int kMaxEntries = 1 << 16;
+
+  /// Results do not depend on `threads` (0: all that the machine has).
+  BeamTable(const hw::AcquisitionPlan& plan,
+            BeamShape shape,
+            Apodisation apodisation = Apodisation::rectangular,
+            int threads = 0);
+
+  /// Columns on one side of the axis.
+  int columns() const { return columns_; }
+  int rows() const { return static_cast<int>(elevation_.rows.size()); }
+  double rows_per_m() const { return rows_per_m_; }
+  /// The row that contains a range, clamped to the table.
+  int row(double range_m) const;
+
+  struct Direction {
+    std::vector<BeamRow> rows;
+    /// [row][column], at the middle of the column. Lateral: from the largest negative offset on, 2
+    /// columns() a row; elevation: from the axis on, for both signs.
+    std::vector<BandValues> values;
+  };
+  /// Lateral tables for sticks at angles from the middle one outwards, in beam coordinates whose
+  /// lateral axis points away from the middle of the sector.
+  const std::vector<Direction>& lateral() const { return lateral_; }
+  const Direction& elevation() const { return elevation_; }
+  /// Index of the lateral table of a stick.
+  std::size_t lateral_of(double theta_rad) const;
+  /// Largest offset that echoes (m).
+  double reach_m(const Direction& direction, int row) const {
+    return columns_ /
+           static_cast<double>(direction.rows[static_cast<std::size_t>(row)].columns_per_m);
+  }
+
+  /// Largest lateral offset that echoes on any stick.
+  double lateral_reach_m(int row) const;
+
+  /// Equivalent area of the middle stick's beam: the integral of the echo power over the
+  /// cross-section, over that of a scatterer whose echo has a peak of 1.
+  double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }
+
+ private:
+  int columns_;
+  double rows_per_m_;
+  double first_angle_rad_;
+  double angle_step_rad_;
+  std::vector<Direction> lateral_;
+  Direction elevation_;
+  std::vector<double> area_m2_;
+};
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,39 @@
+// Vectorised kernels that turn scatterers into echoes and echoes into samples.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/beam/response/pulse_band.h"
+#include "sim/scatterers/echoes/projected_scatterers.h"
+
+namespace wobblebench::sim {
+
+struct EchoConstants {
+  const BandValues* lateral;  ///< the tables that ProjectedScatterers index
+  const BandValues* elevation;
+  float cycles_per_m;  ///< of range: 2 f0 / c
+  float spacing_m;     ///< of the samples
+  /// Phasors at the nodes by which a scatterer's echo differs from one in the middle of its bin, at
+  /// kBinPlaces places from the bin's beginning on.
+  const BandValues* places;
+  std::int32_t last_bin;  ///< collects echoes from beyond it, as bin 0 collects those from before
+                          ///< range 0; neither is read
+};
+
+/// Places told apart in a bin: errors of phase stay below 0.02 rad.
+inline constexpr int kBinPlaces = 64;
+
+/// Largest number of scatterers for one call of add_echoes().
+inline constexpr int kEchoBatch = 256;
+
+/// Adds the echoes of at most kEchoBatch scatterers, in this order, to the bins of their ranges, at
+/// the nodes of the pulse's band. A bin is one sample long, bin 1 begins at range 0.
+void add_echoes(const ProjectedScatterers& scatterers,
+                int count,
+                const EchoConstants& constants,
+                BandValues* bins);
+
+/// Convolution: sums[m] += sum over t of taps[t] * values[m + t].
+void convolve(const float* values, const float* taps, int tap_count, int count, float* sums);
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,144 @@
+// The beam's table against the responses that it stores.
+#include "sim/beam/table/beam_table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "sim/beam/response/plane_response.h"
+
+namespace wobblebench::sim {
+namespace {
+
+using Complex = std::complex<double>;
+
+const hw::AcquisitionPlan& plan() {
+  static const hw::AcquisitionPlan shared({}, {});
+  return shared;
+}
+
+double middle_m(const BeamTable& table, int row) {
+  return (row + 0.5) / table.rows_per_m();
+}
+
+/// Stored responses of one place, with their delay.
+PulseBand::Values stored(const BeamTable::Direction& direction,
+                         std::size_t row,
+                         std::size_t column,
+                         std::size_t columns,
+                         double offset_m) {
+  const PulseBand band(plan());
+  const BeamRow& at = direction.rows[row];
+  const BandValues& value = direction.values[row * columns + column];
+  const double delay_m = static_cast<double>(at.delay_m) + static_cast<double>(at.tilt) * offset_m +
+                         static_cast<double>(at.curvature_per_m) * offset_m * offset_m;
+  PulseBand::Values result;
+  for (int node = 0; node < PulseBand::kNodes; ++node) {
+    result[static_cast<std::size_t>(node)] =
+        Complex(value.re[node], value.im[node]) *
+        std::polar(1.0, -2 * band.wavenumber_per_m(node) * delay_m);
+  }
+  return result;
+}
+
+class BeamShapes : public testing::TestWithParam<BeamShape> {};
+
+/// Normalised correlation of two rows over all places and nodes.
+class Agreement {
+ public:
+  void add(const PulseBand::Values& a, const PulseBand::Values& b) {
+    for (std::size_t node = 0; node < a.size(); ++node) {
+      cross_ += a[node] * std::conj(b[node]);
+      power_a_ += std::norm(a[node]);
+      power_b_ += std::norm(b[node]);
+    }
+  }
+  double value() const { return std::abs(cross_) / std::sqrt(power_a_ * power_b_); }
+
+ private:
+  Complex cross_ = 0;
+  double power_a_ = 0, power_b_ = 0;
+};
+
+TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
+  const BeamTable table(plan(), GetParam());
+  const auto columns = static_cast<std::size_t>(2 * table.columns());
+  for (double theta_deg : {0.0, 21.0, 38.5}) {
+    const std::size_t angle = table.lateral_of(theta_deg * kDegree);
+    // Lateral tables lie at the angles of the sticks.
+    double nearest = 1;
+    for (int line = 0; line < plan().acquisition().sticks_per_frame; ++line) {
+      const double theta = plan().theta_rad(line);
+      if (table.lateral_of(theta) == angle && theta > 0) nearest = theta;
+    }
+    const StickAperture aperture(plan(), Apodisation::rectangular, nearest);
+    const auto& direction = table.lateral()[angle];
+    for (int row : {40, 41, 75, 120, 151}) {
+      const auto response = PlaneResponse::lateral(aperture, plan(), middle_m(table, row));
+      Agreement agreement;
+      for (std::size_t c = 0; c < columns; ++c) {
+        const double reach_m = table.reach_m(direction, row);
+        const double offset_m =
+            (2 * (static_cast<double>(c) + 0.5) / static_cast<double>(columns) - 1) * reach_m;
+        const PlanePoint point{middle_m(table, row), offset_m};
+        agreement.add(stored(direction, static_cast<std::size_t>(row), c, columns, offset_m),
+                      response.at({&point, 1}).front());
+      }
+      // Odd rows are interpolated.
+      EXPECT_GT(agreement.value(), row % 2 == 0 ? 0.999999 : 0.99) << theta_deg << " " << row;
+    }
+  }
+}
+
+TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
+  const BeamTable table(plan(), GetParam());
+  const auto columns = static_cast<std::size_t>(table.columns());
+  for (std::size_t row = 30; row < 150; row += 17) {
+    const auto& lateral = table.lateral()[0];
+    const double step_m = 1 / static_cast<double>(lateral.rows[row].columns_per_m);
+    const double across_m = 1 / static_cast<double>(table.elevation().rows[row].columns_per_m);
+    PulseBand::Values product = stored(lateral, row, columns, 2 * columns, 0.5 * step_m);
+    const auto elevation = stored(table.elevation(), row, 0, columns, 0.5 * across_m);
+    for (std::size_t node = 0; node < product.size(); ++node) product[node] *= elevation[node];
+    EXPECT_NEAR(PulseBand::peak(product), 1, 0.04) << row;
+  }
+}
+
+TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
+  const BeamTable table(plan(), GetParam());
+  const double beyond = GetParam() == BeamShape::main_lobe ? 0.008 : 5e-5;
+  const auto response = PlaneResponse::elevation(ElevationSources(plan()), plan());
+  for (int row = 20; row < table.rows(); row += 23) {
+    const double reach_m = table.reach_m(table.elevation(), row);
+    double within = 0, outside = 0;
+    std::vector<PlanePoint> points;
+    for (int i = 0; i < 2000; ++i) points.push_back({middle_m(table, row), (i + 0.5) * 20e-6});
+    const auto values = response.at(points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      (points[i].offset_m < reach_m ? within : outside) += PulseBand::power(values[i]);
+    }
+    // The search ends at the fifth side lobe, and the reach is interpolated between rows.
+    EXPECT_LT(outside / (within + outside),
+              GetParam() == BeamShape::main_lobe ? 1.6 * beyond : 12 * beyond)
+        << row;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All,
+                         BeamShapes,
+                         testing::Values(BeamShape::main_lobe, BeamShape::side_lobes));
+
+TEST(BeamTable, SticksHaveTheTableOfTheirAngle) {
+  const BeamTable table(plan(), BeamShape::main_lobe);
+  const int lines = plan().acquisition().sticks_per_frame;
+  for (int line = 0; line < lines / 2; ++line) {
+    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
+              table.lateral_of(plan().theta_rad(lines - 1 - line)));
+    EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),
+              static_cast<std::size_t>(lines / 2 - 1 - line));
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::sim
