@@ -195,9 +195,9 @@ TEST(Speckle, SticksBeyondTheArrayAreSilent) {
     for (int i = -40; i < 40; ++i) {
       outer = std::max(outer, static_cast<double>(samples[static_cast<std::size_t>(at_60mm + i)]));
       const int stick = 45 + 22;
-      middle = std::max(middle,
-                        static_cast<double>(samples[static_cast<std::size_t>(
-                            stick * per_stick + at_60mm + i)]));
+      middle = std::max(
+          middle,
+          static_cast<double>(samples[static_cast<std::size_t>(stick * per_stick + at_60mm + i)]));
     }
     EXPECT_TRUE(std::all_of(
         samples.begin(), samples.end(), [](float s) { return std::isfinite(s) && s < 1e3f; }));

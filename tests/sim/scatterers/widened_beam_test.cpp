@@ -37,9 +37,8 @@ Heard heard(const ScattererField& field, float lowest) {
   for (std::uint32_t frame = 10; frame < 28; ++frame) {
     for (std::uint32_t line = 26; line < 38; ++line) {
       Stick iq(samples);
-      field.add_echoes({stick_ray(plan(), {0, frame, line}), spacing_m, remaining, {}, ratio},
-                       iq,
-                       &all.count);
+      field.add_echoes(
+          {stick_ray(plan(), {0, frame, line}), spacing_m, remaining, {}, ratio}, iq, &all.count);
       for (std::size_t i = samples / 2; i < samples * 5 / 8; ++i) {
         all.power += static_cast<double>(std::norm(iq[i]));
       }
