@@ -33,6 +33,7 @@ void check_transfer_function(const RayCastingOptions& o) {
 
 void validate(const RenderOptions& options) {
   check_options(options.pipeline, "pipeline.");
+  check_options(options.reconstruction, "reconstruction.");
   check_options(options.scan_conversion, "scan_conversion.");
   check_options(options.volume_of_interest, "volume_of_interest.");
   check_options(options.view, "view.");
@@ -49,6 +50,11 @@ void validate(const RenderOptions& options) {
     throw InvalidOption("ray_casting.buffer_length", std::to_string(buffer_length), "must be even");
   }
   check_transfer_function(options.ray_casting);
+  if (options.reconstruction.sticks == Sticks::aligned && options.pipeline.mid_volume) {
+    throw InvalidOption("reconstruction.sticks",
+                        "aligned",
+                        "needs pipeline.mid_volume false; sticks are aligned once a volume is whole");
+  }
   if (options.shading.base == ShadingBase::rendered &&
       options.ray_casting.mode == RenderMode::surface) {
     throw InvalidOption(

@@ -39,6 +39,32 @@ void describe(O& o, Visitor& v) {
   v.flag("mid_volume", o.mid_volume);
 }
 
+/// How the volume between sticks is made. `plain`: from the neighbours at equal depth, as the paper
+/// does. `aligned`: from the neighbours at equal distance from their surface (shape-based
+/// interpolation, docs/decisions/0028-the-surface.md).
+enum class Sticks { plain, aligned };
+
+/// Before pass 1: sticks between the sticks of the scan.
+struct ReconstructionOptions {
+  Sticks sticks = Sticks::plain;
+  /// aligned: sticks and frames are added until neighbours lie this near at the far side of the
+  /// volume of interest.
+  double spacing_m = 1e-3;
+  /// aligned: a stick's own edge is where its echo is so far up from the level of fluid to that of
+  /// tissue (render/reconstruction/echo_levels.h).
+  double edge_level = 0.5;
+  /// aligned: edges of neighbouring sticks lie on one surface unless its slope exceeds this angle.
+  double steepest_rad = 65 * kDegree;
+};
+
+template <OptionsOf<ReconstructionOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.choice("sticks", o.sticks, {{"plain", Sticks::plain}, {"aligned", Sticks::aligned}});
+  v.real("spacing_mm", o.spacing_m, kMillimetre, 0.1, 100);
+  v.real("edge_level", o.edge_level, 1, 0.05, 0.95);
+  v.real("steepest_deg", o.steepest_rad, kDegree, 0, 85);
+}
+
 /// Texel format of slices on the GPU. r8 is there to measure its loss of accuracy: llvmpipe filters
 /// it with 8-bit weights.
 enum class TextureFormat { r8, r16, r32f };
@@ -65,6 +91,11 @@ enum class Projection { parallel, perspective };
 /// Sign of Difference, Eq. (1), at a surface: rising from fluid to tissue, falling from tissue to
 /// fluid.
 enum class EdgeSign { rising, falling };
+/// What makes a sample of a ray a surface. `paper`: Difference of Eq. (1) reaches `threshold`.
+/// `iso`: the sample passes the level `iso_level` of the way from fluid to tissue, both measured in
+/// the volume. `floor`: the mean over the last millimetre exceeds the least such mean of the last
+/// 11 mm by `iso_level` of the way from fluid to tissue.
+enum class Detector { paper, iso, floor };
 /// Grid of the taps of the 3D kernel. `slice`: one pixel apart within a slice and one frame apart
 /// across slices, so that a slice is filtered once, when its frames have arrived. `ray`: one step
 /// apart along and across the ray, as the paper's pipelining implies.
@@ -110,6 +141,14 @@ struct RayCastingOptions {
   int steps = 512;       ///< samples along the depth of the volume of interest
   int kernel_3d = 3;     ///< 3D Gaussian kernel: 1 (none), 3 or 5 taps per side
   KernelSpace kernel_space = KernelSpace::slice;
+  Detector detector = Detector::paper;
+  /// iso and floor: fraction of the way from the level of fluid to that of tissue
+  /// (render/reconstruction/echo_levels.h).
+  double iso_level = 0.72;
+  /// The found surface is moved away from the viewer by this length times the tangent of its
+  /// incidence to the beam: a beam sees tissue beside its axis before the surface on it. Half the
+  /// beam's width at the detector's level; 0: not.
+  double incidence_correction_m = 0;
   int buffer_length = 8;  ///< n of Eq. (1), even
   /// Threshold on Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user;
   /// this value suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel
@@ -144,6 +183,11 @@ void describe(O& o, Visitor& v) {
   v.integer("kernel_3d", o.kernel_3d, 1, 5);
   v.choice(
       "kernel_space", o.kernel_space, {{"slice", KernelSpace::slice}, {"ray", KernelSpace::ray}});
+  v.choice("detector",
+           o.detector,
+           {{"paper", Detector::paper}, {"iso", Detector::iso}, {"floor", Detector::floor}});
+  v.real("iso_level", o.iso_level, 1, 0.05, 1.5);
+  v.real("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
   v.integer("buffer_length", o.buffer_length, 2, 64);
   v.real("threshold", o.threshold, 1, -64, 64);
   v.choice("edge", o.edge, {{"rising", EdgeSign::rising}, {"falling", EdgeSign::falling}});
@@ -244,6 +288,7 @@ constexpr double bilateral_spatial_sigma(int filter_size) {
 /// @endcode
 struct RenderOptions {
   PipelineOptions pipeline;
+  ReconstructionOptions reconstruction;
   ScanConversionOptions scan_conversion;
   VolumeOfInterest volume_of_interest;
   ViewOptions view;

@@ -13,10 +13,12 @@
 #include "render/gl/host_state.h"
 #include "render/gl/program.h"
 #include "render/gl/timer.h"
+#include "render/passes/incidence_correction.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
 #include "render/passes/smoother.h"
 #include "render/passes/surface_shader.h"
+#include "render/reconstruction/reconstruction.h"
 
 namespace wobblebench::render {
 namespace {
@@ -56,9 +58,11 @@ struct Renderer::Pipeline {
       : context(gl),
         options(given),
         factory(plan, options),
+        reconstruction(plan, options),
         frames(factory.make_frame_store()),
         incoming(factory.make()),
         ray_caster(make_ray_caster()),
+        incidence(factory.geometry(), options),
         surface_shader(options),
         smoother(options.smoothing, options.ray_casting.image_size, options.pipeline.mode) {
     if (!options.pipeline.mid_volume) complete = factory.make();
@@ -66,12 +70,30 @@ struct Renderer::Pipeline {
 
   /// Pass 1, paper section 3.1: polar frames to Cartesian slices.
   void convert_frames() {
+    if (!reconstruct()) return;
     const std::vector<int> layers =
         options.pipeline.mid_volume ? frames.take_changed() : frames.take_complete();
     if (!layers.empty()) incoming->make_layers(layers, frames);
     if (!frames.volume_complete()) return;
     frames.begin_volume();
+    reconstruction.begin_volume();
     if (complete) std::swap(incoming, complete);
+  }
+
+  /// Before pass 1: levels of fluid and tissue and, if asked for, sticks between the sticks. False:
+  /// the volume is not whole, which aligned sticks wait for.
+  bool reconstruct() {
+    const bool whole = reconstruction.volume_complete();
+    if (reconstruction.aligns() && !whole) return false;
+    if (!needs_levels(options) || (!whole && !options.pipeline.mid_volume)) return true;
+    const EchoLevels levels = reconstruction.levels();
+    incoming->set_level(detection_level(levels, options.ray_casting));
+    if (!reconstruction.aligns()) return true;
+    int index = 0;
+    for (auto& samples : reconstruction.aligned_frames(levels)) {
+      frames.put(index++, std::move(samples));
+    }
+    return true;
   }
 
   /// One pixel of each draw of all passes, of an empty volume.
@@ -86,11 +108,14 @@ struct Renderer::Pipeline {
   }
 
   /// Pass 2, section 3.2: slices to z-buffer and volume picture.
-  void cast_rays() { ray_caster.cast(complete ? *complete : *incoming); }
+  void cast_rays() {
+    ray_caster.cast(complete ? *complete : *incoming);
+    depth = &incidence.correct(ray_caster.depth());
+  }
 
   /// Pass 3, section 3.3: z-buffer, and with ShadingBase::rendered the volume picture, to shaded
   /// surface.
-  void shade_surface() { surface_shader.shade(ray_caster.depth(), ray_caster.color()); }
+  void shade_surface() { surface_shader.shade(*depth, ray_caster.color()); }
 
   /// Pass 4, section 3.4: shaded surface to smoothed picture.
   void smooth_picture() { smoother.smooth(surface_shader.surface()); }
@@ -98,7 +123,7 @@ struct Renderer::Pipeline {
   void download(Picture& picture) const {
     picture.surface = download_rgb(smoother.smoothed());
     picture.volume = download_rgb(ray_caster.color());
-    picture.depth_m = download_depth(ray_caster.depth());
+    picture.depth_m = download_depth(*depth);
     picture.filtered_depth_m = download_depth(surface_shader.filtered_depth());
     check_gl("reading the picture");
   }
@@ -129,10 +154,13 @@ struct Renderer::Pipeline {
   GlContext& context;
   RenderOptions options;
   SliceVolumeFactory factory;
+  Reconstruction reconstruction;
   FrameStore frames;
   std::unique_ptr<SliceVolume> incoming;  ///< the volume that new frames belong to
   std::unique_ptr<SliceVolume> complete;  ///< the last complete one; null: `incoming` is shown
   RayCaster ray_caster;
+  IncidenceCorrection incidence;
+  const Texture* depth = nullptr;  ///< z of pass 2, corrected
   SurfaceShader surface_shader;
   Smoother smoother;
   PassTimer timer;
@@ -178,7 +206,11 @@ std::future<void> Renderer::compile_in_background() {
 }
 
 void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
-  pipeline_->frames.put(frame_index, frame);
+  Reconstruction& reconstruction = pipeline_->reconstruction;
+  reconstruction.put(frame_index, frame);
+  if (!reconstruction.aligns()) {
+    pipeline_->frames.put(frame_index, reconstruction.frame(frame_index));
+  }
   pipeline_->incoming->sweep = sweep_of(frame);
   pipeline_->has_new_frames = true;
 }
@@ -223,10 +255,12 @@ void Renderer::set_view(const ViewOptions& view) {
   p.incoming->set_view(options);
   if (p.complete) p.complete->set_view(options);
   if (same_projection) {
+    p.incidence.set_view(options);
     p.ray_caster.set_view(options);  // the light turns with the viewer: pass 3 does not change
     return;
   }
   p.ray_caster = p.make_ray_caster();
+  p.incidence = IncidenceCorrection(p.factory.geometry(), options);
   p.surface_shader = SurfaceShader(options);
 }
 

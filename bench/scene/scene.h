@@ -59,6 +59,7 @@ void for_each_section(S& scene, const Body& body) {
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
   body("render.pipeline", scene.render.pipeline);
+  body("render.reconstruction", scene.render.reconstruction);
   body("render.scan_conversion", scene.render.scan_conversion);
   body("render.volume_of_interest", scene.render.volume_of_interest);
   body("render.view", scene.render.view);

@@ -1,5 +1,6 @@
 #include "render/geometry/ray_sampling.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/camera.h"
@@ -50,6 +51,14 @@ std::vector<double> blend_weights(const RayCastingOptions& options) {
   weights.insert(weights.end(), gaussian.begin(), gaussian.end());
   weights.insert(weights.end(), margin, 0.0);
   return weights;
+}
+
+int buffer_length(const RayCastingOptions& options) {
+  return options.detector == Detector::paper ? options.buffer_length : 2;
+}
+
+int floor_mean_samples(const RenderOptions& options) {
+  return std::clamp(static_cast<int>(std::lround(kMillimetre / step_m(options))), 1, 64);
 }
 
 double kernel_radius_m(const RenderOptions& options) {

@@ -24,6 +24,15 @@ std::vector<double> buffer_weights(const RayCastingOptions& options);
 /// the length of buffer_weights().
 std::vector<double> blend_weights(const RayCastingOptions& options);
 
+/// Samples that the detector compares: n of Eq. (1); the last two for an iso-surface.
+int buffer_length(const RayCastingOptions& options);
+
+/// Detector::floor: samples in the mean of a millimetre, at least 1 and at most 64.
+int floor_mean_samples(const RenderOptions& options);
+/// Detector::floor: finished blocks of so many samples, whose least mean is the floor with that of
+/// the block that is not finished.
+inline constexpr int kFloorBlocks = 11;
+
 /// Largest distance of a kernel tap from its position on the ray.
 double kernel_radius_m(const RenderOptions& options);
 

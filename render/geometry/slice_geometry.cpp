@@ -29,12 +29,23 @@ double outside_m(const MotionPoint& point, const SliceGeometry& g) {
   return std::hypot(beyond_m, axis_distance_m * std::sin(std::min(beyond_rad, kPi / 2)));
 }
 
+/// Frames by which the motor is ahead of its frame's middle, per radian of stick angle.
+double skew_per_rad(const hw::AcquisitionPlan& plan) {
+  const hw::AcquisitionOptions& scan = plan.acquisition();
+  const double frame_span_rad = plan.theta_step_rad() * scan.sticks_per_frame;
+  const bool turns = scan.motor != hw::MotorMode::stepped;
+  return turns && scan.frames_per_volume > 1 && frame_span_rad > 0 ? 1 / frame_span_rad : 0;
+}
+
 }  // namespace
 
-SliceGeometry::SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size)
-    : plan_(plan),
+SliceGeometry::SliceGeometry(const hw::AcquisitionPlan& plan,
+                             int slice_size,
+                             const DenseFactors& factors)
+    : plan_(dense_plan(plan, factors)),
       slice_size_(slice_size),
-      frames_(plan.acquisition().frames_per_volume),
+      frames_(plan_.acquisition().frames_per_volume),
+      frame_skew_(skew_per_rad(plan) * factors.frames),
       axis_z_m_(plan.geometry().axis_z_m()),
       r_min_m_(plan.geometry().radius_m()),
       r_max_m_(r_min_m_ + plan.acquisition().depth_m),
@@ -42,10 +53,10 @@ SliceGeometry::SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size)
       x_max_m_(r_max_m_ * std::sin(half_sector_rad_)),
       depth_min_m_(r_min_m_ * std::cos(half_sector_rad_)) {
   const double half_fan_rad = plan.acquisition().fan_rad / 2;
-  const double first_rad = plan.frame_phi_rad(0), last_rad = plan.frame_phi_rad(frames_ - 1);
+  const double first_rad = plan_.frame_phi_rad(0), last_rad = plan_.frame_phi_rad(frames_ - 1);
   phi_min_rad_ = frames_ == 1 ? -half_fan_rad : std::min(first_rad, last_rad);
   phi_max_rad_ = frames_ == 1 ? half_fan_rad : std::max(first_rad, last_rad);
-  const double skewed_rad = std::abs(frame_skew(1)) * half_sector_rad_ * plan.phi_step_rad();
+  const double skewed_rad = std::abs(frame_skew(1)) * half_sector_rad_ * plan_.phi_step_rad();
   phi_min_rad_ -= skewed_rad;
   phi_max_rad_ += skewed_rad;
 }
@@ -73,9 +84,7 @@ double SliceGeometry::frame_at(double phi_rad) const {
 }
 
 double SliceGeometry::frame_skew(int sweep) const {
-  const double frame_span_rad = plan_.theta_step_rad() * plan_.acquisition().sticks_per_frame;
-  const bool turns = plan_.acquisition().motor != hw::MotorMode::stepped;
-  return turns && frames_ > 1 && frame_span_rad > 0 ? sweep / frame_span_rad : 0;
+  return sweep * frame_skew_;
 }
 
 SliceGeometry::PolarIndex SliceGeometry::polar_index(double x_m, double depth_m) const {

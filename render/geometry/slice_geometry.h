@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "render/geometry/dense_plan.h"
 #include "render/gl/region.h"
 #include "render/options.h"
 
@@ -28,7 +29,8 @@ struct SlicePoint {
 /// plane: the frame index of a position then depends on theta too (frame_skew).
 class SliceGeometry {
  public:
-  SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size);
+  /// `factors`: of the denser scan that the slices are made of; its lines and frames are counted.
+  SliceGeometry(const hw::AcquisitionPlan& plan, int slice_size, const DenseFactors& factors = {});
 
   double x_max_m() const { return x_max_m_; }
   double depth_min_m() const { return depth_min_m_; }
@@ -74,6 +76,7 @@ class SliceGeometry {
   hw::AcquisitionPlan plan_;
   int slice_size_;
   int frames_;
+  double frame_skew_;  ///< for a sweep in the direction +1
   double axis_z_m_, r_min_m_, r_max_m_, half_sector_rad_;
   double x_max_m_, depth_min_m_;
   double phi_min_rad_, phi_max_rad_;

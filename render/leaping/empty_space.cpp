@@ -57,6 +57,11 @@ void EmptySpace::set_view(const RenderOptions& options) {
   changed_ = true;
 }
 
+void EmptySpace::set_level(double level) {
+  cells_.set_level(level);
+  changed_ = true;
+}
+
 const Texture& EmptySpace::distances() {
   if (!std::exchange(changed_, false)) return distances_;
   for (int interval = 0; interval < cells_.grid().intervals; ++interval) {

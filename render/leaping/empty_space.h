@@ -19,6 +19,7 @@ class EmptySpace {
   /// Computes the bounds of layers that have changed; arguments as GroupCallback.
   void update_bounds(const Texture& slices, int index, const LayerGroup& layers);
   void set_view(const RenderOptions& options);
+  void set_level(double level);
 
   /// SkippableCells::distances() over 255; columns x rows x intervals of the grid.
   const Texture& distances();

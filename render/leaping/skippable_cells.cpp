@@ -97,12 +97,15 @@ SkippableCells::SkippableCells(const hw::AcquisitionPlan& plan,
       pixel_x_m_(geometry.pixel_x_m(1) - geometry.pixel_x_m(0)),
       pixel_depth_m_(geometry.pixel_depth_m(1) - geometry.pixel_depth_m(0)),
       phi_step_rad_(plan.phi_step_rad()),
-      can_leap_(geometry.frames() > 1 && geometry.depth_min_m() > geometry.axis_z_m()),
+      can_leap_(geometry.frames() > 1 && geometry.depth_min_m() > geometry.axis_z_m() &&
+                options.ray_casting.detector != Detector::floor),
       detects_(options.ray_casting.mode != RenderMode::volume),
       rising_(options.ray_casting.edge == EdgeSign::rising),
+      detector_(options.ray_casting.detector),
+      value_rounding_(value_rounding(options.scan_conversion.format)),
       max_slope_without_edge_per_m_(max_slope_without_edge_per_m(options)),
       next_visible_(next_visible(options)),
-      buffer_{options.ray_casting.buffer_length * step_m(options), kernel_radius_m(options)},
+      buffer_{buffer_length(options.ray_casting) * step_m(options), kernel_radius_m(options)},
       kernel_{0, kernel_radius_m(options)} {
   const auto cells = static_cast<std::size_t>(grid_.columns) * static_cast<std::size_t>(grid_.rows);
   bounds_.assign(static_cast<std::size_t>(grid_.intervals), std::vector<MacrocellBounds>(cells));
@@ -188,6 +191,16 @@ bool SkippableCells::is_visible(float low, float high) const {
          clamped_entry(high + rounding) + 1;
 }
 
+bool SkippableCells::may_hold_surface(const MacrocellBounds& bounds,
+                                      const Directions& along,
+                                      double axis_distance_m) const {
+  if (detector_ == Detector::iso) {
+    return rising_ ? static_cast<double>(bounds.high) >= level_ - value_rounding_
+                   : static_cast<double>(bounds.low) <= level_ + value_rounding_;
+  }
+  return max_edge_slope_per_m(bounds, along, axis_distance_m) >= max_slope_without_edge_per_m_;
+}
+
 /// Cells whose samples depend on one of `bits`: those within its reach downstream and around it.
 CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const {
   const int rows = grid_.rows, intervals = grid_.intervals;
@@ -249,8 +262,7 @@ CellBits SkippableCells::to_sample() const {
       if (overlap == ConeOverlap::border) border[word] |= bit;
       // If some taps of a kernel lie outside the cone, its mean can change faster than the values.
       const bool cut_kernel = kernel_.around_m > 0 && (outermost || overlap == ConeOverlap::border);
-      if (detects_ && (cut_kernel || max_edge_slope_per_m(cell, along, axis_distance_m(row)) >=
-                                         max_slope_without_edge_per_m_)) {
+      if (detects_ && (cut_kernel || may_hold_surface(cell, along, axis_distance_m(row)))) {
         steep[word] |= bit;
       }
       if (is_visible(cell.low, cell.high)) visible[word] |= bit;

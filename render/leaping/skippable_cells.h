@@ -47,6 +47,8 @@ class SkippableCells {
   void set_bounds(int interval, std::vector<MacrocellBounds> bounds);
   /// Slopes along rays and the cells that a buffer covers depend on the direction of the rays.
   void set_view(const RenderOptions& options);
+  /// Detector::iso: the surface's level. A cell that lies below it holds no rising edge.
+  void set_level(double level) { level_ = level; }
 
   /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest cell that must
   /// be sampled, at most kMaxCellDistance; 0: this one. Cells on the cone's border must be sampled,
@@ -80,6 +82,9 @@ class SkippableCells {
                               const Directions& along,
                               double axis_distance_m) const;
   bool is_visible(float low, float high) const;
+  bool may_hold_surface(const MacrocellBounds& bounds,
+                        const Directions& along,
+                        double axis_distance_m) const;
   CellBits to_sample() const;
   CellBits dilated(const CellBits& bits, const Reach& reach) const;
 
@@ -88,6 +93,9 @@ class SkippableCells {
   double pixel_x_m_, pixel_depth_m_, phi_step_rad_;
   bool can_leap_;
   bool detects_, rising_;
+  Detector detector_;
+  double level_ = 0;
+  double value_rounding_;
   double max_slope_without_edge_per_m_;  ///< along a ray
   std::vector<int> next_visible_;  ///< first visible entry of the transfer table from this one on
   Reach buffer_, kernel_;

@@ -12,7 +12,8 @@ namespace wobblebench::render {
 class DepthFilter {
  public:
   DepthFilter() = default;
-  explicit DepthFilter(const RenderOptions& options);
+  /// `size`: side of the window, pixels, odd.
+  DepthFilter(const RenderOptions& options, int size);
 
   /// Filters RayCaster::depth().
   void filter(const Texture& depth);

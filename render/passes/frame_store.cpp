@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
-
-#include "render/geometry/sample.h"
+#include <utility>
 
 namespace wobblebench::render {
 
@@ -29,18 +28,15 @@ int FrameStore::last_neighbour(int slice) const {
   return std::min(slice + half_, frames_ - 1);
 }
 
-void FrameStore::put(int index, const hw::PolarFrame& frame) {
+void FrameStore::put(int index, std::vector<float> samples) {
   if (index < 0 || index >= frames_) {
     throw std::out_of_range("frame " + std::to_string(index) + " of " + std::to_string(frames_));
   }
-  if (frame.samples.size() != samples_) {
-    throw std::invalid_argument("a frame of " + std::to_string(frame.samples.size()) +
+  if (samples.size() != samples_) {
+    throw std::invalid_argument("a frame of " + std::to_string(samples.size()) +
                                 " samples; the plan has " + std::to_string(samples_));
   }
-  std::transform(frame.samples.begin(),
-                 frame.samples.end(),
-                 clean_[static_cast<std::size_t>(index)].begin(),
-                 clean_sample);
+  clean_[static_cast<std::size_t>(index)] = std::move(samples);
   arrived_[static_cast<std::size_t>(index)] = true;
   // The first layer affected is the one whose last slice is the frame's first neighbour.
   const int last_layer = static_cast<int>(changed_.size()) - 1;

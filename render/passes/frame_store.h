@@ -8,7 +8,7 @@
 
 namespace wobblebench::render {
 
-/// Stores each frame, with its samples clamped (clean_sample()), and filters it with its neighbours
+/// Stores each frame, of samples in [0, 1], and filters it with its neighbours
 /// by the part of the 3D kernel that lies across frames. Filtering sticks equals filtering slices,
 /// as scan conversion is linear and the same for all frames, and sticks are fewer than pixels.
 ///
@@ -24,7 +24,7 @@ class FrameStore {
 
   /// Throws std::out_of_range for an index outside the plan, std::invalid_argument for a frame of
   /// another size.
-  void put(int index, const hw::PolarFrame& frame);
+  void put(int index, std::vector<float> samples);
 
   /// Changed layers that are complete, ascending; they count as unchanged from then on.
   [[nodiscard]] std::vector<int> take_complete();

@@ -3,6 +3,7 @@
 // shaders/ray_casting/ray_march.glsl (its ray length).
 #include "render/passes/ray_caster.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/geometry/ray_sampling.h"
@@ -11,24 +12,34 @@
 namespace wobblebench::render {
 namespace {
 
+/// Instead of infinity, which shaders need not have.
+constexpr double kNoLevel = 1e30;
+
 enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
 
 /// Longest buffer processed in blocks; a longer one would not stay in registers.
 constexpr int kMaxBlock = 16;
+/// Samples of a block where the detector does not say how many.
+constexpr int kIsoBlock = 8;
 
 /// Steps by which slice coordinates may deviate from a straight line over half a block.
 constexpr double kStraightSteps = 0.02;
 
 /// Whether samples are processed in blocks (ray_blocks.glsl): without a kernel along the ray.
 bool in_blocks(const RayCastingOptions& o) {
-  return buffer_weights(o).size() == 1 && o.buffer_length <= kMaxBlock;
+  return buffer_weights(o).size() == 1 && o.detector != Detector::floor &&
+         buffer_length(o) <= kMaxBlock;
+}
+
+int block_length(const RayCastingOptions& o) {
+  return o.detector == Detector::paper ? buffer_length(o) : kIsoBlock;
 }
 
 /// Whether depth and frame are nearly linear over half a block: a chord of length l at a distance d
 /// from the wobble axis lies within l^2 / (8 d) of its arc. The deviation from a parabola is
 /// smaller by l / d.
 bool is_straight(const SliceGeometry& g, const RenderOptions& options) {
-  const double half_block_steps = 0.5 * options.ray_casting.buffer_length;
+  const double half_block_steps = 0.5 * block_length(options.ray_casting);
   const double nearest_m = g.depth_min_m() - g.axis_z_m();
   return g.frames() > 1 &&
          half_block_steps * half_block_steps * step_m(options) < 8 * nearest_m * kStraightSteps;
@@ -51,7 +62,13 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("SKEWED", geometry.is_skewed())
       .add("KERNEL", ray_kernel_size(o))
       .add("TAPS", static_cast<int>(buffer_weights(o).size()))
-      .add("BUFFER", o.buffer_length)
+      .add("DETECTOR", static_cast<int>(o.detector))
+      .add("DETECTOR_ISO", static_cast<int>(Detector::iso))
+      .add("DETECTOR_FLOOR", static_cast<int>(Detector::floor))
+      .add("BUFFER", buffer_length(o))
+      .add("BLOCK", block_length(o))
+      .add("MEAN", floor_mean_samples(options))
+      .add("FLOOR_BLOCKS", kFloorBlocks)
       .add("PAIRS", is_fast(options))
       .add("BLOCKS", in_blocks(o))
       .add("STRAIGHT", is_straight(geometry, options))
@@ -88,7 +105,7 @@ FragmentProgram make_program(const Defines& defines, bool fast) {
 RayCaster::RayCaster(const SliceGeometry& geometry,
                      const RenderOptions& options,
                      const SliceVolume& volume)
-    : geometry_(geometry) {
+    : geometry_(geometry), measures_level_(options.ray_casting.detector != Detector::paper) {
   const int size = options.ray_casting.image_size;
   const std::string what = "ray_casting.image_size = " + std::to_string(size);
   color_ = Texture(what, TexelFormat::rgba32f, {size, size}, TextureFilter::nearest);
@@ -111,9 +128,9 @@ RayCaster::RayCaster(const SliceGeometry& geometry,
   check_gl("ray casting: setting up");
 }
 
-void RayCaster::set_view(const RenderOptions& options) {
+void set_camera(FragmentProgram& program, const RenderOptions& options) {
   const Camera camera = make_camera(options);
-  ray_cast_.set("center_m", camera.center)
+  program.set("center_m", camera.center)
       .set("right", camera.right)
       .set("down", camera.down)
       .set("forward", camera.forward)
@@ -121,6 +138,10 @@ void RayCaster::set_view(const RenderOptions& options) {
       .set("image_size", static_cast<double>(camera.image_size))
       .set("plane_distance_m", camera.plane_distance_m)
       .set("eye_distance_m", camera.eye_distance_m);
+}
+
+void RayCaster::set_view(const RenderOptions& options) {
+  set_camera(ray_cast_, options);
 }
 
 void RayCaster::set_box(const RenderOptions& options) {
@@ -199,6 +220,7 @@ void RayCaster::set_sampling(const RenderOptions& options) {
 }
 
 void RayCaster::cast(SliceVolume& volume) {
+  if (measures_level_) ray_cast_.set("threshold", std::min(volume.level(), kNoLevel));
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
   const Texture* distances = volume.distances();
   const Binding slice_lookup =

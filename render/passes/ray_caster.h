@@ -43,10 +43,14 @@ class RayCaster {
   void set_sampling(const RenderOptions& options);
 
   SliceGeometry geometry_;
+  bool measures_level_;  ///< the threshold is that of the volume
   Texture motion_table_, transfer_, color_, depth_;
   Framebuffer target_;
   FragmentProgram ray_cast_;
 };
+
+/// The uniforms of shaders/ray_casting/ray.glsl that place a picture's rays.
+void set_camera(FragmentProgram& program, const RenderOptions& options);
 
 /// z of a pixel without a surface, in depth textures.
 inline constexpr int kNoDepth = -1;

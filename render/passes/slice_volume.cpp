@@ -50,6 +50,10 @@ class FastVolume : public SliceVolume {
   const SkippableCells* cells() const override { return &empty_space_.cells(); }
   const Texture* distances() override { return &empty_space_.distances(); }
   void set_view(const RenderOptions& options) override { empty_space_.set_view(options); }
+  void set_level(double new_level) override {
+    SliceVolume::set_level(new_level);
+    empty_space_.set_level(new_level);
+  }
 
  private:
   FastScanConverter& converter_;
@@ -61,9 +65,11 @@ class FastVolume : public SliceVolume {
 
 struct SliceVolumeFactory::Shared {
   Shared(const hw::AcquisitionPlan& acquisition_plan, const RenderOptions& render_options)
-      : plan(acquisition_plan),
+      : plan(dense_plan(acquisition_plan, dense_factors(acquisition_plan, render_options))),
         options(render_options),
-        geometry(plan, options.scan_conversion.slice_size) {
+        geometry(acquisition_plan,
+                 options.scan_conversion.slice_size,
+                 dense_factors(acquisition_plan, options)) {
     if (options.pipeline.mode == PipelineMode::fast) {
       fast.emplace(geometry, plan, options);
     } else {
@@ -71,7 +77,7 @@ struct SliceVolumeFactory::Shared {
     }
   }
 
-  hw::AcquisitionPlan plan;
+  hw::AcquisitionPlan plan;  ///< of the sticks and those between them
   RenderOptions options;
   SliceGeometry geometry;
   std::optional<ScanConverter> plain;

@@ -1,6 +1,7 @@
 // The volume on the GPU, written by pass 1 and read by pass 2.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -32,7 +33,14 @@ class SliceVolume {
   /// Which cells are skippable depends on the view.
   virtual void set_view(const RenderOptions&) {}
 
+  /// The level of an iso-surface; of a rise for Detector::floor.
+  virtual void set_level(double new_level) { level_ = new_level; }
+  double level() const { return level_; }
+
   int sweep = 1;  ///< of the motor, as hw::AcquisitionPlan::sweep_direction
+
+ private:
+  double level_ = std::numeric_limits<double>::infinity();
 };
 
 /// Makes the volumes of one plan, which share its scan converter and must not outlive it.

@@ -54,7 +54,7 @@ void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
 
 SurfaceShader::SurfaceShader(const RenderOptions& options)
     : leaps_(options.shading.shadows && options.pipeline.mode == PipelineMode::fast),
-      filter_(options),
+      filter_(options, options.shading.depth_filter_size),
       shade_(shade_program(options)) {
   const int size = options.ray_casting.image_size;
   surface_ = Texture("ray_casting.image_size = " + std::to_string(size),

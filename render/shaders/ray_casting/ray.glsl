@@ -35,8 +35,9 @@ struct Ray {
   vec3 origin, direction;
 };
 
-Ray pixel_ray() {
-  vec2 offset = (gl_FragCoord.xy - 0.5 * image_size) * pixel_m;
+// The ray through a point of the picture, in pixels; centres of pixels lie at integers + 1/2.
+Ray picture_ray(vec2 picture) {
+  vec2 offset = (picture - 0.5 * image_size) * pixel_m;
   vec3 on_plane = offset.x * right + offset.y * down;
 #if PERSPECTIVE
   return Ray(center_m - eye_distance_m * forward, normalize(on_plane + eye_distance_m * forward));
@@ -44,3 +45,5 @@ Ray pixel_ray() {
   return Ray(center_m + on_plane - plane_distance_m * forward, forward);
 #endif
 }
+
+Ray pixel_ray() { return picture_ray(gl_FragCoord.xy); }

@@ -103,9 +103,9 @@ void main() {
     int first = max(next - BUFFER, 0);
 #if BLOCKS
     empty_block();
-    for (int begin = first; begin < count && !ended; begin += BUFFER) {
+    for (int begin = first; begin < count && !ended; begin += BLOCK) {
       ended = process_block(march, begin, count);
-      next = begin + BUFFER;
+      next = begin + BLOCK;
 #if LEAPS
       int steps = leap_from(march.ray, sample_position(march, next));
       if (steps >= MIN_LEAP) {
