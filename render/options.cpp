@@ -51,9 +51,10 @@ void validate(const RenderOptions& options) {
   }
   check_transfer_function(options.ray_casting);
   if (options.reconstruction.sticks == Sticks::aligned && options.pipeline.mid_volume) {
-    throw InvalidOption("reconstruction.sticks",
-                        "aligned",
-                        "needs pipeline.mid_volume false; sticks are aligned once a volume is whole");
+    throw InvalidOption(
+        "reconstruction.sticks",
+        "aligned",
+        "needs pipeline.mid_volume false; sticks are aligned once a volume is whole");
   }
   if (options.shading.base == ShadingBase::rendered &&
       options.ray_casting.mode == RenderMode::surface) {

@@ -24,10 +24,10 @@ DenseFactors dense_factors(const hw::AcquisitionPlan& plan, const RenderOptions&
   const double far_m =
       std::clamp(box.center_m.z + 0.5 * box.size_m.z, 0.0, geometry.radius_m() + scan.depth_m);
   const double wanted_m = options.reconstruction.spacing_m;
-  return {steps_for(far_m * plan.theta_step_rad(), wanted_m, scan.sticks_per_frame),
-          steps_for((far_m - geometry.axis_z_m()) * plan.phi_step_rad(),
-                    wanted_m,
-                    scan.frames_per_volume)};
+  return {
+      steps_for(far_m * plan.theta_step_rad(), wanted_m, scan.sticks_per_frame),
+      steps_for(
+          (far_m - geometry.axis_z_m()) * plan.phi_step_rad(), wanted_m, scan.frames_per_volume)};
 }
 
 hw::AcquisitionPlan dense_plan(const hw::AcquisitionPlan& plan, const DenseFactors& factors) {

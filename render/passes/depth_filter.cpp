@@ -22,9 +22,7 @@ FragmentProgram lines_program(const RenderOptions& options, int size, bool colum
 
 FragmentProgram window_program(int size) {
   return {{"depth_filter.frag.glsl"},
-          Defines()
-              .add("BIND_DEPTH", kDepth)
-              .add("HALF_FILTER", size / 2)};
+          Defines().add("BIND_DEPTH", kDepth).add("HALF_FILTER", size / 2)};
 }
 
 }  // namespace

@@ -18,10 +18,10 @@ std::array<double, 4> b_spline(double t) {
 
 /// Of four values at -1, 0, 1 and 2.
 double catmull_rom(const std::array<double, 4>& p, double t) {
-  return p[1] + 0.5 * t *
-                    (p[2] - p[0] +
-                     t * (2 * p[0] - 5 * p[1] + 4 * p[2] - p[3] +
-                          t * (3 * (p[1] - p[2]) + p[3] - p[0])));
+  return p[1] +
+         0.5 * t *
+             (p[2] - p[0] +
+              t * (2 * p[0] - 5 * p[1] + 4 * p[2] - p[3] + t * (3 * (p[1] - p[2]) + p[3] - p[0])));
 }
 
 /// Which of four neighbours lie on the surface of the nearer middle one, and the edge between them.
@@ -44,8 +44,7 @@ CommonSurface common_surface(const std::array<StickView, 4>& sticks, double t, d
   surface.on[0] = surface.on[1] && joined(0, 1);
   surface.on[3] = surface.on[2] && joined(3, 2);
   // Where a neighbour lies on another surface, this one goes on straight.
-  std::array<double, 4> e{
-      sticks[0].edge_m, sticks[1].edge_m, sticks[2].edge_m, sticks[3].edge_m};
+  std::array<double, 4> e{sticks[0].edge_m, sticks[1].edge_m, sticks[2].edge_m, sticks[3].edge_m};
   if (!surface.on[1]) e[1] = surface.on[3] ? 2 * e[2] - e[3] : e[2];
   if (!surface.on[2]) e[2] = surface.on[0] ? 2 * e[1] - e[0] : e[1];
   if (!surface.on[0]) e[0] = 2 * e[1] - e[2];
@@ -60,9 +59,11 @@ void add_shifted(const float* stick, double shift, float weight, int count, floa
   const auto fraction = static_cast<float>(shift - whole);
   const int offset = static_cast<int>(std::clamp(whole, -1.0 * count, 1.0 * count));
   const float near = weight * (1 - fraction), far = weight * fraction;
-  const int begin = std::clamp(-offset, 0, count), end = std::clamp(count - 1 - offset, begin, count);
+  const int begin = std::clamp(-offset, 0, count),
+            end = std::clamp(count - 1 - offset, begin, count);
   for (int k = 0; k < begin; ++k) sum[k] += weight * stick[0];
-  for (int k = begin; k < end; ++k) sum[k] += near * stick[k + offset] + far * stick[k + offset + 1];
+  for (int k = begin; k < end; ++k)
+    sum[k] += near * stick[k + offset] + far * stick[k + offset + 1];
   for (int k = end; k < count; ++k) sum[k] += weight * stick[count - 1];
 }
 
@@ -73,9 +74,9 @@ struct StickRows {
         sticks(stick_count),
         samples(sample_count),
         edges(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(stick_count)) {
-    values.assign(static_cast<std::size_t>(rows),
-                  std::vector<float>(static_cast<std::size_t>(sticks) *
-                                     static_cast<std::size_t>(samples)));
+    values.assign(
+        static_cast<std::size_t>(rows),
+        std::vector<float>(static_cast<std::size_t>(sticks) * static_cast<std::size_t>(samples)));
   }
   float* at(int row, int stick) {
     return values[static_cast<std::size_t>(row)].data() + std::ptrdiff_t{stick} * samples;
@@ -150,8 +151,7 @@ std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
       const auto views = neighbours(line, factors.lines, scan.sticks_per_frame, [&](int l) {
         return StickView{sticks + std::ptrdiff_t{l} * samples, frame_edges[l]};
       });
-      const double reach =
-          reach_m(views, geometry.radius_m(), plan.theta_step_rad(), steepest_rad);
+      const double reach = reach_m(views, geometry.radius_m(), plan.theta_step_rad(), steepest_rad);
       lines.edge(frame, line) = mix_sticks(views,
                                            fraction_of(line, factors.lines, scan.sticks_per_frame),
                                            reach,
@@ -166,10 +166,8 @@ std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
       const auto views = neighbours(frame, factors.frames, scan.frames_per_volume, [&](int f) {
         return StickView{lines.at(f, line), lines.edge(f, line)};
       });
-      const double reach = reach_m(views,
-                                   geometry.radius_m() - geometry.axis_z_m(),
-                                   plan.phi_step_rad(),
-                                   steepest_rad);
+      const double reach = reach_m(
+          views, geometry.radius_m() - geometry.axis_z_m(), plan.phi_step_rad(), steepest_rad);
       mix_sticks(views,
                  fraction_of(frame, factors.frames, scan.frames_per_volume),
                  reach,

@@ -32,7 +32,8 @@ Histogram histogram(const hw::AcquisitionPlan& plan,
       const WindowMeans means(
           frames[static_cast<std::size_t>(frame)].data() + std::ptrdiff_t{line} * samples, samples);
       for (int k = span.begin; k < span.end; ++k) {
-        const int bin = static_cast<int>(means.mean(k - window / 2, k - window / 2 + window) * kBins);
+        const int bin =
+            static_cast<int>(means.mean(k - window / 2, k - window / 2 + window) * kBins);
         ++counts[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
       }
     }

@@ -26,7 +26,8 @@ class ReceivedFrames {
   const std::vector<std::vector<float>>& frames() const { return frames_; }
 
  private:
-  void fill_lost_sticks(const std::vector<std::uint8_t>& arrived, std::vector<float>& samples) const;
+  void fill_lost_sticks(const std::vector<std::uint8_t>& arrived,
+                        std::vector<float>& samples) const;
 
   std::size_t lines_, samples_;  ///< of a frame, of a stick
   std::vector<std::vector<float>> frames_;

@@ -49,7 +49,9 @@ Picture render_reference(const hw::PolarVolume& volume, const RenderOptions& opt
   const reference::Cast cast = reference::cast_rays(slices, options);
   Picture picture;
   picture.volume = converted<glm::vec3>(cast.volume);
-  shade_and_smooth(cast.depth_m, cast.volume, options, picture);
+  const auto depth_m =
+      reference::correct_incidence(cast.depth_m, volume.plan().geometry(), options);
+  shade_and_smooth(depth_m, cast.volume, options, picture);
   return picture;
 }
 

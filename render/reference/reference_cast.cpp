@@ -1,13 +1,12 @@
-// Pass 2 of the reference. SurfaceFinder is where an edge becomes z.
+// Pass 2 of the reference. An edge becomes z in reference_detectors.cpp.
 #include <cmath>
-#include <deque>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <optional>
 
 #include "base/parallel.h"
 #include "render/geometry/ray_sampling.h"
 #include "render/geometry/slice_kernel.h"
+#include "render/reference/reference_detectors.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render::reference {
@@ -104,45 +103,6 @@ std::optional<RaySample> RayTracer::smoothed(const glm::dvec3& position,
   return sample;
 }
 
-/// Difference of Eq. (1): the newer half of the buffer minus the older half; negated for falling
-/// edges.
-double difference(const std::deque<double>& buffer, EdgeSign edge) {
-  const auto middle = buffer.begin() + static_cast<std::ptrdiff_t>(buffer.size() / 2);
-  const double older = std::accumulate(buffer.begin(), middle, 0.0);
-  const double newer = std::accumulate(middle, buffer.end(), 0.0);
-  return edge == EdgeSign::rising ? newer - older : older - newer;
-}
-
-/// Finds the surface along one ray by edge detection, Eq. (1).
-class SurfaceFinder {
- public:
-  SurfaceFinder(const RayCastingOptions& options, double step_m) : o_(options), step_m_(step_m) {}
-
-  /// The ray is outside the cone: empties the buffer.
-  void reset() {
-    buffer_.clear();
-    last_difference_.reset();
-  }
-
-  /// Adds the sample at this ray length; returns z if it completes an edge.
-  std::optional<double> take(double sample, double distance_m) {
-    buffer_.push_back(sample);
-    if (buffer_.size() < static_cast<std::size_t>(o_.buffer_length)) return {};
-    if (buffer_.size() > static_cast<std::size_t>(o_.buffer_length)) buffer_.pop_front();
-    const double now = difference(buffer_, o_.edge);
-    const std::optional<double> before = std::exchange(last_difference_, now);
-    if (now < o_.threshold) return {};
-    if (!o_.refine_crossing || !before) return distance_m;
-    return distance_m - step_m_ * (now - o_.threshold) / (now - *before);
-  }
-
- private:
-  const RayCastingOptions& o_;
-  double step_m_;
-  std::deque<double> buffer_;
-  std::optional<double> last_difference_;
-};
-
 RayTracer::Pixel RayTracer::trace(int column, int row) const {
   const hw::Ray ray = camera_.ray(column, row);
   const Span span = clip_to_box(ray, options_.volume_of_interest);
@@ -151,7 +111,7 @@ RayTracer::Pixel RayTracer::trace(int column, int row) const {
   const double end_m = clip_to_box(ray, end_box_).to_m;
   const RayAxes ray_axes = axes(ray);
 
-  SurfaceFinder finder(o_, step_m_);
+  const auto finder = make_surface_finder(options_, slices_.level());
   bool finding = o_.mode != RenderMode::volume, blending = o_.mode != RenderMode::surface;
   bool was_inside = false;
   double opacity = 0;
@@ -161,12 +121,12 @@ RayTracer::Pixel RayTracer::trace(int column, int row) const {
     const auto sample = smoothed(ray.at(distance_m), ray_axes);
     if (!sample) {
       if (was_inside && o_.stop_on_leaving_cone) break;
-      finder.reset();
+      finder->reset();
       continue;
     }
     was_inside = true;
     if (finding) {
-      if (const auto z_m = finder.take(sample->buffered, distance_m)) {
+      if (const auto z_m = finder->take(sample->buffered, distance_m)) {
         pixel.depth_m = *z_m;
         finding = false;
         if (o_.mode == RenderMode::surface) break;

@@ -12,6 +12,13 @@
 
 namespace wobblebench::render::reference {
 
+/// What pass 1 converts.
+struct ReferenceSticks {
+  std::vector<std::vector<double>> frames;  ///< of dense_plan(), [line * samples + sample]
+  double level = 0;                         ///< detection_level()
+};
+ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& options);
+
 /// Result of pass 1: scan-converted, filtered slices.
 class SliceStack {
  public:
@@ -25,6 +32,8 @@ class SliceStack {
   Sample at(const glm::dvec3& position_m) const;
 
   const SliceGeometry& geometry() const { return geometry_; }
+  /// detection_level() of the volume.
+  double level() const { return level_; }
   /// Value of a slice's pixel.
   double pixel(int frame, int column, int row) const {
     return slices_[static_cast<std::size_t>(frame)].at(column, row);
@@ -33,6 +42,7 @@ class SliceStack {
  private:
   SliceGeometry geometry_;
   int sweep_;
+  double level_ = 0;
   std::vector<Image<double>> slices_;
 };
 
@@ -42,6 +52,11 @@ struct Cast {
   Image<glm::dvec3> volume;
 };
 Cast cast_rays(const SliceStack& slices, const RenderOptions& options);
+
+/// Between passes 2 and 3: RayCastingOptions::incidence_correction_m.
+Image<double> correct_incidence(const Image<double>& depth_m,
+                                const hw::ProbeGeometry& geometry,
+                                const RenderOptions& options);
 
 /// Pass 3, first half: box filter over neighbours with a surface.
 Image<double> filter_depth(const Image<double>& depth_m, int filter_size);

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "render/geometry/sample.h"
 #include "render/geometry/slice_kernel.h"
 #include "render/reference/reference_passes.h"
 
@@ -13,14 +12,13 @@ namespace {
 /// Value of a pixel without data.
 constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
 
-double sample_at(const hw::PolarFrame& frame, int samples_per_stick, int line, int sample) {
-  return clean_sample(
-      frame.samples[static_cast<std::size_t>(line) * static_cast<std::size_t>(samples_per_stick) +
-                    static_cast<std::size_t>(sample)]);
+double sample_at(const std::vector<double>& frame, int samples_per_stick, int line, int sample) {
+  return frame[static_cast<std::size_t>(line) * static_cast<std::size_t>(samples_per_stick) +
+               static_cast<std::size_t>(sample)];
 }
 
 /// Bilinear in line and sample.
-double interpolate(const hw::PolarFrame& frame,
+double interpolate(const std::vector<double>& frame,
                    const hw::AcquisitionOptions& acquisition,
                    const SliceGeometry::PolarIndex& index) {
   const int samples = acquisition.samples_per_stick;
@@ -37,7 +35,7 @@ double interpolate(const hw::PolarFrame& frame,
                    across);
 }
 
-Image<double> scan_convert(const hw::PolarFrame& frame,
+Image<double> scan_convert(const std::vector<double>& frame,
                            const hw::AcquisitionOptions& acquisition,
                            const SliceGeometry& geometry) {
   const int size = geometry.slice_size();
@@ -122,14 +120,18 @@ Between between(double at, int count) {
 }  // namespace
 
 SliceStack::SliceStack(const hw::PolarVolume& volume, const RenderOptions& options)
-    : geometry_(volume.plan(), options.scan_conversion.slice_size),
+    : geometry_(
+          volume.plan(), options.scan_conversion.slice_size, dense_factors(volume.plan(), options)),
       sweep_(volume.plan().sweep_direction(volume.volume_index())),
-      slices_(volume.frames().size()) {
+      slices_(static_cast<std::size_t>(geometry_.frames())) {
+  const ReferenceSticks sticks = make_sticks(volume, options);
+  level_ = sticks.level;
+  const hw::AcquisitionPlan plan = dense_plan(volume.plan(), dense_factors(volume.plan(), options));
   std::vector<Image<double>> filtered(slices_.size());
   parallel_rows(geometry_.frames(), [&](int frame) {
-    filtered[static_cast<std::size_t>(frame)] =
-        filter(scan_convert(volume.frame(frame), volume.plan().acquisition(), geometry_),
-               slice_weights(options));
+    filtered[static_cast<std::size_t>(frame)] = filter(
+        scan_convert(sticks.frames[static_cast<std::size_t>(frame)], plan.acquisition(), geometry_),
+        slice_weights(options));
   });
   parallel_rows(geometry_.frames(), [&](int frame) {
     slices_[static_cast<std::size_t>(frame)] =

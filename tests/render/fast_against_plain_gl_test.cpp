@@ -99,6 +99,10 @@ RenderOptions random_options(std::mt19937& random) {
   o.kernel_space = integer(0, 2) == 0 ? KernelSpace::ray : KernelSpace::slice;
   o.edge = integer(0, 1) ? EdgeSign::rising : EdgeSign::falling;
   o.mode = static_cast<RenderMode>(integer(0, 2));
+  o.detector = static_cast<Detector>(integer(0, 2));
+  o.incidence_correction_m = integer(0, 1) * 1e-3;
+  options.reconstruction.sticks = integer(0, 3) == 0 ? Sticks::aligned : Sticks::plain;
+  options.reconstruction.spacing_m = 4e-3;
   o.stop_at_box = integer(0, 2) > 0;
   o.stop_on_leaving_cone = integer(0, 1) > 0;
   options.volume_of_interest.center_m = {

@@ -184,6 +184,35 @@ const Setting kBaseSettings[] = {
        o.shading.base_rgb = {1, 1, 1};
      },
      0.05},
+    {"detector_iso", [](RenderOptions& o) { o.ray_casting.detector = Detector::iso; }},
+    {"detector_iso_falling",
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::iso;
+       o.ray_casting.edge = EdgeSign::falling;
+       o.ray_casting.mode = RenderMode::surface;
+     }},
+    {"detector_iso_in_rays",
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::iso;
+       o.ray_casting.kernel_space = KernelSpace::ray;
+     }},
+    {"detector_floor", [](RenderOptions& o) { o.ray_casting.detector = Detector::floor; }},
+    {"sticks_aligned", [](RenderOptions& o) { o.reconstruction.sticks = Sticks::aligned; }},
+    {"sticks_aligned_iso",
+     [](RenderOptions& o) {
+       o.reconstruction.sticks = Sticks::aligned;
+       o.ray_casting.detector = Detector::iso;
+     }},
+    {"incidence_corrected",
+     [](RenderOptions& o) {
+       o.ray_casting.incidence_correction_m = 1e-3;
+       o.view.yaw_rad = 0.4;
+     }},
+    {"incidence_corrected_in_perspective",
+     [](RenderOptions& o) {
+       o.ray_casting.incidence_correction_m = 1e-3;
+       o.view.projection = Projection::perspective;
+     }},
 };
 
 /// All settings' shaded pictures side by side, as 8-bit grey.

@@ -20,10 +20,8 @@ hw::AcquisitionPlan plan_of(int frames) {
   return {hw::ProbeOptions{}, acquisition};
 }
 
-hw::PolarFrame frame_of(float value) {
-  hw::PolarFrame frame;
-  frame.samples.assign(6, value);
-  return frame;
+std::vector<float> frame_of(float value) {
+  return std::vector<float>(6, value);
 }
 
 const std::vector<double> kThree = {0.25, 0.5, 0.25};
@@ -93,8 +91,8 @@ TEST(FrameStore, RefusesAFrameOutsideThePlanOrOfAnotherSize) {
   FrameStore store(plan_of(4), {1}, 1);
   EXPECT_THROW(store.put(4, frame_of(0)), std::out_of_range);
   EXPECT_THROW(store.put(-1, frame_of(0)), std::out_of_range);
-  hw::PolarFrame short_frame = frame_of(0);
-  short_frame.samples.pop_back();
+  std::vector<float> short_frame = frame_of(0);
+  short_frame.pop_back();
   EXPECT_THROW(store.put(0, short_frame), std::invalid_argument);
 }
 

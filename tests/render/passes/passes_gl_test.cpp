@@ -46,7 +46,7 @@ class Layers {
       : factory_(volume.plan(), options), made_(factory_.make()) {
     FrameStore store = factory_.make_frame_store();
     const int count = factory_.geometry().frames();
-    for (int f = 0; f < count; ++f) store.put(f, volume.frame(f));
+    for (int f = 0; f < count; ++f) store.put(f, volume.frame(f).samples);
     is_pairs_ = options.pipeline.mode == PipelineMode::fast;
     std::vector<int> layers;
     for (int f : frames) layers.push_back(layer_of(f));
