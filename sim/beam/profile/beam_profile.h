@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/beam/response/pulse_band.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {
@@ -60,6 +61,7 @@ class BeamProfile {
 
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;
+  PulseBand band_;
   BeamGrid grid_;
   std::vector<Entry> entries_;  ///< [range][angle]
   double axial_fwhm_m_;

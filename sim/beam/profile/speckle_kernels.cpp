@@ -46,12 +46,11 @@ std::vector<double> correlations(const FieldCorrelation& correlation, const Turn
 
 using MakeTurn = std::function<Turn(double range_m, double theta_rad)>;
 
-std::vector<double> taps_at(const hw::AcquisitionPlan& plan,
+std::vector<double> taps_at(const PulseBand& band,
                             const BeamAtRange& beam,
                             bool across_lines,
                             const Turn& turn) {
   if (turn.step_rad <= 0 || turn.most_lags < 1) return {1};
-  const PulseBand band(plan);
   const auto& plane = across_lines ? beam.lateral : beam.elevation;
   const auto& other = across_lines ? beam.elevation : beam.lateral;
   const FieldCorrelation correlation(plane, other.row, turn, band);
@@ -65,14 +64,15 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
                                           const SimulationOptions& options,
                                           bool across_lines,
                                           const MakeTurn& make_turn) {
+  const PulseBand band(plan);
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * grid.angles()));
   parallel_ranges(static_cast<int>(taps.size()), options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const double range_m = grid.range_m(i / grid.angles());
       const double theta_rad = grid.angle_rad(i % grid.angles());
-      const BeamAtRange beam(plan, options.apodisation, range_m, theta_rad);
+      const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad);
       taps[static_cast<std::size_t>(i)] =
-          taps_at(plan, beam, across_lines, make_turn(range_m, theta_rad));
+          taps_at(band, beam, across_lines, make_turn(range_m, theta_rad));
     }
   });
   return taps;
