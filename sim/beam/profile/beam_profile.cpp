@@ -132,9 +132,13 @@ void BeamProfile::measure(int range) {
                transmit_focus_m(plan_, range_m));
   for (int angle = 0; angle < grid_.angles(); ++angle) {
     const StickAperture aperture(plan_, apodisation_, grid_.angle_rad(angle));
+    Entry& entry = entries_[static_cast<std::size_t>(range * grid_.angles() + angle)];
+    if (angle > 0 && aperture.whole(range_m)) {  // the middle stick's beam
+      entry = entries_[static_cast<std::size_t>(range * grid_.angles())];
+      continue;
+    }
     const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, band_, range_m);
     const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kColumns);
-    Entry& entry = entries_[static_cast<std::size_t>(range * grid_.angles() + angle)];
     entry = {width_at_half(peaks(along, elevation_axis, band_), along.step_m()), 0, 0};
     if (angle == 0) {
       entry.elevation_fwhm_m =

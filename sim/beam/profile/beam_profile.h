@@ -53,7 +53,7 @@ class BeamProfile {
  private:
   struct Entry {
     double lateral_fwhm_m;
-    double elevation_fwhm_m;  ///< at angle 0 only
+    double elevation_fwhm_m;  ///< that of angle 0 counts
     double power;             ///< of even tissue's echo, not normalised
   };
   void measure(int range);
