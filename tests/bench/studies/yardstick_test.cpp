@@ -96,7 +96,7 @@ TEST(Yardstick, EchoPlacesHavePointsAndEnvelopes) {
   EXPECT_DOUBLE_EQ(places[0].envelope[1], 0.0014181);
 }
 
-TEST(Yardstick, AStickOwnsABeamNoWiderThanWhatSticksThatTurnShow) {
+TEST(Yardstick, OnTheAxisAStickOwnsTheBeamThatSticksThatTurnShow) {
   for (const hw::ProbePreset preset : kPresets) {
     const auto own = stick_beam_rows(preset), turned = point_width_rows(preset);
     ASSERT_EQ(own.size(), turned.size());

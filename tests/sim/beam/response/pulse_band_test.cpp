@@ -95,7 +95,7 @@ TEST(PulseBand, ADelayMovesThePulse) {
 
 TEST(PulseBand, AWideBandHoldsLongerDelays) {
   // Out of focus the ways of a wide band's echo differ by as much as this; with four nodes the echo
-  // of a delay of 1.8 sigmas is wrong by a third.
+  // of a delay of 1.8 sigmas is wrong by 0.29 of its peak.
   for (double shift : {-1.8, -0.9, 0.6, 1.8}) {
     const auto response = delay(wide_band(), shift * wide_band().sigma_m());
     for (double sigmas = -3; sigmas <= 3; sigmas += 0.25) {
