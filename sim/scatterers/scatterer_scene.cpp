@@ -83,14 +83,17 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
       rim(settings.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
       band(plan),
       taps(band, plan.sample_spacing_m() / iq_oversampling(plan)) {
-  compute_octave_gains(settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell);
+  const double per_cell = settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell;
+  compute_octave_gains(per_cell);
+  compute_thinned(per_cell);
   for (int i = 0; i < kBinPlaces; ++i) {
     const double from_middle_m = ((i + 0.5) / kBinPlaces - 0.5) * taps.spacing_m();
-    BandValues& place = places.emplace_back();
-    for (int node = 0; node < PulseBand::kNodes; ++node) {
+    for (int node = 0; node < band.nodes(); ++node) {
+      const int lane = node % BandValues::kNodes;
+      if (lane == 0) places.emplace_back();
       const auto phasor = std::polar(1.0, -2 * band.offset_per_m(node) * from_middle_m);
-      place.re[node] = static_cast<float>(phasor.real());
-      place.im[node] = static_cast<float>(phasor.imag());
+      places.back().re[lane] = static_cast<float>(phasor.real());
+      places.back().im[lane] = static_cast<float>(phasor.imag());
     }
   }
   for (std::size_t i = 0; i < table.lateral().size(); ++i) {
@@ -98,31 +101,56 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
   }
 }
 
-void ScattererScene::compute_octave_gains(double per_cell) {
+int ScattererScene::window() const {
+  return static_cast<int>(std::ceil(half_diagonal(cells.block_m) * table.rows_per_m())) + 1;
+}
+
+double ScattererScene::needed_per_m3(int row, double per_cell) const {
+  return per_cell / profile.resolution_cell_m3((row + 0.5) / table.rows_per_m());
+}
+
+std::vector<OctaveAtRow> ScattererScene::octaves_at(int row, double needed_per_m3) const {
   const int count = static_cast<int>(cells.octaves.size());
-  const int window =
-      static_cast<int>(std::ceil(half_diagonal(cells.block_m) * table.rows_per_m())) + 1;
+  double density = 0;
+  for (int i = 0; i < count; ++i) {
+    density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * cells.share(i, needed_per_m3);
+  }
+  const double full_power = 1 / (density * table.area_m2(row) * pulse_m);
+  std::vector<OctaveAtRow> octaves;
+  for (int i = 0; i < count; ++i) {
+    octaves.push_back(octave_at_row(cells.share(i, needed_per_m3), full_power));
+  }
+  return octaves;
+}
+
+void ScattererScene::compute_octave_gains(double per_cell) {
   gains.resize(cells.octaves.size());
   for (auto& gain : gains) gain.contributes.assign(static_cast<std::size_t>(table.rows()), 0);
   for (int row = 0; row < table.rows(); ++row) {
-    const double range_m = (row + 0.5) / table.rows_per_m();
-    const double needed = per_cell / profile.resolution_cell_m3(range_m);
-    double density = 0;
-    for (int i = 0; i < count; ++i) {
-      density += cells.octaves[static_cast<std::size_t>(i)].per_m3 * cells.share(i, needed);
-    }
-    const double full_power = 1 / (density * table.area_m2(row) * pulse_m);
-    for (int i = 0; i < count; ++i) {
-      OctaveGain& gain = gains[static_cast<std::size_t>(i)];
-      const double share = cells.share(i, needed);
-      gain.rows.push_back(octave_at_row(share, full_power));
-      if (share <= 0) continue;
+    const std::vector<OctaveAtRow> octaves = octaves_at(row, needed_per_m3(row, per_cell));
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+      OctaveGain& gain = gains[i];
+      gain.rows.push_back(octaves[i]);
+      if (octaves[i].count == 0) continue;
       // The first and the last row of the table extend beyond its ends.
       const double begin_m = row / table.rows_per_m(), end_m = (row + 1) / table.rows_per_m();
       gain.begin_m = std::min(gain.begin_m, row == 0 ? -HUGE_VALF : static_cast<float>(begin_m));
       gain.end_m = row == table.rows() - 1 ? HUGE_VALF : static_cast<float>(end_m);
-      const int from = std::max(0, row - window), to = std::min(table.rows() - 1, row + window);
+      const int from = std::max(0, row - window());
+      const int to = std::min(table.rows() - 1, row + window());
       std::fill(gain.contributes.begin() + from, gain.contributes.begin() + to + 1, char{1});
+    }
+  }
+}
+
+void ScattererScene::compute_thinned(double per_cell) {
+  for (float ratio = 1; ratio > 0; ratio -= kThinningStep) {
+    auto& level = thinned.emplace_back(gains.size());
+    for (int row = 0; row < table.rows(); ++row) {
+      // The beam is wider in both directions; the pulse keeps its length.
+      const double thinning = static_cast<double>(ratio) * static_cast<double>(ratio);
+      const auto octaves = octaves_at(row, thinning * needed_per_m3(row, per_cell));
+      for (std::size_t i = 0; i < gains.size(); ++i) level[i].push_back(octaves[i]);
     }
   }
 }
@@ -178,7 +206,8 @@ EchoConstants ScattererScene::echo_constants(const StickBeam& beam, std::int32_t
           static_cast<float>(band.center_per_m() / kPi),
           static_cast<float>(taps.spacing_m()),
           places.data(),
-          last_bin};
+          last_bin,
+          band.groups()};
 }
 
 }  // namespace wobblebench::sim

@@ -52,6 +52,10 @@ struct ScattererScene {
   ScattererCells cells;
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
+  /// By level, octave and row of the beam's table, where the pulse has lost its high frequencies:
+  /// the beam is wider and needs fewer scatterers. A level is kThinningStep of the frequency.
+  static constexpr float kThinningStep = 0.02f;
+  std::vector<std::vector<std::vector<OctaveAtRow>>> thinned;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;
   BeamRim rim;
@@ -61,15 +65,17 @@ struct ScattererScene {
 
   const StickBeam& beam(const hw::Ray& stick) const;
   EchoConstants echo_constants(const StickBeam& beam, std::int32_t last_bin) const;
-  /// `octave`: null for project_point().
-  BeamProjection projection(const StickBeam& beam, const OctaveGain* octave) const {
+  /// The octave is null for project_point(), and left to the caller otherwise.
+  BeamProjection projection(const StickBeam& beam) const {
     return {beam.rows.data(),
-            octave == nullptr ? nullptr : octave->rows.data(),
+            nullptr,
             table.columns(),
             table.rows() - 1,
             static_cast<float>(table.rows_per_m()),
             rim};
   }
+  /// Rows of the beam's table about a block's centre that scatterers of the block may lie in.
+  int window() const;
   BlockGrid block_grid() const {
     return {blocks.origin_m(), blocks.side_m(), blocks.first(), blocks.last()};
   }
@@ -77,6 +83,10 @@ struct ScattererScene {
  private:
   /// `per_cell`: least number of scatterers in each resolution cell.
   void compute_octave_gains(double per_cell);
+  void compute_thinned(double per_cell);
+  /// The octaves at a row, where a density is needed.
+  std::vector<OctaveAtRow> octaves_at(int row, double needed_per_m3) const;
+  double needed_per_m3(int row, double per_cell) const;
   void add_beam(std::size_t angle, double depth_m);
   std::vector<BeamAtRow> rows_of(const BeamTable::Direction& lateral, bool mirrored) const;
 };

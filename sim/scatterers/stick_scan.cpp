@@ -66,7 +66,7 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const PointScatterer scatterer{to_float(at), point.amplitude, scene_.table.row(at.x)};
-    echoes.commit(project_point(scatterer, beam_.projection(scene_, nullptr), echoes.reserve(1)));
+    echoes.commit(project_point(scatterer, beam_.projection(), echoes.reserve(1)));
   }
   return echoes.finish(iq);
 }
@@ -94,7 +94,7 @@ void StickScan::scan(const TouchedBlock& touched, const TissueBlocks::Block& tis
   const auto row = static_cast<std::size_t>(scene_.table.row(touched.center.x));
   block.reach = beam_.reach(row);
   for (std::size_t i = 0; i < scene_.cells.octaves.size(); ++i) {
-    if (!scene_.gains[i].contributes[row]) continue;
+    if (!beam_.contributes(i, row)) continue;
     scan_octave(block, octaves[i], static_cast<int>(i));
   }
 }
@@ -253,12 +253,11 @@ HashAxes StickScan::locate_deforming_cell(const Block& block,
 
 void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, int octave) {
   EchoQueue& echoes = buffers_.echoes;
-  echoes.commit(
-      project_scatterers(queue.cells(),
-                         static_cast<int>(queue.count),
-                         axes,
-                         beam_.projection(scene_, &scene_.gains[static_cast<std::size_t>(octave)]),
-                         echoes.reserve(queue.count * kScatterersInCell)));
+  echoes.commit(project_scatterers(queue.cells(),
+                                   static_cast<int>(queue.count),
+                                   axes,
+                                   beam_.projection(static_cast<std::size_t>(octave)),
+                                   echoes.reserve(queue.count * kScatterersInCell)));
   queue.count = 0;
 }
 
@@ -273,13 +272,12 @@ void StickScan::project_mixed(HashCellQueue& queue,
     __builtin_prefetch(queue.blocks[i]->interfaces.data() + queue.mixed[i]->first_interface);
   }
   MixedCellHits mixed{queue.mixed.data(), buffers_.hits.data()};
-  const int count =
-      project_scatterers(queue.cells(),
-                         static_cast<int>(queue.count),
-                         axes,
-                         beam_.projection(scene_, &scene_.gains[static_cast<std::size_t>(octave)]),
-                         projected,
-                         &mixed);
+  const int count = project_scatterers(queue.cells(),
+                                       static_cast<int>(queue.count),
+                                       axes,
+                                       beam_.projection(static_cast<std::size_t>(octave)),
+                                       projected,
+                                       &mixed);
   for (int i = 0; i < mixed.hit_count; ++i) {
     const InterfaceHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
     const auto cell = static_cast<std::size_t>(hit.cell);

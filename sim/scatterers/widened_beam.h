@@ -1,4 +1,5 @@
-// The beam of a stick whose pulse has lost its high frequencies: wider by the ratio.
+// The beam of a stick whose pulse has lost its high frequencies: wider by the ratio, and with fewer
+// scatterers, so that as many remain in a resolution cell.
 #pragma once
 
 #include <optional>
@@ -21,14 +22,26 @@ class WidenedBeam {
   const BeamBounds& bounds() const { return bounds_ ? *bounds_ : beam_.bounds; }
   /// For blocks whose centre lies in a row of the table.
   BlockReach reach(std::size_t row) const;
-  BeamProjection projection(const ScattererScene& scene,
-                            const ScattererScene::OctaveGain* octave) const;
+  /// True where scatterers of a block centred in the row may contribute.
+  bool contributes(std::size_t octave, std::size_t row) const;
+  /// For project_point(), and for the scatterers of an octave.
+  BeamProjection projection() const;
+  BeamProjection projection(std::size_t octave) const;
 
  private:
+  void widen(std::span<const float> frequency_ratio, double spacing_m);
+  void thin(const std::vector<float>& ratio);
+
+  const ScattererScene& scene_;
   const StickBeam& beam_;
   std::vector<float> factor_;  ///< largest about each row; empty: 1
   std::optional<BeamBounds> bounds_;
   std::vector<BeamAtRow> rows_;
+  struct Octave {
+    std::vector<OctaveAtRow> rows;
+    std::vector<char> contributes;
+  };
+  std::vector<Octave> octaves_;
 };
 
 }  // namespace wobblebench::sim

@@ -64,6 +64,11 @@ def point_widths(preset, fraction, depth_mm):
              spread.axial_width() * 1e3, decibel(spread.peak() / reference_peak(preset)))]
 
 
+def stick_beam(preset, fraction, depth_mm):
+    theta = stick_angle(preset, fraction)
+    return [(theta / es.DEGREE, PointSpread(es.PRESETS[preset], theta, depth_mm * 1e-3).beam_width() * 1e3)]
+
+
 @functools.lru_cache(None)
 def reference_power(preset):
     probe = es.PRESETS[preset]
@@ -148,6 +153,11 @@ TABLES = {
         "no frequency below 0.2 of the centre's",
         ("preset", "sector_fraction", "depth_mm"),
         ("theta_deg", "lateral_mm", "elevation_mm", "axial_mm", "level_db"), every_stick(), point_widths),
+    "stick_beam": Table(
+        "Width of a stick's own beam: -6 dB full width of the peak envelope of points at offsets across a "
+        "stick that stays where it is. It is that of point_widths.csv where neighbouring sticks have the same "
+        "aperture, and narrower towards the array's end, where each stick has another",
+        ("preset", "sector_fraction", "depth_mm"), ("theta_deg", "lateral_mm"), every_stick(), stick_beam),
     "speckle": Table(
         "Fully developed speckle: full width at half maximum of the intensity autocovariance across lines, "
         "frames and range; mean echo power re the preset's axis at 75 mm; no frequency below "

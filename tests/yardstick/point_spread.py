@@ -70,6 +70,11 @@ class PointSpread:
         return np.array([peak_of_samples(self.echo(self.point, self.theta + t, self.gates))[0]
                          for t in turns])
 
+    def beam_curve(self, offsets):
+        """Peak echo of points at `offsets` across the stick, which stays where it is."""
+        points = es.stick_points(self.probe, self.theta, self.depth, offsets, 0.0)
+        return peak_of_samples(self.echo(points, self.theta, self.gates))
+
     def elevation_curve(self, offsets):
         """Peak echo as frames pass the point at `offsets`."""
         lever = es.motor_lever(self.probe, self.theta, self.depth)
@@ -78,9 +83,15 @@ class PointSpread:
         return peak_of_samples(self.echo(points, self.theta, self.gates))
 
     def lateral_width(self):
+        return width_of(self.lateral_curve, self.lateral_span())
+
+    def beam_width(self):
+        return width_of(self.beam_curve, self.lateral_span())
+
+    def lateral_span(self):
         used = es.share(self.probe, self.theta, self.probe.transmit_focus / self.probe.f_number).sum()
         cell = self.probe.wavelength * max(self.depth, 40e-3) / (used * self.probe.pitch)
-        return width_of(self.lateral_curve, 1.5 * cell + 1.5e-3)
+        return 1.5 * cell + 1.5e-3
 
     def elevation_width(self):
         probe = self.probe

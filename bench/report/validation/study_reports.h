@@ -10,6 +10,7 @@
 #include "bench/studies/validate/speckle/speckle_size.h"
 #include "bench/studies/validate/speckle/speckle_statistics.h"
 #include "bench/studies/validate/tissue/attenuation.h"
+#include "bench/studies/validate/tissue/half_plane.h"
 #include "bench/studies/validate/tissue/reflection.h"
 #include "bench/studies/validate/tissue/repeatability.h"
 #include "bench/studies/validate/tissue/shear.h"
@@ -17,6 +18,7 @@
 namespace wobblebench::bench {
 
 StudyReport attenuation_report(const AttenuationInputs& inputs = {});
+StudyReport losses_report();
 StudyReport point_target_report();
 StudyReport reflection_report(const ReflectionInputs& inputs = {});
 StudyReport repeatability_report(const RepeatabilityInputs& inputs = {});

@@ -129,6 +129,7 @@ const std::vector<NamedStudy>& validation_studies() {
       {"speckle_size", 70, [] { return speckle_size_report(); }},
       {"speckle_motion", 0.3, [] { return speckle_motion_report(); }},
       {"attenuation", 2.6, [] { return attenuation_report(); }},
+      {"losses", 6, [] { return losses_report(); }},
       {"reflection", 4.5, [] { return reflection_report(); }},
       {"shear", 0.2, [] { return shear_report(); }},
       {"repeatability", 84, [] { return repeatability_report(); }}};

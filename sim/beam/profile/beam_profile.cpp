@@ -56,11 +56,13 @@ double power_m(const SampledRow& row, std::size_t node) {
 }
 
 /// Peaks of the echoes along a row, given the response of the other direction on the axis.
-std::vector<double> peaks(const SampledRow& row, const PulseBand::Values& other) {
+std::vector<double> peaks(const SampledRow& row,
+                          const PulseBand::Values& other,
+                          const PulseBand& band) {
   std::vector<double> result;
   for (PulseBand::Values value : row.values) {
     for (std::size_t i = 0; i < value.size(); ++i) value[i] *= other[i];
-    result.push_back(PulseBand::peak(value));
+    result.push_back(band.peak(value));
   }
   return result;
 }
@@ -101,6 +103,7 @@ BeamGrid::Between BeamGrid::angle_at(double theta_rad) const {
 BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
     : plan_(plan),
       apodisation_(options.apodisation),
+      band_(plan),
       grid_(plan, kRangeStep_m, kAngleStep_rad),
       axial_fwhm_m_(sim::axial_fwhm_m(plan)) {
   entries_.resize(static_cast<std::size_t>(grid_.ranges() * grid_.angles()));
@@ -114,7 +117,7 @@ void BeamProfile::measure(int range) {
   const auto& probe = plan_.probe();
   const double wavelength_m = plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double height_m = probe.element_height_m;
-  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), plan_);
+  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), band_);
   const SampledRow across = sample_row(
       elevation,
       range_m,
@@ -129,17 +132,21 @@ void BeamProfile::measure(int range) {
                transmit_focus_m(plan_, range_m));
   for (int angle = 0; angle < grid_.angles(); ++angle) {
     const StickAperture aperture(plan_, apodisation_, grid_.angle_rad(angle));
-    const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, range_m);
-    const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kColumns);
     Entry& entry = entries_[static_cast<std::size_t>(range * grid_.angles() + angle)];
-    entry = {width_at_half(peaks(along, elevation_axis), along.step_m()), 0, 0};
+    if (angle > 0 && aperture.whole(range_m)) {  // the middle stick's beam
+      entry = entries_[static_cast<std::size_t>(range * grid_.angles())];
+      continue;
+    }
+    const PlaneResponse lateral = PlaneResponse::lateral(aperture, plan_, band_, range_m);
+    const SampledRow along = sample_row(lateral, range_m, lateral_window_m, true, kColumns);
+    entry = {width_at_half(peaks(along, elevation_axis, band_), along.step_m()), 0, 0};
     if (angle == 0) {
       entry.elevation_fwhm_m =
-          width_at_half(peaks(across, on_axis(lateral, range_m)), across.step_m());
+          width_at_half(peaks(across, on_axis(lateral, range_m), band_), across.step_m());
     }
-    for (std::size_t node = 0; node < PulseBand::kNodes; ++node) {
-      entry.power +=
-          PulseBand::weight(static_cast<int>(node)) * power_m(along, node) * power_m(across, node);
+    for (int node = 0; node < band_.nodes(); ++node) {
+      const auto at = static_cast<std::size_t>(node);
+      entry.power += band_.weight(node) * power_m(along, at) * power_m(across, at);
     }
   }
 }

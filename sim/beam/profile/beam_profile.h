@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/beam/response/pulse_band.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {
@@ -52,7 +53,7 @@ class BeamProfile {
  private:
   struct Entry {
     double lateral_fwhm_m;
-    double elevation_fwhm_m;  ///< at angle 0 only
+    double elevation_fwhm_m;  ///< that of angle 0 counts
     double power;             ///< of even tissue's echo, not normalised
   };
   void measure(int range);
@@ -60,6 +61,7 @@ class BeamProfile {
 
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;
+  PulseBand band_;
   BeamGrid grid_;
   std::vector<Entry> entries_;  ///< [range][angle]
   double axial_fwhm_m_;

@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "base/units.h"
 #include "sim/beam/point_spread.h"
+#include "sim/math/fast_math.h"
 
 namespace wobblebench::sim {
 
@@ -21,12 +23,13 @@ BeamAtRange::Plane sampled(PlaneResponse response, double range_m, double reach_
 }
 
 BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
+                                 const PulseBand& band,
                                  Apodisation apodisation,
                                  double range_m,
                                  double theta_rad,
                                  double wavelength_m) {
   const StickAperture aperture(plan, apodisation, theta_rad);
-  return sampled(PlaneResponse::lateral(aperture, plan, range_m),
+  return sampled(PlaneResponse::lateral(aperture, plan, band, range_m),
                  range_m,
                  reach_m(wavelength_m * range_m / receive_aperture_m(plan, range_m),
                          transmit_aperture_m(plan, range_m),
@@ -35,14 +38,25 @@ BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
 }
 
 BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
+                                   const PulseBand& band,
                                    double range_m,
                                    double wavelength_m) {
   const double height_m = plan.probe().element_height_m;
   return sampled(
-      PlaneResponse::elevation(ElevationSources(plan), plan),
+      PlaneResponse::elevation(ElevationSources(plan), band),
       range_m,
       reach_m(
           wavelength_m * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m));
+}
+
+/// Product without std::complex's checks for infinities.
+std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+std::complex<double> unit_phasor(double phase_rad) {
+  const CosSin at = cos_sin_of_cycles(static_cast<float>(phase_rad / (2 * kPi)));
+  return {static_cast<double>(at.cosine), static_cast<double>(at.sine)};
 }
 
 double wavelength_m(const hw::AcquisitionPlan& plan) {
@@ -52,20 +66,22 @@ double wavelength_m(const hw::AcquisitionPlan& plan) {
 }  // namespace
 
 BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
+                         const PulseBand& band,
                          Apodisation apodisation,
                          double range_m,
                          double theta_rad)
-    : lateral(lateral_plane(plan, apodisation, range_m, theta_rad, wavelength_m(plan))),
-      elevation(elevation_plane(plan, range_m, wavelength_m(plan))) {}
+    : lateral(lateral_plane(plan, band, apodisation, range_m, theta_rad, wavelength_m(plan))),
+      elevation(elevation_plane(plan, band, range_m, wavelength_m(plan))) {}
 
 FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
                                    const SampledRow& other,
                                    const Turn& turn,
                                    const PulseBand& band)
     : plane_(plane), turn_(turn), band_(band) {
-  for (std::size_t node = 0; node < shares_.size(); ++node) {
+  for (std::size_t node = 0; node < static_cast<std::size_t>(band.nodes()); ++node) {
     for (const auto& value : other.values) shares_[node] += std::norm(value[node]);
-    shares_[node] *= PulseBand::weight(static_cast<int>(node));
+    shares_[node] *= band.weight(static_cast<int>(node));
+    wavenumber_per_m_[node] = band.wavenumber_per_m(static_cast<int>(node));
     for (const auto& value : plane.row.values) power_ += shares_[node] * std::norm(value[node]);
   }
 }
@@ -81,10 +97,10 @@ std::complex<double> FieldCorrelation::at(double turn_rad) const {
   const auto there = plane_.response.at(points);
   std::complex<double> sum = 0;
   for (std::size_t i = 0; i < there.size(); ++i) {
-    for (std::size_t n = 0; n < shares_.size(); ++n) {
-      const double nearer_m = points[i].axial_m - common_m;
-      sum += shares_[n] * here.values[i][n] * std::conj(there[i][n]) *
-             std::polar(1.0, 2 * band_.wavenumber_per_m(static_cast<int>(n)) * nearer_m);
+    const double nearer_m = points[i].axial_m - common_m;
+    for (std::size_t n = 0; n < static_cast<std::size_t>(band_.nodes()); ++n) {
+      const std::complex<double> phasor = unit_phasor(2 * wavenumber_per_m_[n] * nearer_m);
+      sum += times(shares_[n] * times(here.values[i][n], std::conj(there[i][n])), phasor);
     }
   }
   return sum / power_;

@@ -28,6 +28,7 @@ struct BeamAtRange {
   Plane elevation;
 
   BeamAtRange(const hw::AcquisitionPlan& plan,
+              const PulseBand& band,
               Apodisation apodisation,
               double range_m,
               double theta_rad);
@@ -52,7 +53,7 @@ class FieldCorrelation {
   const BeamAtRange::Plane& plane_;
   const Turn& turn_;
   const PulseBand& band_;
-  std::array<double, PulseBand::kNodes> shares_ = {};
+  std::array<double, PulseBand::kMostNodes> shares_ = {}, wavenumber_per_m_ = {};
   double power_ = 0;
 };
 

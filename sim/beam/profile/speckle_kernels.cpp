@@ -14,7 +14,8 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 5e-3;
-constexpr double kAngleStep_rad = 13 * kDegree;
+/// Across lines kernels follow the aperture, which the array's end cuts; across frames the turn.
+constexpr double kLineAngleStep_rad = 4.4 * kDegree, kFrameAngleStep_rad = 13 * kDegree;
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags = 16;  ///< over the first lobe; correlations between are interpolated
 
@@ -46,12 +47,11 @@ std::vector<double> correlations(const FieldCorrelation& correlation, const Turn
 
 using MakeTurn = std::function<Turn(double range_m, double theta_rad)>;
 
-std::vector<double> taps_at(const hw::AcquisitionPlan& plan,
+std::vector<double> taps_at(const PulseBand& band,
                             const BeamAtRange& beam,
                             bool across_lines,
                             const Turn& turn) {
   if (turn.step_rad <= 0 || turn.most_lags < 1) return {1};
-  const PulseBand band(plan);
   const auto& plane = across_lines ? beam.lateral : beam.elevation;
   const auto& other = across_lines ? beam.elevation : beam.lateral;
   const FieldCorrelation correlation(plane, other.row, turn, band);
@@ -65,16 +65,25 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
                                           const SimulationOptions& options,
                                           bool across_lines,
                                           const MakeTurn& make_turn) {
+  const PulseBand band(plan);
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * grid.angles()));
   parallel_ranges(static_cast<int>(taps.size()), options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const double range_m = grid.range_m(i / grid.angles());
       const double theta_rad = grid.angle_rad(i % grid.angles());
-      const BeamAtRange beam(plan, options.apodisation, range_m, theta_rad);
+      if (across_lines && i % grid.angles() > 0 &&
+          StickAperture(plan, options.apodisation, theta_rad).whole(range_m)) {
+        continue;
+      }
+      const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad);
       taps[static_cast<std::size_t>(i)] =
-          taps_at(plan, beam, across_lines, make_turn(range_m, theta_rad));
+          taps_at(band, beam, across_lines, make_turn(range_m, theta_rad));
     }
   });
+  // Where the aperture is whole lines turn alike.
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    if (taps[i].empty()) taps[i] = taps[i - i % static_cast<std::size_t>(grid.angles())];
+  }
   return taps;
 }
 
@@ -114,12 +123,12 @@ std::vector<double> taps_of_correlation(const std::vector<double>& correlation) 
   return taps;
 }
 
-SpeckleKernels::SpeckleKernels(const hw::AcquisitionPlan& plan)
-    : grid_(plan, kRangeStep_m, kAngleStep_rad) {}
+SpeckleKernels::SpeckleKernels(const hw::AcquisitionPlan& plan, double angle_step_rad)
+    : grid_(plan, kRangeStep_m, angle_step_rad) {}
 
 SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
                                             const SimulationOptions& options) {
-  SpeckleKernels kernels(plan);
+  SpeckleKernels kernels(plan, kLineAngleStep_rad);
   const double radius_m = plan.probe().radius_m;
   const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   const auto turn = [&](double range_m, double) {
@@ -140,7 +149,7 @@ SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
 
 SpeckleKernels SpeckleKernels::across_frames(const hw::AcquisitionPlan& plan,
                                              const SimulationOptions& options) {
-  SpeckleKernels kernels(plan);
+  SpeckleKernels kernels(plan, kFrameAngleStep_rad);
   const double radius_m = plan.probe().radius_m, axis_m = plan.geometry().axis_z_m();
   const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   const auto turn = [&](double range_m, double theta_rad) {

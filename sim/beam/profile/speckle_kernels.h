@@ -30,7 +30,7 @@ class SpeckleKernels {
   int count() const { return count_; }
 
  private:
-  explicit SpeckleKernels(const hw::AcquisitionPlan& plan);
+  SpeckleKernels(const hw::AcquisitionPlan& plan, double angle_step_rad);
 
   BeamGrid grid_;
   std::vector<std::vector<double>> taps_;  ///< [range][angle]

@@ -89,8 +89,8 @@ WOBBLEBENCH_SIMD void add_source(const Seen& seen,
 }  // namespace
 
 PlaneResponse::Phasors PlaneResponse::phasors(double weight, double delay_m) const {
-  Phasors at;
-  for (int node = 0; node < PulseBand::kNodes; ++node) {
+  Phasors at = {};
+  for (int node = 0; node < band_.nodes(); ++node) {
     const auto phasor = std::polar(weight, band_.wavenumber_per_m(node) * delay_m);
     at.re[node] = static_cast<float>(phasor.real());
     at.im[node] = static_cast<float>(phasor.imag());
@@ -100,8 +100,9 @@ PlaneResponse::Phasors PlaneResponse::phasors(double weight, double delay_m) con
 
 PlaneResponse PlaneResponse::lateral(const StickAperture& aperture,
                                      const hw::AcquisitionPlan& plan,
+                                     const PulseBand& band,
                                      double range_m) {
-  PlaneResponse response(plan);
+  PlaneResponse response(band);
   response.half_width_m_ = 0.5 * plan.probe().pitch_m;
   response.spreads_ = true;
   const double focus_m = transmit_focus_m(plan, range_m);
@@ -121,9 +122,8 @@ PlaneResponse PlaneResponse::lateral(const StickAperture& aperture,
   return response;
 }
 
-PlaneResponse PlaneResponse::elevation(const ElevationSources& sources,
-                                       const hw::AcquisitionPlan& plan) {
-  PlaneResponse response(plan);
+PlaneResponse PlaneResponse::elevation(const ElevationSources& sources, const PulseBand& band) {
+  PlaneResponse response(band);
   const Phasors one = response.phasors(1.0 / static_cast<double>(sources.height_m.size()), 0);
   for (std::size_t i = 0; i < sources.height_m.size(); ++i) {
     response.sources_.push_back({0,
@@ -147,7 +147,7 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
       lanes.axial_m[i] = static_cast<float>(point.axial_m);
       lanes.offset_m[i] = static_cast<float>(point.offset_m);
     }
-    OneWay sent[PulseBand::kNodes] = {}, received[PulseBand::kNodes] = {};
+    OneWay sent[PulseBand::kMostNodes] = {}, received[PulseBand::kMostNodes] = {};
     Seen seen;
     for (const Source& source : sources_) {
       see({source.axial_m,
@@ -158,7 +158,7 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
           lanes,
           spreads_,
           seen);
-      for (int node = 0; node < PulseBand::kNodes; ++node) {
+      for (int node = 0; node < band_.nodes(); ++node) {
         const double wavenumber = band_.wavenumber_per_m(node);
         const double half_width = wavenumber * half_width_m_;
         add_source(seen,
@@ -171,7 +171,7 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
       }
     }
     for (std::size_t i = 0; i < count; ++i) {
-      for (int node = 0; node < PulseBand::kNodes; ++node) {
+      for (int node = 0; node < band_.nodes(); ++node) {
         values[first + i][static_cast<std::size_t>(node)] =
             std::complex<double>(sent[node].re[i], sent[node].im[i]) *
             std::complex<double>(received[node].re[i], received[node].im[i]);

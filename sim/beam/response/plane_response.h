@@ -24,9 +24,10 @@ class PlaneResponse {
   /// focus.
   static PlaneResponse lateral(const StickAperture& aperture,
                                const hw::AcquisitionPlan& plan,
+                               const PulseBand& band,
                                double range_m);
   /// Across it: the lens's fixed focus on both ways.
-  static PlaneResponse elevation(const ElevationSources& sources, const hw::AcquisitionPlan& plan);
+  static PlaneResponse elevation(const ElevationSources& sources, const PulseBand& band);
 
   /// Responses at the nodes of the band, without the phase of the way along the stick,
   /// exp(-2 i k axial). Not normalised: sums over sources.
@@ -35,8 +36,8 @@ class PlaneResponse {
  private:
   /// Weight and delay of a source as phasors at the nodes.
   struct Phasors {
-    float re[PulseBand::kNodes];
-    float im[PulseBand::kNodes];
+    float re[PulseBand::kMostNodes];
+    float im[PulseBand::kMostNodes];
   };
   struct Source {
     float axial_m;
@@ -48,7 +49,7 @@ class PlaneResponse {
     Phasors receive;
   };
 
-  explicit PlaneResponse(const hw::AcquisitionPlan& plan) : band_(plan) {}
+  explicit PlaneResponse(const PulseBand& band) : band_(band) {}
   Phasors phasors(double weight, double delay_m) const;
 
   PulseBand band_;

@@ -1,55 +1,91 @@
-// The band of the pulse, represented by four frequencies: how a response that varies over the band
+// The band of the pulse, represented by a few frequencies: how a response that varies over the band
 // becomes an echo.
 //
-// A response H(k) is interpolated by a cubic through its values at the nodes of the Gauss-Hermite
-// rule whose weight is the pulse's power spectrum. The echo of unit pulse
-// is then sum over nodes of H(k_i) phi_i(r), where phi_i is the transform of the node's Lagrange
-// polynomial times the pulse's spectrum: a Gaussian times Hermite polynomials.
+// A response H(k) is interpolated by the polynomial through its values at the nodes of the Gauss
+// rule whose weight is the pulse's power spectrum. The echo of unit pulse is then sum over nodes of
+// H(k_i) phi_i(r), where phi_i is the transform of the node's Lagrange polynomial times the pulse's
+// spectrum.
 #pragma once
 
 #include <array>
 #include <complex>
+#include <memory>
+#include <vector>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/beam/response/gauss_rule.h"
 
 namespace wobblebench::sim {
 
-/// Values of a response at the nodes of the band.
+/// Values of a response at a group of nodes: one SIMD register each.
 struct alignas(32) BandValues {
   static constexpr int kNodes = 4;
   float re[kNodes] = {};
   float im[kNodes] = {};
 };
 
+/// Cheap to copy.
 class PulseBand {
  public:
-  static constexpr int kNodes = BandValues::kNodes;
+  /// A wide band needs twice as many nodes as a narrow one: out of focus its response varies more.
+  static constexpr int kNarrowNodes = BandValues::kNodes;
+  static constexpr int kMostNodes = 2 * kNarrowNodes;
+  static constexpr double kNarrow = 0.7;  ///< fractional bandwidth
   /// No transducer sends lower frequencies, over the centre's; a wide Gaussian band would.
   static constexpr double kLowest = 0.2;
-  using Values = std::array<std::complex<double>, kNodes>;
+  /// Those beyond nodes() are 0.
+  using Values = std::array<std::complex<double>, kMostNodes>;
 
   explicit PulseBand(const hw::AcquisitionPlan& plan);
+
+  int nodes() const { return static_cast<int>(rule_->gauss.nodes().size()); }
+  /// Of BandValues.
+  int groups() const { return nodes() / BandValues::kNodes; }
+  /// Nodes lie symmetrically about the centre: their pulses come in conjugate pairs.
+  bool symmetric() const { return nodes() == kNarrowNodes; }
+  /// The last node below the centre.
+  int below_center() const;
 
   /// Sigma of the pulse's envelope over range.
   double sigma_m() const { return sigma_m_; }
   double center_per_m() const { return center_per_m_; }
   /// Wavenumber 2 pi f / c of a node, in ascending order. At least kLowest of the
   /// centre's.
-  double wavenumber_per_m(int node) const;
+  double wavenumber_per_m(int node) const { return center_per_m_ + offset_per_m(node); }
   /// Distance of a node from the centre of the band.
   double offset_per_m(int node) const;
   /// Share of a node in a mean over the pulse's power spectrum.
-  static double weight(int node);
+  double weight(int node) const { return rule_->gauss.weights()[static_cast<std::size_t>(node)]; }
 
   /// phi_i at a distance behind the echo's range, demodulated by the centre.
   std::complex<double> pulse(int node, double offset_m) const;
   /// Largest magnitude of the echo, and its energy over that of the pulse.
-  static double peak(const Values& response);
-  static double power(const Values& response);
+  double peak(const Values& response) const;
+  double power(const Values& response) const;
 
  private:
+  /// Over the band in units in which the pulse's amplitude spectrum is exp(-x^2 / 2).
+  struct Rule {
+    double low;
+    double high;
+    GaussRule gauss;
+    std::vector<Values> pulses;  ///< phi_i at ranges about the echo's
+
+    Rule(double lowest, int nodes);
+    /// phi of all nodes, `x` sigmas of the pulse behind the echo's range.
+    Values pulses_at(double x) const;
+
+   private:
+    struct Sample {
+      double x;
+      std::array<double, kMostNodes> share;  ///< of the spectrum, times the Lagrange polynomials
+    };
+    std::vector<Sample> samples_;
+  };
+
   double sigma_m_;
   double center_per_m_;
+  std::shared_ptr<const Rule> rule_;
 };
 
 }  // namespace wobblebench::sim

@@ -53,6 +53,15 @@ double StickAperture::weight(const Element& element, double aperture_m) const {
   return share == 0 ? 0 : share * window(apodisation_, place_m / half_m);
 }
 
+bool StickAperture::whole(double range_m) const {
+  const double half_m =
+      0.5 * std::max(transmit_aperture_m(plan_, range_m), receive_aperture_m(plan_, range_m));
+  const double half_pitch_m = 0.5 * plan_.probe().pitch_m;
+  const double first_m = elements_.front().angle_rad * plan_.probe().radius_m - half_pitch_m;
+  const double last_m = elements_.back().angle_rad * plan_.probe().radius_m + half_pitch_m;
+  return first_m <= -half_m && last_m >= half_m;
+}
+
 double StickAperture::transmit_weight(const Element& element, double range_m) const {
   return weight(element, transmit_aperture_m(plan_, range_m));
 }

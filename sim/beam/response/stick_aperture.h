@@ -23,6 +23,8 @@ class StickAperture {
   StickAperture(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad);
 
   const std::vector<Element>& elements() const { return elements_; }
+  /// False where the array ends within the apertures that serve a range.
+  bool whole(double range_m) const;
   /// Weight of an element on transmit, for the focus that serves a range, and on receive with the
   /// focus at that range.
   double transmit_weight(const Element& element, double range_m) const;

@@ -16,19 +16,24 @@ constexpr double kLobes = 6;       // searched: the main lobe and side lobes
 
 }  // namespace
 
-BeamPlane::BeamPlane(const hw::AcquisitionPlan& plan, double beyond, bool both_sides)
+BeamPlane::BeamPlane(const hw::AcquisitionPlan& plan,
+                     const PulseBand& band,
+                     double beyond,
+                     bool both_sides)
     : wavelength_m_(plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz),
+      band_(band),
       beyond_(beyond),
       both_sides_(both_sides) {}
 
 BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
+                             const PulseBand& band,
                              Apodisation apodisation,
                              double theta_rad,
                              double beyond) {
-  BeamPlane plane(plan, beyond, true);
+  BeamPlane plane(plan, band, beyond, true);
   const StickAperture aperture(plan, apodisation, theta_rad);
-  plane.response_ = [&plan, aperture](double range_m) {
-    return PlaneResponse::lateral(aperture, plan, range_m);
+  plane.response_ = [&plan, band, aperture](double range_m) {
+    return PlaneResponse::lateral(aperture, plan, band, range_m);
   };
   plane.aperture_m_ = [&plan](double range_m) { return receive_aperture_m(plan, range_m); };
   plane.shadow_m_ = [&plan](double range_m) {
@@ -38,9 +43,11 @@ BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
   return plane;
 }
 
-BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan, double beyond) {
-  BeamPlane plane(plan, beyond, false);
-  const PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), plan);
+BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan,
+                               const PulseBand& band,
+                               double beyond) {
+  BeamPlane plane(plan, band, beyond, false);
+  const PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), band);
   const double height_m = plan.probe().element_height_m;
   const double focus_m = plan.probe().elevation_focus_m;
   plane.response_ = [response](double) { return response; };
@@ -51,7 +58,7 @@ BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan, double beyond) {
 
 double BeamPlane::reach_m(double range_m) const {
   const double widest_m = kLobes * lobe_m(range_m) + 0.5 * shadow_m_(range_m);
-  return std::max(power_reach_m(sample(range_m, widest_m, kSearchColumns), beyond_),
+  return std::max(power_reach_m(sample(range_m, widest_m, kSearchColumns), band_, beyond_),
                   kMainLobe * lobe_m(range_m));
 }
 

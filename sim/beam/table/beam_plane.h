@@ -14,10 +14,11 @@ class BeamPlane {
   /// In the image plane, for a stick at an angle; and across it. `plan` must outlive it. `beyond`:
   /// share of the beam's power that its reach leaves out.
   static BeamPlane lateral(const hw::AcquisitionPlan& plan,
+                           const PulseBand& band,
                            Apodisation apodisation,
                            double theta_rad,
                            double beyond);
-  static BeamPlane elevation(const hw::AcquisitionPlan& plan, double beyond);
+  static BeamPlane elevation(const hw::AcquisitionPlan& plan, const PulseBand& band, double beyond);
 
   /// Largest offset at a range: where the given share of the power lies beyond, but at least most
   /// of the focused beam's main lobe.
@@ -32,7 +33,7 @@ class BeamPlane {
  private:
   using OfRange = std::function<double(double range_m)>;
 
-  BeamPlane(const hw::AcquisitionPlan& plan, double beyond, bool both_sides);
+  BeamPlane(const hw::AcquisitionPlan& plan, const PulseBand& band, double beyond, bool both_sides);
   /// From the axis to the first zero of the focused beam.
   double lobe_m(double range_m) const { return wavelength_m_ * range_m / aperture_m_(range_m); }
 
@@ -40,6 +41,7 @@ class BeamPlane {
   OfRange aperture_m_;  ///< on receive
   OfRange shadow_m_;    ///< width of the transmitted beam by geometry
   double wavelength_m_;
+  PulseBand band_;
   double beyond_;
   bool both_sides_;
 };

@@ -16,12 +16,13 @@ namespace {
 /// Group delays of a row, continuous from the middle of the beam outwards: a phase alone gives them
 /// up to a period.
 std::vector<double> group_delays_m(const SampledRow& row, const PulseBand& band) {
-  constexpr int kLow = 1, kHigh = 2;  // the nodes about the centre
-  const double spacing = band.offset_per_m(kHigh) - band.offset_per_m(kLow);
+  const int before = band.below_center();
+  const auto low = static_cast<std::size_t>(before), high = low + 1;
+  const double spacing = band.offset_per_m(before + 1) - band.offset_per_m(before);
   const double period_m = kPi / spacing;
   std::vector<double> delays;
   for (const auto& value : row.values) {
-    delays.push_back(-std::arg(value[kHigh] * std::conj(value[kLow])) / (2 * spacing));
+    delays.push_back(-std::arg(value[high] * std::conj(value[low])) / (2 * spacing));
   }
   const auto unwrap = [&](std::size_t at, std::size_t neighbour) {
     delays[at] -= period_m * std::round((delays[at] - delays[neighbour]) / period_m);
@@ -44,12 +45,12 @@ SampledRow sample_row(
   return row;
 }
 
-double power_reach_m(const SampledRow& row, double beyond) {
+double power_reach_m(const SampledRow& row, const PulseBand& band, double beyond) {
   const std::size_t count = row.values.size(), side = row.both_sides ? count / 2 : count;
   std::vector<double> power(side);  // by distance from the axis
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t away = !row.both_sides ? i : i >= side ? i - side : side - 1 - i;
-    power[away] += PulseBand::power(row.values[i]);
+    power[away] += band.power(row.values[i]);
   }
   double outside = beyond * std::accumulate(power.begin(), power.end(), 0.0);
   std::size_t last = side - 1;
@@ -64,7 +65,7 @@ RowDelay fit_delay(const SampledRow& row, const PulseBand& band) {
   glm::dvec3 right(0.0);
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     const double u = row.offset_m(i) / row.reach_m;
-    const double weight = PulseBand::power(row.values[i]);
+    const double weight = band.power(row.values[i]);
     // A beam that is even has no tilt.
     const glm::dvec3 basis(1, row.both_sides ? u : 0, u * u);
     normal += weight * glm::outerProduct(basis, basis);
@@ -80,7 +81,7 @@ AlignedRow aligned(const SampledRow& row, const PulseBand& band, double scale) {
   AlignedRow result{row.reach_m, fit_delay(row, band), row.values};
   for (std::size_t c = 0; c < row.values.size(); ++c) {
     const double delay_m = result.delay.at(row.offset_m(c));
-    for (int node = 0; node < PulseBand::kNodes; ++node) {
+    for (int node = 0; node < band.nodes(); ++node) {
       result.values[c][static_cast<std::size_t>(node)] *=
           std::polar(scale, 2 * band.wavenumber_per_m(node) * delay_m);
     }

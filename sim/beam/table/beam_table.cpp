@@ -26,9 +26,10 @@ constexpr double kAngleStep_rad = 0.9 * kDegree;
 /// Writes a direction: even rows are summed over the sources, odd ones lie half way between.
 class DirectionWriter {
  public:
-  DirectionWriter(const hw::AcquisitionPlan& plan, int rows, int columns, double rows_per_m)
-      : band_(plan), rows_(rows), columns_(columns), rows_per_m_(rows_per_m) {}
+  DirectionWriter(const PulseBand& band, int rows, int columns, double rows_per_m)
+      : band_(band), rows_(rows), columns_(columns), rows_per_m_(rows_per_m) {}
 
+  const PulseBand& band() const { return band_; }
   int summed_rows() const { return rows_ / 2 + 1; }
   double range_m(int summed) const { return (2 * summed + 0.5) / rows_per_m_; }
   std::vector<SampledRow> sample(const BeamPlane& plane) const {
@@ -62,10 +63,12 @@ class DirectionWriter {
                        static_cast<float>(row.delay.tilt),
                        static_cast<float>(row.delay.curvature_per_m)});
     for (const PulseBand::Values& from : row.values) {
-      BandValues& value = to.values.emplace_back();
-      for (std::size_t node = 0; node < from.size(); ++node) {
-        value.re[node] = static_cast<float>(from[node].real());
-        value.im[node] = static_cast<float>(from[node].imag());
+      for (int node = 0; node < band_.nodes(); ++node) {
+        const int lane = node % BandValues::kNodes;
+        if (lane == 0) to.values.emplace_back();
+        const std::complex<double>& value = from[static_cast<std::size_t>(node)];
+        to.values.back().re[lane] = static_cast<float>(value.real());
+        to.values.back().im[lane] = static_cast<float>(value.imag());
       }
     }
   }
@@ -83,9 +86,9 @@ double power_m(const SampledRow& row, std::size_t node) {
   return (row.both_sides ? 1 : 2) * row.step_m() * sum;
 }
 
-double largest_amplitude(const SampledRow& row) {
+double largest_amplitude(const SampledRow& row, const PulseBand& band) {
   double largest = 0;
-  for (const auto& value : row.values) largest = std::max(largest, PulseBand::power(value));
+  for (const auto& value : row.values) largest = std::max(largest, band.power(value));
   return std::sqrt(largest);
 }
 
@@ -100,23 +103,27 @@ struct MiddleStick {
       : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
     for (int i = 0; i < writer.summed_rows(); ++i) {
       const double range_m = writer.range_m(i);
-      scale(static_cast<std::size_t>(i), in_plane.on_axis(range_m), across.on_axis(range_m));
+      scale(writer.band(),
+            static_cast<std::size_t>(i),
+            in_plane.on_axis(range_m),
+            across.on_axis(range_m));
     }
   }
 
  private:
-  void scale(std::size_t row,
+  void scale(const PulseBand& band,
+             std::size_t row,
              const PulseBand::Values& lateral_axis,
              const PulseBand::Values& elevation_axis) {
-    elevation_scale.push_back(1 / largest_amplitude(elevation[row]));
-    PulseBand::Values on_axis;
+    elevation_scale.push_back(1 / largest_amplitude(elevation[row], band));
+    PulseBand::Values on_axis = {};
     double area = 0;
-    for (std::size_t i = 0; i < on_axis.size(); ++i) {
+    for (int node = 0; node < band.nodes(); ++node) {
+      const auto i = static_cast<std::size_t>(node);
       on_axis[i] = elevation_scale[row] * elevation_axis[i] * lateral_axis[i];
-      area += PulseBand::weight(static_cast<int>(i)) * power_m(elevation[row], i) *
-              power_m(lateral[row], i);
+      area += band.weight(node) * power_m(elevation[row], i) * power_m(lateral[row], i);
     }
-    lateral_scale.push_back(1 / PulseBand::peak(on_axis));
+    lateral_scale.push_back(1 / band.peak(on_axis));
     const double both = elevation_scale[row] * lateral_scale[row];
     area_m2.push_back(area * both * both);
   }
@@ -151,12 +158,13 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
   first_angle_rad_ = angles.first_rad;
   angle_step_rad_ = angles.step_rad;
   const double beyond = shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond;
-  const DirectionWriter writer(plan, count, columns_, rows_per_m_);
+  const PulseBand band(plan);
+  const DirectionWriter writer(band, count, columns_, rows_per_m_);
   const auto in_plane = [&](int angle) {
     return BeamPlane::lateral(
-        plan, apodisation, angles.first_rad + angle * angles.step_rad, beyond);
+        plan, band, apodisation, angles.first_rad + angle * angles.step_rad, beyond);
   };
-  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, beyond));
+  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band, beyond));
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
   for (int row = 0; row < count; ++row) {
     const auto at = static_cast<std::size_t>(row / 2);

@@ -46,8 +46,8 @@ class BeamTable {
 
   struct Direction {
     std::vector<BeamRow> rows;
-    /// [row][column], at the middle of the column. Lateral: from the largest negative offset on, 2
-    /// columns() a row; elevation: from the axis on, for both signs.
+    /// [row][column][group of nodes], at the middle of the column. Lateral: from the largest
+    /// negative offset on, 2 columns() a row; elevation: from the axis on, for both signs.
     std::vector<BandValues> values;
   };
   /// Lateral tables for sticks at angles from the middle one outwards, in beam coordinates whose

@@ -9,7 +9,7 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// The values at the four nodes of the band, as one SIMD register.
+/// The values at a group of nodes, as one SIMD register.
 using Nodes = float __attribute__((vector_size(16)));
 static_assert(sizeof(Nodes) == sizeof(BandValues::re));
 
@@ -66,11 +66,12 @@ WOBBLEBENCH_INLINE void add_echo(const BandValues& lateral,
   *reinterpret_cast<Nodes*>(bin.im) += beam_re * phase_im + beam_im * phase_re;
 }
 
-WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
-                                 const std::uint32_t* table_index,
-                                 int count,
-                                 const EchoConstants& constants,
-                                 BandValues* bins) {
+template <int kGroups>
+WOBBLEBENCH_INLINE void sum_groups(const EchoLanes& lanes,
+                                   const std::uint32_t* table_index,
+                                   int count,
+                                   const EchoConstants& constants,
+                                   BandValues* bins) {
   const BandValues* lateral = constants.lateral;
   const BandValues* elevation = constants.elevation;
   const BandValues* places = constants.places;
@@ -78,13 +79,27 @@ WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
   for (int i = 0; i < count; ++i) {
     // Each stick angle has a lateral table of its own: they do not stay in the cache.
     const std::uint32_t ahead = table_index[std::min(i + kAhead, count - 1)];
-    __builtin_prefetch(lateral + (ahead & 0xffffu));
-    add_echo(lateral[table_index[i] & 0xffffu],
-             elevation[table_index[i] >> 16],
-             places[lanes.place[i]],
-             lanes.re[i],
-             lanes.im[i],
-             bins[lanes.bin[i]]);
+    __builtin_prefetch(lateral + kGroups * std::size_t{ahead & 0xffffu});
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      add_echo(lateral[kGroups * std::size_t{table_index[i] & 0xffffu} + g],
+               elevation[kGroups * std::size_t{table_index[i] >> 16} + g],
+               places[kGroups * static_cast<std::size_t>(lanes.place[i]) + g],
+               lanes.re[i],
+               lanes.im[i],
+               bins[kGroups * static_cast<std::size_t>(lanes.bin[i]) + g]);
+    }
+  }
+}
+
+WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
+                                 const std::uint32_t* table_index,
+                                 int count,
+                                 const EchoConstants& constants,
+                                 BandValues* bins) {
+  if (constants.groups == 1) {
+    sum_groups<1>(lanes, table_index, count, constants, bins);
+  } else {
+    sum_groups<2>(lanes, table_index, count, constants, bins);
   }
 }
 

@@ -22,18 +22,22 @@ class PulseTaps {
   /// Half length of the pulse, in samples.
   int half_length() const { return half_length_; }
 
-  /// Nodes come in pairs about the centre of the band, whose pulses are conjugates: those of the
-  /// higher one.
+  /// Nodes of a narrow band come in pairs about its centre, whose pulses are conjugates: those of
+  /// the higher one.
+  static constexpr int kAlone = -1;
   struct Pair {
-    int low;
+    int low;  ///< kAlone: there is none
     int high;
     std::vector<float> re, im;
   };
   const std::vector<Pair>& pairs() const { return pairs_; }
+  /// Of nodes.
+  int groups() const { return groups_; }
 
  private:
   double spacing_m_;
   int half_length_;
+  int groups_;
   std::vector<Pair> pairs_;
 };
 
@@ -58,9 +62,13 @@ class RangeBins {
   struct Parts {
     std::vector<float> sum_re, sum_im, difference_re, difference_im;
   };
-  void split_pair(const PulseTaps::Pair& pair, int first, int count, std::size_t room);
+  void split_pair(const PulseTaps& taps, const PulseTaps::Pair& pair, int count, std::size_t room);
+  void scale(const PulseTaps& taps,
+             int count,
+             std::span<const float> remaining,
+             std::span<const float> factor);
 
-  std::vector<BandValues> bins_;
+  std::vector<BandValues> bins_;  ///< [bin][group]
   std::int32_t last_bin_ = 1;
   Parts parts_;
   std::vector<float> sum_re_, sum_im_;

@@ -11,6 +11,7 @@
 #include "bench/studies/validate/speckle/speckle_size.h"
 #include "bench/studies/validate/speckle/speckle_statistics.h"
 #include "bench/studies/validate/tissue/attenuation.h"
+#include "bench/studies/validate/tissue/half_plane.h"
 #include "bench/studies/validate/tissue/reflection.h"
 #include "bench/studies/validate/tissue/repeatability.h"
 #include "bench/studies/validate/tissue/shear.h"
@@ -63,6 +64,26 @@ TEST(PointTargetStudy, ReferenceIsAsWideAsTheTable) {
     EXPECT_NEAR(found.measured.elevation_m / place.elevation_m, 1, 0.05) << fraction;
     EXPECT_NEAR(found.measured.axial_m / place.axial_m, 1, 0.05) << fraction;
     EXPECT_NEAR(found.measured.level_db, place.level_db, 0.5) << fraction;
+  }
+}
+
+TEST(PointTargetStudy, InFocusAttenuatedPointsAreThoseOfTheTable) {
+  const BeamRow place = row_at(attenuated_rows(0.5), 0, 75e-3);
+  const auto found = measure_attenuated_points(0.5, {&place, 1}).front();
+  EXPECT_NEAR(found.measured.lateral_m / place.lateral_m, 1, 0.05);
+  EXPECT_NEAR(found.measured.elevation_m / place.elevation_m, 1, 0.05);
+  EXPECT_NEAR(found.measured.axial_m / place.axial_m, 1, 0.05);
+  EXPECT_NEAR(found.measured.level_db, place.level_db, 0.5);
+}
+
+TEST(ShadowStudy, TheHalfPlaneLiesWhereTheTableHasIt) {
+  for (const ShadowEdge& edge : measure_shadow_edges()) {
+    EXPECT_NEAR(edge.level_db.front(), 0, 0.1);
+    EXPECT_NEAR(edge.level_db.back(), -40, 0.5);
+    if (edge.range_m < 75e-3) continue;
+    const std::size_t middle = edge.crossing_m.size() / 2;
+    EXPECT_NEAR(edge.crossing_m[middle], 0, 1e-9);
+    EXPECT_NEAR(edge.level_db[middle], edge.expected_db[middle], 2.5) << edge.range_m;
   }
 }
 

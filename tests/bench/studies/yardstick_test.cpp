@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <stdexcept>
+
+#include "bench/studies/validate/tissue/half_plane.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -90,6 +94,49 @@ TEST(Yardstick, EchoPlacesHavePointsAndEnvelopes) {
   EXPECT_DOUBLE_EQ(places[0].points[0].axial_m, 30.208e-3);
   EXPECT_DOUBLE_EQ(places[0].points[0].elevation_m, -2.945e-3);
   EXPECT_DOUBLE_EQ(places[0].envelope[1], 0.0014181);
+}
+
+TEST(Yardstick, OnTheAxisAStickOwnsTheBeamThatSticksThatTurnShow) {
+  for (const hw::ProbePreset preset : kPresets) {
+    const auto own = stick_beam_rows(preset), turned = point_width_rows(preset);
+    ASSERT_EQ(own.size(), turned.size());
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      EXPECT_EQ(own[i].range_m, turned[i].range_m);
+      // Without the array's end in the aperture both are the same.
+      if (own[i].sector_fraction == 0) {
+        EXPECT_NEAR(own[i].lateral_m / turned[i].lateral_m, 1, 0.02);
+      }
+    }
+  }
+  EXPECT_DOUBLE_EQ(stick_beam_rows(hw::ProbePreset::standard)[45].lateral_m, 4.0099e-3);
+}
+
+TEST(Yardstick, AttenuatedRowsAndShadowsAreInMetres) {
+  const auto rows = attenuated_rows(0.5);
+  ASSERT_EQ(rows.size(), 11u);
+  EXPECT_DOUBLE_EQ(rows[5].range_m, 75e-3);
+  EXPECT_DOUBLE_EQ(rows[5].lateral_m, 2.0646e-3);
+  EXPECT_DOUBLE_EQ(rows[5].axial_m, 0.32824e-3);
+  EXPECT_DOUBLE_EQ(rows[5].level_db, -23.33);
+  const auto shadows = shadow_rows();
+  ASSERT_EQ(shadows.size(), 2u * 4u * 49u);
+  const ShadowRow& row = shadows[(4 + 2) * 49 + 28];
+  EXPECT_FALSE(row.across_lines);
+  EXPECT_DOUBLE_EQ(row.range_m, 100e-3);
+  EXPECT_DOUBLE_EQ(row.crossing_m, 2e-3);
+  EXPECT_DOUBLE_EQ(row.level_db, -20.036);
+  EXPECT_DOUBLE_EQ(row.rise_m, 4.0437e-3);
+}
+
+TEST(ShadowEdge, RiseIsFromATenthToNineTenthsOfTheStep) {
+  // Amplitude 1 up to -2 mm, then down along a line to 0.2 at 2 mm.
+  std::vector<double> crossing_m, level_db;
+  for (int i = -10; i <= 10; ++i) {
+    crossing_m.push_back(i * 0.5e-3);
+    const double share = std::clamp((2 - i * 0.5) / 4, 0.0, 1.0);
+    level_db.push_back(20 * std::log10(0.2 + 0.8 * share));
+  }
+  EXPECT_NEAR(rise_m(crossing_m, level_db), 0.8 * 4e-3, 1e-9);
 }
 
 TEST(Yardstick, NeighboursAreCorrelations) {

@@ -34,12 +34,14 @@ PointEchoes::PointEchoes(sim::Rung rung, const hw::AcquisitionPlan& plan, bool s
 
 std::vector<double> PointEchoes::envelope(double theta_rad,
                                           double phi_rad,
-                                          std::span<const sim::PointEcho> points) const {
+                                          std::span<const sim::PointEcho> points,
+                                          const WayLoss& loss) const {
   const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
-  const std::vector<float> left(samples, 1.0f);
+  const std::vector<float> left =
+      loss.remaining.empty() ? std::vector<float>(samples, 1.0f) : loss.remaining;
   std::vector<std::complex<float>> iq(samples);
   const sim::TimedRay line{plan_.geometry().stick(theta_rad, phi_rad), 0};
-  add_({line, plan_.sample_spacing_m(), left, {}}, points, iq);
+  add_({line, plan_.sample_spacing_m(), left, {}, loss.frequency_ratio}, points, iq);
   std::vector<double> envelope;
   for (const auto& value : iq) envelope.push_back(static_cast<double>(std::abs(value)));
   return envelope;

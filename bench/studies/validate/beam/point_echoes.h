@@ -12,7 +12,13 @@
 
 namespace wobblebench::bench {
 
-/// Points in fluid that does not echo, without losses. Const functions may be called from several
+/// What a stick's way takes from the pulse, at each of the plan's samples; empty: nothing.
+struct WayLoss {
+  std::vector<float> remaining;
+  std::vector<float> frequency_ratio;  ///< of its centre
+};
+
+/// Points in fluid that does not echo. Const functions may be called from several
 /// threads.
 class PointEchoes {
  public:
@@ -24,7 +30,8 @@ class PointEchoes {
   /// on the middle stick at the same range.
   std::vector<double> envelope(double theta_rad,
                                double phi_rad,
-                               std::span<const sim::PointEcho> points) const;
+                               std::span<const sim::PointEcho> points,
+                               const WayLoss& loss = {}) const;
 
  private:
   using AddPoints = std::function<void(

@@ -6,10 +6,12 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
+#include "base/units.h"
 #include "bench/studies/validate/beam/point_echoes.h"
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/beam/profile/beam_profile.h"
+#include "sim/receive/band_loss.h"
 
 namespace wobblebench::bench {
 
@@ -49,14 +51,23 @@ double width_m(double expected_m, const Value& value) {
 
 class PointScan {
  public:
-  PointScan(hw::ProbePreset preset, const PointRung& rung)
-      : plan_(plan_of(preset)), echoes_(rung.rung, plan_, rung.side_lobes) {}
+  PointScan(hw::ProbePreset preset, const PointRung& rung, double db_per_cm_mhz = 0)
+      : plan_(plan_of(preset)), echoes_(rung.rung, plan_, rung.side_lobes) {
+    if (db_per_cm_mhz == 0) return;
+    const sim::BandLoss band(plan_.probe());
+    for (const double range_m : sample_ranges_m()) {
+      const double nepers = 2 * db_per_cm_mhz * plan_.probe().center_frequency_hz / kMegahertz *
+                            range_m * 1e2 * std::log(10.0) / 20;
+      loss_.remaining.push_back(static_cast<float>(std::exp(band.log_gain(nepers) - nepers)));
+      loss_.frequency_ratio.push_back(static_cast<float>(band.frequency_ratio(nepers)));
+    }
+  }
 
   BeamRow measure(const BeamRow& place) const {
     const hw::ProbeGeometry geometry = plan_.geometry();
     const sim::PointEcho point{geometry.to_cartesian({place.range_m, place.theta_rad, 0}), 1};
     const auto stick = [&](double turn_rad, double phi_rad) {
-      return echoes_.envelope(place.theta_rad + turn_rad, phi_rad, {&point, 1});
+      return echoes_.envelope(place.theta_rad + turn_rad, phi_rad, {&point, 1}, loss_);
     };
     const auto peak = [&](double turn_rad, double phi_rad) {
       return gaussian_peak(stick(turn_rad, phi_rad)).value;
@@ -82,13 +93,20 @@ class PointScan {
 
   hw::AcquisitionPlan plan_;
   PointEchoes echoes_;
+  WayLoss loss_;
 };
 
 std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const BeamRow> places) {
   const hw::AcquisitionPlan plan = plan_of(preset);
+  const std::vector<BeamRow> own = stick_beam_rows(preset);
   const sim::BeamProfile profile(plan, {});
   std::vector<BeamComparison> results;
-  for (const BeamRow& place : places) {
+  for (BeamRow place : places) {
+    const auto same = std::ranges::find_if(own, [&](const BeamRow& row) {
+      return row.sector_fraction == place.sector_fraction && row.range_m == place.range_m;
+    });
+    if (same == own.end()) throw std::invalid_argument("stick_beam.csv lacks a place");
+    place.lateral_m = same->lateral_m;
     BeamRow found = place;
     found.lateral_m = profile.lateral_fwhm_m(place.range_m, place.theta_rad);
     found.elevation_m = profile.elevation_fwhm_m(place.range_m);
@@ -105,6 +123,17 @@ std::vector<BeamComparison> measure_points(hw::ProbePreset preset,
                                            std::span<const BeamRow> places) {
   if (rung.rung == sim::Rung::field) return field_widths(preset, places);
   const PointScan scan(preset, rung);
+  std::vector<BeamComparison> results(places.size());
+  parallel_rows(static_cast<int>(places.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    results[at] = {places[at], scan.measure(places[at])};
+  });
+  return results;
+}
+
+std::vector<BeamComparison> measure_attenuated_points(double db_per_cm_mhz,
+                                                      std::span<const BeamRow> places) {
+  const PointScan scan(hw::ProbePreset::standard, {sim::Rung::scatterers, false}, db_per_cm_mhz);
   std::vector<BeamComparison> results(places.size());
   parallel_rows(static_cast<int>(places.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);

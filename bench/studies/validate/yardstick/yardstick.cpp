@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "base/units.h"
@@ -74,6 +75,52 @@ double axis_level_db(hw::ProbePreset preset, double range_m) {
 
 std::vector<BeamRow> speckle_rows(hw::ProbePreset preset) {
   return re_middle(beam_rows("speckle.csv", preset));
+}
+
+std::vector<BeamRow> stick_beam_rows(hw::ProbePreset preset) {
+  const CsvTable csv = table("stick_beam.csv");
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  std::vector<BeamRow> rows;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    if (csv.text(i, "preset") != table_name(preset)) continue;
+    rows.push_back({csv.number(i, "sector_fraction"),
+                    csv.number(i, "depth_mm") * 1e-3,
+                    csv.number(i, "theta_deg") * kDegree,
+                    csv.number(i, "lateral_mm") * 1e-3,
+                    none,
+                    none,
+                    none});
+  }
+  return rows;
+}
+
+std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz) {
+  const CsvTable csv = table("attenuation.csv");
+  std::vector<BeamRow> rows;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    if (csv.number(i, "alpha_db_cm_mhz") != db_per_cm_mhz) continue;
+    rows.push_back({0,
+                    csv.number(i, "depth_mm") * 1e-3,
+                    0,
+                    csv.number(i, "lateral_mm") * 1e-3,
+                    csv.number(i, "elevation_mm") * 1e-3,
+                    csv.number(i, "axial_mm") * 1e-3,
+                    csv.number(i, "level_db")});
+  }
+  return rows;
+}
+
+std::vector<ShadowRow> shadow_rows() {
+  const CsvTable csv = table("shadow.csv");
+  std::vector<ShadowRow> rows;
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
+    rows.push_back({csv.text(i, "edge") == "lateral",
+                    csv.number(i, "depth_mm") * 1e-3,
+                    csv.number(i, "crossing_mm") * 1e-3,
+                    csv.number(i, "power_db"),
+                    csv.number(i, "rise_mm") * 1e-3});
+  }
+  return rows;
 }
 
 std::vector<NeighbourRow> neighbour_rows() {

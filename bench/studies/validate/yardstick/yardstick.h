@@ -37,6 +37,8 @@ struct BeamComparison {
 
 /// -6 dB widths of the echo of one point, by angle and range.
 std::vector<BeamRow> point_width_rows(hw::ProbePreset preset);
+/// Widths of each stick's own beam across lines; the others are NaN: stick_beam.csv.
+std::vector<BeamRow> stick_beam_rows(hw::ProbePreset preset);
 /// Echo of a point on the middle stick's axis over that at the transmit focus: linear between the
 /// table's ranges, and beyond them from the last two.
 double axis_level_db(hw::ProbePreset preset, double range_m);
@@ -50,6 +52,20 @@ struct NeighbourRow {
   double frame_correlation = 0;
 };
 std::vector<NeighbourRow> neighbour_rows();
+
+/// Echo of a point on the middle stick in tissue that attenuates so much one way, over that in
+/// tissue that does not: attenuation.csv.
+std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz);
+
+/// Even tissue behind a half plane across the middle stick: shadow.csv.
+struct ShadowRow {
+  bool across_lines = false;  ///< the plane's edge lies across the image plane's lines
+  double range_m = 0;
+  double crossing_m = 0;  ///< of the stick's axis and the plane, from its edge
+  double level_db = 0;    ///< mean power over that without the plane
+  double rise_m = 0;      ///< 10 to 90 % of the amplitude: the same in all rows of a range
+};
+std::vector<ShadowRow> shadow_rows();
 
 /// Points about one place of a stick, and the envelope of their echo: echo_points.csv, echoes.csv.
 struct EchoPlace {

@@ -33,8 +33,8 @@ PulseBand::Values stored(const BeamTable::Direction& direction,
   const BandValues& value = direction.values[row * columns + column];
   const double delay_m = static_cast<double>(at.delay_m) + static_cast<double>(at.tilt) * offset_m +
                          static_cast<double>(at.curvature_per_m) * offset_m * offset_m;
-  PulseBand::Values result;
-  for (int node = 0; node < PulseBand::kNodes; ++node) {
+  PulseBand::Values result = {};
+  for (int node = 0; node < band.nodes(); ++node) {
     result[static_cast<std::size_t>(node)] =
         Complex(value.re[node], value.im[node]) *
         std::polar(1.0, -2 * band.wavenumber_per_m(node) * delay_m);
@@ -75,7 +75,8 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
     const StickAperture aperture(plan(), Apodisation::rectangular, nearest);
     const auto& direction = table.lateral()[angle];
     for (int row : {40, 41, 75, 120, 151}) {
-      const auto response = PlaneResponse::lateral(aperture, plan(), middle_m(table, row));
+      const auto response =
+          PlaneResponse::lateral(aperture, plan(), PulseBand(plan()), middle_m(table, row));
       Agreement agreement;
       for (std::size_t c = 0; c < columns; ++c) {
         const double reach_m = table.reach_m(direction, row);
@@ -101,14 +102,15 @@ TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
     PulseBand::Values product = stored(lateral, row, columns, 2 * columns, 0.5 * step_m);
     const auto elevation = stored(table.elevation(), row, 0, columns, 0.5 * across_m);
     for (std::size_t node = 0; node < product.size(); ++node) product[node] *= elevation[node];
-    EXPECT_NEAR(PulseBand::peak(product), 1, 0.04) << row;
+    EXPECT_NEAR(PulseBand(plan()).peak(product), 1, 0.04) << row;
   }
 }
 
 TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
   const BeamTable table(plan(), GetParam());
   const double beyond = GetParam() == BeamShape::main_lobe ? 0.008 : 5e-5;
-  const auto response = PlaneResponse::elevation(ElevationSources(plan()), plan());
+  const PulseBand band(plan());
+  const auto response = PlaneResponse::elevation(ElevationSources(plan()), band);
   for (int row = 20; row < table.rows(); row += 23) {
     const double reach_m = table.reach_m(table.elevation(), row);
     double within = 0, outside = 0;
@@ -116,7 +118,7 @@ TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
     for (int i = 0; i < 2000; ++i) points.push_back({middle_m(table, row), (i + 0.5) * 20e-6});
     const auto values = response.at(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      (points[i].offset_m < reach_m ? within : outside) += PulseBand::power(values[i]);
+      (points[i].offset_m < reach_m ? within : outside) += band.power(values[i]);
     }
     // The search ends at the fifth side lobe, and the reach is interpolated between rows.
     EXPECT_LT(outside / (within + outside),
