@@ -92,8 +92,8 @@ EdgeSignal edge_signal(const DetectionConditions& c) {
           .fluid_power = power_of_db(c.fluid_db),
           .noise_power = power_of_db(c.noise_db),
           .spacing_m = c.sample_spacing_m,
-          .correlation = gaussian_correlation(pulse_sigma_m(c)),
-          .rise = gaussian_rise(rise_sigma_m(c))};
+          .pair = pulse_after_edge(gaussian_correlation(pulse_sigma_m(c)),
+                                   gaussian_rise(rise_sigma_m(c)))};
 }
 
 SampleWindow sample_window(const DetectionConditions& c) {

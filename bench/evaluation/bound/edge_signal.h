@@ -3,7 +3,9 @@
 // where the surface is.
 #pragma once
 
+#include <complex>
 #include <functional>
+#include <vector>
 
 #include "bench/evaluation/bound/gaussian_information.h"
 
@@ -20,11 +22,27 @@ using EdgeRise = std::function<RiseValue(double behind_m)>;
 /// The rise of a beam whose power is Gaussian across an oblique plane.
 EdgeRise gaussian_rise(double sigma_m);
 
-/// What comes first.
-enum class SpeckleOrder {
-  pulse_after_edge,  ///< scatterers end at the surface, then the pulse passes (rung `scatterers`)
-  edge_after_pulse   ///< even speckle, multiplied by the root of the mean power (rung `field`)
+/// Covariance of the echo at two ranges, over the echo's power deep in the tissue, and its
+/// derivative by the distance behind the surface (1/m).
+struct PairValue {
+  std::complex<double> covariance = 0;
+  std::complex<double> slope_per_m = 0;
 };
+/// For two ranges `distance_m` >= 0 apart, whose middle lies `behind_m` behind the surface: the
+/// nearer one's sample times the farther one's, conjugated.
+using EdgePair = std::function<PairValue(double behind_m, double distance_m)>;
+
+/// Of speckle in even tissue at two ranges so far apart; 1 at 0.
+using SpeckleCorrelation = std::function<double(double distance_m)>;
+
+/// The speckle correlation of a Gaussian pulse of this sigma of amplitude: exp(-(d / 2 sigma)^2).
+SpeckleCorrelation gaussian_correlation(double pulse_sigma_m);
+
+/// Scatterers that end at the surface, then the pulse: correlation(distance) rise(middle), exact
+/// for a Gaussian pulse whose power is part of the rise.
+EdgePair pulse_after_edge(SpeckleCorrelation correlation, EdgeRise rise);
+/// Even speckle multiplied by the root of the mean power, as on the rung `field`.
+EdgePair edge_after_pulse(SpeckleCorrelation correlation, EdgeRise rise);
 
 /// Powers relative to any common one.
 struct EdgeSignal {
@@ -32,15 +50,8 @@ struct EdgeSignal {
   double fluid_power = 0;  ///< echo of the fluid: clutter
   double noise_power = 0;  ///< white, of each sample
   double spacing_m = 0;    ///< between samples
-  /// Of the speckle of even tissue at two ranges so far apart; 1 at 0.
-  std::function<double(double distance_m)> correlation;
-  /// With the pulse's power included.
-  EdgeRise rise;
-  SpeckleOrder order = SpeckleOrder::pulse_after_edge;
+  EdgePair pair;
 };
-
-/// The speckle correlation of a Gaussian pulse of this sigma of amplitude: exp(-(d / 2 sigma)^2).
-std::function<double(double)> gaussian_correlation(double pulse_sigma_m);
 
 /// Of the samples at first_m, first_m + spacing, ..., for a surface at `edge_m` on the stick.
 struct EdgeCovariance {

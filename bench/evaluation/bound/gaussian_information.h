@@ -3,6 +3,7 @@
 // of Statistical Signal Processing: Estimation Theory, chapters 3 and 15; docs/references.md [22]).
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -11,18 +12,19 @@ namespace wobblebench::bench {
 
 /// Row by row.
 struct SquareMatrix {
+  using Value = std::complex<double>;
   int size = 0;
-  std::vector<double> values;
+  std::vector<Value> values;
 
   explicit SquareMatrix(int n) : size(n), values(static_cast<std::size_t>(n) * n) {}
-  double& at(int row, int column) { return values[static_cast<std::size_t>(row) * size + column]; }
-  double at(int row, int column) const {
+  Value& at(int row, int column) { return values[static_cast<std::size_t>(row) * size + column]; }
+  Value at(int row, int column) const {
     return values[static_cast<std::size_t>(row) * size + column];
   }
 };
 
 /// tr(R^-1 dR R^-1 dR) of circular zero-mean samples of covariance R, given its derivative by the
-/// parameter; both symmetric. In the parameter's unit to the power -2. Throws std::domain_error
+/// parameter; both Hermitian. In the parameter's unit to the power -2. Throws std::domain_error
 /// where R is not positive definite.
 double covariance_information(const SquareMatrix& covariance, const SquareMatrix& derivative);
 

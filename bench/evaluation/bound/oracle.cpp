@@ -19,13 +19,13 @@ Eigen::MatrixXcd columns_of(const std::vector<IqSamples>& sticks) {
 
 /// Of each column.
 Eigen::RowVectorXd log_likelihood(const SquareMatrix& covariance, const Eigen::MatrixXcd& columns) {
-  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::Map<const Eigen::MatrixXd>(
-      covariance.values.data(), covariance.size, covariance.size));
-  const Eigen::MatrixXd re = root.matrixL().solve(columns.real());
-  const Eigen::MatrixXd im = root.matrixL().solve(columns.imag());
-  const double log_determinant = 2 * root.matrixLLT().diagonal().array().log().sum();
-  return (-(re.colwise().squaredNorm() + im.colwise().squaredNorm()).array() - log_determinant)
-      .matrix();
+  // Row by row: seen by columns it is the transpose, which is the conjugate.
+  const Eigen::LLT<Eigen::MatrixXcd> root(
+      Eigen::Map<const Eigen::MatrixXcd>(covariance.values.data(), covariance.size, covariance.size)
+          .conjugate());
+  const Eigen::MatrixXcd white = root.matrixL().solve(columns);
+  const double log_determinant = 2 * root.matrixLLT().diagonal().real().array().log().sum();
+  return (-white.colwise().squaredNorm().array() - log_determinant).matrix();
 }
 
 /// Of the maximum, in steps of the grid.

@@ -10,7 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "bench/evaluation/bound/beam_rise.h"
+#include "bench/evaluation/bound/beam_pair.h"
 #include "bench/evaluation/bound/oracle.h"
 #include "phantoms/phantom.h"
 #include "sim/beam/point_spread.h"
@@ -67,7 +67,7 @@ struct TiltedPlane {
 };
 
 /// Speckle of `field`: white noise through the taps of the pulse.
-std::function<double(double)> tap_correlation(double pulse_sigma_m, double spacing_m) {
+SpeckleCorrelation tap_correlation(double pulse_sigma_m, double spacing_m) {
   const std::vector<float> taps =
       sim::unit_power_gaussian(pulse_sigma_m / spacing_m, sim::kMaxHalfPulse);
   return [taps, spacing_m](double distance_m) {
@@ -150,22 +150,31 @@ class PlaneScan {
                                       plane_.normal,
                                       phantoms::material("soft_tissue").backscatter_db);
     result.signal = edge_signal(result.conditions);
-    if (beam_) {
-      result.signal.rise = beam_rise(*beam_,
-                                     place.theta_rad,
-                                     place.range_m,
-                                     stick_slope(place, geometry, plane_.normal),
-                                     result.conditions.pulse_fwhm_m);
-    } else {
-      result.signal.order = SpeckleOrder::edge_after_pulse;
-      result.signal.correlation = tap_correlation(
-          sim::sigma_of_fwhm(result.conditions.pulse_fwhm_m), result.conditions.sample_spacing_m);
-    }
+    result.signal.pair =
+        beam_ ? beam_pair(*beam_,
+                          sim::PulseBand(plan_),
+                          place,
+                          stick_slope(place, geometry, plane_.normal),
+                          result.conditions.sample_spacing_m)
+              : edge_after_pulse(tap_correlation(sim::sigma_of_fwhm(result.conditions.pulse_fwhm_m),
+                                                 result.conditions.sample_spacing_m),
+                                 widening_rise(place, result.conditions));
     place_window(result);
     const auto covariance =
         edge_covariance(result.signal, result.edge_m, result.first_m, result.samples);
     result.bound_m = 1 / std::sqrt(covariance_information(covariance.value, covariance.derivative));
     return result;
+  }
+
+  /// The rung takes the beam's width at each sample.
+  EdgeRise widening_rise(const hw::PolarPoint& place, const DetectionConditions& at_edge) const {
+    return [this, place, at_edge](double behind_m) {
+      const double range_m = std::clamp(place.range_m + behind_m, 0.0, plan_.acquisition().depth_m);
+      DetectionConditions there = at_edge;
+      there.lateral_fwhm_m = profile_.lateral_fwhm_m(range_m, place.theta_rad);
+      there.elevation_fwhm_m = profile_.elevation_fwhm_m(range_m);
+      return gaussian_rise(rise_sigma_m(there))(behind_m);
+    };
   }
 
   void place_window(Stick& stick) const {

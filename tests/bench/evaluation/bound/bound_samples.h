@@ -12,14 +12,14 @@
 
 namespace wobblebench::bench {
 
-/// A lower triangular matrix L with L L^T = matrix.
+/// A lower triangular matrix L with L L* = matrix.
 inline SquareMatrix root_of(const SquareMatrix& matrix) {
   SquareMatrix root(matrix.size);
   for (int i = 0; i < matrix.size; ++i) {
     for (int j = 0; j <= i; ++j) {
-      double sum = matrix.at(i, j);
-      for (int k = 0; k < j; ++k) sum -= root.at(i, k) * root.at(j, k);
-      root.at(i, j) = i == j ? std::sqrt(sum) : sum / root.at(j, j);
+      std::complex<double> sum = matrix.at(i, j);
+      for (int k = 0; k < j; ++k) sum -= root.at(i, k) * std::conj(root.at(j, k));
+      root.at(i, j) = i == j ? std::sqrt(sum.real()) : sum / root.at(j, j);
     }
   }
   return root;
@@ -55,18 +55,20 @@ inline double log_likelihood(const SquareMatrix& covariance, const IqSamples& st
     std::complex<double> sum = stick[static_cast<std::size_t>(i)];
     for (int k = 0; k < i; ++k) sum -= root.at(i, k) * white[static_cast<std::size_t>(k)];
     white.push_back(sum / root.at(i, i));
-    value -= 2 * std::log(root.at(i, i)) + std::norm(white.back());
+    value -= 2 * std::log(root.at(i, i).real()) + std::norm(white.back());
   }
   return value;
 }
 
 /// A surface of unit tissue power at this contrast over the noise, with the default probe's pulse.
-inline EdgeSignal test_signal(double contrast_db, double rise_sigma_m = 0.2e-3) {
+inline EdgeSignal test_signal(double contrast_db,
+                              double rise_sigma_m = 0.2e-3,
+                              decltype(&pulse_after_edge) order = &pulse_after_edge) {
   constexpr double kPulse_m = 0.137e-3;
   return {.noise_power = std::pow(10.0, -contrast_db / 10),
           .spacing_m = 0.156e-3,
-          .correlation = gaussian_correlation(kPulse_m),
-          .rise = gaussian_rise(std::hypot(rise_sigma_m, kPulse_m / std::sqrt(2.0)))};
+          .pair = order(gaussian_correlation(kPulse_m),
+                        gaussian_rise(std::hypot(rise_sigma_m, kPulse_m / std::sqrt(2.0))))};
 }
 
 }  // namespace wobblebench::bench

@@ -39,38 +39,38 @@ TEST(EdgeSignal, CovarianceIsTheSumOverScatterersBehindTheSurface) {
           echo_covariance(
               kFirst_m + i * signal.spacing_m, kFirst_m + j * signal.spacing_m, kFootprint_m) +
           (i == j ? 1e-4 : 0);
-      EXPECT_NEAR(covariance.value.at(i, j), expected, 1e-5) << i << " " << j;
+      EXPECT_NEAR(covariance.value.at(i, j).real(), expected, 1e-5) << i << " " << j;
     }
   }
 }
 
 TEST(EdgeSignal, FieldMultipliesSpeckleByTheRootOfTheMeanPower) {
-  EdgeSignal signal = test_signal(40);
-  signal.order = SpeckleOrder::edge_after_pulse;
+  const EdgeSignal signal = test_signal(40, 0.2e-3, &edge_after_pulse);
   const auto covariance = edge_covariance(signal, kEdge_m, kFirst_m, kSamples);
   const EdgePower power = edge_power(signal, kEdge_m, kFirst_m, kSamples);
   for (int i = 0; i + 1 < kSamples; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double echo2 = (power.value[at] - 1e-4) * (power.value[at + 1] - 1e-4);
-    EXPECT_NEAR(covariance.value.at(i, i + 1),
+    EXPECT_NEAR(covariance.value.at(i, i + 1).real(),
                 std::exp(-std::pow(0.156 / (2 * 0.137), 2)) * std::sqrt(echo2),
                 1e-12);
-    EXPECT_NEAR(covariance.value.at(i, i), power.value[at], 1e-12);
+    EXPECT_NEAR(covariance.value.at(i, i).real(), power.value[at], 1e-12);
   }
 }
 
 TEST(EdgeSignal, DerivativeIsThatOfTheCovarianceByTheSurfacesPlace) {
   constexpr double kStep_m = 1e-8;
-  for (const auto order : {SpeckleOrder::pulse_after_edge, SpeckleOrder::edge_after_pulse}) {
-    EdgeSignal signal = test_signal(40);
-    signal.order = order;
+  for (const auto order : {&pulse_after_edge, &edge_after_pulse}) {
+    EdgeSignal signal = test_signal(40, 0.2e-3, order);
     signal.fluid_power = 0.01;
     const auto at = edge_covariance(signal, kEdge_m, kFirst_m, kSamples);
     const auto low = edge_covariance(signal, kEdge_m - kStep_m, kFirst_m, kSamples);
     const auto high = edge_covariance(signal, kEdge_m + kStep_m, kFirst_m, kSamples);
     for (std::size_t i = 0; i < at.value.values.size(); ++i) {
-      const double difference = (high.value.values[i] - low.value.values[i]) / (2 * kStep_m);
-      EXPECT_NEAR(at.derivative.values[i], difference, 1e-3);  // of 1/m, where it reaches 1800
+      const std::complex<double> difference =
+          (high.value.values[i] - low.value.values[i]) / (2 * kStep_m);
+      EXPECT_LT(std::abs(at.derivative.values[i] - difference),
+                1e-3);  // of 1/m, where it reaches 1800
     }
   }
 }
