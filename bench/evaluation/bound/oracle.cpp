@@ -17,15 +17,27 @@ Eigen::MatrixXcd columns_of(const std::vector<IqSamples>& sticks) {
   return columns;
 }
 
-/// Of each column.
-Eigen::RowVectorXd log_likelihood(const SquareMatrix& covariance, const Eigen::MatrixXcd& columns) {
+using Columns = Eigen::MatrixXcd;
+
+/// Of each column, given the lower triangular root of their covariance.
+template <class Root>
+Eigen::RowVectorXd log_likelihood(const Root& root, const Eigen::RowVectorXd& squares) {
+  return (-squares.array() - 2 * root.matrixLLT().diagonal().real().array().log().sum()).matrix();
+}
+
+Eigen::RowVectorXd log_likelihood(const SquareMatrix& covariance, const Columns& columns) {
   // Row by row: seen by columns it is the transpose, which is the conjugate.
-  const Eigen::LLT<Eigen::MatrixXcd> root(
-      Eigen::Map<const Eigen::MatrixXcd>(covariance.values.data(), covariance.size, covariance.size)
-          .conjugate());
-  const Eigen::MatrixXcd white = root.matrixL().solve(columns);
-  const double log_determinant = 2 * root.matrixLLT().diagonal().real().array().log().sum();
-  return (-white.colwise().squaredNorm().array() - log_determinant).matrix();
+  const Columns matrix =
+      Eigen::Map<const Columns>(covariance.values.data(), covariance.size, covariance.size)
+          .conjugate();
+  if (!matrix.imag().isZero(0)) {
+    const Eigen::LLT<Columns> root(matrix);
+    return log_likelihood(root, root.matrixL().solve(columns).colwise().squaredNorm());
+  }
+  const Eigen::LLT<Eigen::MatrixXd> root(matrix.real());  // four times as fast
+  const Eigen::MatrixXd re = root.matrixL().solve(columns.real());
+  const Eigen::MatrixXd im = root.matrixL().solve(columns.imag());
+  return log_likelihood(root, re.colwise().squaredNorm() + im.colwise().squaredNorm());
 }
 
 /// Of the maximum, in steps of the grid.
