@@ -52,7 +52,7 @@ double vertex(const Eigen::VectorXd& values) {
 
 }  // namespace
 
-std::vector<double> most_likely_edges_m(const EdgeSignal& signal,
+std::vector<double> most_likely_edges_m(const EdgeSignalAt& signal,
                                         double first_m,
                                         const std::vector<IqSamples>& sticks,
                                         const SearchGrid& search) {
@@ -62,7 +62,7 @@ std::vector<double> most_likely_edges_m(const EdgeSignal& signal,
   for (int place = 0; place < search.places; ++place) {
     const double edge_m = search.low_m + place * search.step_m;
     const auto covariance =
-        edge_covariance(signal, edge_m, first_m, static_cast<int>(columns.rows()));
+        edge_covariance(signal(edge_m), edge_m, first_m, static_cast<int>(columns.rows()));
     likelihood.row(place) = log_likelihood(covariance.value, columns);
   }
   std::vector<double> edges;

@@ -109,6 +109,16 @@ class PlaneScan {
   }
 
   const std::vector<Stick>& sticks() const { return sticks_; }
+
+  /// `scatterers`: moved as it is; its beam hardly varies within an error of the oracle.
+  EdgeSignal signal_at(const Stick& stick, double edge_m) const {
+    EdgeSignal signal = stick.signal;
+    if (!beam_) {
+      const hw::PolarPoint place{edge_m, plan_.theta_rad(static_cast<int>(stick.index.line)), 0};
+      signal.pair = field_pair(place, stick.conditions);
+    }
+    return signal;
+  }
   const hw::AcquisitionPlan& plan() const { return plan_; }
 
   /// [stick][seed], the samples of each stick's window.
@@ -150,15 +160,12 @@ class PlaneScan {
                                       plane_.normal,
                                       phantoms::material("soft_tissue").backscatter_db);
     result.signal = edge_signal(result.conditions);
-    result.signal.pair =
-        beam_ ? beam_pair(*beam_,
-                          sim::PulseBand(plan_),
-                          place,
-                          stick_slope(place, geometry, plane_.normal),
-                          result.conditions.sample_spacing_m)
-              : edge_after_pulse(tap_correlation(sim::sigma_of_fwhm(result.conditions.pulse_fwhm_m),
-                                                 result.conditions.sample_spacing_m),
-                                 widening_rise(place, result.conditions));
+    result.signal.pair = beam_ ? beam_pair(*beam_,
+                                           sim::PulseBand(plan_),
+                                           place,
+                                           stick_slope(place, geometry, plane_.normal),
+                                           result.conditions.sample_spacing_m)
+                               : field_pair(place, result.conditions);
     place_window(result);
     const auto covariance =
         edge_covariance(result.signal, result.edge_m, result.first_m, result.samples);
@@ -166,15 +173,17 @@ class PlaneScan {
     return result;
   }
 
-  /// The rung takes the beam's width at each sample.
-  EdgeRise widening_rise(const hw::PolarPoint& place, const DetectionConditions& at_edge) const {
-    return [this, place, at_edge](double behind_m) {
+  /// The rung `field` takes the beam's width at each sample.
+  EdgePair field_pair(const hw::PolarPoint& place, const DetectionConditions& at_edge) const {
+    const EdgeRise rise = [this, place, at_edge](double behind_m) {
       const double range_m = std::clamp(place.range_m + behind_m, 0.0, plan_.acquisition().depth_m);
       DetectionConditions there = at_edge;
       there.lateral_fwhm_m = profile_.lateral_fwhm_m(range_m, place.theta_rad);
       there.elevation_fwhm_m = profile_.elevation_fwhm_m(range_m);
       return gaussian_rise(rise_sigma_m(there))(behind_m);
     };
+    return edge_after_pulse(
+        tap_correlation(sim::sigma_of_fwhm(at_edge.pulse_fwhm_m), at_edge.sample_spacing_m), rise);
   }
 
   void place_window(Stick& stick) const {
@@ -210,7 +219,10 @@ std::vector<std::vector<double>> oracle_errors(PlaneScan& scan) {
   parallel_rows(static_cast<int>(samples.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
     const Stick& stick = scan.sticks()[at];
-    errors[at] = most_likely_edges_m(stick.signal, stick.first_m, samples[at], search_about(stick));
+    errors[at] = most_likely_edges_m([&](double edge_m) { return scan.signal_at(stick, edge_m); },
+                                     stick.first_m,
+                                     samples[at],
+                                     search_about(stick));
     for (double& error : errors[at]) error -= stick.edge_m;
   });
   return errors;

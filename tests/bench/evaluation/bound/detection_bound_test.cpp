@@ -40,6 +40,26 @@ TEST(DetectionBound, HalvesWithTwiceTheContrastFarBelowTheNoise) {
   EXPECT_NEAR(detection_bound_m(weak) / detection_bound_m(twice), 2, 0.01);
 }
 
+// By the second difference of the relative entropy between surfaces 0.2 % of the rise apart, in
+// numpy with its own covariance.
+TEST(DetectionBound, IsThatOfAnotherComputation) {
+  struct Case {
+    double incidence_deg, noise_db, bound_mm;
+  };
+  for (const Case& known : {Case{0, -95, 0.015164},
+                            Case{0, -70, 0.033154},
+                            Case{40, -95, 0.050938},
+                            Case{40, -70, 0.097830},
+                            Case{60, -95, 0.072735},
+                            Case{60, -70, 0.139886}}) {
+    DetectionConditions conditions = lone_stick();
+    conditions.incidence_rad = known.incidence_deg * kDegree;
+    conditions.noise_db = known.noise_db;
+    EXPECT_NEAR(detection_bound_m(conditions) / kMillimetre / known.bound_mm, 1, 5e-3)
+        << known.incidence_deg << " " << known.noise_db;
+  }
+}
+
 // Twice the samples with noise of the same density are the same signal, once the rate holds it.
 TEST(DetectionBound, DependsOnTheDensityOfTheNoiseNotOnTheSampleRate) {
   for (const double noise_db : {-95.0, -60.0}) {

@@ -25,8 +25,8 @@ DrawnResult oracle_on_drawn(const EdgeSignal& signal, double first_m, int sample
   const auto at = edge_covariance(signal, kEdge_m, first_m, samples);
   const double bound_m = 1 / std::sqrt(covariance_information(at.value, at.derivative));
   const SearchGrid search{kEdge_m - 20 * bound_m, 0.5 * bound_m, 81};
-  const auto found =
-      most_likely_edges_m(signal, first_m, drawn_sticks(at.value, kDraws, 11), search);
+  const auto found = most_likely_edges_m(
+      [&](double) { return signal; }, first_m, drawn_sticks(at.value, kDraws, 11), search);
   DrawnResult result;
   for (const double edge_m : found) {
     const double error = (edge_m - kEdge_m) / bound_m;
