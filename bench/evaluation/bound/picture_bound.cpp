@@ -90,8 +90,4 @@ PictureBound picture_bound(const Truth& truth,
   return result;
 }
 
-double chord_error_m(double curvature_per_m, double spacing_m) {
-  return std::abs(curvature_per_m) * spacing_m * spacing_m / (2 * std::sqrt(30.0));
-}
-
 }  // namespace wobblebench::bench

@@ -15,7 +15,7 @@ struct PictureBound {
   /// detector that judges each stick by itself; NaN where n is 0.
   double rms_m = 0;
   /// The same where pixels between sticks are linear between four of them with independent errors:
-  /// 2/3 of it. The error that the surface's curvature between sticks adds is left out.
+  /// 2/3 of it. What the surface's curvature between sticks adds is spacing_error()'s.
   double between_sticks_m = 0;
   int n = 0;           ///< counted pixels with a true surface that has a bound
   int grazing = 0;     ///< counted pixels left out: incidence above kMostIncidence_rad
@@ -46,10 +46,5 @@ PictureBound picture_bound(const Truth& truth,
 /// independent errors of the sticks: the integral of (1 - t)^2 + t^2, 2/3, once for each direction,
 /// to the root.
 inline constexpr double kBetweenSticks = 2.0 / 3;
-
-/// RMS error of linear interpolation across a surface of this curvature along the line between
-/// sticks: curvature spacing^2 / (2 sqrt 30). In no bound, but beside it: a better interpolation
-/// has less.
-double chord_error_m(double curvature_per_m, double spacing_m);
 
 }  // namespace wobblebench::bench

@@ -106,18 +106,6 @@ TEST(PictureBound, TableIsNearTheBound) {
   }
 }
 
-// Linear interpolation of a parabola of unit curvature between 0 and 1: error t (1 - t) / 2.
-TEST(PictureBound, ChordErrorIsThatOfAParabola) {
-  double squares = 0;
-  constexpr int kSteps = 10000;
-  for (int i = 0; i < kSteps; ++i) {
-    const double t = (i + 0.5) / kSteps, error = 0.5 * t * (1 - t);
-    squares += error * error / kSteps;
-  }
-  EXPECT_NEAR(chord_error_m(1, 1), std::sqrt(squares), 1e-6);
-  EXPECT_NEAR(chord_error_m(-20, 3e-3), 20 * 9e-6 * std::sqrt(squares), 1e-9);
-}
-
 // Bilinear weights of four independent unit errors.
 TEST(PictureBound, BetweenSticksErrorsAverage) {
   double sum = 0;
