@@ -104,7 +104,7 @@ struct Footprint {
  private:
   void add(const Part& l, const Part& e) {
     const double bin = (l.later_m + e.later_m - first_m) / kBin_m;
-    Products& sums = bins[static_cast<std::size_t>(bin + 0.5)];
+    Products& sums = bins[static_cast<std::size_t>(std::lround(bin))];
     for (std::size_t i = 0; i < kNodes; ++i) {
       for (std::size_t j = 0; j < kNodes; ++j) {
         sums[i * kNodes + j] +=
