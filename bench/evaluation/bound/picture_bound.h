@@ -1,0 +1,50 @@
+// The bound of each pixel of a picture: what a perfect detector's depth image would err by.
+#pragma once
+
+#include <functional>
+
+#include "base/image.h"
+#include "bench/evaluation/truth.h"
+#include "render/camera.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+struct PictureBound {
+  /// Root mean square of the bounds of the counted pixels (m, along the picture's rays), of a
+  /// detector that judges each stick by itself; NaN where n is 0.
+  double rms_m = 0;
+  /// The same where pixels between sticks are linear between four of them with independent errors:
+  /// 2/3 of it. What the surface's curvature between sticks adds is spacing_error()'s.
+  double between_sticks_m = 0;
+  int n = 0;           ///< counted pixels with a true surface that has a bound
+  int grazing = 0;     ///< counted pixels left out: incidence above kMostIncidence_rad
+  Image<float> map_m;  ///< bound; kNoSurface where there is none
+};
+
+/// Which pixels count: those away from silhouettes, say.
+using CountedPixel = std::function<bool(int column, int row)>;
+
+/// From the truth's normals, the beam at each point and the scan's spacing. `tissue_mean_db`: mean
+/// echo of the material behind the surface (`Material::backscatter_db`) less the losses on the way.
+/// The echo of the interface itself is left out. Bounds are looked up in steps of 5 % of the rise's
+/// width and 1 dB of the echo. Throws std::invalid_argument as detection_bound_m().
+///
+/// @code
+/// const bench::PictureBound bound = bench::picture_bound(
+///     truth, view.camera, plan, simulation, -42, [](int, int) { return true; });
+/// const double ratio = error.depth.rms_m / bound.between_sticks_m;
+/// @endcode
+PictureBound picture_bound(const Truth& truth,
+                           const render::Camera& camera,
+                           const hw::AcquisitionPlan& plan,
+                           const sim::SimulationOptions& simulation,
+                           double tissue_mean_db,
+                           const CountedPixel& counted);
+
+/// RMS over a cell of sticks of what linear interpolation across it, in both directions, makes of
+/// independent errors of the sticks: the integral of (1 - t)^2 + t^2, 2/3, once for each direction,
+/// to the root.
+inline constexpr double kBetweenSticks = 2.0 / 3;
+
+}  // namespace wobblebench::bench
