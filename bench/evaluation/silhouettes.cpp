@@ -53,9 +53,10 @@ Image<std::uint8_t> silhouette_band(const Truth& truth,
   cv::distanceTransform(away, pixels, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
+      // A silhouette runs between two pixels, half a pixel from the middle of each.
       const double across_m =
-          static_cast<double>(pixels(row, column)) * side_m(truth, camera, column, row);
-      band.at(column, row) = across_m <= width_m ? 1 : 0;
+          (0.5 + static_cast<double>(pixels(row, column))) * side_m(truth, camera, column, row);
+      band.at(column, row) = across_m <= width_m * (1 + 1e-9) ? 1 : 0;
     }
   }
   return band;

@@ -37,7 +37,9 @@ class TruthTracer {
     const glm::dvec3 along =
         geometry_.stick(plan_.theta_rad(static_cast<int>(stick.line)), plan_.motor_angle_rad(stick))
             .direction;
-    const double incidence = std::acos(std::clamp(-glm::dot(along, hit->outward), -1.0, 1.0));
+    const double towards = view_.edge == render::EdgeSign::rising ? -1 : 1;
+    const double incidence =
+        std::acos(std::clamp(towards * glm::dot(along, hit->outward), -1.0, 1.0));
     const auto depth_m = static_cast<float>(hit->distance_m);
     const TruthKind kind = !in_field(at)              ? TruthKind::outside_field
                            : incidence > kGrazing_rad ? TruthKind::grazing

@@ -24,7 +24,7 @@ enum class TruthKind : std::uint8_t {
   shadowed,       ///< one behind so much loss that its echo drowns (mark_shadowed())
 };
 
-/// Angle between a stick and the inward normal beyond which a surface is no edge to the stick:
+/// Angle of incidence beyond which a surface is no edge to the stick:
 /// within one beam width it recedes by more than eleven of them.
 inline constexpr double kGrazing_rad = 85 * kDegree;
 
@@ -43,9 +43,10 @@ struct Truth {
   Image<float> depth_m;     ///< kNoSurface where kind is not `surface`
   Image<glm::vec3> normal;  ///< unit, out of the tissue, probe frame
   Image<TruthKind> kind;
-  Image<float> crossing_m = {};            ///< depth; kNoSurface where kind is `none`
-  Image<float> range_m = {};               ///< along the nearest stick
-  Image<float> incidence_rad = {};         ///< between stick and inward normal, 0 to pi
+  Image<float> crossing_m = {};  ///< depth; kNoSurface where kind is `none`
+  Image<float> range_m = {};     ///< along the nearest stick
+  /// Between the stick and the normal on the side that the edge leads to (EdgeSign), 0 to pi.
+  Image<float> incidence_rad = {};
   Image<std::uint8_t> feature = {};        ///< index into `features`; their number: the rest
   std::vector<std::string> features = {};  ///< names of the phantom's parts
 

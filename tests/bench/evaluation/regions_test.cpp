@@ -49,8 +49,8 @@ TEST(SilhouetteBand, IsAboutAJumpOfDepthAndNotAboutASmallerOne) {
   }
   EXPECT_EQ(share(silhouette_band(truth, camera)), 0);
   for (float& depth : truth.depth_m.pixels) depth = depth > 0.1f ? 0.104f : depth;
-  // Six pixels on either side of the two that differ.
-  EXPECT_NEAR(share(silhouette_band(truth, camera)), 14.0 / 200, 1e-9);
+  // 6 mm of 100.
+  EXPECT_NEAR(share(silhouette_band(truth, camera)), 0.06, 1e-9);
 }
 
 TEST(SilhouetteBand, IsAboutWhatIsGrazing) {
@@ -59,7 +59,7 @@ TEST(SilhouetteBand, IsAboutWhatIsGrazing) {
   truth.crossing_m = truth.depth_m;
   truth.kind.at(50, 100) = TruthKind::grazing;
   const auto band = silhouette_band(truth, camera);
-  EXPECT_NEAR(share(band) * 200 * 200, kPi * 36, 5) << "a disc of six pixels' radius";
+  EXPECT_NEAR(share(band) * 200 * 200, kPi * 5.5 * 5.5, 5) << "3 mm from its sides";
   truth.kind.at(50, 100) = TruthKind::outside_field;
   EXPECT_EQ(share(silhouette_band(truth, camera)), 0);
 }
