@@ -47,7 +47,7 @@ std::vector<Feature> face_features(const FetalHead& head,
              place.mm(9),
              ears.balls);
   Feature cheeks{"cheeks", {}};
-  place.pair({place.mm(15), mouth - place.mm(6), place.mm(12)}, place.mm(9), cheeks.balls);
+  place.pair({place.mm(15), mouth - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
   Feature forehead{"forehead", {place.ball(place.at(0, -17, 4), place.mm(11))}};
   place.pair(place.at(13, -16, 9), place.mm(10), forehead.balls);
   return {nose, lips, eyelids, ears, cheeks, forehead};
