@@ -7,15 +7,24 @@
 #include <utility>
 
 #include "bench/cache/kept_maps.h"
+#include "bench/scene/available_memory.h"
+#include "bench/scene/scene_cost.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// More would hold more memory than they save time.
-constexpr std::size_t kMostRenderers = 4;
+constexpr int kMostRenderers = 4;
 constexpr std::size_t kMostTruths = 8;
+
+/// As many living renderers as fit into a quarter of the memory, at least one.
+std::size_t renderers_in_memory(const Scene& scene) {
+  const MemoryNeed need = memory_need(scene);
+  const double each = need.slices + need.pictures;
+  const double fitting = available_memory_bytes() / 4 / each;
+  return static_cast<std::size_t>(std::clamp(fitting, 1.0, 1.0 * kMostRenderers));
+}
 
 /// Runs `body` and adds its wall time.
 template <class Body>
@@ -88,7 +97,8 @@ Evaluator::Evaluator(Scene scene, render::GlContext& context, PhantomCache& cach
       context_(context),
       plan_(scene_.plan()),
       subject_(completed_and_placed(scene_, cache)),
-      maps_(kept_maps(cache.tissue_maps())) {}
+      maps_(kept_maps(cache.tissue_maps())),
+      most_renderers_(renderers_in_memory(scene_)) {}
 
 render::RenderOptions Evaluator::render_options(Scene setting) const {
   complete_from_phantom(setting, subject_.phantom);
@@ -138,7 +148,7 @@ render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
   render::RenderOptions frontal = options;
   frontal.view = {};
   const std::string key = key_of(frontal), view = key_of(options.view);
-  if (renderers_.size() >= kMostRenderers && !renderers_.contains(key)) {
+  if (renderers_.size() >= most_renderers_ && !renderers_.contains(key)) {
     renderers_.erase(
         std::min_element(renderers_.begin(), renderers_.end(), [](const auto& a, const auto& b) {
           return a.second.last_use < b.second.last_use;

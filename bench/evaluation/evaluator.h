@@ -91,6 +91,7 @@ class Evaluator {
   hw::AcquisitionPlan plan_;
   phantoms::PlacedPhantom subject_;
   sim::TissueMapSource maps_;
+  std::size_t most_renderers_;
   std::optional<hw::PolarVolume> sticks_;
   sim::Rung rung_ = sim::Rung::automatic;
   std::uint64_t scans_ = 0;

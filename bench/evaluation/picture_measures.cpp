@@ -12,13 +12,22 @@ namespace {
 constexpr int kLeastImageSize = 11;
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
+/// Grazing surfaces may be found or not, but where they are a picture has no hole.
+Image<float> with_grazing(const Truth& truth) {
+  Image<float> depth_m = truth.depth_m;
+  for (std::size_t i = 0; i < truth.crossing_m.pixels.size(); ++i) {
+    if (truth.kind.pixels[i] == TruthKind::grazing) depth_m.pixels[i] = truth.crossing_m.pixels[i];
+  }
+  return depth_m;
+}
+
 }  // namespace
 
 Image<glm::vec3> shade_truth(const Truth& truth,
                              const render::RenderOptions& options,
                              const Image<glm::vec3>& volume) {
   if (options.ray_casting.image_size < kLeastImageSize) return {};
-  return render::shade_depth(truth.depth_m, options, volume).surface;
+  return render::shade_depth(with_grazing(truth), options, volume).surface;
 }
 
 PictureMeasures measure_picture(const render::Picture& picture,

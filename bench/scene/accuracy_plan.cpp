@@ -1,10 +1,9 @@
 #include "bench/scene/accuracy_plan.h"
 
 #include <algorithm>
-#include <cctype>
 #include <numeric>
-#include <sstream>
 
+#include "bench/scene/option_tables.h"
 #include "bench/scene/toml_file.h"
 #include "bench/scene/toml_reader.h"
 #include "sim/fidelity.h"
@@ -30,94 +29,6 @@ void describe(O& o, Visitor& v) {
   v.text("reference", o.reference);
 }
 
-[[noreturn]] void refuse(const std::string& source,
-                         const std::string& key,
-                         const std::string& allowed) {
-  throw UserError(source + ": " + key + ": " + allowed);
-}
-
-/// Names become parts of files' names.
-void check_name(const std::string& source, const std::string& key, const std::string& name) {
-  const bool plain = !name.empty() && name.size() <= 40 &&
-                     std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                       return std::isalnum(c) != 0 || c == '_' || c == '-';
-                     });
-  if (!plain) {
-    refuse(source, key + "." + name, "a name is 1 to 40 letters, digits, - and _");
-  }
-}
-
-std::string text_of(const toml::node& node) {
-  std::ostringstream text;
-  node.visit([&](const auto& value) { text << value; });
-  std::string line = text.str();
-  // Long arrays are broken into lines.
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  return line;
-}
-
-/// A relative path of a phantom's file, from the plan's folder.
-std::string beside(const std::filesystem::path& plan, const toml::node& node) {
-  const std::filesystem::path given = node.as_string()->get();
-  if (given.empty() || given.is_absolute()) return text_of(node);
-  std::ostringstream text;
-  text << toml::value<std::string>((plan.parent_path() / given).string());
-  return text.str();
-}
-
-/// Each value of a table as "section.key=value".
-void flatten(const toml::table& table,
-             const std::string& prefix,
-             const std::filesystem::path& plan,
-             std::vector<std::string>& settings) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + std::string(key.str());
-    if (const auto* inner = node.as_table()) {
-      flatten(*inner, name + ".", plan, settings);
-      continue;
-    }
-    const bool is_file =
-        node.is_string() && (name == "phantom.file" || name == "phantom.scatterers");
-    settings.push_back(name + "=" + (is_file ? beside(plan, node) : text_of(node)));
-  }
-}
-
-toml::table& table_at(toml::table& root, const std::string& key, const std::string& source) {
-  toml::node* node = root.get(key);
-  if (node == nullptr || !node->is_table() || node->as_table()->empty()) {
-    refuse(source, key, "must be one or more tables [" + key + ".NAME]");
-  }
-  return *node->as_table();
-}
-
-std::vector<NamedOptions> read_tables(toml::table& root,
-                                      const std::string& key,
-                                      const std::filesystem::path& path) {
-  const std::string source = path.string();
-  std::vector<NamedOptions> all;
-  for (auto& [name, node] : table_at(root, key, source)) {
-    NamedOptions options{std::string(name.str()), {}, {}};
-    check_name(source, key, options.name);
-    toml::table* table = node.as_table();
-    if (table == nullptr) refuse(source, key + "." + options.name, "must be a table");
-    if (const toml::node* file = table->get("file"); file != nullptr && key == "scenes") {
-      if (!file->is_string()) refuse(source, key + "." + options.name + ".file", "must be a text");
-      options.file = path.parent_path() / file->as_string()->get();
-      table->erase("file");
-    }
-    for (const auto& [section, inner] : *table) {
-      if (key == "settings" && section.str() != "render") {
-        refuse(source,
-               key + "." + options.name + "." + std::string(section.str()),
-               "a setting holds [render] alone; a scan is changed in [scenes]");
-      }
-    }
-    flatten(*table, "", path, options.settings);
-    all.push_back(std::move(options));
-  }
-  return all;
-}
-
 std::vector<sim::Rung> read_rungs(const std::vector<std::string>& names,
                                   const std::string& source) {
   std::vector<sim::Rung> rungs;
@@ -130,16 +41,16 @@ std::vector<sim::Rung> read_rungs(const std::vector<std::string>& names,
     const auto found = std::find_if(
         all.begin(), all.end(), [&](sim::Rung rung) { return sim::to_string(rung) == name; });
     if (found == all.end()) {
-      refuse(source,
-             "rungs = " + name,
-             "must be of \"auto\" \"geometry\" \"field\" \"scatterers\" \"reference\"");
+      refuse_plan(source,
+                  "rungs = " + name,
+                  "must be of \"auto\" \"geometry\" \"field\" \"scatterers\" \"reference\"");
     }
     if (std::find(rungs.begin(), rungs.end(), *found) != rungs.end()) {
-      refuse(source, "rungs = " + name, "is there twice");
+      refuse_plan(source, "rungs = " + name, "is there twice");
     }
     rungs.push_back(*found);
   }
-  if (rungs.empty()) refuse(source, "rungs = []", "must name one or more");
+  if (rungs.empty()) refuse_plan(source, "rungs = []", "must name one or more");
   return rungs;
 }
 
@@ -151,7 +62,7 @@ void put_first(std::vector<NamedOptions>& settings,
     return setting.name == reference;
   });
   if (found == settings.end()) {
-    refuse(source, "reference = \"" + reference + "\"", "must be one of [settings]");
+    refuse_plan(source, "reference = \"" + reference + "\"", "must be one of [settings]");
   }
   std::rotate(settings.begin(), found, found + 1);
 }
@@ -161,7 +72,7 @@ void refuse_unknown(const toml::table& root, const TomlReader& reader, const std
     if (key.str() == "scenes" || key.str() == "settings") continue;
     std::string known = "scenes, settings";
     for (const std::string& name : reader.known_keys()) known += ", " + name;
-    refuse(source, std::string(key.str()), "unknown; keys of a plan are " + known);
+    refuse_plan(source, std::string(key.str()), "unknown; keys of a plan are " + known);
   }
 }
 
@@ -169,11 +80,11 @@ void refuse_unknown(const toml::table& root, const TomlReader& reader, const std
 void refuse_varied(const Scene& scene, const std::string& source) {
   for (const char* key : {"simulation.fidelity", "simulation.seed"}) {
     if (scene.given.contains(key)) {
-      refuse(source, key, "is set by the study itself; leave it out");
+      refuse_plan(source, key, "is set by the study itself; leave it out");
     }
   }
   if (scene.acquisition.volumes != 1) {
-    refuse(source, "acquisition.volumes", "must be 1; this command renders one volume");
+    refuse_plan(source, "acquisition.volumes", "must be 1; this command renders one volume");
   }
 }
 
@@ -200,15 +111,15 @@ AccuracyPlan load_accuracy_plan(const std::filesystem::path& path) {
   AccuracyPlan plan{source,
                     seed_list(options.first_seed, options.seeds),
                     read_rungs(options.rungs, source),
-                    read_tables(root, "scenes", path),
-                    read_tables(root, "settings", path)};
+                    read_option_tables(root, "scenes", path),
+                    read_option_tables(root, "settings", path)};
   put_first(plan.settings, options.reference, source);
   return plan;
 }
 
 std::vector<NamedOptions> load_settings(const std::filesystem::path& path) {
   toml::table root = parse_toml_file(path, "a list of settings");
-  return read_tables(root, "settings", path);
+  return read_option_tables(root, "settings", path);
 }
 
 AccuracyPlan accuracy_plan_of_scene(const std::filesystem::path& path,
@@ -216,7 +127,7 @@ AccuracyPlan accuracy_plan_of_scene(const std::filesystem::path& path,
   const Scene scene = load_scene(path, settings);
   const std::string name = path.empty() ? "default" : path.stem().string();
   const std::string source = path.empty() ? "--set" : path.string();
-  check_name(source, "scene", name);
+  check_option_name(source, "scene", name);
   return {source,
           seed_list(scene.simulation.seed, PlanOptions{}.seeds),
           {scene.simulation.fidelity},
