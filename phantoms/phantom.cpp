@@ -40,6 +40,12 @@ Phantom Phantom::with(const PointScatterers& more) const {
   return phantom;
 }
 
+Phantom Phantom::with_features(std::vector<Feature> features) const {
+  Phantom phantom(*this);
+  phantom.features_ = std::move(features);
+  return phantom;
+}
+
 glm::dvec3 Placement::to_phantom(const glm::dvec3& probe_m) const {
   return glm::transpose(rotation) * (probe_m - position_m);
 }

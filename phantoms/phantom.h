@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "phantoms/feature.h"
 #include "phantoms/material.h"
 #include "phantoms/motion.h"
 #include "phantoms/options.h"
@@ -61,6 +62,8 @@ class Phantom {
 
   /// The same with more point scatterers.
   [[nodiscard]] Phantom with(const PointScatterers& more) const;
+  /// The same with these named parts. Files of write_phantom() do not hold them.
+  [[nodiscard]] Phantom with_features(std::vector<Feature> features) const;
 
   const std::string& name() const { return name_; }
   const std::vector<Material>& materials() const { return materials_; }
@@ -77,6 +80,8 @@ class Phantom {
   /// Echo beside the tissue, wherever they lie.
   const PointScatterers& scatterers() const { return *scatterers_; }
   std::shared_ptr<const PointScatterers> shared_scatterers() const { return scatterers_; }
+  /// Where they overlap, the first counts. Empty: it has no named parts.
+  const std::vector<Feature>& features() const { return features_; }
 
  private:
   std::string name_;
@@ -88,6 +93,7 @@ class Phantom {
   std::shared_ptr<const Grids> grids_;
   std::optional<Joint> joint_;
   std::shared_ptr<const PointScatterers> scatterers_;
+  std::vector<Feature> features_;
 };
 
 /// Rigid transform from the phantom frame to the probe frame: probe = rotation * phantom +

@@ -125,6 +125,19 @@ void add_scene_options(CLI::App& command, SceneArguments& scene) {
   add_list(command, "--set", scene.settings, "Override one option: section.key=value (repeatable)");
 }
 
+void add_plan_options(CLI::App& command, SceneArguments& plan) {
+  add_path_option(
+      command,
+      "PLAN",
+      "",
+      plan.file,
+      "TOML file with [scenes.NAME] and [settings.NAME], or a scene; none: the default");
+  add_list(command,
+           "--set",
+           plan.settings,
+           "Override one option of all scenes: section.key=value (repeatable)");
+}
+
 void add_cache_options(CLI::App& command, CacheArguments& cache) {
   add_flag(command, "--no-cache", cache.off, "Make phantom and tissue map anew, and keep neither");
   add_integer(command,

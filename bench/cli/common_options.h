@@ -69,6 +69,8 @@ CLI::Option& add_integer(CLI::App& command,
 
 /// SCENE and --set.
 void add_scene_options(CLI::App& command, SceneArguments& scene);
+/// PLAN, a plan or a scene, and --set.
+void add_plan_options(CLI::App& command, SceneArguments& plan);
 /// --no-cache and --cache-mb.
 void add_cache_options(CLI::App& command, CacheArguments& cache);
 /// --out and --json.

@@ -3,9 +3,11 @@
 #include <memory>
 #include <optional>
 
+#include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/evaluation/shadows.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/commands/run_report.h"
 #include "bench/report/output/output_folder.h"
@@ -41,6 +43,17 @@ std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   complete_from_phantom(scene, phantom);
   return scene.place(phantom);
+}
+
+Truth true_surface(const phantoms::PlacedPhantom& subject,
+                   const Scene& scene,
+                   const sim::TissueMapSource& maps,
+                   std::uint32_t volume) {
+  const auto view = render::make_view(scene.render);
+  Truth truth = trace_truth(subject, scene.plan(), view, volume);
+  const StickReach reach(subject, scene.plan(), scene.simulation, maps, volume);
+  mark_shadowed(truth, reach, view.camera);
+  return truth;
 }
 
 render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
@@ -83,8 +96,9 @@ int run(const Arguments& arguments) {
   render::Renderer renderer(*context, plan, scene.render);
   auto compiled = renderer.compile_in_background();
 
+  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
   auto acquisition = progress.step("acquire", [&] {
-    return subject ? board.acquire(scene, *subject, cache.tissue_maps()) : board.acquire(scene);
+    return subject ? board.acquire(scene, *subject, maps) : board.acquire(scene);
   });
   progress.step("shaders", [&] { compiled.get(); });
   auto picture =
@@ -98,10 +112,12 @@ int run(const Arguments& arguments) {
 
   if (subject) {
     const std::uint32_t volume = result.acquisition.volume.volume_index();
-    auto truth = progress.step("truth", [&] { return trace_truth(*subject, plan, view, volume); });
+    TrueView truth = progress.step("truth", [&] {
+      return TrueView(true_surface(*subject, scene, maps, volume), view.camera);
+    });
     auto error = progress.step(
-        "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
-    result.comparison = {std::move(truth), std::move(error), std::nullopt};
+        "compare", [&] { return measure_picture(result.picture, truth, scene.render); });
+    result.comparison = {std::move(truth.truth), std::move(error), std::nullopt};
     if (arguments.register_surface) {
       result.comparison->registration = progress.step("register", [&] {
         return register_surface(

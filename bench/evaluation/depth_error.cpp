@@ -3,37 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/parallel.h"
 #include "bench/evaluation/pixel_area.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
-
-DepthStatistics statistics(std::vector<double> errors) {
-  DepthStatistics result{kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors.size())};
-  if (errors.empty()) return result;
-  double sum = 0, squares = 0;
-  for (double e : errors) {
-    sum += e;
-    squares += e * e;
-  }
-  const double n = static_cast<double>(errors.size());
-  result.bias_m = sum / n;
-  result.rms_m = std::sqrt(squares / n);
-  result.median_m = quantile_nearest(errors, 0.5);
-  for (double& e : errors) e = std::abs(e);
-  result.p95_m = quantile_nearest(errors, 0.95);
-  result.max_m = *std::max_element(errors.begin(), errors.end());
-  return result;
-}
 
 /// Normal of the measured surface, towards the viewer; none at its rim.
 std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
@@ -53,12 +31,86 @@ std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
   return normal / length;
 }
 
-void count_surface(DepthError& result, double area_m2, bool missed) {
-  ++result.surface;
-  result.surface_m2 += area_m2;
-  if (!missed) return;
-  ++result.missed;
-  result.missed_m2 += area_m2;
+/// The normal where a pixel's neighbours are of its own surface, or else one towards the viewer.
+glm::dvec3 area_normal(const Image<float>& depth_m,
+                       const std::optional<glm::dvec3>& normal,
+                       const hw::Ray& ray,
+                       int column,
+                       int row) {
+  if (!normal) return -ray.direction;
+  const auto jump = [&](int c, int r) {
+    return std::abs(depth_m.at(c, r) - depth_m.at(column, row)) >
+           static_cast<float>(kSurfaceJump_m);
+  };
+  const bool alone = jump(column - 1, row) || jump(column + 1, row) || jump(column, row - 1) ||
+                     jump(column, row + 1);
+  return alone ? -ray.direction : *normal;
+}
+
+/// Adds what one pixel shows to a row's counts and areas, and sets it in the maps of `maps`.
+void compare_pixel(const Image<float>& depth_m,
+                   const Truth& truth,
+                   const render::Camera& camera,
+                   int column,
+                   int row,
+                   DepthError& counts,
+                   DepthError& maps) {
+  const TruthKind kind = truth.kind.at(column, row);
+  const float found_m = depth_m.at(column, row);
+  const bool found = std::isfinite(found_m);
+  counts.outside_field += kind == TruthKind::outside_field;
+  counts.grazing += kind == TruthKind::grazing;
+  counts.shadowed += kind == TruthKind::shadowed;
+  if (kind == TruthKind::surface) {
+    const double area_m2 = pixel_area_m2(truth, camera, column, row);
+    ++counts.surface;
+    counts.surface_m2 += area_m2;
+    if (!found) counts.missed_m2 += area_m2;
+    counts.missed += !found;
+  }
+  if (!found) return;
+  const auto normal = measured_normal(depth_m, camera, column, row);
+  const hw::Ray ray = camera.ray(column, row);
+  const double area_m2 = pixel_area_m2(
+      camera, ray, static_cast<double>(found_m), area_normal(depth_m, normal, ray, column, row));
+  counts.found_m2 += area_m2;
+  if (kind == TruthKind::none) {
+    ++counts.false_surface;
+    counts.false_m2 += area_m2;
+    return;
+  }
+  const double error_m =
+      static_cast<double>(found_m) - static_cast<double>(truth.any_depth_m(column, row));
+  const bool seen = kind == TruthKind::surface;
+  (seen ? maps.map_m : maps.unseen_map_m).at(column, row) = static_cast<float>(error_m);
+  if (!seen || !normal) return;
+  const double cosine = glm::dot(*normal, glm::dvec3(truth.normal.at(column, row)));
+  maps.normal_rad.at(column, row) = static_cast<float>(std::acos(std::clamp(cosine, -1.0, 1.0)));
+}
+
+void add(const DepthError& row, DepthError& sum) {
+  for (const auto count : {&DepthError::surface,
+                           &DepthError::missed,
+                           &DepthError::false_surface,
+                           &DepthError::outside_field,
+                           &DepthError::grazing,
+                           &DepthError::shadowed}) {
+    sum.*count += row.*count;
+  }
+  for (const auto area : {&DepthError::surface_m2,
+                          &DepthError::missed_m2,
+                          &DepthError::found_m2,
+                          &DepthError::false_m2}) {
+    sum.*area += row.*area;
+  }
+}
+
+std::vector<double> values_of(const Image<float>& map) {
+  std::vector<double> values;
+  for (const float value : map.pixels) {
+    if (!std::isnan(value)) values.push_back(static_cast<double>(value));
+  }
+  return values;
 }
 
 }  // namespace
@@ -68,34 +120,18 @@ DepthError measure_depth_error(const Image<float>& depth_m,
                                const render::Camera& camera) {
   DepthError result;
   result.pixels = depth_m.width * depth_m.height;
-  result.map_m = {depth_m.width, depth_m.height, kNoSurface};
-  std::vector<double> errors, angles;
-  for (int row = 0; row < depth_m.height; ++row) {
+  result.map_m = result.normal_rad =
+      result.unseen_map_m = {depth_m.width, depth_m.height, kNoSurface};
+  std::vector<DepthError> rows(static_cast<std::size_t>(depth_m.height));
+  parallel_rows(depth_m.height, [&](int row) {
     for (int column = 0; column < depth_m.width; ++column) {
-      const bool measured = std::isfinite(depth_m.at(column, row));
-      const TruthKind kind = truth.kind.at(column, row);
-      if (kind == TruthKind::surface) {
-        count_surface(result, pixel_area_m2(truth, camera, column, row), !measured);
-      }
-      result.false_surface += kind == TruthKind::none && measured;
-      result.outside_field += kind == TruthKind::outside_field;
-      if (kind != TruthKind::surface || !measured) continue;
-      const double error = static_cast<double>(depth_m.at(column, row)) -
-                           static_cast<double>(truth.depth_m.at(column, row));
-      errors.push_back(error);
-      result.map_m.at(column, row) = static_cast<float>(error);
-      if (const auto normal = measured_normal(depth_m, camera, column, row)) {
-        const double cosine = glm::dot(*normal, glm::dvec3(truth.normal.at(column, row)));
-        angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
-      }
+      DepthError& counts = rows[static_cast<std::size_t>(row)];
+      compare_pixel(depth_m, truth, camera, column, row, counts, result);
     }
-  }
-  result.depth = statistics(std::move(errors));
-  result.normal.n = static_cast<int>(angles.size());
-  double sum = 0;
-  for (double angle : angles) sum += angle;
-  result.normal.mean_rad = angles.empty() ? kUnset : sum / static_cast<double>(angles.size());
-  result.normal.p95_rad = quantile_nearest(std::move(angles), 0.95);
+  });
+  for (const DepthError& row : rows) add(row, result);
+  result.depth = depth_statistics(values_of(result.map_m));
+  result.normal = normal_statistics(values_of(result.normal_rad));
   return result;
 }
 

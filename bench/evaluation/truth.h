@@ -3,21 +3,33 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <string>
+#include <vector>
 
 #include "base/image.h"
+#include "base/units.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
 #include "render/view.h"
 
 namespace wobblebench::bench {
 
+/// What a ray crosses first in the box of interest. A surface has the first reason that applies
+/// why the probe cannot see it (docs/decisions/0028-measures.md).
 enum class TruthKind : std::uint8_t {
-  none,           ///< the ray crosses no surface in the box of interest
-  surface,        ///< it crosses one within the probe's field
-  outside_field,  ///< it crosses one that no stick reaches: outside sector, fan or depth
+  none,           ///< nothing
+  surface,        ///< a surface that the probe can see
+  outside_field,  ///< one that no stick reaches: outside sector, fan or depth
+  grazing,        ///< one that its stick meets at more than kGrazing_rad, or from behind
+  shadowed,       ///< one behind so much loss that its echo drowns (mark_shadowed())
 };
 
-/// One value per pixel, in the picture's geometry.
+/// Angle of incidence beyond which a surface is no edge to the stick:
+/// within one beam width it recedes by more than eleven of them.
+inline constexpr double kGrazing_rad = 85 * kDegree;
+
+/// One value per pixel, in the picture's geometry. The fields from `crossing_m` on describe what
+/// the ray crosses, whether the probe can see it or not; empty: not known.
 ///
 /// @code
 /// #include <cstdio>
@@ -31,11 +43,23 @@ struct Truth {
   Image<float> depth_m;     ///< kNoSurface where kind is not `surface`
   Image<glm::vec3> normal;  ///< unit, out of the tissue, probe frame
   Image<TruthKind> kind;
+  Image<float> crossing_m = {};  ///< depth; kNoSurface where kind is `none`
+  Image<float> range_m = {};     ///< along the nearest stick
+  /// Between the stick and the normal on the side that the edge leads to (EdgeSign), 0 to pi.
+  Image<float> incidence_rad = {};
+  Image<std::uint8_t> feature = {};        ///< index into `features`; their number: the rest
+  std::vector<std::string> features = {};  ///< names of the phantom's parts
+
+  /// Depth of what the ray crosses, seen or not; kNoSurface: nothing.
+  float any_depth_m(int column, int row) const {
+    return crossing_m.pixels.empty() ? depth_m.at(column, row) : crossing_m.at(column, row);
+  }
 };
 
 /// First crossing, within the view's box, from fluid into tissue (or, for EdgeSign::falling, from
 /// tissue into fluid) along the ray of each pixel. Moving tissue is at its position at the time of
-/// the stick that images the point (nearest frame and line) in this volume of the plan.
+/// the stick that images the point (nearest frame and line) in this volume of the plan. Nothing is
+/// shadowed yet.
 Truth trace_truth(const phantoms::PlacedPhantom& subject,
                   const hw::AcquisitionPlan& plan,
                   const render::View& view,

@@ -5,30 +5,17 @@
 #include <string>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/depth_error.h"
-#include "bench/evaluation/image_similarity.h"
+#include "bench/evaluation/picture_measures.h"
 #include "bench/evaluation/registration.h"
 #include "bench/evaluation/truth.h"
 #include "bench/pipeline/acquire.h"
-#include "render/options.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {
 
-/// The picture against the truth per pixel.
-struct PictureError {
-  DepthError raw;          ///< of pass 2's z
-  DepthError filtered;     ///< of pass 3's z
-  ImageSimilarity shaded;  ///< of the surface image, with the truth shaded alike
-};
-
-PictureError measure_picture_error(const render::Picture& picture,
-                                   const Truth& truth,
-                                   const render::RenderOptions& options);
-
 struct Comparison {
   Truth truth;
-  PictureError error;
+  PictureMeasures error;
   std::optional<Registration> registration;  ///< none: not asked for
 };
 

@@ -12,22 +12,6 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json depth_json(const DepthStatistics& depth) {
-  const auto mm = [](double metres) { return number(metres / kMillimetre); };
-  return {{"bias", mm(depth.bias_m)},
-          {"rms", mm(depth.rms_m)},
-          {"median", mm(depth.median_m)},
-          {"p95", mm(depth.p95_m)},
-          {"max", mm(depth.max_m)},
-          {"n", depth.n}};
-}
-
-Json normal_json(const NormalStatistics& normal) {
-  return {{"mean", number(normal.mean_rad / kDegree)},
-          {"p95", number(normal.p95_rad / kDegree)},
-          {"n", normal.n}};
-}
-
 }  // namespace
 
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
@@ -53,28 +37,6 @@ Json render_json(const std::vector<render::PassTime>& passes, render::PipelineMo
                     {"gpu_ms", pass.gpu_ms < 0 ? Json(nullptr) : Json(pass.gpu_ms)}});
   }
   return {{"mode", render::to_string(mode)}, {"passes", list}, {"frame_ms", frame_ms(passes)}};
-}
-
-Json error_json(const DepthError& raw,
-                const DepthError& filtered,
-                const ImageSimilarity& shaded,
-                bool surface_sought) {
-  const auto percent = [&](bool formed, double value) {
-    return surface_sought && formed ? number(value) : Json(nullptr);
-  };
-  const bool in_view = raw.surface_in_view();
-  return {{"depth_mm", depth_json(raw.depth)},
-          {"missed_percent", percent(in_view, raw.missed_percent())},
-          {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
-          {"false_percent", percent(in_view || raw.false_surface > 0, raw.false_percent())},
-          {"surface_percent", 100.0 * raw.surface / raw.pixels},
-          {"surface_cm2", raw.surface_m2 * 1e4},
-          {"outside_field_percent", 100.0 * raw.outside_field / raw.pixels},
-          {"pixels", raw.pixels},
-          {"filtered_depth_mm", depth_json(filtered.depth)},
-          {"normal_deg", normal_json(filtered.normal)},
-          {"shaded_against_truth",
-           {{"ssim", number(shaded.ssim)}, {"psnr_db", number(shaded.psnr_db)}}}};
 }
 
 Json registration_json(const Registration& registration) {

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/evaluation/depth_error.h"
-#include "bench/evaluation/image_similarity.h"
 #include "bench/evaluation/registration.h"
 #include "bench/report/provenance.h"
 #include "bench/report/report_parts.h"
@@ -24,12 +22,6 @@ Json report_head(const std::string& command, Provenance provenance, const Scene&
 /// The sum over the passes.
 double frame_ms(const std::vector<render::PassTime>& passes);
 Json render_json(const std::vector<render::PassTime>& passes, render::PipelineMode mode);
-/// Figures that cannot be formed are null: where no surface was sought (mode "volume"), and where
-/// there is none to be found.
-Json error_json(const DepthError& raw,
-                const DepthError& filtered,
-                const ImageSimilarity& shaded,
-                bool surface_sought);
 Json registration_json(const Registration& registration);
 
 }  // namespace wobblebench::bench

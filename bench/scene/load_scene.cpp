@@ -1,17 +1,13 @@
 // A scene file and the --set options, read into a Scene and checked.
 #include <algorithm>
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
-#include <fstream>
 #include <sstream>
-#include <system_error>
 
 #include "base/text.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/scene/toml_depth.h"
+#include "bench/scene/toml_file.h"
 #include "bench/scene/toml_reader.h"
 #include "sim/fidelity.h"
 
@@ -23,47 +19,6 @@ std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
-}
-
-void check_is_file(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
-  if (type == std::filesystem::file_type::regular) return;
-  const bool missing = type == std::filesystem::file_type::not_found;
-  const std::string reason = missing ? "no such file" : error ? error.message() : "not a file";
-  throw UserError(path.string() + ": " + reason + "; a scene is a TOML file");
-}
-
-/// Larger files are no scenes.
-constexpr std::uintmax_t kMostBytes = 16'000'000;
-
-std::string text_of(const std::filesystem::path& path) {
-  check_is_file(path);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError(path.string() + ": " + std::strerror(errno));
-  std::string text(kMostBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() <= kMostBytes) return text;
-  throw UserError(path.string() + ": has more than " + std::to_string(kMostBytes / 1'000'000) +
-                  " MB; a scene is a TOML file");
-}
-
-const std::string kTooDeep =
-    "nests deeper than " + std::to_string(kDeepestToml) + " levels; keys of a scene have three";
-
-toml::table parse_file(const std::filesystem::path& path) {
-  if (path.empty()) return {};
-  const std::string text = text_of(path);
-  if (const auto line = line_nested_too_deep(text)) {
-    throw UserError(path.string() + ": line " + std::to_string(*line) + ": " + kTooDeep);
-  }
-  try {
-    return toml::parse(text, path.string());
-  } catch (const toml::parse_error& error) {
-    throw UserError(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
-  }
 }
 
 /// The value of a --set: TOML as in a file, or else a bare text.
@@ -86,21 +41,22 @@ bool is_deep_value(const std::string& setting, std::size_t equals) {
 }
 
 /// Puts "a.b.c=value" into the table of section a.b.
-void apply_setting(toml::table& scene, const std::string& setting) {
+void apply_setting(toml::table& scene, const std::string& setting, const std::string& given_by) {
   if (!is_printable_text(setting)) {
-    throw UserError("--set " + setting + ": must be UTF-8 without control characters");
+    throw UserError(given_by + " " + setting + ": must be UTF-8 without control characters");
   }
   const auto equals = setting.find('=');
   if (line_nested_too_deep(setting.substr(0, equals)) || is_deep_value(setting, equals)) {
-    throw UserError("--set " + setting + ": " + kTooDeep);
+    throw UserError(given_by + " " + setting + ": " + too_deep_toml());
   }
   const auto last_dot = setting.rfind('.', equals);
   if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
-    throw UserError("--set " + setting + ": must be SECTION.KEY=VALUE");
+    throw UserError(given_by + " " + setting + ": must be SECTION.KEY=VALUE");
   }
   const std::string path = "." + setting.substr(0, equals) + ".";
   if (path.find("..") != std::string::npos) {
-    throw UserError("--set " + setting + ": a part of its key is empty; must be SECTION.KEY=VALUE");
+    throw UserError(given_by + " " + setting +
+                    ": a part of its key is empty; must be SECTION.KEY=VALUE");
   }
   toml::table* table = &scene;
   std::istringstream sections(setting.substr(0, last_dot));
@@ -108,7 +64,7 @@ void apply_setting(toml::table& scene, const std::string& setting) {
     auto* node = table->get(name);
     if (!node) node = &table->insert(name, toml::table{}).first->second;
     table = node->as_table();
-    if (!table) throw UserError("--set " + setting + ": " + name + " is not a section");
+    if (!table) throw UserError(given_by + " " + setting + ": " + name + " is not a section");
   }
   const std::string key = setting.substr(last_dot + 1, equals - last_dot - 1);
   toml::table value = parse_value(setting.substr(equals + 1));
@@ -203,11 +159,13 @@ void validate(const Scene& scene, const std::string& source) {
 
 }  // namespace
 
-Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {
-  toml::table table = parse_file(path);
-  for (const auto& setting : settings) apply_setting(table, setting);
+Scene load_scene(const std::filesystem::path& path,
+                 const std::vector<std::string>& settings,
+                 const std::string& settings_of) {
+  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+  for (const auto& setting : settings) apply_setting(table, setting, settings_of);
   std::string source = path.empty() ? "defaults" : path.string();
-  if (!settings.empty()) source = path.empty() ? "--set" : source + " with --set";
+  if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
   Scene scene;
   read_sections(scene, table, source);
   validate(scene, source);

@@ -69,8 +69,11 @@ void for_each_section(S& scene, const Body& body) {
 }
 
 /// Reads `path` (empty: defaults alone), then applies each "section.key=value" of `settings`, then
-/// validates every option. Throws UserError.
-Scene load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings);
+/// validates every option. `settings_of`: where the settings are from, for refusals. Throws
+/// UserError.
+Scene load_scene(const std::filesystem::path& path,
+                 const std::vector<std::string>& settings,
+                 const std::string& settings_of = "--set");
 
 /// Sets placement and volume of interest from the phantom, where they were not given.
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
+#include "phantoms/fetal/face_features.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
 #include "phantoms/fetal/maternal_layer.h"
@@ -128,6 +129,7 @@ class FetalScene {
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
+  std::vector<Feature> features() const { return face_features(head_, biometry_, scale_); }
   /// Inner radius: the smallest ball that contains the skull (measured on the grids, 20 to 30
   /// weeks). Outer radius: short of the cavity's wall; the hand moves little.
   Joint joint() const {
@@ -211,7 +213,8 @@ Phantom make_fetal_face(const PhantomOptions& options) {
                  scene.region_of_interest(),
                  scene.suggested_position_m(),
                  grids,
-                 scene.joint());
+                 scene.joint())
+      .with_features(scene.features());
 }
 
 }  // namespace wobblebench::phantoms

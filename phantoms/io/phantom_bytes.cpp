@@ -41,6 +41,18 @@ void write(ByteWriter& to, const PointScatterers& points) {
   }
 }
 
+void write(ByteWriter& to, const std::vector<Feature>& features) {
+  to.value(static_cast<std::uint32_t>(features.size()));
+  for (const Feature& feature : features) {
+    to.text(feature.name);
+    to.value(static_cast<std::uint32_t>(feature.balls.size()));
+    for (const FeatureBall& ball : feature.balls) {
+      write(to, ball.center_m);
+      to.value(ball.radius_m);
+    }
+  }
+}
+
 double number(ByteReader& from) {
   const double value = from.value<double>();
   expect_bytes(std::isfinite(value), "a number is not finite");
@@ -103,6 +115,19 @@ PointScatterers read_scatterers(ByteReader& from) {
   return points;
 }
 
+std::vector<Feature> read_features(ByteReader& from) {
+  std::vector<Feature> features(below(from, kMostEntries));
+  for (Feature& feature : features) {
+    feature.name = text(from);
+    feature.balls.resize(below(from, kMostEntries));
+    for (FeatureBall& ball : feature.balls) {
+      ball.center_m = vector(from);
+      ball.radius_m = number(from);
+    }
+  }
+  return features;
+}
+
 }  // namespace
 
 std::optional<std::string> to_bytes(const Phantom& phantom) {
@@ -129,6 +154,7 @@ std::optional<std::string> to_bytes(const Phantom& phantom) {
     if (!write_grid(*phantom.grids().signed_distance[i], to)) return std::nullopt;
   }
   write(to, phantom.scatterers());
+  write(to, phantom.features());
   return to.take();
 }
 
@@ -152,6 +178,7 @@ Phantom phantom_from_bytes(std::string_view bytes) {
     grids->signed_distance.push_back(read_grid(from));
   }
   PointScatterers points = read_scatterers(from);
+  std::vector<Feature> features = read_features(from);
   from.expect_end();
   return Phantom(std::move(name),
                  std::move(materials),
@@ -161,7 +188,8 @@ Phantom phantom_from_bytes(std::string_view bytes) {
                  position_m,
                  std::move(grids),
                  joint,
-                 std::move(points));
+                 std::move(points))
+      .with_features(std::move(features));
 }
 
 }  // namespace wobblebench::phantoms

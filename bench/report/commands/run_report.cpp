@@ -7,6 +7,7 @@
 
 #include "bench/report/commands/board_report.h"
 #include "bench/report/commands/simulation_report.h"
+#include "bench/report/error_report.h"
 #include "bench/report/output/image_io.h"
 #include "bench/report/report.h"
 
@@ -115,16 +116,24 @@ std::string truth_line(const RunResult& result) {
 
 /// Why the truth shows no surface in the picture.
 std::string nothing_in_view(const DepthError& raw, bool surface_sought) {
-  std::string line = "depth error none: no surface in view: ";
-  if (raw.outside_field > 0) {
-    line += "the phantom's lie outside sector, fan or depth of the scan";
-  } else {
-    line += "the phantom has none in render.volume_of_interest";
-  }
+  std::string line = "depth error none: no surface in view: " + why_no_surface(raw);
   if (surface_sought && raw.false_surface > 0) {
     line += "; false " + rounded(raw.false_percent()) + " % of the picture";
   }
   return line + "\n";
+}
+
+/// Empty where the probe can see every surface in view.
+std::string unseen_line(const DepthError& raw) {
+  std::string line;
+  for (const auto& [name, count] : {std::pair{"outside the field", raw.outside_field},
+                                    std::pair{"grazing", raw.grazing},
+                                    std::pair{"shadowed", raw.shadowed}}) {
+    if (count == 0) continue;
+    line +=
+        (line.empty() ? "unseen      " : ", ") + rounded(100.0 * count / raw.pixels) + " % " + name;
+  }
+  return line.empty() ? line : line + " (of the picture; counted apart)\n";
 }
 
 /// Why there is nothing to compare with; empty: there is.
@@ -144,7 +153,7 @@ std::string error_line(const RunResult& result, bool surface_sought) {
          " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
          " pixels\nsurface     missed " + percent(raw.missed_surface_percent()) +
          " % of its area (" + percent(raw.missed_percent()) + " % of the picture), false " +
-         percent(raw.false_percent()) + " % of the picture\n";
+         percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
 }
 
 }  // namespace
@@ -162,8 +171,7 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
-    const auto& [raw, filtered, shaded] = comparison->error;
-    report["error"] = error_json(raw, filtered, shaded, computes_surface(scene));
+    report["error"] = error_json(comparison->error, computes_surface(scene));
     if (comparison->registration) {
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
     }

@@ -76,7 +76,8 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
                                     "tables",
                                     "modes",
                                     "validate",
-                                    "trade"}) {
+                                    "trade",
+                                    "accuracy"}) {
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
     for (const char* const help : {"-h", "--help"}) {
       const auto result = bench({command, help}, folder);
@@ -166,7 +167,8 @@ TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {
                       "phantom.file=bad.stl",
                       "--set",
                       "phantom.unit_mm=1"};
-  for (const char* const command : {"phantom", "record", "run", "tables", "conformance", "trade"}) {
+  for (const char* const command :
+       {"phantom", "record", "run", "tables", "conformance", "trade", "accuracy"}) {
     const auto result = bench(with({command}, {mesh}), folder);
     EXPECT_EQ(result.exit_code, 2) << command;
     EXPECT_EQ(lines_in(result.err), 1) << result.err;

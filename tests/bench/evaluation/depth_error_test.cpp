@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "render/camera.h"
+#include "tests/bench/evaluation/made_up_truth.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -19,15 +20,12 @@ render::Camera small_camera() {
   return render::make_camera(options);
 }
 
-/// A flat true surface at 0.1 m that faces the viewer and fills the picture.
-Truth flat_truth() {
-  return {{kSize, kSize, 0.1f},
-          {kSize, kSize, glm::vec3(0, 0, -1)},
-          {kSize, kSize, TruthKind::surface}};
+Truth small_flat_truth() {
+  return flat_truth(kSize);
 }
 
 TEST(DepthError, OfThePerfectPictureIsZero) {
-  const Truth truth = flat_truth();
+  const Truth truth = small_flat_truth();
   const DepthError error = measure_depth_error(truth.depth_m, truth, small_camera());
   EXPECT_EQ(error.depth.n, kSize * kSize);
   EXPECT_EQ(error.depth.rms_m, 0);
@@ -38,7 +36,7 @@ TEST(DepthError, OfThePerfectPictureIsZero) {
 }
 
 TEST(DepthError, StatisticsOfAKnownDistribution) {
-  const Truth truth = flat_truth();
+  const Truth truth = small_flat_truth();
   Image<float> depth(kSize, kSize);
   // Errors 0, 1, … 399 um.
   for (int i = 0; i < kSize * kSize; ++i)
@@ -52,13 +50,13 @@ TEST(DepthError, StatisticsOfAKnownDistribution) {
 }
 
 TEST(DepthError, SignIsFoundMinusTrue) {
-  const Truth truth = flat_truth();
+  const Truth truth = small_flat_truth();
   const Image<float> deeper(kSize, kSize, 0.102f);
   EXPECT_NEAR(measure_depth_error(deeper, truth, small_camera()).depth.bias_m, 2e-3, 1e-8);
 }
 
 TEST(DepthError, MissedFalseAndOutsideTheFieldAreSeparate) {
-  Truth truth = flat_truth();
+  Truth truth = small_flat_truth();
   truth.kind.at(0, 0) = TruthKind::none;
   truth.kind.at(1, 0) = TruthKind::none;
   truth.kind.at(2, 0) = TruthKind::outside_field;
@@ -76,7 +74,7 @@ TEST(DepthError, MissedFalseAndOutsideTheFieldAreSeparate) {
 }
 
 TEST(DepthError, NormalErrorIsTheTilt) {
-  Truth truth = flat_truth();
+  Truth truth = small_flat_truth();
   const render::Camera camera = small_camera();
   const double pixel_m = camera.pixel_m();
   Image<float> tilted(kSize, kSize);
@@ -97,40 +95,11 @@ TEST(DepthError, NormalErrorIsTheTilt) {
 
 TEST(DepthError, OfNothingFoundIsUnset) {
   const DepthError error =
-      measure_depth_error({kSize, kSize, kNoSurface}, flat_truth(), small_camera());
+      measure_depth_error({kSize, kSize, kNoSurface}, small_flat_truth(), small_camera());
   EXPECT_EQ(error.depth.n, 0);
   EXPECT_TRUE(std::isnan(error.depth.bias_m));
   EXPECT_TRUE(std::isnan(error.normal.mean_rad));
   EXPECT_EQ(error.missed, kSize * kSize);
-}
-
-/// A camera of `size` pixels over 0.1 m.
-render::Camera camera_of(int size, render::Projection projection) {
-  render::RenderOptions options;
-  options.ray_casting.image_size = size;
-  options.view.projection = projection;
-  return render::make_camera(options);
-}
-
-/// The near side of a ball whose centre lies on the axis of the camera.
-Truth ball_truth(const render::Camera& camera, double center_m, double radius_m) {
-  const int size = camera.image_size;
-  Truth truth{{size, size, kNoSurface}, {size, size}, {size, size, TruthKind::none}};
-  const hw::Ray axis = camera.ray(0.5 * size - 0.5, 0.5 * size - 0.5);
-  const glm::dvec3 center = axis.at(center_m);
-  for (int row = 0; row < size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const hw::Ray ray = camera.ray(column, row);
-      const double along = glm::dot(center - ray.origin, ray.direction);
-      const double off = glm::length(ray.at(along) - center);
-      if (off >= radius_m) continue;
-      const double depth_m = along - std::sqrt(radius_m * radius_m - off * off);
-      truth.depth_m.at(column, row) = static_cast<float>(depth_m);
-      truth.normal.at(column, row) = (ray.at(depth_m) - center) / radius_m;
-      truth.kind.at(column, row) = TruthKind::surface;
-    }
-  }
-  return truth;
 }
 
 TEST(SurfaceArea, OfABallIsHalfItsAreaInParallelProjection) {
@@ -189,11 +158,61 @@ TEST(SurfaceArea, OfAPlaneFollowsDistanceAndTilt) {
 }
 
 TEST(SurfaceArea, WithoutASurfaceNothingIsInView) {
-  Truth truth = flat_truth();
+  Truth truth = small_flat_truth();
   truth.kind = {kSize, kSize, TruthKind::none};
   const DepthError error = measure_depth_error({kSize, kSize, kNoSurface}, truth, small_camera());
   EXPECT_FALSE(error.surface_in_view());
   EXPECT_TRUE(std::isnan(error.missed_surface_percent()));
+}
+
+/// Of what is found, half is where nothing is.
+TEST(SurfaceArea, FalseIsAShareOfWhatIsFound) {
+  Truth truth = small_flat_truth();
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize / 2; ++column) truth.kind.at(column, row) = TruthKind::none;
+  }
+  const render::Camera camera = small_camera();
+  const DepthError error = measure_depth_error({kSize, kSize, 0.1f}, truth, camera);
+  EXPECT_NEAR(error.found_m2 / (camera.width_m * camera.width_m), 1, 1e-6);
+  EXPECT_NEAR(error.false_surface_percent(), 50, 1e-6);
+  EXPECT_EQ(error.false_percent(), 50);
+}
+
+/// A false surface that is tilted by 60 degrees has twice the area of the true, facing one beside
+/// it; both fill half of the picture.
+TEST(SurfaceArea, OfWhatIsFoundFollowsItsSlope) {
+  const render::Camera camera = camera_of(200, render::Projection::parallel);
+  Truth truth = flat_truth(200);
+  Image<float> found = truth.depth_m;
+  const double rise_m = camera.pixel_m() * std::tan(60 * kDegree);
+  for (int row = 0; row < 200; ++row) {
+    for (int column = 0; column < 100; ++column) {
+      truth.kind.at(column, row) = TruthKind::none;
+      found.at(column, row) = static_cast<float>(0.2 + column * rise_m);
+    }
+  }
+  const DepthError error = measure_depth_error(found, truth, camera);
+  EXPECT_NEAR(error.false_surface_percent(), 100 * 2.0 / 3, 1) << "the border faces the viewer";
+}
+
+TEST(DepthError, WhatCannotBeSeenIsCountedApartByItsReason) {
+  Truth truth = small_flat_truth();
+  truth.crossing_m = truth.depth_m;
+  truth.kind.at(3, 4) = TruthKind::shadowed;
+  truth.kind.at(4, 4) = TruthKind::shadowed;
+  truth.kind.at(5, 4) = TruthKind::grazing;
+  for (const int column : {3, 4, 5}) truth.depth_m.at(column, 4) = kNoSurface;
+  Image<float> found = truth.crossing_m;
+  found.at(3, 4) = kNoSurface;
+  found.at(4, 4) = 0.103f;
+  const DepthError error = measure_depth_error(found, truth, small_camera());
+  EXPECT_EQ(error.shadowed, 2);
+  EXPECT_EQ(error.grazing, 1);
+  EXPECT_EQ(error.surface, kSize * kSize - 3);
+  EXPECT_EQ(error.missed, 0);
+  EXPECT_EQ(error.false_surface, 0);
+  EXPECT_EQ(error.depth.max_m, 0);
+  EXPECT_NEAR(error.unseen_map_m.at(4, 4), 3e-3, 1e-8);
 }
 
 }  // namespace

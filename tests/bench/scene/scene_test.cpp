@@ -1,4 +1,5 @@
 #include "bench/scene/scene.h"
+#include "bench/scene/accuracy_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -60,8 +61,18 @@ TEST_F(SceneFile, ScenesOfTheDocsAreValid) {
   for (const auto& entry :
        fs::directory_iterator(fs::path(WOBBLEBENCH_SOURCE_DIR) / "docs/scenes")) {
     if (entry.path().extension() != ".toml") continue;  // a list of scatterers
-    EXPECT_NO_THROW(load_scene(entry.path(), {})) << entry.path();
     ++scenes;
+    if (!is_accuracy_plan(entry.path())) {
+      EXPECT_NO_THROW(load_scene(entry.path(), {})) << entry.path();
+      continue;
+    }
+    const AccuracyPlan plan = load_accuracy_plan(entry.path());
+    for (const NamedOptions& scene : plan.scenes) {
+      for (const NamedOptions& setting : plan.settings) {
+        EXPECT_NO_THROW(planned_scene(plan, scene, setting, plan.rungs.front(), {}))
+            << entry.path() << " " << scene.name << " " << setting.name;
+      }
+    }
   }
   EXPECT_GT(scenes, 0);
 }

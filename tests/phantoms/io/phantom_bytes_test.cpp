@@ -46,6 +46,15 @@ TEST_P(PhantomBytes, HoldEveryVoxelAndAllElse) {
     EXPECT_EQ(read.joint()->inner_m, made.joint()->inner_m);
     EXPECT_EQ(read.joint()->outer_m, made.joint()->outer_m);
   }
+  ASSERT_EQ(read.features().size(), made.features().size());
+  EXPECT_EQ(made.features().size(), GetParam() == "fetal_face" ? 6U : 0U);
+  for (std::size_t i = 0; i < made.features().size(); ++i) {
+    const Feature &a = made.features()[i], &b = read.features()[i];
+    EXPECT_EQ(a.name, b.name);
+    ASSERT_EQ(a.balls.size(), b.balls.size());
+    EXPECT_EQ(a.balls.back().center_m, b.balls.back().center_m);
+    EXPECT_EQ(a.balls.back().radius_m, b.balls.back().radius_m);
+  }
   ASSERT_EQ(read.materials().size(), made.materials().size());
   for (std::size_t i = 0; i < made.materials().size(); ++i) {
     const Material &a = made.materials()[i], &b = read.materials()[i];

@@ -1,0 +1,191 @@
+#include "bench/evaluation/evaluator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+#include "bench/cache/kept_maps.h"
+#include "bench/scene/available_memory.h"
+#include "bench/scene/scene_cost.h"
+#include "sim/fidelity.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kMostRenderers = 4;
+constexpr std::size_t kMostTruths = 8;
+
+/// As many living renderers as fit into a quarter of the memory, at least one.
+std::size_t renderers_in_memory(const Scene& scene) {
+  const MemoryNeed need = memory_need(scene);
+  const double each = need.slices + need.pictures;
+  const double fitting = available_memory_bytes() / 4 / each;
+  return static_cast<std::size_t>(std::clamp(fitting, 1.0, 1.0 * kMostRenderers));
+}
+
+/// Runs `body` and adds its wall time.
+template <class Body>
+decltype(auto) timed(double& ms, const Body& body) {
+  struct Watch {
+    double& ms;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    ~Watch() {
+      ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+                .count();
+    }
+  };
+  const Watch watch{ms};
+  return body();
+}
+
+/// Every render option, as a text that two settings share only if they are equal.
+std::string key_of(const render::RenderOptions& options) {
+  Scene scene;
+  scene.render = options;
+  return resolved(scene).dump();
+}
+
+std::string key_of(const render::ViewOptions& view) {
+  render::RenderOptions options;
+  options.view = view;
+  return key_of(options);
+}
+
+/// What the true surface of a pixel depends on.
+render::RenderOptions view_of(const render::RenderOptions& options) {
+  render::RenderOptions view;
+  view.view = options.view;
+  view.volume_of_interest = options.volume_of_interest;
+  view.ray_casting.image_size = options.ray_casting.image_size;
+  view.ray_casting.edge = options.ray_casting.edge;
+  return view;
+}
+
+hw::PolarVolume volume_of(const sim::ProbeSimulator& simulator) {
+  const hw::AcquisitionPlan& plan = simulator.plan();
+  const sim::VolumeSamples samples = simulator.volume(0);
+  const auto length = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
+  hw::PolarVolume volume(plan);
+  hw::Stick stick;
+  stick.scale = simulator.options().output;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(plan.sticks_per_volume()); ++i) {
+    stick.index = plan.index(i);
+    stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+    const auto part = std::span(samples).subspan(i * length, length);
+    stick.samples.assign(part.begin(), part.end());
+    volume.place(stick);
+  }
+  if (simulator.options().output == hw::SampleScale::linear_envelope) {
+    volume.log_compress(simulator.options().dynamic_range_db);
+  }
+  return volume;
+}
+
+phantoms::PlacedPhantom completed_and_placed(Scene& scene, PhantomCache& cache) {
+  const auto phantom = cache.phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  return scene.place(phantom);
+}
+
+}  // namespace
+
+Evaluator::Evaluator(Scene scene, render::GlContext& context, PhantomCache& cache)
+    : scene_(std::move(scene)),
+      context_(context),
+      plan_(scene_.plan()),
+      subject_(completed_and_placed(scene_, cache)),
+      maps_(kept_maps(cache.tissue_maps())),
+      most_renderers_(renderers_in_memory(scene_)) {}
+
+render::RenderOptions Evaluator::render_options(Scene setting) const {
+  complete_from_phantom(setting, subject_.phantom);
+  return setting.render;
+}
+
+void Evaluator::scan(sim::Rung rung, std::uint64_t seed) {
+  scene_.simulation.fidelity = rung;
+  scene_.simulation.seed = seed;
+  const sim::ProbeSimulator simulator(subject_, plan_, scene_.simulation, maps_);
+  sticks_ = volume_of(simulator);
+  rung_ = simulator.fidelity().rung;
+  ++scans_;
+}
+
+const StickReach& Evaluator::reach() {
+  const auto found = reach_.find(rung_);
+  if (found != reach_.end()) return found->second;
+  return reach_.emplace(rung_, StickReach(subject_, plan_, scene_.simulation, maps_)).first->second;
+}
+
+const TrueView& Evaluator::truth(const render::RenderOptions& options) {
+  const std::string key = sim::to_string(rung_) + key_of(view_of(options));
+  const auto found = truths_.find(key);
+  if (found != truths_.end()) return found->second;
+  if (truths_.size() >= kMostTruths) truths_.clear();
+  const render::View view = render::make_view(options);
+  Truth truth = trace_truth(subject_, plan_, view);
+  mark_shadowed(truth, reach(), view.camera);
+  return truths_.emplace(key, TrueView(std::move(truth), view.camera)).first->second;
+}
+
+/// nullptr where it depends on the picture, too.
+const Image<glm::vec3>* Evaluator::shaded_truth(const render::RenderOptions& options) {
+  if (options.shading.base == render::ShadingBase::rendered) return nullptr;
+  render::RenderOptions shown = view_of(options);
+  shown.shading = options.shading;
+  shown.smoothing = options.smoothing;
+  const std::string key = sim::to_string(rung_) + key_of(shown);
+  const auto found = shaded_.find(key);
+  if (found != shaded_.end()) return &found->second;
+  if (shaded_.size() >= kMostTruths) shaded_.clear();
+  return &shaded_.emplace(key, shade_truth(truth(options).truth, options, {})).first->second;
+}
+
+render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
+  render::RenderOptions frontal = options;
+  frontal.view = {};
+  const std::string key = key_of(frontal), view = key_of(options.view);
+  if (renderers_.size() >= most_renderers_ && !renderers_.contains(key)) {
+    renderers_.erase(
+        std::min_element(renderers_.begin(), renderers_.end(), [](const auto& a, const auto& b) {
+          return a.second.last_use < b.second.last_use;
+        }));
+  }
+  LivingRenderer& living = renderers_[key];
+  if (!living.renderer) {
+    living.renderer = std::make_unique<render::Renderer>(context_, plan_, options);
+  } else if (living.view != view) {
+    living.renderer->set_view(options.view);
+  }
+  living.view = view;
+  living.last_use = ++evaluations_;
+  if (std::exchange(living.scan, scans_) != scans_) living.renderer->add_volume(sticks());
+  return *living.renderer;
+}
+
+Evaluation Evaluator::evaluate(const render::RenderOptions& options,
+                               const EvaluationChoice& choice) {
+  Evaluation result;
+  EvaluationTimes& times = result.times;
+  render::Renderer& renderer =
+      timed(times.renderer_ms, [&]() -> render::Renderer& { return renderer_of(options); });
+  result.picture = timed(times.render_ms, [&] { return renderer.render(); });
+  const TrueView& view = timed(times.truth_ms, [&]() -> const TrueView& { return truth(options); });
+  const auto* shaded = choice.measures.shaded
+                           ? timed(times.truth_ms, [&] { return shaded_truth(options); })
+                           : nullptr;
+  result.measures = timed(times.measure_ms, [&] {
+    return measure_picture(result.picture, view, options, choice.measures, shaded);
+  });
+  if (choice.registration) {
+    result.registration = timed(times.registration_ms, [&] {
+      return register_surface(result.picture.depth_m, subject_, plan_, render::make_view(options));
+    });
+  }
+  return result;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,105 @@
+// One way to score a render setting: phantom, tissue maps, sticks and truth are made once, settings
+// change on living renderers.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "bench/cache/phantom_cache.h"
+#include "bench/evaluation/picture_measures.h"
+#include "bench/evaluation/registration.h"
+#include "bench/evaluation/shadows.h"
+#include "bench/scene/scene.h"
+#include "hw/probe/polar_volume.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+
+/// Wall times of the parts of one evaluation; 0: the part was there already, or not asked for.
+struct EvaluationTimes {
+  double renderer_ms = 0;  ///< making the renderer, and giving it the sticks
+  double render_ms = 0;    ///< the picture, with pass 1 where the sticks are new
+  double truth_ms = 0;     ///< with its shading
+  double measure_ms = 0;
+  double registration_ms = 0;
+};
+
+struct Evaluation {
+  PictureMeasures measures;
+  std::optional<Registration> registration;  ///< none: not asked for
+  render::Picture picture;
+  EvaluationTimes times;
+};
+
+struct EvaluationChoice {
+  MeasureChoice measures;
+  bool registration = false;
+};
+
+/// All calls come from the thread that owns the context. Only volume 0 is looked at.
+///
+/// @code
+/// #include <cstdio>
+/// const auto context = render::make_context();
+/// bench::PhantomCache cache;
+/// bench::Evaluator evaluator(bench::load_scene({}, {"phantom.name=sphere"}), *context, cache);
+/// evaluator.scan(sim::Rung::field, 7);
+/// render::RenderOptions options = evaluator.scene().render;
+/// options.ray_casting.threshold = 0.2;
+/// const bench::Evaluation scored = evaluator.evaluate(options);
+/// std::printf("P95 %g m\n", scored.measures.raw.depth.p95_m);
+/// @endcode
+class Evaluator {
+ public:
+  /// Makes the phantom, by `cache`, which must outlive this, as must the context. Throws UserError.
+  Evaluator(Scene scene, render::GlContext& context, PhantomCache& cache);
+
+  /// The scene with what follows from its phantom.
+  const Scene& scene() const { return scene_; }
+  const phantoms::PlacedPhantom& subject() const { return subject_; }
+  /// Render settings of another scene, whose phantom and scan are this one's.
+  render::RenderOptions render_options(Scene setting) const;
+
+  /// The sticks that following evaluations render. Throws InvalidOption.
+  void scan(sim::Rung rung, std::uint64_t seed);
+  const hw::PolarVolume& sticks() const { return sticks_.value(); }
+  /// The rung that was chosen; only with sticks.
+  sim::Rung rung() const { return rung_; }
+
+  /// Needs sticks. Throws InvalidOption, and as render::Renderer does.
+  Evaluation evaluate(const render::RenderOptions& options, const EvaluationChoice& choice = {});
+  /// The truth of a view, with what the sticks' rung cannot hear.
+  const TrueView& truth(const render::RenderOptions& options);
+
+ private:
+  struct LivingRenderer {
+    std::unique_ptr<render::Renderer> renderer;
+    std::string view;
+    std::uint64_t scan = 0;      ///< whose sticks it has; 0: none
+    std::uint64_t last_use = 0;  ///< number of the evaluation
+  };
+
+  render::Renderer& renderer_of(const render::RenderOptions& options);
+  const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
+  const StickReach& reach();
+
+  Scene scene_;
+  render::GlContext& context_;
+  hw::AcquisitionPlan plan_;
+  phantoms::PlacedPhantom subject_;
+  sim::TissueMapSource maps_;
+  std::size_t most_renderers_;
+  std::optional<hw::PolarVolume> sticks_;
+  sim::Rung rung_ = sim::Rung::automatic;
+  std::uint64_t scans_ = 0;
+  std::uint64_t evaluations_ = 0;
+  std::map<sim::Rung, StickReach> reach_;
+  std::map<std::string, TrueView> truths_;           ///< by what they depend on
+  std::map<std::string, Image<glm::vec3>> shaded_;   ///< likewise
+  std::map<std::string, LivingRenderer> renderers_;  ///< by all settings but the view
+};
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,79 @@
+// Every measure for scenes, rungs, seeds and render settings: the measurements of the command
+// `accuracy`.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/part_done.h"
+#include "bench/evaluation/evaluator.h"
+#include "bench/evaluation/measure_table.h"
+#include "bench/evaluation/seed_statistics.h"
+
+namespace wobblebench::bench {
+
+/// One scene of the study. Its first setting is the one that others are compared with.
+struct AccuracyScene {
+  std::string name;
+  struct Setting {
+    std::string name;
+    Scene scene;  ///< the same as of the first but for [render]
+  };
+  std::vector<Setting> settings;
+  std::vector<sim::Rung> rungs;
+  std::vector<std::uint64_t> seeds;
+};
+
+/// A row of accuracy.csv.
+struct AccuracyRow {
+  std::string scene;
+  std::string rung;
+  std::string setting;
+  std::uint64_t seed = 0;
+  MeasureRow measures;
+  double render_ms = 0;  ///< of the whole picture alone, pass 1 included; elsewhere NaN
+};
+
+/// Over the seeds of one scene, rung, setting and region.
+struct AccuracySummary {
+  std::string scene, rung, setting, group, region;
+  std::vector<MeanInterval> means;        ///< of each of measure_names()
+  std::vector<MeanInterval> differences;  ///< to the first setting, paired; empty: it is the first
+};
+
+/// Of the first seed.
+struct AccuracyPicture {
+  std::string scene, rung, setting;  ///< setting "truth": the true surface, shaded alike
+  Image<glm::vec3> surface;
+};
+
+struct AccuracyResults {
+  std::vector<std::uint64_t> seeds;
+  std::vector<AccuracyRow> rows;
+  std::vector<AccuracySummary> summaries;  ///< in the order of the rows
+  std::vector<AccuracyPicture> pictures;
+  std::vector<std::string> notes;  ///< scenes without a surface in view, and why
+  EvaluationTimes times;           ///< sums over all evaluations
+  int evaluations = 0;
+};
+
+/// What is being evaluated, for the progress line.
+using AccuracyNote = std::function<void(const std::string&)>;
+
+/// The number of evaluations.
+std::size_t accuracy_parts(const std::vector<AccuracyScene>& scenes);
+
+/// Throws as Evaluator does.
+AccuracyResults measure_accuracy(const std::vector<AccuracyScene>& scenes,
+                                 render::GlContext& context,
+                                 PhantomCache& cache,
+                                 const PartDone& done = {},
+                                 const AccuracyNote& note = {});
+
+/// Means over seeds and paired differences.
+std::vector<AccuracySummary> summarise(const std::vector<AccuracyRow>& rows,
+                                       const std::string& reference);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,96 @@
+// The evaluator against the chain that `run` takes.
+#include "bench/evaluation/evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/pipeline/acquire.h"
+
+namespace wobblebench::bench {
+namespace {
+
+const std::vector<std::string> kScene = {"phantom.name=sphere",
+                                         "phantom.voxel_mm=1",
+                                         "acquisition.frames_per_volume=17",
+                                         "acquisition.sticks_per_frame=32",
+                                         "simulation.fidelity=field",
+                                         "render.scan_conversion.slice_size=128",
+                                         "render.ray_casting.image_size=64"};
+
+render::GlContext& context() {
+  static const auto shared = render::make_context();
+  return *shared;
+}
+
+Evaluator scanned(PhantomCache& cache, std::uint64_t seed) {
+  Evaluator evaluator(load_scene({}, kScene), context(), cache);
+  evaluator.scan(sim::Rung::field, seed);
+  return evaluator;
+}
+
+void expect_same_depths(const render::Picture& a, const render::Picture& b) {
+  ASSERT_EQ(a.depth_m.pixels.size(), b.depth_m.pixels.size());
+  for (std::size_t i = 0; i < a.depth_m.pixels.size(); ++i) {
+    const float x = a.depth_m.pixels[i], y = b.depth_m.pixels[i];
+    ASSERT_TRUE(x == y || (std::isnan(x) && std::isnan(y))) << i;
+  }
+}
+
+TEST(Evaluator, HasTheSticksAndTheScoreOfARun) {
+  PhantomCache cache;
+  Evaluator evaluator = scanned(cache, 5);
+  auto settings = kScene;
+  settings.emplace_back("simulation.seed=5");
+  Scene scene = load_scene({}, settings);
+  const auto& phantom = evaluator.subject().phantom;
+  complete_from_phantom(scene, phantom);
+  const auto acquired = acquire_simulated(scene, phantom);
+  for (int frame = 0; frame < 17; ++frame) {
+    EXPECT_EQ(evaluator.sticks().frame(frame).samples, acquired.volume.frame(frame).samples);
+    EXPECT_EQ(evaluator.sticks().frame(frame).motor_angle_rad,
+              acquired.volume.frame(frame).motor_angle_rad);
+  }
+  const Evaluation scored = evaluator.evaluate(evaluator.scene().render);
+  const auto picture = render::render_volume(context(), acquired.volume, scene.render);
+  expect_same_depths(scored.picture, picture);
+  Truth truth = trace_truth(scene.place(phantom), scene.plan(), render::make_view(scene.render));
+  const auto error = measure_depth_error(picture.depth_m, truth, render::make_camera(scene.render));
+  EXPECT_GT(error.depth.n, 100);
+  EXPECT_EQ(scored.measures.raw.depth.p95_m, error.depth.p95_m);
+  EXPECT_EQ(scored.measures.raw.missed, error.missed);
+}
+
+/// Whatever was evaluated before, a setting's score is that of a fresh evaluator.
+TEST(Evaluator, DoesNotDependOnWhatWasEvaluatedBefore) {
+  PhantomCache cache;
+  Evaluator used = scanned(cache, 1);
+  const render::RenderOptions usual = used.scene().render;
+  render::RenderOptions longer = usual, turned = usual, both = usual;
+  longer.ray_casting.buffer_length = both.ray_casting.buffer_length = 32;
+  turned.view.yaw_rad = both.view.yaw_rad = 20 * kDegree;
+  for (const auto& options : {usual, longer, both, turned, usual}) used.evaluate(options);
+  used.scan(sim::Rung::field, 9);
+  for (const auto& options : {both, usual, longer, turned}) {
+    Evaluator fresh = scanned(cache, 9);
+    const Evaluation a = used.evaluate(options), b = fresh.evaluate(options);
+    expect_same_depths(a.picture, b.picture);
+    EXPECT_EQ(a.measures.raw.depth.rms_m, b.measures.raw.depth.rms_m);
+    EXPECT_EQ(a.measures.shaded.ssim, b.measures.shaded.ssim);
+    EXPECT_EQ(a.measures.distance->mean_m, b.measures.distance->mean_m);
+  }
+}
+
+TEST(Evaluator, MeasuresOnlyWhatIsAskedFor) {
+  PhantomCache cache;
+  Evaluator evaluator = scanned(cache, 1);
+  const EvaluationChoice cheap{{.shaded = false, .distance = false}, false};
+  const Evaluation few = evaluator.evaluate(evaluator.scene().render, cheap);
+  EXPECT_FALSE(few.measures.distance);
+  EXPECT_TRUE(std::isnan(few.measures.shaded.ssim));
+  EXPECT_FALSE(few.registration);
+  const Evaluation all = evaluator.evaluate(evaluator.scene().render, {.registration = true});
+  EXPECT_TRUE(all.registration->converged);
+  EXPECT_TRUE(all.measures.distance);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
