@@ -71,7 +71,8 @@ Provenance provenance_of(const render::GlContext& context, const Scene& scene) {
 }
 
 int compare_modes(const Arguments& arguments) {
-  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  const Scene scene = load_scene(
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
   refuse_compared_settings(scene);
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);

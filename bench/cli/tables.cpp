@@ -73,7 +73,8 @@ Json tables_report(const TableVolumes& volumes,
 }
 
 int measure(const Arguments& arguments) {
-  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  Scene scene = load_scene(
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
   const TableRun run = arguments.tables.run();
   const BoardArguments board = parse_board(arguments.board);
   take_reference_settings(scene, run);

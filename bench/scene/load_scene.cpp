@@ -123,6 +123,9 @@ void read_sections(Scene& scene, toml::table& table, const std::string& source) 
     if (section == "acquisition") {
       scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
     }
+    if (section == "render.pipeline") {
+      scene.render = render::render_preset(scene.render_preset.preset);
+    }
     if (toml::table* found = find_section(table, section, source)) {
       TomlReader reader(source, section, *found);
       describe(options, reader);
@@ -161,12 +164,14 @@ void validate(const Scene& scene, const std::string& source) {
 
 Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
-                 const std::string& settings_of) {
+                 const std::string& settings_of,
+                 render::RenderPreset preset) {
   toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
   for (const auto& setting : settings) apply_setting(table, setting, settings_of);
   std::string source = path.empty() ? "defaults" : path.string();
   if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
   Scene scene;
+  scene.render_preset.preset = preset;
   read_sections(scene, table, source);
   validate(scene, source);
   return scene;

@@ -12,7 +12,7 @@
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/probe_presets.h"
 #include "phantoms/placed_phantom.h"
-#include "render/options.h"
+#include "render/presets.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
@@ -38,7 +38,8 @@ struct Scene {
   hw::NamedProbeOptions probe;
   hw::AcquisitionOptions acquisition;
   sim::SimulationOptions simulation;
-  render::RenderOptions render;
+  render::RenderPresetOptions render_preset;
+  render::RenderOptions render = render::render_preset(render_preset.preset);
   std::set<std::string> given;  ///< dotted keys that the file or --set named
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
@@ -58,6 +59,7 @@ void for_each_section(S& scene, const Body& body) {
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
+  body("render", scene.render_preset);
   body("render.pipeline", scene.render.pipeline);
   body("render.reconstruction", scene.render.reconstruction);
   body("render.scan_conversion", scene.render.scan_conversion);
@@ -69,11 +71,12 @@ void for_each_section(S& scene, const Body& body) {
 }
 
 /// Reads `path` (empty: defaults alone), then applies each "section.key=value" of `settings`, then
-/// validates every option. `settings_of`: where the settings are from, for refusals. Throws
-/// UserError.
+/// validates every option. `settings_of`: where the settings are from, for refusals;
+/// `preset`: of the renderer, unless they name one. Throws UserError.
 Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
-                 const std::string& settings_of = "--set");
+                 const std::string& settings_of = "--set",
+                 render::RenderPreset preset = render::RenderPreset::accurate);
 
 /// Sets placement and volume of interest from the phantom, where they were not given.
 void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);

@@ -9,6 +9,7 @@
 
 #include "base/user_error.h"
 #include "phantoms/motion.h"
+#include "render/geometry/dense_plan.h"
 #include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
 
@@ -147,8 +148,11 @@ MemoryNeed memory_need(const Scene& scene) {
   need.registration = registration_bytes(scene.phantom);
   need.pictures = picture_bytes(scene.render);
   need.acquisition = acquisition_bytes(scene, plan);
-  need.slices =
-      slice * plan.acquisition().frames_per_volume * texel_bytes(conversion.format) + volume;
+  const hw::AcquisitionPlan dense =
+      render::dense_plan(plan, render::dense_factors(plan, scene.render));
+  // The frames as they came, and those of which slices are made.
+  need.slices = slice * dense.acquisition().frames_per_volume * texel_bytes(conversion.format) +
+                volume + kSampleBytes * samples_per_volume(dense);
   return need;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kBin_m = 20e-6;
 constexpr double kReachSigmas = 4.5;  ///< of the pulse, as the rung has it
-constexpr std::size_t kNodes = sim::PulseBand::kNodes;
+constexpr std::size_t kMostNodes = sim::PulseBand::kMostNodes;
 
 /// Response of a place across the stick, and by how much later than the axis it meets the surface.
 struct Part {
@@ -25,10 +25,11 @@ struct Part {
 /// One direction across the beam. Of a table of one side, the other is its mirror image.
 class Across {
  public:
-  Across(const sim::BeamTable& beam, const sim::BeamTable::Direction& direction)
+  Across(const sim::BeamTable& beam, const sim::BeamTable::Direction& direction, int groups)
       : beam_(beam),
         direction_(direction),
-        columns_(direction.values.size() / direction.rows.size()),
+        groups_(static_cast<std::size_t>(groups)),
+        columns_(direction.values.size() / direction.rows.size() / groups_),
         both_sides_(columns_ == 2 * static_cast<std::size_t>(beam.columns())) {}
 
   /// Places on the surface, which lies elsewhere in the table than the axis does.
@@ -57,11 +58,12 @@ class Across {
     const double column =
         (both_sides_ ? offset_m : std::abs(offset_m)) * static_cast<double>(at.columns_per_m) +
         (both_sides_ ? beam_.columns() : 0);
-    const auto& value =
-        direction_
-            .values[columns_ * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)];
-    for (std::size_t n = 0; n < kNodes; ++n) {
-      result.response[n] = std::complex<double>(value.re[n], value.im[n]);
+    const std::size_t first =
+        groups_ * (columns_ * static_cast<std::size_t>(row) + static_cast<std::size_t>(column));
+    constexpr std::size_t kGroup = sim::BandValues::kNodes;
+    for (std::size_t n = 0; n < groups_ * kGroup; ++n) {
+      const sim::BandValues& value = direction_.values[first + n / kGroup];
+      result.response[n] = std::complex<double>(value.re[n % kGroup], value.im[n % kGroup]);
     }
     return result;
   }
@@ -69,25 +71,30 @@ class Across {
   static constexpr double kWidest = 1.5;  ///< over its reach at the axis
   const sim::BeamTable& beam_;
   const sim::BeamTable::Direction& direction_;
+  std::size_t groups_;
   std::size_t columns_;
   bool both_sides_;
 };
 
-/// Products of the responses at two nodes, [node][other node].
-using Products = std::array<std::complex<double>, kNodes * kNodes>;
+/// Products of the responses at two nodes, [node * nodes + other node].
+using Products = std::array<std::complex<double>, kMostNodes * kMostNodes>;
 
-std::complex<double> weighted(const Products& a, const Products& b) {
+std::complex<double> weighted(const Products& a, const Products& b, std::size_t nodes) {
   std::complex<double> sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  for (std::size_t i = 0; i < nodes * nodes; ++i) sum += a[i] * b[i];
   return sum;
 }
 
 /// Sums of the products over all places of the cross-section, by how late they meet the surface.
 struct Footprint {
+  std::size_t nodes;
   double first_m = 0;
   std::vector<Products> bins;
 
-  Footprint(const std::vector<Part>& lateral, const std::vector<Part>& elevation) {
+  Footprint(const std::vector<Part>& lateral,
+            const std::vector<Part>& elevation,
+            std::size_t band_nodes)
+      : nodes(band_nodes) {
     const auto later = [](const Part& a, const Part& b) { return a.later_m < b.later_m; };
     const auto [low_l, high_l] = std::minmax_element(lateral.begin(), lateral.end(), later);
     const auto [low_e, high_e] = std::minmax_element(elevation.begin(), elevation.end(), later);
@@ -105,9 +112,9 @@ struct Footprint {
   void add(const Part& l, const Part& e) {
     const double bin = (l.later_m + e.later_m - first_m) / kBin_m;
     Products& sums = bins[static_cast<std::size_t>(std::lround(bin))];
-    for (std::size_t i = 0; i < kNodes; ++i) {
-      for (std::size_t j = 0; j < kNodes; ++j) {
-        sums[i * kNodes + j] +=
+    for (std::size_t i = 0; i < nodes; ++i) {
+      for (std::size_t j = 0; j < nodes; ++j) {
+        sums[i * nodes + j] +=
             l.response[i] * e.response[i] * std::conj(l.response[j] * e.response[j]);
       }
     }
@@ -122,14 +129,15 @@ struct PulsePairs {
   std::vector<Products> integral;
 
   PulsePairs(const sim::PulseBand& band, double distance_m) {
+    const auto nodes = static_cast<std::size_t>(band.nodes());
     half = static_cast<std::ptrdiff_t>(kReachSigmas * band.sigma_m() / kBin_m);
     for (std::ptrdiff_t k = -half; k <= half; ++k) {
       const double middle_m = static_cast<double>(k) * kBin_m;
       Products& at = product.emplace_back();
-      for (std::size_t i = 0; i < kNodes; ++i) {
+      for (std::size_t i = 0; i < nodes; ++i) {
         const auto near = band.pulse(static_cast<int>(i), middle_m - 0.5 * distance_m);
-        for (std::size_t j = 0; j < kNodes; ++j) {
-          at[i * kNodes + j] =
+        for (std::size_t j = 0; j < nodes; ++j) {
+          at[i * nodes + j] =
               near * std::conj(band.pulse(static_cast<int>(j), middle_m + 0.5 * distance_m));
         }
       }
@@ -161,13 +169,14 @@ struct PairTable {
     std::complex<double> passed = 0;  // of the bins whose pulses are over
     for (std::ptrdiff_t i = 0; i < bins + 2 * pulses.half; ++i) {
       const std::ptrdiff_t middle = i - pulses.half, over = middle - pulses.half - 1;
-      if (over >= 0 && over < bins) passed += weighted(at(footprint, over), pulses.integral.back());
+      if (over >= 0 && over < bins)
+        passed += weighted(at(footprint, over), pulses.integral.back(), footprint.nodes);
       PairValue sum{passed, 0};
       const std::ptrdiff_t from = std::max<std::ptrdiff_t>(0, over + 1);
       for (std::ptrdiff_t b = from; b < std::min(bins, middle + pulses.half + 1); ++b) {
         const auto behind = static_cast<std::size_t>(middle - b + pulses.half);
-        sum.covariance += weighted(at(footprint, b), pulses.integral[behind]);
-        sum.slope_per_m += weighted(at(footprint, b), pulses.product[behind]);
+        sum.covariance += weighted(at(footprint, b), pulses.integral[behind], footprint.nodes);
+        sum.slope_per_m += weighted(at(footprint, b), pulses.product[behind], footprint.nodes);
       }
       values.push_back(sum);
     }
@@ -199,10 +208,11 @@ EdgePair beam_pair(const sim::BeamTable& beam,
                    double spacing_m) {
   // Lateral offsets count away from the middle of the sector.
   const double side = place.theta_rad < 0 ? -1 : 1;
-  const Across lateral(beam, beam.lateral()[beam.lateral_of(place.theta_rad)]);
-  const Across elevation(beam, beam.elevation());
+  const Across lateral(beam, beam.lateral()[beam.lateral_of(place.theta_rad)], band.groups());
+  const Across elevation(beam, beam.elevation(), band.groups());
   const Footprint footprint(lateral.parts(place.range_m, side * slope.lateral),
-                            elevation.parts(place.range_m, slope.elevation));
+                            elevation.parts(place.range_m, slope.elevation),
+                            static_cast<std::size_t>(band.nodes()));
   const int lags = static_cast<int>(2 * kReachSigmas * band.sigma_m() / spacing_m);
   const auto tables = std::make_shared<std::vector<PairTable>>();
   for (int lag = 0; lag <= lags; ++lag) {

@@ -1,0 +1,15 @@
+#include "render/presets.h"
+
+namespace wobblebench::render {
+
+RenderOptions render_preset(RenderPreset preset) {
+  RenderOptions options;
+  if (preset == RenderPreset::paper) return options;
+  options.reconstruction.sticks = Sticks::aligned;
+  options.ray_casting.detector = Detector::iso;
+  options.ray_casting.iso_level = 0.68;
+  options.ray_casting.incidence_correction_m = 1.3e-3;
+  return options;
+}
+
+}  // namespace wobblebench::render

@@ -1,0 +1,35 @@
+// Settings of the renderer by name.
+#pragma once
+
+#include <string_view>
+
+#include "render/options.h"
+
+namespace wobblebench::render {
+
+/// `paper`: the defaults of RenderOptions, which are the paper's. `accurate`: sticks aligned by
+/// their surface, an iso-surface at a level that the volume says, corrected for the beam's width
+/// (docs/decisions/0031-the-surface.md).
+enum class RenderPreset { accurate, paper };
+
+constexpr std::string_view to_string(RenderPreset preset) {
+  return preset == RenderPreset::paper ? "paper" : "accurate";
+}
+
+/// The settings that a preset stands for.
+RenderOptions render_preset(RenderPreset preset);
+
+/// A scene's choice: the values of all other settings start from it.
+struct RenderPresetOptions {
+  RenderPreset preset = RenderPreset::accurate;
+};
+
+template <OptionsOf<RenderPresetOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.choice("preset",
+           o.preset,
+           {{to_string(RenderPreset::accurate), RenderPreset::accurate},
+            {to_string(RenderPreset::paper), RenderPreset::paper}});
+}
+
+}  // namespace wobblebench::render
