@@ -25,5 +25,6 @@ Command add_tables_command(CLI::App& app);
 Command add_modes_command(CLI::App& app);
 Command add_validate_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
+Command add_fit_command(CLI::App& app);
 
 }  // namespace wobblebench::bench

@@ -6,6 +6,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/fit/correction.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/commands/run_report.h"
 #include "bench/report/output/output_folder.h"
@@ -48,6 +49,13 @@ render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume&
   return renderer.render();
 }
 
+/// The correction that the scene names, once phantom and plan are known.
+std::optional<Correction> correction_of(const Scene& scene) {
+  auto correction = read_correction(scene);
+  if (correction) check_correction_step(*correction, scene);
+  return correction;
+}
+
 /// The exit code, with a line on stderr unless it is 0.
 int verdict(const RunResult& result, const Arguments& arguments) {
   if (!result.acquisition.ending.empty()) {
@@ -63,6 +71,7 @@ int verdict(const RunResult& result, const Arguments& arguments) {
 int run(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   check_memory_of_run(scene, available_memory_bytes());
+  read_correction(scene);  // refuses one that was made for something else before any work
   BoardConnection board(parse_board(arguments.board));
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
@@ -78,6 +87,7 @@ int run(const Arguments& arguments) {
 
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
+  const auto correction = correction_of(scene);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
   render::Renderer renderer(*context, plan, scene.render);
@@ -89,6 +99,13 @@ int run(const Arguments& arguments) {
   progress.step("shaders", [&] { compiled.get(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
+  std::optional<render::Picture> uncorrected;
+  if (correction) {
+    uncorrected = picture;
+    picture = progress.step("correct", [&] {
+      return corrected_picture(*correction, picture, acquisition.volume, scene);
+    });
+  }
   RunResult result{std::move(acquisition),
                    std::move(picture),
                    context->backend(),
@@ -101,7 +118,11 @@ int run(const Arguments& arguments) {
     auto truth = progress.step("truth", [&] { return trace_truth(*subject, plan, view, volume); });
     auto error = progress.step(
         "compare", [&] { return measure_picture_error(result.picture, truth, scene.render); });
-    result.comparison = {std::move(truth), std::move(error), std::nullopt};
+    result.comparison = {std::move(truth), std::move(error), std::nullopt, std::nullopt};
+    if (uncorrected) {
+      result.comparison->before_correction =
+          measure_picture_error(*uncorrected, result.comparison->truth, scene.render);
+    }
     if (arguments.register_surface) {
       result.comparison->registration = progress.step("register", [&] {
         return register_surface(
@@ -132,7 +153,8 @@ Command add_run_command(CLI::App& app) {
   add_flag(command,
            "--register",
            arguments->register_surface,
-           "Fit pose, range scale and bias that lay the found surface onto the true one");
+           "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
+           "fits the probe's errors)");
   add_flag(command,
            "--fail-on-loss",
            arguments->fail_on_loss,

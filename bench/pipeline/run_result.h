@@ -30,6 +30,7 @@ struct Comparison {
   Truth truth;
   PictureError error;
   std::optional<Registration> registration;  ///< none: not asked for
+  std::optional<PictureError> before_correction;  ///< none: z is not corrected
 };
 
 struct RunResult {

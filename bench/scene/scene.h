@@ -31,6 +31,16 @@ void describe(O& o, Visitor& v) {
 
 phantoms::Placement to_placement(const PlacementOptions& options);
 
+/// What is done with a picture's z beside the renderer's passes.
+struct CorrectionOptions {
+  std::string file;  ///< correction.json of `wobblebench fit`; empty: z stays as it is found
+};
+
+template <OptionsOf<CorrectionOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.text("correction", o.file);
+}
+
 struct Scene {
   phantoms::PhantomOptions phantom;
   PlacementOptions placement;
@@ -39,6 +49,7 @@ struct Scene {
   hw::AcquisitionOptions acquisition;
   sim::SimulationOptions simulation;
   render::RenderOptions render;
+  CorrectionOptions correction;
   std::set<std::string> given;  ///< dotted keys that the file or --set named
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
@@ -58,6 +69,7 @@ void for_each_section(S& scene, const Body& body) {
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
+  body("render", scene.correction);
   body("render.pipeline", scene.render.pipeline);
   body("render.scan_conversion", scene.render.scan_conversion);
   body("render.volume_of_interest", scene.render.volume_of_interest);

@@ -140,7 +140,13 @@ std::string error_line(const RunResult& result, bool surface_sought) {
   const DepthError& raw = comparison->error.raw;
   if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
   const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
-  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
+  std::string corrected;
+  if (const auto& before = comparison->before_correction) {
+    corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
+                in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
+                " mm\n";
+  }
+  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
          " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
          " pixels\nsurface     missed " + percent(raw.missed_surface_percent()) +
          " % of its area (" + percent(raw.missed_percent()) + " % of the picture), false " +
@@ -164,6 +170,10 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
   if (const auto& comparison = result.comparison) {
     const auto& [raw, filtered, shaded] = comparison->error;
     report["error"] = error_json(raw, filtered, shaded, computes_surface(scene));
+    if (const auto& before = comparison->before_correction) {
+      report["error"]["before_correction"] =
+          error_json(before->raw, before->filtered, before->shaded, computes_surface(scene));
+    }
     if (comparison->registration) {
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
     }
