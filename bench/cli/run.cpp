@@ -150,11 +150,12 @@ Command add_run_command(CLI::App& app) {
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
-  add_flag(command,
-           "--register",
-           arguments->register_surface,
-           "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
-           "fits the probe's errors)");
+  add_flag(
+      command,
+      "--register",
+      arguments->register_surface,
+      "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
+      "fits the probe's errors)");
   add_flag(command,
            "--fail-on-loss",
            arguments->fail_on_loss,

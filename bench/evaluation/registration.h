@@ -23,6 +23,20 @@ inline constexpr double kErrorBlock_m = 8e-3;
 std::int64_t error_block(const render::Camera& camera, int column, int row);
 
 /// Registers pictures of one phantom at one place, which it prepares once.
+///
+/// @code
+/// #include <cstdio>
+///
+/// #include "bench/evaluation/truth.h"
+/// const auto ball = phantoms::still_at(phantoms::make_phantom({.name = "sphere"}), {0, 0, 0.11});
+/// const hw::AcquisitionPlan plan({}, {});
+/// const render::View view = render::make_view({});
+/// const bench::Truth truth = bench::trace_truth(ball, plan, view);
+/// const bench::SurfaceRegistration registration(ball, plan, view);
+/// const auto fit =
+///     registration.fit(truth.depth_m, bench::RegistrationPriors::of_known_pose());
+/// std::printf("wobble radius %g m off\n", fit.value[bench::kWobbleRadius]);
+/// @endcode
 class SurfaceRegistration {
  public:
   SurfaceRegistration(const phantoms::PlacedPhantom& subject,

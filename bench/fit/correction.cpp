@@ -77,9 +77,8 @@ void read_terms(const Json& list,
                 std::array<FittedTerm, N>& terms) {
   for (const Json& term : list) {
     const auto name = term.at("name").get<std::string>();
-    const auto found = std::find_if(descriptions.begin(), descriptions.end(), [&](const auto& d) {
-      return name == d.name;
-    });
+    const auto found = std::find_if(
+        descriptions.begin(), descriptions.end(), [&](const auto& d) { return name == d.name; });
     if (found == descriptions.end()) throw std::runtime_error("term \"" + name + "\"");
     FittedTerm& read = terms[static_cast<std::size_t>(found - descriptions.begin())];
     read.value = term.at("value").get<double>();
@@ -129,8 +128,8 @@ Correction parse(const Scene& scene) {
 void check_conditions(const Correction& correction, const Scene& scene) {
   const Json here = correction_conditions(scene);
   const auto refuse = [&](const std::string& key, const std::string& made, const std::string& is) {
-    throw UserError(source_of(scene) + ": was made for " + key + " = " + made +
-                    "; the scene has " + is + ", and must have the same");
+    throw UserError(source_of(scene) + ": was made for " + key + " = " + made + "; the scene has " +
+                    is + ", and must have the same");
   };
   const auto value_in = [](const Json& json, const std::string& key) {
     return json.contains(key) ? json.at(key).dump() : std::string("nothing");
@@ -161,12 +160,13 @@ nlohmann::ordered_json correction_conditions(const Scene& scene) {
 }
 
 std::string correction_text(const Correction& correction) {
-  const Json json = {{"kind", kKind},
-                     {"schema", kCorrectionSchema},
-                     {"terms", terms_json(correction.model.bias, error_terms())},
-                     {"spread_terms", terms_json(correction.model.spread, spread_term_descriptions())},
-                     {"step_mm", correction.step_mm},
-                     {"made_for", correction.made_for}};
+  const Json json = {
+      {"kind", kKind},
+      {"schema", kCorrectionSchema},
+      {"terms", terms_json(correction.model.bias, error_terms())},
+      {"spread_terms", terms_json(correction.model.spread, spread_term_descriptions())},
+      {"step_mm", correction.step_mm},
+      {"made_for", correction.made_for}};
   return json.dump(2) + "\n";
 }
 

@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kHuber = 2.0;
 constexpr double kLeastSpread_mm = 0.02;
-/// E[ln |N(0, 1)|] = -(gamma + ln 2) / 2: the spread is that of a normal distribution whose
-/// residuals have this mean logarithm.
-constexpr double kMeanLogNormal = -0.6351814227307391;
+/// The location of ln |N(0, 1)| as the Huber loss estimates it (its mean is -0.635): the spread is
+/// that of a normal distribution whose residuals have it.
+constexpr double kLogNormal = -0.5744;
 /// Of coefficients in units of their terms: wide enough to leave data alone.
 constexpr double kPriorSigma = 10;
 /// A term with a smaller relative variance of its own, the others given, cannot be told from them.
@@ -138,15 +138,26 @@ void read_terms(const Fitted& fitted, std::array<FittedTerm, N>& terms) {
   }
 }
 
+/// Standard deviation of a normal distribution with the median of |error - bias|.
+double robust_scale_mm(const std::vector<ErrorRow>& rows, const DetectionModel& model) {
+  constexpr double kOfMedian = 1.4826;
+  std::vector<double> left;
+  left.reserve(rows.size());
+  for (const ErrorRow& row : rows) {
+    left.push_back(std::abs(static_cast<double>(row.error_m) - model.bias_m(row.pixel)));
+  }
+  const double scale_mm = kOfMedian * quantile_linear(std::move(left), 0.5) / kMillimetre;
+  return std::max(scale_mm, kLeastSpread_mm);
+}
+
 std::vector<LinearRow> bias_rows(const std::vector<ErrorRow>& rows, const DetectionModel& model) {
+  const double sigma_mm = robust_scale_mm(rows, model);
   std::vector<LinearRow> result;
   result.reserve(rows.size());
   for (const ErrorRow& row : rows) {
-    const double sigma_mm = model.spread_m(row.pixel) / kMillimetre;
     Eigen::VectorXd x(static_cast<Eigen::Index>(kErrorTerms));
     for (std::size_t i = 0; i < kErrorTerms; ++i) {
-      x[static_cast<Eigen::Index>(i)] = static_cast<double>(row.pixel.ray_over_stick) *
-                                        static_cast<double>(row.pixel.x[i]) / sigma_mm;
+      x[static_cast<Eigen::Index>(i)] = static_cast<double>(row.pixel.x[i]) / sigma_mm;
     }
     result.push_back({x, static_cast<double>(row.error_m) / kMillimetre / sigma_mm, row.block});
   }
@@ -163,7 +174,7 @@ std::vector<LinearRow> spread_rows(const std::vector<ErrorRow>& rows, const Dete
         std::abs(static_cast<double>(row.error_m) - model.bias_m(row.pixel)) / kMillimetre;
     Eigen::VectorXd x(static_cast<Eigen::Index>(kSpreadTerms));
     for (std::size_t i = 0; i < kSpreadTerms; ++i) x[static_cast<Eigen::Index>(i)] = terms[i];
-    result.push_back({x, std::log(std::max(left_mm, kLeastSpread_mm)) - kMeanLogNormal, row.block});
+    result.push_back({x, std::log(std::max(left_mm, kLeastSpread_mm)) - kLogNormal, row.block});
   }
   return result;
 }
@@ -180,8 +191,8 @@ std::array<double, kSpreadTerms> spread_terms(const PixelTerms& pixel) {
 
 const std::array<TermDescription, kSpreadTerms>& spread_term_descriptions() {
   static const std::array<TermDescription, kSpreadTerms> terms = {{
-      {"log_constant", "ln mm", "on a surface across the stick at 75 mm, contrast 0.5"},
-      {"log_beam", "1/mm", "beam width x tan(incidence), both directions"},
+      {"log_constant", "ln mm", "on a surface across the stick at 75 mm, contrast 0"},
+      {"log_beam", "1/mm", "beam width x sin(incidence), both directions"},
       {"log_contrast", "1", "samples behind less before the surface"},
       {"log_depth", "1/cm", "range less 75 mm"},
   }};
@@ -193,7 +204,7 @@ double DetectionModel::bias_m(const PixelTerms& pixel) const {
   for (std::size_t i = 0; i < kErrorTerms; ++i) {
     sum_mm += bias[i].value * static_cast<double>(pixel.x[i]);
   }
-  return static_cast<double>(pixel.ray_over_stick) * sum_mm * kMillimetre;
+  return sum_mm * kMillimetre;
 }
 
 double DetectionModel::spread_m(const PixelTerms& pixel) const {
@@ -208,13 +219,13 @@ DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows) {
   model.rows = static_cast<int>(rows.size());
   if (rows.size() < kErrorTerms) return model;
   read_terms(fit(bias_rows(rows, model)), model.bias);
+  const Fitted fitted = fit(bias_rows(rows, model));
+  read_terms(fitted, model.bias);
   read_terms(fit(spread_rows(rows, model)), model.spread);
-  const Fitted weighted = fit(bias_rows(rows, model));
-  read_terms(weighted, model.bias);
-  model.blocks = weighted.blocks;
+  model.blocks = fitted.blocks;
   model.correlated = identifiability(Eigen::MatrixXd::Zero(kErrorTerms, kErrorTerms),
                                      Eigen::VectorXd::Zero(kErrorTerms),
-                                     weighted.intervals.covariance)
+                                     fitted.intervals.covariance)
                          .correlated;
   return model;
 }

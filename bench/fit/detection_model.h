@@ -12,7 +12,7 @@ namespace wobblebench::bench {
 
 /// Terms of the logarithm of the spread.
 inline constexpr std::size_t kSpreadTerms = 4;
-/// Of a pixel: 1; beam width x tan(incidence), mm, both directions; contrast; depth, cm.
+/// Of a pixel: 1; beam width x sin(incidence), mm, both directions; contrast; depth, cm.
 std::array<double, kSpreadTerms> spread_terms(const PixelTerms& pixel);
 const std::array<TermDescription, kSpreadTerms>& spread_term_descriptions();
 
@@ -24,11 +24,11 @@ struct FittedTerm {
 };
 
 struct DetectionModel {
-  std::array<FittedTerm, kErrorTerms> bias;    ///< coefficients of the terms, units as they say
-  std::array<FittedTerm, kSpreadTerms> spread; ///< of log(spread / 1 mm)
-  int rows = 0;                                ///< pixels that it was fitted to
-  int blocks = 0;                              ///< of the bootstrap
-  std::vector<std::pair<int, int>> correlated; ///< terms of the bias with |correlation| > 0.95
+  std::array<FittedTerm, kErrorTerms> bias;     ///< coefficients of the terms, units as they say
+  std::array<FittedTerm, kSpreadTerms> spread;  ///< of log(spread / 1 mm)
+  int rows = 0;                                 ///< pixels that it was fitted to
+  int blocks = 0;                               ///< of the bootstrap
+  std::vector<std::pair<int, int>> correlated;  ///< terms of the bias with |correlation| > 0.95
 
   /// Mean signed error along the pixel's ray, found less true; exactly 0 without terms.
   double bias_m(const PixelTerms& pixel) const;
@@ -36,8 +36,8 @@ struct DetectionModel {
   double spread_m(const PixelTerms& pixel) const;
 };
 
-/// A pixel with both surfaces. Those farther apart than kOtherSurface_m are not of one surface; they
-/// are left out, and counted by who collects rows.
+/// A pixel with both surfaces. Those farther apart than kOtherSurface_m are not of one surface;
+/// they are left out, and counted by who collects rows.
 struct ErrorRow {
   PixelTerms pixel;
   float error_m = 0;       ///< found less true depth along the ray
@@ -45,8 +45,9 @@ struct ErrorRow {
 };
 inline constexpr double kOtherSurface_m = 10e-3;
 
-/// Ceres, Huber loss beyond two spreads: first the bias under one spread, then the spread of what
-/// is left, then the bias weighted by it. Intervals by bootstrap of blocks.
+/// Ceres. The bias with a Huber loss beyond twice the scale of what it leaves (median absolute
+/// deviation; two rounds), all pixels alike: weighted by their spread, those that need no
+/// correction would decide it. Then the spread of what is left. Intervals by bootstrap of blocks.
 DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows);
 
 }  // namespace wobblebench::bench

@@ -14,11 +14,8 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kMiddleRange_m = 75e-3;
-constexpr double kMiddleContrast = 0.5;
 /// Samples this near the surface belong to its edge, not to either side.
 constexpr double kEdge_m = 0.5e-3;
-/// Steepest incidence that is told apart: 72 degrees.
-constexpr double kMostTan = 3;
 constexpr int kLeastPlanePixels = 6;
 
 /// Mean slopes of z within a window, per pixel.
@@ -109,11 +106,15 @@ const std::array<TermDescription, kErrorTerms>& error_terms() {
   static const std::array<TermDescription, kErrorTerms> terms = {{
       {"constant", "mm", "offset of the detector on a surface across the stick"},
       {"buffer", "mm/mm", "buffer length x step: how early a mean of n samples sees an edge"},
-      {"lateral_beam", "mm/mm", "lateral beam width x tan(incidence): the nearer flank echoes first"},
-      {"elevation_beam", "mm/mm", "elevation beam width x tan(incidence)"},
-      {"line_spacing", "mm/mm", "line spacing x tan(incidence): two lines mixed at equal depth"},
-      {"frame_spacing", "mm/mm", "frame spacing x tan(incidence): two frames mixed at equal depth"},
-      {"contrast", "mm", "samples behind less before the surface: weak edges are found late"},
+      {"lateral_beam",
+       "mm/mm",
+       "lateral beam width x sin(incidence): the nearer flank echoes first"},
+      {"elevation_beam", "mm/mm", "elevation beam width x sin(incidence)"},
+      {"line_spacing", "mm/mm", "line spacing x sin(incidence): two lines mixed at equal depth"},
+      {"frame_spacing", "mm/mm", "frame spacing x sin(incidence): two frames mixed at equal depth"},
+      {"contrast",
+       "mm",
+       "samples behind less before the surface: before a weak rise the edge is yet to come"},
       {"depth", "mm/mm", "range less 75 mm"},
   }};
   return terms;
@@ -148,10 +149,8 @@ struct TermMeter::State {
     const hw::PolarPoint p = plan.geometry().to_polar(ray.at(z));
     const StickAxes axes = axes_of(p);
     const glm::dvec3 n = normal(depth_m, column, row).value_or(axes.along);
-    const double cosine = std::max(1e-6, std::abs(glm::dot(n, axes.along)));
-    const double ray_cosine = std::max(1e-6, std::abs(glm::dot(n, ray.direction)));
-    const double tan_lateral = std::min(kMostTan, std::abs(glm::dot(n, axes.lateral)) / cosine);
-    const double tan_elevation = std::min(kMostTan, std::abs(glm::dot(n, axes.elevation)) / cosine);
+    const double sin_lateral = std::abs(glm::dot(n, axes.lateral));
+    const double sin_elevation = std::abs(glm::dot(n, axes.elevation));
     const double range_m = std::clamp(p.range_m, 0.0, plan.acquisition().depth_m);
     const double line_m = (plan.geometry().radius_m() + range_m) * plan.theta_step_rad();
     const double frame_m = (plan.geometry().wobble_radius_m() + range_m) * plan.phi_step_rad();
@@ -160,14 +159,14 @@ struct TermMeter::State {
     };
     set(kConstantTerm, 1);
     set(kBufferTerm, buffer_mm);
-    set(kLateralTerm, beam.lateral_fwhm_m(range_m, p.theta_rad) * tan_lateral / kMillimetre);
-    set(kElevationTerm, beam.elevation_fwhm_m(range_m) * tan_elevation / kMillimetre);
-    set(kLineSpacingTerm, line_m * tan_lateral / kMillimetre);
-    set(kFrameSpacingTerm, frame_m * tan_elevation / kMillimetre);
-    set(kContrastTerm, contrast_at(volume, p) - kMiddleContrast);
+    set(kLateralTerm, beam.lateral_fwhm_m(range_m, p.theta_rad) * sin_lateral / kMillimetre);
+    set(kElevationTerm, beam.elevation_fwhm_m(range_m) * sin_elevation / kMillimetre);
+    set(kLineSpacingTerm, line_m * sin_lateral / kMillimetre);
+    set(kFrameSpacingTerm, frame_m * sin_elevation / kMillimetre);
+    set(kContrastTerm, std::clamp(contrast_at(volume, p), 0.0, kMostContrast));
     set(kDepthTerm, (range_m - kMiddleRange_m) / kMillimetre);
-    terms.ray_over_stick = static_cast<float>(std::clamp(cosine / ray_cosine, 0.5, 2.0));
-    terms.incidence_rad = static_cast<float>(std::acos(std::min(1.0, cosine)));
+    terms.incidence_rad =
+        static_cast<float>(std::acos(std::min(1.0, std::abs(glm::dot(n, axes.along)))));
     return terms;
   }
 };

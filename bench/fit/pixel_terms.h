@@ -12,15 +12,16 @@
 
 namespace wobblebench::bench {
 
-/// Terms of the bias, along the stick, in millimetres where nothing else is said.
+/// Terms of the bias, in millimetres where nothing else is said. An incidence has two parts: in the
+/// image plane and across it.
 enum ErrorTerm {
   kConstantTerm,      ///< 1
   kBufferTerm,        ///< buffer length x step
-  kLateralTerm,       ///< lateral beam width x tan(incidence in the image plane)
-  kElevationTerm,     ///< elevation beam width x tan(incidence across the image plane)
-  kLineSpacingTerm,   ///< line spacing x tan(incidence in the image plane)
-  kFrameSpacingTerm,  ///< frame spacing x tan(incidence across the image plane)
-  kContrastTerm,      ///< sample values behind less before the surface, less 0.5 (of full scale)
+  kLateralTerm,       ///< lateral beam width x sin(incidence in the image plane)
+  kElevationTerm,     ///< elevation beam width x sin(incidence across it)
+  kLineSpacingTerm,   ///< line spacing x sin(incidence in the image plane)
+  kFrameSpacingTerm,  ///< frame spacing x sin(incidence across it)
+  kContrastTerm,      ///< sample values behind less before the surface, 0 to 0.45 of full scale
   kDepthTerm,         ///< range less 75 mm
 };
 inline constexpr std::size_t kErrorTerms = 8;
@@ -35,9 +36,6 @@ const std::array<TermDescription, kErrorTerms>& error_terms();
 struct PixelTerms {
   bool measured = false;  ///< the pixel has a surface
   std::array<float, kErrorTerms> x{};
-  /// What a shift of the surface along its stick is along the pixel's ray: cos(incidence of the
-  /// stick) over cos(incidence of the ray), within 0.5 and 2.
-  float ray_over_stick = 1;
   float incidence_rad = 0;  ///< between stick and measured normal
 };
 
@@ -64,7 +62,9 @@ class TermMeter {
 
 /// Half side of the window of the plane that gives the measured normal.
 inline constexpr double kNormalReach_m = 2e-3;
-/// Contrast is the mean over this length behind the surface less that before it.
+/// Contrast is the mean over this length behind the surface less that before it; beyond the limit
+/// an edge is found where it is.
 inline constexpr double kContrastReach_m = 5e-3;
+inline constexpr double kMostContrast = 0.45;
 
 }  // namespace wobblebench::bench

@@ -29,7 +29,7 @@ PictureError measure_picture_error(const render::Picture& picture,
 struct Comparison {
   Truth truth;
   PictureError error;
-  std::optional<Registration> registration;  ///< none: not asked for
+  std::optional<Registration> registration;       ///< none: not asked for
   std::optional<PictureError> before_correction;  ///< none: z is not corrected
 };
 

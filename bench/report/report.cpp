@@ -98,12 +98,13 @@ Json registration_json(const Registration& registration) {
   Json unseen = Json::array(), correlated = Json::array();
   for (const auto& [combination, ratio] : registration.unseen) {
     Json list = Json::array();
-    for (const int parameter : combination) list.push_back(names.at(static_cast<std::size_t>(parameter)));
+    for (const int parameter : combination)
+      list.push_back(names.at(static_cast<std::size_t>(parameter)));
     unseen.push_back({{"parameters", list}, {"data_over_prior", number(ratio)}});
   }
   for (const auto& [one, other] : registration.correlated) {
-    correlated.push_back({names.at(static_cast<std::size_t>(one)),
-                          names.at(static_cast<std::size_t>(other))});
+    correlated.push_back(
+        {names.at(static_cast<std::size_t>(one)), names.at(static_cast<std::size_t>(other))});
   }
   return {{"converged", registration.converged},
           {"within_priors", registration.within_priors},

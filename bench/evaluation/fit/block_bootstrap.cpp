@@ -72,23 +72,21 @@ BootstrapResult summarise(const Eigen::MatrixXd& changes) {
     result.high[i] = quantile_linear(std::move(values), 0.975);
   }
   const Eigen::MatrixXd centred = changes.colwise() - changes.rowwise().mean();
-  result.covariance =
-      centred * centred.transpose() / static_cast<double>(std::max<Eigen::Index>(1, changes.cols() - 1));
+  result.covariance = centred * centred.transpose() /
+                      static_cast<double>(std::max<Eigen::Index>(1, changes.cols() - 1));
   return result;
 }
 
 }  // namespace
 
-void BlockAccumulator::add(std::int64_t key,
-                           double residual,
-                           const Eigen::VectorXd& derivatives) {
+void BlockAccumulator::add(std::int64_t key, double residual, const Eigen::VectorXd& derivatives) {
   const auto at = std::lower_bound(keys_.begin(), keys_.end(), key);
   const auto place = at - keys_.begin();
   if (at == keys_.end() || *at != key) {
     keys_.insert(at, key);
     slots_.insert(slots_.begin() + place, blocks_.size());
-    blocks_.push_back({Eigen::VectorXd::Zero(parameters_),
-                       Eigen::MatrixXd::Zero(parameters_, parameters_)});
+    blocks_.push_back(
+        {Eigen::VectorXd::Zero(parameters_), Eigen::MatrixXd::Zero(parameters_, parameters_)});
   }
   BlockSums& block = blocks_[slots_[static_cast<std::size_t>(place)]];
   block.gradient += std::clamp(residual, -huber_, huber_) * derivatives;

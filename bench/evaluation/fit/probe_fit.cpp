@@ -200,8 +200,8 @@ void read_intervals(const BlockAccumulator& sums, const Values& prior_sigma, Reg
   Eigen::MatrixXd regular = sums.hessian();
   for (int i = 0; i < kN; ++i) regular(i, i) += precision[i] > 0 ? precision[i] : 1.0;
   result.variance_inflation = inflation(sums, regular);
-  const auto seen = identifiability(
-      sums.hessian() / result.variance_inflation, sigma, bootstrap.covariance);
+  const auto seen =
+      identifiability(sums.hessian() / result.variance_inflation, sigma, bootstrap.covariance);
   for (const auto& unseen : seen.unseen) {
     result.unseen.push_back({unseen.parameters, unseen.data_over_prior});
   }

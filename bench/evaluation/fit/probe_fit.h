@@ -53,10 +53,8 @@ struct RegistrationPriors {
   /// The pose is held: the phantom stands where the bench put it. An offset of the motor is a
   /// rotation about the wobble axis, so that one of the two must be known.
   static RegistrationPriors of_known_pose() {
-    return {.rotation_rad = 0,
-            .translation_m = 0,
-            .motor_angle_rad = 0.05,
-            .wobble_radius_m = 3e-3};
+    return {
+        .rotation_rad = 0, .translation_m = 0, .motor_angle_rad = 0.05, .wobble_radius_m = 3e-3};
   }
   /// Nothing is held.
   static RegistrationPriors of_nothing_known() {
@@ -102,7 +100,7 @@ struct Registration {
   int blocks = 0;   ///< of the bootstrap
   /// By RegistrationParameter; NaN, as all that follows, where there were too few points to fit.
   std::array<double, kRegistrationParameters> value;
-  std::array<double, kRegistrationParameters> low;   ///< 95 % interval of the block bootstrap
+  std::array<double, kRegistrationParameters> low;  ///< 95 % interval of the block bootstrap
   std::array<double, kRegistrationParameters> high;
   /// Row-major, of the block bootstrap, in the units of `value`; zero where a parameter is held.
   std::array<double, std::size_t{kRegistrationParameters} * kRegistrationParameters> covariance;

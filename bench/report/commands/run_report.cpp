@@ -146,10 +146,11 @@ std::string error_line(const RunResult& result, bool surface_sought) {
                 in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
                 " mm\n";
   }
-  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
-         " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
-         " pixels\nsurface     missed " + percent(raw.missed_surface_percent()) +
-         " % of its area (" + percent(raw.missed_percent()) + " % of the picture), false " +
+  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
+         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " +
+         std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
+         percent(raw.missed_surface_percent()) + " % of its area (" +
+         percent(raw.missed_percent()) + " % of the picture), false " +
          percent(raw.false_percent()) + " % of the picture\n";
 }
 

@@ -18,8 +18,10 @@ void add_term(std::ostream& rows,
               const FittedTerm& term,
               const TermDescription& description) {
   rows << part << "," << description.name << "," << description.unit << ",";
-  if (term.fitted) rows << text(term.value) << "," << text(term.low) << "," << text(term.high);
-  else rows << ",,";
+  if (term.fitted)
+    rows << text(term.value) << "," << text(term.low) << "," << text(term.high);
+  else
+    rows << ",,";
   rows << "\n";
 }
 
@@ -40,15 +42,16 @@ std::string terms_csv(const DetectionModel& model) {
 std::string judgements_csv(const ModelStudy& study) {
   std::ostringstream rows;
   rows << "scans,held_out,pixels,other_surface_percent,mean_before_mm,mean_after_mm,rms_before_mm,"
-          "rms_after_mm,explained_variance,reproducible_variance,within_one_spread_percent,"
+          "rms_after_mm,explained_variance,removed_mean_square,reproducible_variance,within_one_"
+          "spread_percent,"
           "within_two_spreads_percent\n";
   const auto add = [&](const Judgement& judged) {
     rows << judged.name << "," << judged.of << "," << judged.pixels << ","
          << text(judged.other_surface_percent) << "," << text(judged.mean_before_mm) << ","
          << text(judged.mean_after_mm) << "," << text(judged.rms_before_mm) << ","
          << text(judged.rms_after_mm) << "," << text(judged.explained_variance) << ","
-         << text(judged.reproducible_variance) << "," << text(judged.within_one_percent) << ","
-         << text(judged.within_two_percent) << "\n";
+         << text(judged.removed_mean_square) << "," << text(judged.reproducible_variance) << ","
+         << text(judged.within_one_percent) << "," << text(judged.within_two_percent) << "\n";
   };
   add(study.training);
   for (const Judgement& judged : study.held_out) add(judged);

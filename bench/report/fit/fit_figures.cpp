@@ -40,9 +40,9 @@ Picture3 draw_bins(const ModelStudy& study, const std::string& quantity, const s
 std::vector<Figure> fit_figures(const ModelStudy& study) {
   std::vector<Figure> figures;
   std::vector<Picture3> charts;
-  for (const auto& [quantity, label] :
-       {std::pair{"incidence_deg", "incidence (deg)"}, {"range_mm", "range (mm)"},
-        {"contrast", "contrast (of full scale)"}}) {
+  for (const auto& [quantity, label] : {std::pair{"incidence_deg", "incidence (deg)"},
+                                        {"range_mm", "range (mm)"},
+                                        {"contrast", "contrast (of full scale)"}}) {
     auto chart = draw_bins(study, quantity, label);
     if (!chart.pixels.empty()) charts.push_back(std::move(chart));
   }
@@ -55,9 +55,10 @@ std::vector<Figure> fit_figures(const ModelStudy& study) {
     const std::vector<GreyPanel> panels = {{"error", grey(picture.error_m)},
                                            {"model's bias", grey(picture.bias_m)},
                                            {"left", grey(picture.left_m)}};
-    figures.push_back({"fit_residuals_" + picture.name,
-                       "Held out (" + picture.name + "): error, the model's bias, what is left.",
-                       draw(panels, "black: 5 mm too near or no surface, white: 5 mm too far", kPanelWidth)});
+    figures.push_back(
+        {"fit_residuals_" + picture.name,
+         "Held out (" + picture.name + "): error, the model's bias, what is left.",
+         draw(panels, "black: 5 mm too near or no surface, white: 5 mm too far", kPanelWidth)});
   }
   return figures;
 }

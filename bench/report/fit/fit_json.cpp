@@ -54,6 +54,7 @@ Json judgement_json(const Judgement& judged) {
           {"rms_before_mm", judged.rms_before_mm},
           {"rms_after_mm", judged.rms_after_mm},
           {"explained_variance", number(judged.explained_variance)},
+          {"removed_mean_square", number(judged.removed_mean_square)},
           {"reproducible_variance", number(judged.reproducible_variance)},
           {"within_one_spread_percent", judged.within_one_percent},
           {"within_two_spreads_percent", judged.within_two_percent}};
@@ -83,8 +84,7 @@ Json model_json(const ModelStudy& study) {
 nlohmann::ordered_json fit_json(const FitResults& results) {
   Json registration = registration_json(results.known_pose);
   registration["nothing_known"] = registration_json(results.nothing_known);
-  registration["coverage"] =
-      results.coverage ? coverage_json(*results.coverage) : Json(nullptr);
+  registration["coverage"] = results.coverage ? coverage_json(*results.coverage) : Json(nullptr);
   return {{"registration", registration}, {"model", model_json(results.model)}};
 }
 

@@ -19,7 +19,8 @@ struct Judgement {
   double other_surface_percent = 0;  ///< left out: errors beyond kOtherSurface_m
   double mean_before_mm = 0, mean_after_mm = 0;
   double rms_before_mm = 0, rms_after_mm = 0;
-  double explained_variance = 0;  ///< 1 - sum (e - model)^2 / sum (e - mean)^2
+  double explained_variance = 0;   ///< 1 - sum (e - model)^2 / sum (e - mean)^2
+  double removed_mean_square = 0;  ///< 1 - sum (e - model)^2 / sum e^2
   /// Share of the variance that two seeds have in common at a pixel, which is all that a bias could
   /// explain; NaN of one seed.
   double reproducible_variance = 0;
@@ -52,10 +53,10 @@ struct ModelStudy {
   std::vector<ResidualBin> bins;
 };
 
-/// `seeds`: of each training pose. Trains on the scene's phantom at three poses, and, so that the
-/// terms of the settings vary, with twice the buffer, half the frames and half the sticks; judges on
-/// other seeds, another pose, another view, and a ball and a slanting plane (a face where the scene
-/// has one of these).
+/// `seeds`: of each training pose. Trains on the scene's phantom at three poses and in another
+/// view, and, so that the terms of the settings vary, with twice the buffer, half the frames and
+/// half the sticks; judges on other seeds, another pose, another view, and those of a ball, a
+/// slanting plane and steps that the scene does not have.
 ModelStudy study_detection_model(const Scene& scene,
                                  const LoadedPhantom& phantom,
                                  int seeds,

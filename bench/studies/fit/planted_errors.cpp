@@ -46,13 +46,10 @@ class PlantedScans {
 
   PlantedSeed fit(std::uint64_t seed, const PlantedErrors& errors) {
     const Scene truth = with_errors(scene_, errors);
-    const auto subject =
-        seen_by_motor(subject_, truth.plan().geometry(), errors.motor_angle_rad);
-    auto picture =
-        render_frames(renderer_, scan_with_seed(truth, seed, subject, phantom_.maps));
+    const auto subject = seen_by_motor(subject_, truth.plan().geometry(), errors.motor_angle_rad);
+    auto picture = render_frames(renderer_, scan_with_seed(truth, seed, subject, phantom_.maps));
     for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors.bias_m);
-    return {seed,
-            registration_.fit(picture.depth_m, RegistrationPriors::of_known_pose())};
+    return {seed, registration_.fit(picture.depth_m, RegistrationPriors::of_known_pose())};
   }
 
  private:
@@ -83,8 +80,8 @@ PlantedParameter summarise(int parameter, const PlantedErrors& errors, const Cov
   const auto slot = static_cast<std::size_t>(parameter);
   const auto reference = mean_deviation(coverage.reference, parameter);
   const auto found = mean_deviation(coverage.seeds, parameter);
-  const double reference_width = kStudent * reference.deviation /
-                                 std::sqrt(static_cast<double>(coverage.reference.size()));
+  const double reference_width =
+      kStudent * reference.deviation / std::sqrt(static_cast<double>(coverage.reference.size()));
   PlantedParameter result{parameter,
                           errors.of(parameter),
                           found.mean - reference.mean,
@@ -106,11 +103,16 @@ PlantedParameter summarise(int parameter, const PlantedErrors& errors, const Cov
 
 double PlantedErrors::of(int parameter) const {
   switch (parameter) {
-    case kScale: return scale;
-    case kBias: return bias_m;
-    case kMotorAngle: return motor_angle_rad;
-    case kWobbleRadius: return wobble_radius_m;
-    default: return 0;
+    case kScale:
+      return scale;
+    case kBias:
+      return bias_m;
+    case kMotorAngle:
+      return motor_angle_rad;
+    case kWobbleRadius:
+      return wobble_radius_m;
+    default:
+      return 0;
   }
 }
 

@@ -13,8 +13,8 @@ namespace wobblebench::bench {
 
 /// What the true probe has above the one that renderer and fit assume.
 struct PlantedErrors {
-  double scale = 0.01;                ///< true over assumed speed of sound - 1
-  double bias_m = 0.5e-3;             ///< added to the found depths
+  double scale = 0.01;     ///< true over assumed speed of sound - 1
+  double bias_m = 0.5e-3;  ///< added to the found depths
   double motor_angle_rad = 1 * kDegree;
   double wobble_radius_m = 1e-3;
 
@@ -26,13 +26,13 @@ struct PlantedErrors {
 PlantedErrors plantable(const Scene& scene);
 
 struct PlantedParameter {
-  int parameter = 0;        ///< place in Registration::value
+  int parameter = 0;  ///< place in Registration::value
   double planted = 0;
-  double mean = 0;          ///< recovered, over the seeds
-  double deviation = 0;     ///< standard, over the seeds
-  double half_width = 0;    ///< mean, of the 95 % intervals
-  double reference = 0;     ///< mean fit of the pictures without planted errors
-  int covered = 0;          ///< seeds whose interval holds the planted error
+  double mean = 0;        ///< recovered, over the seeds
+  double deviation = 0;   ///< standard, over the seeds
+  double half_width = 0;  ///< mean, of the 95 % intervals
+  double reference = 0;   ///< mean fit of the pictures without planted errors
+  int covered = 0;        ///< seeds whose interval holds the planted error
 };
 
 struct PlantedSeed {

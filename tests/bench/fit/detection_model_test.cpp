@@ -21,7 +21,6 @@ std::vector<ErrorRow> known_rows(int count, bool outliers) {
   for (int i = 0; i < count; ++i) {
     ErrorRow row;
     row.pixel.measured = true;
-    row.pixel.ray_over_stick = static_cast<float>(0.8 + 0.4 * uniform(generator));
     row.pixel.x = {1,
                    0.9f,
                    static_cast<float>(3 * uniform(generator)),
@@ -32,9 +31,8 @@ std::vector<ErrorRow> known_rows(int count, bool outliers) {
                    static_cast<float>(40 * uniform(generator) - 20)};
     const double beam = std::hypot(static_cast<double>(row.pixel.x[kLateralTerm]),
                                    static_cast<double>(row.pixel.x[kElevationTerm]));
-    const double bias_mm = static_cast<double>(row.pixel.ray_over_stick) *
-                           (0.5 - 0.4 * static_cast<double>(row.pixel.x[kLateralTerm]) +
-                            2 * static_cast<double>(row.pixel.x[kContrastTerm]));
+    const double bias_mm = 0.5 - 0.4 * static_cast<double>(row.pixel.x[kLateralTerm]) +
+                           2 * static_cast<double>(row.pixel.x[kContrastTerm]);
     double error_mm = bias_mm + 0.3 * std::exp(0.2 * beam) * normal(generator);
     if (outliers && i % 10 == 0) error_mm = 8;
     row.error_m = static_cast<float>(error_mm * kMillimetre);

@@ -43,8 +43,8 @@ struct Bodies {
   }
 };
 
-const Bodies kScene{{{{0, 0, 0.12}, 0.025}, {{-0.02, 0.03, 0.13}, 0.02}, {{0.03, -0.03, 0.12}, 0.015}},
-                    0.13};
+const Bodies kScene{
+    {{{0, 0, 0.12}, 0.025}, {{-0.02, 0.03, 0.13}, 0.02}, {{0.03, -0.03, 0.12}, 0.015}}, 0.13};
 const Bodies kOneBall{{{{0, 0, 0.12}, 0.025}}, {}};
 
 struct Planted {
@@ -111,8 +111,8 @@ TEST(ProbeFit, EachPlantedErrorIsRecoveredAlone) {
     return Planted{value[kScale], value[kBias], value[kMotorAngle], value[kWobbleRadius]};
   };
   for (int one = 0; one < 4; ++one) {
-    const Planted planted{one == 0 ? 0.01 : 0, one == 1 ? 0.5e-3 : 0, one == 2 ? kDegree : 0,
-                          one == 3 ? 1e-3 : 0};
+    const Planted planted{
+        one == 0 ? 0.01 : 0, one == 1 ? 0.5e-3 : 0, one == 2 ? kDegree : 0, one == 3 ? 1e-3 : 0};
     const Planted found = recovered(planted);
     EXPECT_NEAR(found.scale, planted.scale, 1e-4) << one;
     EXPECT_NEAR(found.bias_m, planted.bias_m, 5e-6) << one;
@@ -137,7 +137,8 @@ TEST(ProbeFit, IntervalsOfNoisyPointsHoldThePlantedErrors) {
 }
 
 TEST(ProbeFit, AMotorOffsetOfAnUnknownPoseIsNamed) {
-  const auto result = fit(kScene, {.motor_angle_rad = 1 * kDegree}, RegistrationPriors::of_nothing_known(), 0.2e-3);
+  const auto result =
+      fit(kScene, {.motor_angle_rad = 1 * kDegree}, RegistrationPriors::of_nothing_known(), 0.2e-3);
   EXPECT_TRUE(names(result, kMotorAngle));
   EXPECT_TRUE(names(result, kRotation)) << "the wobble axis is parallel to x";
   EXPECT_FALSE(names(result, kScale));
