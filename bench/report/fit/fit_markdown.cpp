@@ -8,6 +8,9 @@ namespace wobblebench::bench {
 
 namespace {
 
+/// Larger ratios are rounding.
+constexpr double kMostRatio = 1000;
+
 /// A parameter's unit as people read it, and how many of it are one SI unit.
 struct ShownUnit {
   const char* name;
@@ -65,7 +68,7 @@ void write_registration(const Registration& fit, std::ostream& text) {
       text << (i ? ", " : " ") << shown(parameters[i]).name;
     }
     text << " (deviation of the combination from the data alone: "
-         << (std::isfinite(ratio) ? fixed(ratio, 1) : "infinitely many")
+         << (ratio < kMostRatio ? fixed(ratio, 1) : "more than 1000")
          << " times its prior's).\n";
   }
   for (const auto& [one, other] : fit.correlated) {
