@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -43,14 +44,14 @@ const std::set<std::string> kIndifferentSections = {"render.pipeline",
 const std::set<std::string> kDisplayKeys = {
     "tgc_db_per_cm_mhz", "full_scale_db", "dynamic_range_db", "low_pass"};
 
-void add_keys(const Json& from, const std::string& prefix, Json& conditions) {
+void add_keys(const Json& from, const std::string& prefix, CorrectionConditions& conditions) {
   for (const auto& [key, value] : from.items()) {
     const std::string name = prefix + "." + key;
     if (kIndifferent.contains(name) || kIndifferentSections.contains(name)) continue;
     if (value.is_object()) {
       add_keys(value, name, conditions);
     } else {
-      conditions[name] = value;
+      conditions[name] = value.dump();
     }
   }
 }
@@ -113,7 +114,9 @@ Correction parse(const Scene& scene) {
       throw std::runtime_error("kind");
     }
     Correction correction;
-    correction.made_for = json.at("made_for");
+    for (const auto& [key, value] : json.at("made_for").items()) {
+      correction.made_for[key] = value.dump();
+    }
     correction.step_mm = json.at("step_mm").get<double>();
     read_terms(json.at("terms"), error_terms(), correction.model.bias);
     read_terms(json.at("spread_terms"), spread_term_descriptions(), correction.model.spread);
@@ -126,47 +129,48 @@ Correction parse(const Scene& scene) {
 }
 
 void check_conditions(const Correction& correction, const Scene& scene) {
-  const Json here = correction_conditions(scene);
-  const auto refuse = [&](const std::string& key, const std::string& made, const std::string& is) {
-    throw UserError(source_of(scene) + ": was made for " + key + " = " + made + "; the scene has " +
-                    is + ", and must have the same");
+  const CorrectionConditions here = correction_conditions(scene);
+  const auto value_in = [](const CorrectionConditions& conditions, const std::string& key) {
+    const auto found = conditions.find(key);
+    return found == conditions.end() ? "nothing" : found->second;
   };
-  const auto value_in = [](const Json& json, const std::string& key) {
-    return json.contains(key) ? json.at(key).dump() : std::string("nothing");
+  const auto check = [&](const std::string& key) {
+    const std::string made = value_in(correction.made_for, key), is = value_in(here, key);
+    if (made == is) return;
+    throw UserError(source_of(scene) + ": was made for " + key + " = " + made +
+                    "; the scene has " + is + ", and must have the same");
   };
-  for (const auto& [key, value] : here.items()) {
-    const std::string made = value_in(correction.made_for, key);
-    if (made != value.dump()) refuse(key, made, value.dump());
-  }
-  for (const auto& [key, value] : correction.made_for.items()) {
-    if (!here.contains(key)) refuse(key, value.dump(), "nothing");
-  }
+  check("probe.preset");  // which the other keys of the probe follow
+  for (const auto& [key, value] : here) check(key);
+  for (const auto& [key, value] : correction.made_for) check(key);
 }
 
 }  // namespace
 
-nlohmann::ordered_json correction_conditions(const Scene& scene) {
+CorrectionConditions correction_conditions(const Scene& scene) {
   const Json all = resolved(scene);
-  Json conditions = Json::object();
+  CorrectionConditions conditions;
   for (const char* section : {"probe", "acquisition", "render"}) {
     add_keys(all.at(section), section, conditions);
   }
   conditions["render.shading.depth_filter_size"] =
-      all.at("render").at("shading").at("depth_filter_size");
+      all.at("render").at("shading").at("depth_filter_size").dump();
   for (const std::string& key : kDisplayKeys) {
-    conditions["simulation." + key] = all.at("simulation").at(key);
+    conditions["simulation." + key] = all.at("simulation").at(key).dump();
   }
   return conditions;
 }
 
 std::string correction_text(const Correction& correction) {
+  Json made_for = Json::object();
+  for (const auto& [key, value] : correction.made_for) made_for[key] = Json::parse(value);
   const Json json = {
       {"kind", kKind},
       {"schema", kCorrectionSchema},
       {"terms", terms_json(correction.model.bias, error_terms())},
       {"spread_terms", terms_json(correction.model.spread, spread_term_descriptions())},
       {"step_mm", correction.step_mm},
-      {"made_for", correction.made_for}};
+      {"made_for", made_for}};
   return json.dump(2) + "\n";
 }
 

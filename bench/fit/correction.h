@@ -1,8 +1,7 @@
 // The detection-error model as a file that `fit` writes and `run` applies (render.correction).
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -12,15 +11,18 @@
 
 namespace wobblebench::bench {
 
+/// Dotted keys of a scene with their values as JSON.
+using CorrectionConditions = std::map<std::string, std::string>;
+
 /// What a correction depends on: probe, scan, display scale, and the render settings that decide
 /// where a surface is found. Not the phantom, the view, the picture's size, light, or volume of
 /// interest.
-nlohmann::ordered_json correction_conditions(const Scene& scene);
+CorrectionConditions correction_conditions(const Scene& scene);
 
 struct Correction {
   DetectionModel model;
-  nlohmann::ordered_json made_for;  ///< correction_conditions() of the scene that it was fitted in
-  double step_mm = 0;               ///< of the rays there
+  CorrectionConditions made_for;  ///< correction_conditions() of the scene that it was fitted in
+  double step_mm = 0;             ///< of the rays there
 };
 
 /// The text of correction.json.

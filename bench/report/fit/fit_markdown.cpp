@@ -68,8 +68,7 @@ void write_registration(const Registration& fit, std::ostream& text) {
       text << (i ? ", " : " ") << shown(parameters[i]).name;
     }
     text << " (deviation of the combination from the data alone: "
-         << (ratio < kMostRatio ? fixed(ratio, 1) : "more than 1000")
-         << " times its prior's).\n";
+         << (ratio < kMostRatio ? fixed(ratio, 1) : "more than 1000") << " times its prior's).\n";
   }
   for (const auto& [one, other] : fit.correlated) {
     text << "Correlated by " << fixed(fit.correlation(one, other), 3) << ": " << shown(one).name
