@@ -137,8 +137,8 @@ void check_conditions(const Correction& correction, const Scene& scene) {
   const auto check = [&](const std::string& key) {
     const std::string made = value_in(correction.made_for, key), is = value_in(here, key);
     if (made == is) return;
-    throw UserError(source_of(scene) + ": was made for " + key + " = " + made +
-                    "; the scene has " + is + ", and must have the same");
+    throw UserError(source_of(scene) + ": was made for " + key + " = " + made + "; the scene has " +
+                    is + ", and must have the same");
   };
   check("probe.preset");  // which the other keys of the probe follow
   for (const auto& [key, value] : here) check(key);
