@@ -59,6 +59,15 @@ void register_scene(const Scene& given,
   results.nothing_known = registration.fit(picture.depth_m, RegistrationPriors::of_nothing_known());
 }
 
+/// A picture in which nothing is found has no errors to fit.
+void refuse_too_few_points(const Registration& registration) {
+  if (registration.points >= kLeastPoints) return;
+  throw UserError("render.ray_casting: " + std::to_string(registration.points) + " of " +
+                  std::to_string(registration.sampled) +
+                  " found points lie near a true surface; must be at least " +
+                  std::to_string(kLeastPoints) + " to fit");
+}
+
 void stage_results(OutputFolder& out, const FitResults& results, const Provenance& provenance) {
   out.write_text("fit.md", fit_markdown(results, provenance));
   out.write_text("correction.json", correction_text(results.correction));
@@ -80,6 +89,7 @@ FitResults measure(const Scene& scene,
       progress.step("phantom", [&] { return load_phantom(scene.phantom, cache); });
   FitResults results;
   progress.step("register", [&] { register_scene(scene, phantom, context, results); });
+  refuse_too_few_points(results.known_pose);
   if (arguments.coverage > 0) {
     results.coverage = progress.step("coverage", [&](const PartDone& done) {
       return measure_coverage(scene, phantom, arguments.coverage, context, done);

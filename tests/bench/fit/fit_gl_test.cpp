@@ -59,6 +59,16 @@ TEST(Fit, WritesACorrectionThatRunApplies) {
   EXPECT_EQ(error.at("missed_percent"), error.at("before_correction").at("missed_percent"));
 }
 
+TEST(Fit, OfAPictureWithoutASurfaceIsRefused) {
+  const ScratchFolder folder;
+  const auto result =
+      bench(with({"fit", "--set", "render.ray_casting.threshold=60"}, {kSmall}), folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("render.ray_casting: 0 of 0 found points"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(fs::exists(folder.path() / "out" / "fit.md"));
+}
+
 TEST(Fit, RefusesWhatItCannotFitInOneLine) {
   const ScratchFolder folder;
   for (const std::string setting : {"motion.velocity_mm_s=[5,0,0]",
