@@ -19,17 +19,4 @@ constexpr std::string_view to_string(RenderPreset preset) {
 /// The settings that a preset stands for.
 RenderOptions render_preset(RenderPreset preset);
 
-/// A scene's choice: the values of all other settings start from it.
-struct RenderPresetOptions {
-  RenderPreset preset = RenderPreset::accurate;
-};
-
-template <OptionsOf<RenderPresetOptions> O, class Visitor>
-void describe(O& o, Visitor& v) {
-  v.choice("preset",
-           o.preset,
-           {{to_string(RenderPreset::accurate), RenderPreset::accurate},
-            {to_string(RenderPreset::paper), RenderPreset::paper}});
-}
-
 }  // namespace wobblebench::render

@@ -26,5 +26,6 @@ Command add_modes_command(CLI::App& app);
 Command add_validate_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
 Command add_accuracy_command(CLI::App& app);
+Command add_fit_command(CLI::App& app);
 
 }  // namespace wobblebench::bench

@@ -8,6 +8,7 @@
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
 #include "bench/evaluation/shadows.h"
+#include "bench/fit/correction.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/commands/run_report.h"
 #include "bench/report/output/output_folder.h"
@@ -61,6 +62,13 @@ render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume&
   return renderer.render();
 }
 
+/// The correction that the scene names, once phantom and plan are known.
+std::optional<Correction> correction_of(const Scene& scene) {
+  auto correction = read_correction(scene);
+  if (correction) check_correction_step(*correction, scene);
+  return correction;
+}
+
 /// The exit code, with a line on stderr unless it is 0.
 int verdict(const RunResult& result, const Arguments& arguments) {
   if (!result.acquisition.ending.empty()) {
@@ -76,6 +84,7 @@ int verdict(const RunResult& result, const Arguments& arguments) {
 int run(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   check_memory_of_run(scene, available_memory_bytes());
+  read_correction(scene);  // refuses one that was made for something else before any work
   BoardConnection board(parse_board(arguments.board));
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
@@ -91,6 +100,7 @@ int run(const Arguments& arguments) {
 
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
+  const auto correction = correction_of(scene);
   const auto plan = scene.plan();
   const auto view = render::make_view(scene.render);
   render::Renderer renderer(*context, plan, scene.render);
@@ -103,6 +113,13 @@ int run(const Arguments& arguments) {
   progress.step("shaders", [&] { compiled.get(); });
   auto picture =
       progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
+  std::optional<render::Picture> uncorrected;
+  if (correction) {
+    uncorrected = picture;
+    picture = progress.step("correct", [&] {
+      return corrected_picture(*correction, picture, acquisition.volume, scene);
+    });
+  }
   RunResult result{std::move(acquisition),
                    std::move(picture),
                    context->backend(),
@@ -117,7 +134,9 @@ int run(const Arguments& arguments) {
     });
     auto error = progress.step(
         "compare", [&] { return measure_picture(result.picture, truth, scene.render); });
-    result.comparison = {std::move(truth.truth), std::move(error), std::nullopt};
+    std::optional<PictureMeasures> before;
+    if (uncorrected) before = measure_picture(*uncorrected, truth, scene.render);
+    result.comparison = {std::move(truth.truth), std::move(error), std::nullopt, std::move(before)};
     if (arguments.register_surface) {
       result.comparison->registration = progress.step("register", [&] {
         return register_surface(
@@ -145,10 +164,12 @@ Command add_run_command(CLI::App& app) {
   add_output_options(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
-  add_flag(command,
-           "--register",
-           arguments->register_surface,
-           "Fit pose, range scale and bias that lay the found surface onto the true one");
+  add_flag(
+      command,
+      "--register",
+      arguments->register_surface,
+      "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
+      "fits the probe's errors)");
   add_flag(command,
            "--fail-on-loss",
            arguments->fail_on_loss,

@@ -124,7 +124,7 @@ void read_sections(Scene& scene, toml::table& table, const std::string& source) 
       scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
     }
     if (section == "render.pipeline") {
-      scene.render = render::render_preset(scene.render_preset.preset);
+      scene.render = render::render_preset(scene.picture.preset);
     }
     if (toml::table* found = find_section(table, section, source)) {
       TomlReader reader(source, section, *found);
@@ -171,7 +171,7 @@ Scene load_scene(const std::filesystem::path& path,
   std::string source = path.empty() ? "defaults" : path.string();
   if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
   Scene scene;
-  scene.render_preset.preset = preset;
+  scene.picture.preset = preset;
   read_sections(scene, table, source);
   validate(scene, source);
   return scene;

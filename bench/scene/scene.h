@@ -31,6 +31,21 @@ void describe(O& o, Visitor& v) {
 
 phantoms::Placement to_placement(const PlacementOptions& options);
 
+/// What the renderer's settings start from, and what is done with z beside its passes.
+struct PictureOptions {
+  render::RenderPreset preset = render::RenderPreset::accurate;
+  std::string correction;  ///< correction.json of `wobblebench fit`; empty: z stays as it is found
+};
+
+template <OptionsOf<PictureOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.choice("preset",
+           o.preset,
+           {{to_string(render::RenderPreset::accurate), render::RenderPreset::accurate},
+            {to_string(render::RenderPreset::paper), render::RenderPreset::paper}});
+  v.text("correction", o.correction);
+}
+
 struct Scene {
   phantoms::PhantomOptions phantom;
   PlacementOptions placement;
@@ -38,8 +53,8 @@ struct Scene {
   hw::NamedProbeOptions probe;
   hw::AcquisitionOptions acquisition;
   sim::SimulationOptions simulation;
-  render::RenderPresetOptions render_preset;
-  render::RenderOptions render = render::render_preset(render_preset.preset);
+  PictureOptions picture;
+  render::RenderOptions render = render::render_preset(picture.preset);
   std::set<std::string> given;  ///< dotted keys that the file or --set named
 
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
@@ -59,7 +74,7 @@ void for_each_section(S& scene, const Body& body) {
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
-  body("render", scene.render_preset);
+  body("render", scene.picture);
   body("render.pipeline", scene.render.pipeline);
   body("render.reconstruction", scene.render.reconstruction);
   body("render.scan_conversion", scene.render.scan_conversion);

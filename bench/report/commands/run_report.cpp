@@ -149,10 +149,17 @@ std::string error_line(const RunResult& result, bool surface_sought) {
   const DepthError& raw = comparison->error.raw;
   if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
   const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
-  return "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " + in_mm(raw.depth.rms_m) +
-         " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " + std::to_string(raw.depth.n) +
-         " pixels\nsurface     missed " + percent(raw.missed_surface_percent()) +
-         " % of its area (" + percent(raw.missed_percent()) + " % of the picture), false " +
+  std::string corrected;
+  if (const auto& before = comparison->before_correction) {
+    corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
+                in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
+                " mm\n";
+  }
+  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
+         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " +
+         std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
+         percent(raw.missed_surface_percent()) + " % of its area (" +
+         percent(raw.missed_percent()) + " % of the picture), false " +
          percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
 }
 
@@ -172,6 +179,9 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
     report["error"] = error_json(comparison->error, computes_surface(scene));
+    if (const auto& before = comparison->before_correction) {
+      report["error"]["before_correction"] = error_json(*before, computes_surface(scene));
+    }
     if (comparison->registration) {
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
     }

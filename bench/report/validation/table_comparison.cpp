@@ -17,7 +17,7 @@ std::string whole_mm(double metres) {
 }
 
 std::string place_text(const BeamRow& place) {
-  const std::string range = whole_mm(place.range_m) + " mm";
+  std::string range = whole_mm(place.range_m) + " mm";
   if (place.sector_fraction == 0) return range;
   return range + ", " + significant(place.sector_fraction, 3) + " of the half sector";
 }

@@ -47,7 +47,7 @@ BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan,
                                const PulseBand& band,
                                double beyond) {
   BeamPlane plane(plan, band, beyond, false);
-  const PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), band);
+  PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), band);
   const double height_m = plan.probe().element_height_m;
   const double focus_m = plan.probe().elevation_focus_m;
   plane.response_ = [response](double) { return response; };

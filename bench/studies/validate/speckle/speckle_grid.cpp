@@ -54,7 +54,8 @@ SpeckleGrid scattered(const sim::ScattererField& field,
   const auto samples = static_cast<std::size_t>(plan.samples);
   parallel_rows(plan.frames * plan.lines, [&](int i) {
     const double theta = grid.theta_rad[static_cast<std::size_t>(i % plan.lines)];
-    const double phi = (i / plan.lines - 0.5 * (plan.frames - 1)) * plan.phi_step_rad;
+    const int frame = i / plan.lines;
+    const double phi = (frame - 0.5 * (plan.frames - 1)) * plan.phi_step_rad;
     fill_stick(field,
                {geometry.stick(theta, phi), 0},
                grid.spacing_m,

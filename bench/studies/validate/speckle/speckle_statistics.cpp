@@ -47,7 +47,10 @@ std::vector<double> envelopes_of(const SpeckleGrid& grid, const SpeckleInputs& i
   const int step = std::max(1, static_cast<int>(std::ceil(inputs.step_m / grid.spacing_m)));
   std::vector<double> envelopes;
   for (int line = 0; line < grid.lines(); ++line) {
-    for (double from_m = inputs.from_m; from_m < inputs.to_m - 1e-6; from_m += kWindow_m) {
+    const int windows =
+        static_cast<int>(std::ceil((inputs.to_m - inputs.from_m - 1e-6) / kWindow_m));
+    for (int window = 0; window < windows; ++window) {
+      const double from_m = inputs.from_m + window * kWindow_m;
       const double to_m = std::min(from_m + kWindow_m, inputs.to_m);
       add_line(grid, line, {from_m, to_m}, step, envelopes);
     }

@@ -1,0 +1,65 @@
+// How well a detection-error model explains scans, fitted to or not.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "bench/fit/detection_model.h"
+
+namespace wobblebench::bench {
+
+/// One scan's errors, and what is known of its pixels.
+struct ScannedErrors {
+  Image<float> error_m;  ///< NaN: no error
+  Image<PixelTerms> terms;
+  int set = 0;
+  double other_surface_percent = 0;
+};
+
+/// How the model does on scans that it was, or was not, fitted to.
+struct Judgement {
+  std::string name;
+  std::string of;  ///< what is new about them
+  int pixels = 0;
+  double other_surface_percent = 0;  ///< left out: errors beyond kOtherSurface_m
+  double mean_before_mm = 0, mean_after_mm = 0;
+  double rms_before_mm = 0, rms_after_mm = 0;
+  double explained_variance = 0;   ///< 1 - sum (e - model)^2 / sum (e - mean)^2
+  double removed_mean_square = 0;  ///< 1 - sum (e - model)^2 / sum e^2
+  /// Share of the variance that two seeds have in common at a pixel, which is all that a bias could
+  /// explain; NaN of one seed.
+  double reproducible_variance = 0;
+  double within_one_percent = 0;  ///< of pixels within one spread of the bias; normal: 68.3
+  double within_two_percent = 0;  ///< 95.4
+};
+
+/// Signed error, the model's bias and what is left, of one scan; NaN where there is none.
+struct ResidualPicture {
+  std::string name;
+  Image<float> error_m, bias_m, left_m;
+};
+
+/// Mean error of held-out pixels in a bin of one quantity.
+struct ResidualBin {
+  std::string quantity;
+  double at = 0;  ///< middle
+  int pixels = 0;
+  double before_mm = 0, after_mm = 0;
+};
+
+/// Of the pixels that have an error.
+Judgement judge(const std::string& name,
+                const std::string& of,
+                const std::vector<ErrorRow>& rows,
+                const DetectionModel& model);
+/// Correlation of the errors of the first two scans.
+double reproducible_variance(const std::vector<ScannedErrors>& scans);
+ResidualPicture residual_picture(const std::string& name,
+                                 const ScannedErrors& scan,
+                                 const DetectionModel& model);
+/// By incidence, range and contrast.
+std::vector<ResidualBin> residual_bins(const std::vector<ErrorRow>& rows,
+                                       const DetectionModel& model);
+
+}  // namespace wobblebench::bench
