@@ -41,7 +41,7 @@ void describe(O& o, Visitor& v) {
 
 /// How the volume between sticks is made. `plain`: from the neighbours at equal depth, as the paper
 /// does. `aligned`: from the neighbours at equal distance from their surface (shape-based
-/// interpolation, docs/decisions/0028-the-surface.md).
+/// interpolation, docs/decisions/0031-the-surface.md).
 enum class Sticks { plain, aligned };
 
 /// Before pass 1: sticks between the sticks of the scan.

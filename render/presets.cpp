@@ -7,8 +7,8 @@ RenderOptions render_preset(RenderPreset preset) {
   if (preset == RenderPreset::paper) return options;
   options.reconstruction.sticks = Sticks::aligned;
   options.ray_casting.detector = Detector::iso;
-  options.ray_casting.iso_level = 0.68;
-  options.ray_casting.incidence_correction_m = 1.3e-3;
+  options.ray_casting.iso_level = 0.72;
+  options.ray_casting.incidence_correction_m = 1.2e-3;
   return options;
 }
 

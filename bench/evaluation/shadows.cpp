@@ -12,10 +12,7 @@
 
 namespace wobblebench::bench {
 
-namespace {
-
-/// Of the tissues on either side of the target surfaces, the brightest one's echo.
-double tissue_amplitude(const phantoms::Phantom& phantom) {
+double brightest_target_db(const phantoms::Phantom& phantom) {
   const auto level_db = [&](phantoms::MaterialIndex index) {
     return phantom.materials().at(static_cast<std::size_t>(index)).backscatter_db;
   };
@@ -23,8 +20,10 @@ double tissue_amplitude(const phantoms::Phantom& phantom) {
   for (const phantoms::Surface& surface : phantom.surfaces()) {
     if (surface.is_target) brightest_db = std::max(brightest_db, level_db(surface.inside));
   }
-  return sim::amplitude_of_db(brightest_db);
+  return brightest_db;
 }
+
+namespace {
 
 /// Amplitude at the face below which an echo from a range drowns.
 double floor_amplitude(const hw::AcquisitionPlan& plan,
@@ -84,7 +83,7 @@ void StickReach::trace(const phantoms::PlacedPhantom& subject,
       subject.placement,
       subject.motion};
   const sim::StickPropagation shared(tissue, plan_, options, sim::Surfaces::crossed);
-  const double brightest = tissue_amplitude(subject.phantom);
+  const double brightest = sim::amplitude_of_db(brightest_target_db(subject.phantom));
   const auto lines = static_cast<std::uint32_t>(plan_.acquisition().sticks_per_frame);
   parallel_ranges(plan_.sticks_per_volume(), options.threads, [&](int first, int last) {
     sim::StickPropagation stick(shared);

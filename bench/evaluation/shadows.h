@@ -10,6 +10,10 @@
 
 namespace wobblebench::bench {
 
+/// Of the tissues on either side of the target surfaces, the mean echo of the brightest one, as
+/// phantoms::Material::backscatter_db.
+double brightest_target_db(const phantoms::Phantom& phantom);
+
 /// How far each stick of a volume hears tissue: the last true range at which an echo as strong as
 /// the mean one of the phantom's brightest target tissue, after all losses of its way there and
 /// back (sim/receive, sim/aperture), is neither below the RMS noise nor below the display's dynamic

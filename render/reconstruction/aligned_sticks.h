@@ -15,7 +15,7 @@ struct StickView {
   double edge_m = 0;  ///< range of its surface; NaN: none found
 };
 
-/// Shape-based interpolation (docs/references.md [27]) of the stick at `t` in [0, 1] between the
+/// Shape-based interpolation (docs/references.md [24]) of the stick at `t` in [0, 1] between the
 /// two middle ones of four neighbours. Its edge follows the neighbours' by a Catmull-Rom spline;
 /// its samples are their mean with the weights of a cubic B-spline, each read at the same distance
 /// from its own edge. A neighbour whose edge is more than `reach_m` from that of the one beside it

@@ -9,7 +9,7 @@
 namespace wobblebench::render {
 
 /// Mean samples of the two classes into which Otsu's threshold divides the volume of interest
-/// (docs/references.md [26]). They follow the display's range, its gain and the noise, so that a
+/// (docs/references.md [23]). They follow the display's range, its gain and the noise, so that a
 /// fraction of the way between them is a threshold for any of these.
 struct EchoLevels {
   double fluid = 0;

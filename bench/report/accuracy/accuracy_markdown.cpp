@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/number_text.h"
+#include "base/units.h"
 #include "bench/report/accuracy/accuracy_report.h"
 
 namespace wobblebench::bench {
@@ -127,6 +128,44 @@ void write_regions(const AccuracyResults& results,
   }
 }
 
+const AccuracySummary* outside_band(const AccuracyResults& results,
+                                    const AccuracySummary& picture) {
+  for (const AccuracySummary& s : results.summaries) {
+    if (s.group == "silhouette" && s.region == "outside" && s.scene == picture.scene &&
+        s.rung == picture.rung && s.setting == picture.setting) {
+      return &s;
+    }
+  }
+  return nullptr;
+}
+
+/// RMS errors outside the band over what a perfect detector could reach.
+void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
+  if (results.bounds.empty()) return;
+  markdown << "\n## Against the bound\n\nRMS outside the band over the yardstick of decision 30: a "
+              "perfect "
+              "detector on each stick, straight lines between them. Pixels whose four sticks do "
+              "not meet "
+              "their surface are left out of the yardstick, but not of the RMS.\n\n"
+              "| scene | sticks, mm | spacing, mm | yardstick, mm | pixels | left out | rung | "
+              "setting | RMS, mm | "
+              "ratio |\n| --- | ---: | ---: | ---: | ---: | ---: | --- | --- | ---: | ---: |\n";
+  for (const AccuracyBound& bound : results.bounds) {
+    for (const AccuracySummary& s : results.summaries) {
+      if (s.group != "picture" || s.scene != bound.scene) continue;
+      const AccuracySummary* outside = outside_band(results, s);
+      if (outside == nullptr) continue;
+      const MeanInterval rms = outside->means[index_of("rms_mm")];
+      const double yardstick_mm = bound.yardstick_m() / kMillimetre;
+      markdown << "| " << s.scene << " | " << fixed(bound.sticks_m / kMillimetre, 3) << " | "
+               << fixed(bound.spacing_m / kMillimetre, 3) << " | " << fixed(yardstick_mm, 3)
+               << " | " << bound.pixels << " | " << bound.unsupported << " | " << s.rung << " | "
+               << s.setting << " | " << text_of(rms, 2) << " | "
+               << fixed(rms.mean / yardstick_mm, 2) << " |\n";
+    }
+  }
+}
+
 void write_images(const AccuracyResults& results, std::ostream& markdown) {
   markdown << "\n## Pictures of seed " << results.seeds.front() << "\n\n";
   for (const AccuracyPicture& picture : results.pictures) {
@@ -148,6 +187,7 @@ std::string accuracy_markdown(const AccuracyResults& results, const Provenance& 
   write_pictures(results, markdown);
   write_differences(results, markdown);
   write_regions(results, "silhouette", "Outside and within the band at silhouettes", markdown);
+  write_bounds(results, markdown);
   write_regions(results, "incidence", "By incidence, degrees", markdown);
   write_regions(results, "range", "By range, mm", markdown);
   write_regions(results, "feature", "By feature", markdown);

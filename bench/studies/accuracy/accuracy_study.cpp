@@ -5,6 +5,9 @@
 #include <tuple>
 #include <utility>
 
+#include "bench/evaluation/bound/spacing_error.h"
+#include "bench/evaluation/shadows.h"
+#include "bench/evaluation/silhouettes.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -12,6 +15,26 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
+
+AccuracyBound bound_of(const std::string& name,
+                       Evaluator& evaluator,
+                       const render::RenderOptions& options) {
+  const Scene& scene = evaluator.scene();
+  const TrueView& view = evaluator.truth(options);
+  const Image<std::uint8_t> band = silhouette_band(view.truth, view.camera);
+  const auto counted = [&](int column, int row) { return band.at(column, row) == 0; };
+  const phantoms::PlacedPhantom& subject = evaluator.subject();
+  const PictureBound bound = picture_bound(view.truth,
+                                           view.camera,
+                                           scene.plan(),
+                                           scene.simulation,
+                                           brightest_target_db(subject.phantom),
+                                           counted);
+  const auto ranges_m = stick_ranges_m(subject, scene.plan(), render::make_view(options));
+  const SpacingError spacing =
+      spacing_error(view.truth, view.camera, scene.plan(), ranges_m, counted);
+  return {name, bound.between_sticks_m, spacing.rms_m, spacing.n, spacing.unsupported};
+}
 
 /// Working state of measure_accuracy().
 class Study {
@@ -31,6 +54,9 @@ class Study {
         for (const auto& setting : planned.settings) measure(planned, setting, seed, evaluator);
       }
     }
+    const AccuracyBound bound =
+        bound_of(planned.name, evaluator, evaluator.render_options(planned.settings.front().scene));
+    if (bound.pixels > 0) results.bounds.push_back(bound);
   }
 
   AccuracyResults results;

@@ -2,6 +2,7 @@
 // `accuracy`.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -43,6 +44,19 @@ struct AccuracySummary {
   std::vector<MeanInterval> differences;  ///< to the first setting, paired; empty: it is the first
 };
 
+/// What a perfect detector could reach in a scene's first view, outside the band at silhouettes
+/// (docs/decisions/0030-detection-bound.md); losses on the way are left out.
+struct AccuracyBound {
+  std::string scene;
+  double sticks_m = 0;   ///< PictureBound::between_sticks_m
+  double spacing_m = 0;  ///< SpacingError::rms_m
+  int pixels = 0;        ///< that both count
+  int unsupported = 0;   ///< SpacingError::unsupported
+
+  /// The yardstick of a picture's RMS error there.
+  double yardstick_m() const { return std::hypot(sticks_m, spacing_m); }
+};
+
 /// Of the first seed.
 struct AccuracyPicture {
   std::string scene, rung, setting;  ///< setting "truth": the true surface, shaded alike
@@ -54,8 +68,9 @@ struct AccuracyResults {
   std::vector<AccuracyRow> rows;
   std::vector<AccuracySummary> summaries;  ///< in the order of the rows
   std::vector<AccuracyPicture> pictures;
-  std::vector<std::string> notes;  ///< scenes without a surface in view, and why
-  EvaluationTimes times;           ///< sums over all evaluations
+  std::vector<AccuracyBound> bounds;  ///< of scenes with a surface in view
+  std::vector<std::string> notes;     ///< scenes without a surface in view, and why
+  EvaluationTimes times;              ///< sums over all evaluations
   int evaluations = 0;
 };
 

@@ -134,11 +134,14 @@ TEST(RunReport, WithoutASurfaceInViewHasNoFigures) {
 TEST(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
   const ScratchFolder folder;
   // Nothing is found: all of the surface is missed, and less of the picture.
-  const auto error =
-      report_of(bench(with({"run", "--json"},
-                           {kSphere, kScan, kPicture, set("render.ray_casting.threshold=60")}),
-                      folder))
-          .at("error");
+  const auto error = report_of(bench(with({"run", "--json"},
+                                          {kSphere,
+                                           kScan,
+                                           kPicture,
+                                           set("render.preset=paper"),
+                                           set("render.ray_casting.threshold=60")}),
+                                     folder))
+                         .at("error");
   EXPECT_EQ(error.at("missed_surface_percent"), 100);
   EXPECT_EQ(error.at("missed_percent"), error.at("surface_percent"));
   EXPECT_LT(error.at("missed_percent").get<double>(), 90);

@@ -61,8 +61,10 @@ TEST(Fit, WritesACorrectionThatRunApplies) {
 
 TEST(Fit, OfAPictureWithoutASurfaceIsRefused) {
   const ScratchFolder folder;
-  const auto result =
-      bench(with({"fit", "--set", "render.ray_casting.threshold=60"}, {kSmall}), folder);
+  const auto result = bench(
+      with({"fit", "--set", "render.preset=paper", "--set", "render.ray_casting.threshold=60"},
+           {kSmall}),
+      folder);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("render.ray_casting: 0 of 0 found points"), std::string::npos)
       << result.err;

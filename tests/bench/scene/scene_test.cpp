@@ -231,13 +231,19 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
   const std::vector<std::string> small = {"acquisition.frames_per_volume=10",
                                           "acquisition.sticks_per_frame=20",
                                           "acquisition.samples_per_stick=100",
+                                          "render.preset=paper",
                                           "render.scan_conversion.slice_size=32",
                                           "render.scan_conversion.format=r32f"};
   auto geometry = small;
   geometry.push_back("simulation.fidelity=geometry");
   // The volume in transit, and the assembled volume: 4 bytes a sample each.
   EXPECT_EQ(memory_need(load_scene({}, geometry)).acquisition, 2 * 4 * 20000);
-  EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 4 * 20000);
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).slices, 32 * 32 * 10 * 4 + 2 * 4 * 20000);
+  // Aligned: of the sticks between them, too, 8 steps from each to the next.
+  geometry.push_back("render.reconstruction.sticks=aligned");
+  geometry.push_back("render.reconstruction.spacing_mm=0.1");
+  EXPECT_EQ(memory_need(load_scene({}, geometry)).slices,
+            32 * 32 * 73 * 4 + 4 * 20000 + 4 * 73 * 153 * 100);
   // The pulse's band needs ceil(2.2 * 2.1 MHz / (1540 m/s / 2 / 1.6 mm)) = 10 IQ samples a sample,
   // 8 bytes each: of homogeneous speckle, and of the echoes computed from it.
   const double iq = 10 * 8 * 20000, volumes = 2 * 4 * 20000;
@@ -254,7 +260,7 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
 }
 
 TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
-  Scene scene = load_scene({}, {"simulation.fidelity=geometry"});
+  Scene scene = load_scene({}, {"simulation.fidelity=geometry", "render.preset=paper"});
   scene.acquisition.frames_per_volume = 1000;
   scene.acquisition.samples_per_stick = 500;
   const auto refused = [&](double available) {
@@ -268,7 +274,7 @@ TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
   EXPECT_EQ(refused(1e9), "");
   EXPECT_EQ(refused(600e6),
             "a.toml: acquisition.frames_per_volume = 1000, render.scan_conversion.slice_size = "
-            "512: need about 0.652 GB of memory; there are 0.6 GB");
+            "512: need about 0.78 GB of memory; there are 0.6 GB");
   EXPECT_EQ(refused(200e6),
             "a.toml: acquisition.frames_per_volume = 1000, acquisition.sticks_per_frame = 64, "
             "acquisition.samples_per_stick = 500: need about 0.256 GB of memory; there are "

@@ -84,7 +84,8 @@ void for_each_changed_key(const Check& check) {
 }
 
 TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
-  const hw::SubjectHash before = subject_hash(Scene{});
+  const Scene defaults;
+  const hw::SubjectHash before = subject_hash(defaults);
   EXPECT_TRUE(before.stated());
   int keys = 0;
   for_each_changed_key([&](const std::string& section, const std::string& key, const auto& hash) {
@@ -129,7 +130,8 @@ TEST_F(ImportedSubject, IsTheBytesOfTheListOfScatterersNotItsName) {
     return subject_hash(scene);
   };
   const auto hash = with_list("a.csv", "x_mm,y_mm,z_mm,amplitude\n0,0,50,1");
-  EXPECT_NE(hash.phantom, subject_hash(Scene{}).phantom);
+  const Scene defaults;
+  EXPECT_NE(hash.phantom, subject_hash(defaults).phantom);
   EXPECT_EQ(with_list("b.csv", "x_mm,y_mm,z_mm,amplitude\n0,0,50,1"), hash);
   EXPECT_NE(with_list("a.csv", "x_mm,y_mm,z_mm,amplitude\n0,0,51,1").phantom, hash.phantom);
   Scene missing;
@@ -147,8 +149,9 @@ std::string refusal(const Scene& scene, const hw::SubjectHash& recorded, bool pl
 }
 
 TEST(OtherSubject, IsRefusedByTheSectionThatDiffers) {
-  const hw::SubjectHash recorded = subject_hash(Scene{});
-  EXPECT_EQ(refusal(Scene{}, recorded, true), "");
+  const Scene same;
+  const hw::SubjectHash recorded = subject_hash(same);
+  EXPECT_EQ(refusal(same, recorded, true), "");
   Scene face;
   face.phantom.gestational_age_weeks = 24;
   EXPECT_TRUE(refusal(face, recorded, false).starts_with("--board file=x: the scene's [phantom] "));
