@@ -16,7 +16,7 @@ namespace wobblebench::bench {
 struct Comparison {
   Truth truth;
   PictureMeasures error;
-  std::optional<Registration> registration;       ///< none: not asked for
+  std::optional<Registration> registration;          ///< none: not asked for
   std::optional<PictureMeasures> before_correction;  ///< none: z is not corrected
 };
 
