@@ -58,7 +58,7 @@ std::string text_of(const MeanInterval& interval, int digits) {
 
 /// Differences that their interval does not tell from 0 are in brackets.
 std::string difference_text(const MeanInterval& interval, int digits) {
-  const std::string text = text_of(interval, digits);
+  std::string text = text_of(interval, digits);
   if (text.empty()) return text;
   return interval.differs_from_zero() ? text : "(" + text + ")";
 }

@@ -64,8 +64,8 @@ std::vector<double> fractions_of(std::span<const BeamComparison> found) {
   std::vector<double> fractions;
   for (const auto& one : found) fractions.push_back(one.expected.sector_fraction);
   std::ranges::sort(fractions);
-  const auto repeated = std::ranges::unique(fractions);
-  fractions.erase(repeated.begin(), repeated.end());
+  // clang 14 cannot read std::ranges::unique of libstdc++ 12.
+  fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
   return fractions;
 }
 
