@@ -52,9 +52,9 @@ void validate(const RenderOptions& options) {
   check_transfer_function(options.ray_casting);
   if (options.reconstruction.sticks == Sticks::aligned && options.pipeline.mid_volume) {
     throw InvalidOption(
-        "reconstruction.sticks",
-        "aligned",
-        "needs pipeline.mid_volume false; sticks are aligned once a volume is whole");
+        "pipeline.mid_volume",
+        "true",
+        "needs reconstruction.sticks plain; sticks are aligned once a volume is whole");
   }
   if (options.shading.base == ShadingBase::rendered &&
       options.ray_casting.mode == RenderMode::surface) {
