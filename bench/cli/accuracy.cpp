@@ -97,10 +97,7 @@ int accuracy(const Arguments& arguments) {
         scenes, *context, cache, done, [&](const std::string& what) { progress.note(what); });
   });
 
-  Provenance provenance = provenance_of_this_machine();
-  provenance.board = "simulated";
-  provenance.gl_backend = context->backend();
-  provenance.gl_renderer = context->renderer_string();
+  const Provenance provenance = provenance_of_simulation(*context, results.seeds.front());
   const std::string markdown = accuracy_markdown(results, provenance);
   progress.step("write", [&] {
     out.write_text("accuracy.csv", accuracy_csv(results));

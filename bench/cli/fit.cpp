@@ -114,10 +114,7 @@ int fit(const Arguments& arguments) {
                      {"model", 12.0 + 5.0 * arguments.seeds}});
   const FitResults results = measure(scene, arguments, *context, progress);
 
-  Provenance provenance = provenance_of_this_machine();
-  provenance.gl_backend = context->backend();
-  provenance.gl_renderer = context->renderer_string();
-  provenance.board = "simulated";
+  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
   Json report = report_head("fit", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
   report["fit"] = fit_json(results);

@@ -61,15 +61,6 @@ void refuse_compared_settings(const Scene& scene) {
   }
 }
 
-Provenance provenance_of(const render::GlContext& context, const Scene& scene) {
-  Provenance provenance = provenance_of_this_machine();
-  provenance.gl_backend = context.backend();
-  provenance.gl_renderer = context.renderer_string();
-  provenance.board = "simulated";
-  provenance.seed = scene.simulation.seed;
-  return provenance;
-}
-
 int compare_modes(const Arguments& arguments) {
   const Scene scene = load_scene(
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
@@ -88,7 +79,7 @@ int compare_modes(const Arguments& arguments) {
     });
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  const Provenance provenance = provenance_of(*context, scene);
+  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
   const std::string markdown = modes_markdown(rows, scene, provenance);
   const std::string report = modes_report(rows, scene, provenance);
   out.write_text("modes.md", markdown);

@@ -7,7 +7,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
-#include "bench/evaluation/shadows.h"
+#include "bench/evaluation/truth/shadows.h"
 #include "bench/fit/correction.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/commands/run_report.h"

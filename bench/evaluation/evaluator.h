@@ -9,9 +9,9 @@
 #include <string>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/picture_measures.h"
-#include "bench/evaluation/registration.h"
-#include "bench/evaluation/shadows.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/evaluation/registration/registration.h"
+#include "bench/evaluation/truth/shadows.h"
 #include "bench/scene/scene.h"
 #include "hw/probe/polar_volume.h"
 #include "render/renderer.h"

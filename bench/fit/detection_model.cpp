@@ -8,8 +8,8 @@
 
 #include "base/statistics.h"
 #include "base/units.h"
-#include "bench/evaluation/fit/block_bootstrap.h"
-#include "bench/evaluation/fit/identifiability.h"
+#include "bench/evaluation/registration/block_bootstrap.h"
+#include "bench/evaluation/registration/identifiability.h"
 
 namespace wobblebench::bench {
 

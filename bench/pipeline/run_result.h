@@ -5,9 +5,9 @@
 #include <string>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/picture_measures.h"
-#include "bench/evaluation/registration.h"
-#include "bench/evaluation/truth.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/evaluation/registration/registration.h"
+#include "bench/evaluation/truth/truth.h"
 #include "bench/pipeline/acquire.h"
 #include "render/picture.h"
 

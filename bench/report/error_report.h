@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/evaluation/picture_measures.h"
+#include "bench/evaluation/measures/picture_measures.h"
 
 namespace wobblebench::bench {
 

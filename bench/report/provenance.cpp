@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "build_commit.h"
+#include "render/gl/context.h"
 
 namespace wobblebench::bench {
 
@@ -35,6 +36,15 @@ Provenance provenance_of_this_machine() {
   result.host = host_name();
   result.cpu = cpu_model();
   result.threads = static_cast<int>(std::thread::hardware_concurrency());
+  return result;
+}
+
+Provenance provenance_of_simulation(const render::GlContext& context, std::uint64_t seed) {
+  Provenance result = provenance_of_this_machine();
+  result.gl_backend = context.backend();
+  result.gl_renderer = context.renderer_string();
+  result.board = "simulated";
+  result.seed = seed;
   return result;
 }
 

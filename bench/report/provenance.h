@@ -5,6 +5,10 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+namespace wobblebench::render {
+class GlContext;
+}
+
 namespace wobblebench::bench {
 
 struct Provenance {
@@ -20,6 +24,9 @@ struct Provenance {
 
 /// Commit, host, CPU and threads; the caller fills in the rest.
 Provenance provenance_of_this_machine();
+
+/// All of it, of sticks simulated from this seed and rendered in this context.
+Provenance provenance_of_simulation(const render::GlContext& context, std::uint64_t seed);
 
 /// "PROGRAM 0.1.0, commit 0123456789ab".
 std::string version_line(const std::string& program);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/evaluation/registration.h"
+#include "bench/evaluation/registration/registration.h"
 #include "bench/report/provenance.h"
 #include "bench/report/report_parts.h"
 #include "bench/scene/scene.h"

@@ -144,12 +144,12 @@ void ScattererScene::compute_octave_gains(double per_cell) {
 }
 
 void ScattererScene::compute_thinned(double per_cell) {
-  for (float ratio = 1; ratio > 0; ratio -= kThinningStep) {
+  for (int step = 0; step < kThinningLevels; ++step) {
+    const double ratio = 1 - step / static_cast<double>(kThinningLevels);
     auto& level = thinned.emplace_back(gains.size());
     for (int row = 0; row < table.rows(); ++row) {
       // The beam is wider in both directions; the pulse keeps its length.
-      const double thinning = static_cast<double>(ratio) * static_cast<double>(ratio);
-      const auto octaves = octaves_at(row, thinning * needed_per_m3(row, per_cell));
+      const auto octaves = octaves_at(row, ratio * ratio * needed_per_m3(row, per_cell));
       for (std::size_t i = 0; i < gains.size(); ++i) level[i].push_back(octaves[i]);
     }
   }

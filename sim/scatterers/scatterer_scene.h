@@ -53,8 +53,8 @@ struct ScattererScene {
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
   /// By level, octave and row of the beam's table, where the pulse has lost its high frequencies:
-  /// the beam is wider and needs fewer scatterers. A level is kThinningStep of the frequency.
-  static constexpr float kThinningStep = 0.02f;
+  /// the beam is wider and needs fewer scatterers. Levels are even steps of the frequency.
+  static constexpr int kThinningLevels = 50;
   std::vector<std::vector<std::vector<OctaveAtRow>>> thinned;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;

@@ -62,7 +62,7 @@ void WidenedBeam::thin(const std::vector<float>& ratio) {
     octaves_[i].contributes.assign(ratio.size(), 0);
     for (int row = 0; row < count; ++row) {
       const auto at = static_cast<std::size_t>(row);
-      const float level = std::clamp((1 - ratio[at]) / ScattererScene::kThinningStep, 0.0f, last);
+      const float level = std::clamp((1 - ratio[at]) * ScattererScene::kThinningLevels, 0.0f, last);
       octaves_[i].rows.push_back(scene_.thinned[static_cast<std::size_t>(level)][i][at]);
       if (octaves_[i].rows.back().count == 0) continue;
       const auto begin = octaves_[i].contributes.begin();

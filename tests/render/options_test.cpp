@@ -92,5 +92,15 @@ INSTANTIATE_TEST_SUITE_P(Each,
                          ::testing::ValuesIn(kRefusals),
                          [](const auto& param_info) { return param_info.param.name; });
 
+TEST(RenderOptions, AlignedSticksNeedWholeVolumes) {
+  RenderOptions options;
+  options.pipeline.mid_volume = true;
+  EXPECT_NO_THROW(validate(options));
+  options.reconstruction.sticks = Sticks::aligned;
+  EXPECT_THROW(validate(options), InvalidOption);
+  options.pipeline.mid_volume = false;
+  EXPECT_NO_THROW(validate(options));
+}
+
 }  // namespace
 }  // namespace wobblebench::render

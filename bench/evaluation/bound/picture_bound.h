@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "base/image.h"
-#include "bench/evaluation/truth.h"
+#include "bench/evaluation/truth/truth.h"
 #include "render/camera.h"
 #include "sim/options.h"
 

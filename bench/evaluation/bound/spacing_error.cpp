@@ -10,8 +10,8 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "bench/evaluation/pixel_area.h"
-#include "bench/evaluation/scanned_surfaces.h"
+#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/scanned_surfaces.h"
 
 namespace wobblebench::bench {
 

@@ -6,7 +6,7 @@
 
 #include "base/image.h"
 #include "bench/evaluation/bound/picture_bound.h"
-#include "bench/evaluation/truth.h"
+#include "bench/evaluation/truth/truth.h"
 #include "phantoms/placed_phantom.h"
 #include "render/view.h"
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "bench/evaluation/bound/spacing_error.h"
-#include "bench/evaluation/shadows.h"
-#include "bench/evaluation/silhouettes.h"
+#include "bench/evaluation/measures/silhouettes.h"
+#include "bench/evaluation/truth/shadows.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

@@ -10,7 +10,7 @@
 
 #include "base/part_done.h"
 #include "bench/evaluation/evaluator.h"
-#include "bench/evaluation/measure_table.h"
+#include "bench/evaluation/measures/measure_table.h"
 #include "bench/evaluation/seed_statistics.h"
 
 namespace wobblebench::bench {

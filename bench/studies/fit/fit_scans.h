@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/truth.h"
+#include "bench/evaluation/truth/truth.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/scene.h"
 #include "render/renderer.h"

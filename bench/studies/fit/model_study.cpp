@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "bench/evaluation/registration.h"
+#include "bench/evaluation/registration/registration.h"
 #include "bench/studies/fit/scan_sets.h"
 
 namespace wobblebench::bench {

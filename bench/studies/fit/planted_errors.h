@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/part_done.h"
-#include "bench/evaluation/registration.h"
+#include "bench/evaluation/registration/registration.h"
 #include "bench/studies/fit/fit_scans.h"
 #include "render/gl/context.h"
 

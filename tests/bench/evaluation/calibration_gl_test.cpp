@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/user_error.h"
-#include "bench/evaluation/depth_error.h"
-#include "bench/evaluation/truth.h"
+#include "bench/evaluation/measures/depth_error.h"
+#include "bench/evaluation/truth/truth.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/studies/tables/table_scans.h"
 #include "render/reference/reference.h"

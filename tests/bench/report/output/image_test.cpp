@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/evaluation/image_similarity.h"
+#include "bench/evaluation/measures/image_similarity.h"
 #include "bench/report/output/image_io.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"

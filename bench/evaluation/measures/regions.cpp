@@ -1,0 +1,184 @@
+#include "bench/evaluation/measures/regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "bench/evaluation/measures/silhouettes.h"
+#include "bench/evaluation/truth/pixel_area.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr std::uint8_t kNone = std::numeric_limits<std::uint8_t>::max();
+constexpr int kIncidenceBin_deg = 20;
+constexpr int kRangeBin_mm = 20;
+
+/// Bins of equal width from 0 to where values can be.
+RegionGroup binned(const std::string& name,
+                   const Image<float>& values,
+                   double width,
+                   int width_in_name,
+                   double most) {
+  RegionGroup group{name, {}, {values.width, values.height, kNone}};
+  const int bins = std::min(static_cast<int>(std::ceil(most / width)), kNone - 1);
+  for (int bin = 0; bin < bins; ++bin) {
+    group.regions.push_back(std::to_string(bin * width_in_name) + "-" +
+                            std::to_string((bin + 1) * width_in_name));
+  }
+  for (std::size_t i = 0; i < values.pixels.size(); ++i) {
+    const auto value = static_cast<double>(values.pixels[i]);
+    if (!(value >= 0)) continue;
+    group.index.pixels[i] =
+        static_cast<std::uint8_t>(std::min(static_cast<int>(value / width), bins - 1));
+  }
+  return group;
+}
+
+float largest(const Image<float>& values) {
+  float most = 0;
+  for (const float value : values.pixels) most = value > most ? value : most;
+  return most;
+}
+
+RegionGroup unseen(const Truth& truth) {
+  RegionGroup group{"unseen",
+                    {"outside_field", "grazing", "shadowed"},
+                    {truth.kind.width, truth.kind.height, kNone}};
+  for (std::size_t i = 0; i < truth.kind.pixels.size(); ++i) {
+    const auto kind = truth.kind.pixels[i];
+    if (kind <= TruthKind::surface) continue;
+    group.index.pixels[i] = static_cast<std::uint8_t>(static_cast<int>(kind) -
+                                                      static_cast<int>(TruthKind::outside_field));
+  }
+  return group;
+}
+
+/// What the pixels of one region add up to.
+struct Sums {
+  RegionError error;
+  std::vector<double> depths_m, raw_normals_rad, normals_rad;
+};
+
+class RegionSums {
+ public:
+  RegionSums(const RegionGroup& group,
+             const Truth& truth,
+             const Image<float>& depth_m,
+             const DepthError& raw,
+             const DepthError& filtered)
+      : group_(group),
+        truth_(truth),
+        depth_m_(depth_m),
+        raw_(raw),
+        filtered_(filtered),
+        is_unseen_(group.name == "unseen"),
+        sums_(group.regions.size()) {}
+
+  void add(std::size_t i, const std::vector<float>& area_m2) {
+    const std::size_t region = group_.index.pixels[i];
+    if (region >= sums_.size()) return;
+    Sums& sums = sums_[region];
+    const TruthKind kind = truth_.kind.pixels[i];
+    const bool found = std::isfinite(depth_m_.pixels[i]);
+    if (kind == TruthKind::none) {
+      sums.error.false_surface += found;
+      return;
+    }
+    if ((kind != TruthKind::surface) != is_unseen_) return;
+    ++sums.error.surface;
+    sums.error.surface_m2 += static_cast<double>(area_m2[i]);
+    if (!found) {
+      ++sums.error.missed;
+      sums.error.missed_m2 += static_cast<double>(area_m2[i]);
+      return;
+    }
+    append((is_unseen_ ? raw_.unseen_map_m : raw_.map_m).pixels[i], sums.depths_m);
+    append(raw_.normal_rad.pixels[i], sums.raw_normals_rad);
+    append(filtered_.normal_rad.pixels[i], sums.normals_rad);
+  }
+
+  std::vector<RegionError> errors() {
+    std::vector<RegionError> result;
+    for (std::size_t region = 0; region < sums_.size(); ++region) {
+      Sums& sums = sums_[region];
+      if (sums.error.surface == 0 && sums.error.false_surface == 0) continue;
+      sums.error.group = group_.name;
+      sums.error.name = group_.regions[region];
+      sums.error.depth = depth_statistics(std::move(sums.depths_m));
+      sums.error.raw_normal = normal_statistics(std::move(sums.raw_normals_rad));
+      sums.error.normal = normal_statistics(std::move(sums.normals_rad));
+      result.push_back(std::move(sums.error));
+    }
+    return result;
+  }
+
+ private:
+  static void append(float value, std::vector<double>& values) {
+    if (!std::isnan(value)) values.push_back(static_cast<double>(value));
+  }
+
+  const RegionGroup& group_;
+  const Truth& truth_;
+  const Image<float>& depth_m_;
+  const DepthError& raw_;
+  const DepthError& filtered_;
+  bool is_unseen_;
+  std::vector<Sums> sums_;
+};
+
+/// Of each pixel with a true surface, seen or not.
+std::vector<float> areas_m2(const Truth& truth, const render::Camera& camera) {
+  Image<float> area(truth.kind.width, truth.kind.height, 0);
+  parallel_rows(area.height, [&](int row) {
+    for (int column = 0; column < area.width; ++column) {
+      if (truth.kind.at(column, row) == TruthKind::none) continue;
+      area.at(column, row) = static_cast<float>(pixel_area_m2(truth, camera, column, row));
+    }
+  });
+  return area.pixels;
+}
+
+}  // namespace
+
+std::vector<RegionGroup> region_groups(const Truth& truth, const render::Camera& camera) {
+  std::vector<RegionGroup> groups = {
+      {"silhouette", {"outside", "within"}, silhouette_band(truth, camera)}};
+  if (truth.crossing_m.pixels.empty()) return groups;
+  groups.push_back(binned(
+      "incidence", truth.incidence_rad, kIncidenceBin_deg * kDegree, kIncidenceBin_deg, kPi));
+  groups.push_back(binned("range",
+                          truth.range_m,
+                          kRangeBin_mm * kMillimetre,
+                          kRangeBin_mm,
+                          1e-9 + static_cast<double>(largest(truth.range_m))));
+  if (!truth.features.empty()) {
+    groups.push_back({"feature", truth.features, truth.feature});
+    groups.back().regions.emplace_back("rest");
+  }
+  groups.push_back(unseen(truth));
+  return groups;
+}
+
+std::vector<RegionError> measure_regions(const std::vector<RegionGroup>& groups,
+                                         const Truth& truth,
+                                         const render::Camera& camera,
+                                         const Image<float>& depth_m,
+                                         const DepthError& raw,
+                                         const DepthError& filtered) {
+  const std::vector<float> area_m2 = areas_m2(truth, camera);
+  std::vector<std::vector<RegionError>> of_group(groups.size());
+  parallel_rows(static_cast<int>(groups.size()), [&](int group) {
+    const auto g = static_cast<std::size_t>(group);
+    RegionSums sums(groups[g], truth, depth_m, raw, filtered);
+    for (std::size_t i = 0; i < area_m2.size(); ++i) sums.add(i, area_m2);
+    of_group[g] = sums.errors();
+  });
+  std::vector<RegionError> all;
+  for (const auto& errors : of_group) all.insert(all.end(), errors.begin(), errors.end());
+  return all;
+}
+
+}  // namespace wobblebench::bench
