@@ -71,6 +71,7 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
                                const ScattererSettings& settings)
     : tissue(scanned),
       table(plan, settings.beam, options.apodisation, options.threads),
+      lower(plan, table),
       profile(plan, options),
       per_m3(options.scatterers_per_cell /
              ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3),
@@ -190,7 +191,8 @@ std::vector<BeamAtRow> ScattererScene::rows_of(const BeamTable::Direction& later
                     curvature.at_face,
                     curvature.slope_per_m,
                     elevation.at_face,
-                    elevation.slope_per_m});
+                    elevation.slope_per_m,
+                    first_table_index(row, row, table.columns())});
   }
   return rows;
 }

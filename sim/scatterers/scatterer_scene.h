@@ -8,6 +8,7 @@
 #include "hw/probe/probe.h"
 #include "sim/beam/profile/beam_profile.h"
 #include "sim/beam/table/beam_bounds.h"
+#include "sim/beam/table/lower_frequency.h"
 #include "sim/scatterers/cells/block_search.h"
 #include "sim/scatterers/cells/cell_search.h"
 #include "sim/scatterers/cells/scatterer_cells.h"
@@ -46,6 +47,7 @@ struct ScattererScene {
 
   ScannedTissue tissue;
   BeamTable table;
+  LowerFrequency lower;
   BeamProfile profile;
   double per_m3;   ///< density of the scatterers of all octaves
   double pulse_m;  ///< integral of the pulse's power over range: its equivalent length

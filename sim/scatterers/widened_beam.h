@@ -1,5 +1,5 @@
-// The beam of a stick whose pulse has lost its high frequencies: wider by the ratio, and with fewer
-// scatterers, so that as many remain in a resolution cell.
+// The beam of a stick whose pulse has lost its high frequencies (sim/beam/table/lower_frequency.h):
+// wider, and with fewer scatterers, so that as many remain in a resolution cell.
 #pragma once
 
 #include <optional>
@@ -30,11 +30,14 @@ class WidenedBeam {
 
  private:
   void widen(std::span<const float> frequency_ratio, double spacing_m);
-  void thin(const std::vector<float>& ratio);
+  /// Puts the rows of a lower frequency in the place of one; returns the factor on tissue.
+  float lower(int row, float ratio);
+  void take_widest();
+  void thin(const std::vector<float>& tissue_gain);
 
   const ScattererScene& scene_;
   const StickBeam& beam_;
-  std::vector<float> factor_;  ///< largest about each row; empty: 1
+  std::vector<BeamBounds::Factor> factor_;  ///< largest about each row; empty: 1
   std::optional<BeamBounds> bounds_;
   std::vector<BeamAtRow> rows_;
   struct Octave {

@@ -144,10 +144,12 @@ void BeamProfile::measure(int range) {
       entry.elevation_fwhm_m =
           width_at_half(peaks(across, on_axis(lateral, range_m), band_), across.step_m());
     }
+    double power = 0;
     for (int node = 0; node < band_.nodes(); ++node) {
       const auto at = static_cast<std::size_t>(node);
-      entry.power += band_.weight(node) * power_m(along, at) * power_m(across, at);
+      power += band_.weight(node) * power_m(along, at) * power_m(across, at);
     }
+    entry.power_root = std::cbrt(power);
   }
 }
 
@@ -174,8 +176,9 @@ double BeamProfile::resolution_cell_m3(double range_m) const {
 }
 
 double BeamProfile::level(double range_m, double theta_rad) const {
-  return std::sqrt(interpolate(range_m, theta_rad, &Entry::power) /
-                   interpolate(range_m, 0, &Entry::power));
+  const double root = interpolate(range_m, theta_rad, &Entry::power_root) /
+                      interpolate(range_m, 0, &Entry::power_root);
+  return std::pow(root, 1.5);
 }
 
 }  // namespace wobblebench::sim

@@ -54,7 +54,9 @@ class BeamProfile {
   struct Entry {
     double lateral_fwhm_m;
     double elevation_fwhm_m;  ///< that of angle 0 counts
-    double power;             ///< of even tissue's echo, not normalised
+    /// Cube root of the power of even tissue's echo, not normalised: nearly in proportion to what
+    /// the array's end leaves of the aperture, which falls evenly with the angle.
+    double power_root;
   };
   void measure(int range);
   double interpolate(double range_m, double theta_rad, double Entry::*value) const;

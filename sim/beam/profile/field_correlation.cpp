@@ -82,28 +82,49 @@ FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
     for (const auto& value : other.values) shares_[node] += std::norm(value[node]);
     shares_[node] *= band.weight(static_cast<int>(node));
     wavenumber_per_m_[node] = band.wavenumber_per_m(static_cast<int>(node));
-    for (const auto& value : plane.row.values) power_ += shares_[node] * std::norm(value[node]);
   }
+  power_ = power(turned(0));
+}
+
+FieldCorrelation::Heard FieldCorrelation::turned(double turn_rad) const {
+  const SampledRow& row = plane_.row;
+  Heard heard{turn_.place(0, turn_rad).axial_m, {}, {}};
+  for (std::size_t i = 0; i < row.values.size(); ++i) {
+    heard.places.push_back(turn_.place(row.offset_m(i), turn_rad));
+  }
+  heard.values = turn_rad == 0     ? row.values
+                 : turn_.neighbour ? turn_.neighbour(turn_rad).at(heard.places)
+                                   : plane_.response.at(heard.places);
+  return heard;
+}
+
+double FieldCorrelation::power(const Heard& heard) const {
+  double sum = 0;
+  for (const auto& value : heard.values) {
+    for (std::size_t n = 0; n < shares_.size(); ++n) sum += shares_[n] * std::norm(value[n]);
+  }
+  return sum;
+}
+
+std::complex<double> FieldCorrelation::product(const Heard& here, const Heard& there) const {
+  // What all scatterers move along the stick is a phase of the whole field.
+  const double common_m = there.middle_m - here.middle_m;
+  std::complex<double> sum = 0;
+  for (std::size_t i = 0; i < there.values.size(); ++i) {
+    const double nearer_m = there.places[i].axial_m - here.places[i].axial_m - common_m;
+    for (std::size_t n = 0; n < static_cast<std::size_t>(band_.nodes()); ++n) {
+      const std::complex<double> phasor = unit_phasor(2 * wavenumber_per_m_[n] * nearer_m);
+      sum += times(shares_[n] * times(here.values[i][n], std::conj(there.values[i][n])), phasor);
+    }
+  }
+  return sum;
 }
 
 std::complex<double> FieldCorrelation::at(double turn_rad) const {
-  // What all scatterers move along the stick is a phase of the whole field.
-  const double common_m = turn_.place(0, turn_rad).axial_m;
-  const SampledRow& here = plane_.row;
-  std::vector<PlanePoint> points;
-  for (std::size_t i = 0; i < here.values.size(); ++i) {
-    points.push_back(turn_.place(here.offset_m(i), turn_rad));
-  }
-  const auto there = plane_.response.at(points);
-  std::complex<double> sum = 0;
-  for (std::size_t i = 0; i < there.size(); ++i) {
-    const double nearer_m = points[i].axial_m - common_m;
-    for (std::size_t n = 0; n < static_cast<std::size_t>(band_.nodes()); ++n) {
-      const std::complex<double> phasor = unit_phasor(2 * wavenumber_per_m_[n] * nearer_m);
-      sum += times(shares_[n] * times(here.values[i][n], std::conj(there[i][n])), phasor);
-    }
-  }
-  return sum / power_;
+  if (!turn_.neighbour) return product(turned(0), turned(turn_rad)) / power_;
+  const Heard here = turned(-0.5 * turn_rad), there = turned(0.5 * turn_rad);
+  const double powers = power(here) * power(there);
+  return powers > 0 ? product(here, there) / std::sqrt(powers) : 0;
 }
 
 }  // namespace wobblebench::sim

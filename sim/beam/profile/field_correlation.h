@@ -16,6 +16,8 @@ struct Turn {
   double coherence_rad;  ///< turn by which the aperture decorrelates, about
   /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
   std::function<PlanePoint(double offset_m, double turn_rad)> place;
+  /// The response of a stick turned by an angle; none where all have the aperture of one.
+  std::function<PlaneResponse(double turn_rad)> neighbour = nullptr;
 };
 
 /// The beam of a stick at a range, in both planes.
@@ -34,9 +36,9 @@ struct BeamAtRange {
               double theta_rad);
 };
 
-/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`; 1 for
-/// one stick. Each frequency counts by the beam's power across the other plane: out of focus low
-/// ones have more of it.
+/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`, by
+/// half the turn to each side; 1 for one stick. Each frequency counts by the beam's power across
+/// the other plane: out of focus low ones have more of it.
 class FieldCorrelation {
  public:
   /// All must outlive it.
@@ -50,6 +52,17 @@ class FieldCorrelation {
   std::complex<double> at(double turn_rad) const;
 
  private:
+  /// What a stick hears of the scatterers about the middle one.
+  struct Heard {
+    double middle_m;  ///< axial place of the scatterer at offset 0
+    std::vector<PlanePoint> places;
+    std::vector<PulseBand::Values> values;
+  };
+  Heard turned(double turn_rad) const;
+  double power(const Heard& heard) const;
+  /// Not normalised.
+  std::complex<double> product(const Heard& here, const Heard& there) const;
+
   const BeamAtRange::Plane& plane_;
   const Turn& turn_;
   const PulseBand& band_;

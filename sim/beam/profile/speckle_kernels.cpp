@@ -131,16 +131,24 @@ SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
   SpeckleKernels kernels(plan, kLineAngleStep_rad);
   const double radius_m = plan.probe().radius_m;
   const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  const auto turn = [&](double range_m, double) {
+  const PulseBand band(plan);
+  const auto turn = [&](double range_m, double theta_rad) {
     const double r = radius_m + range_m;
     const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
-    return Turn{plan.theta_step_rad(),
-                plan.acquisition().sticks_per_frame - 1,
-                2 * lobe_m / r,
-                [=](double u, double angle) {
-                  return PlanePoint{r * std::cos(angle) + u * std::sin(angle) - radius_m,
-                                    u * std::cos(angle) - r * std::sin(angle)};
-                }};
+    Turn here{plan.theta_step_rad(),
+              plan.acquisition().sticks_per_frame - 1,
+              2 * lobe_m / r,
+              [=](double u, double angle) {
+                return PlanePoint{r * std::cos(angle) + u * std::sin(angle) - radius_m,
+                                  u * std::cos(angle) - r * std::sin(angle)};
+              }};
+    if (!StickAperture(plan, options.apodisation, theta_rad).whole(range_m)) {
+      here.neighbour = [&, range_m, theta_rad](double angle) {
+        const StickAperture aperture(plan, options.apodisation, theta_rad + angle);
+        return PlaneResponse::lateral(aperture, plan, band, range_m);
+      };
+    }
+    return here;
   };
   kernels.taps_ = all_taps(kernels.grid_, plan, options, true, turn);
   kernels.count_ = longest(kernels.taps_);

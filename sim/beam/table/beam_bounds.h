@@ -26,8 +26,12 @@ class BeamBounds {
              double depth_m,
              double margin_m);
 
-  /// The bounds of a beam that is so many times as wide at each range.
-  BeamBounds widened(const std::function<double(double range_m)>& factor) const;
+  /// The bounds of a beam that is so many times as wide at each range: factors in each direction.
+  struct Factor {
+    double lateral;
+    double elevation;
+  };
+  BeamBounds widened(const std::function<Factor(double range_m)>& factor) const;
 
   /// Largest reach within the margin of a range.
   const Reach& reach(double range_m) const {

@@ -21,7 +21,7 @@ static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
 constexpr double kPowerBeyond = 8e-3;
 constexpr double kPowerBeyondSideLobes = 5e-5;
 /// Least angle between the sticks that have lateral tables.
-constexpr double kAngleStep_rad = 0.9 * kDegree;
+constexpr double kAngleStep_rad = 0.3 * kDegree;
 
 /// Writes a direction: even rows are summed over the sources, odd ones lie half way between.
 class DirectionWriter {
@@ -98,6 +98,7 @@ struct MiddleStick {
   std::vector<double> elevation_scale;
   std::vector<double> lateral_scale;  ///< makes the peak of an echo on the axis 1
   std::vector<double> area_m2;
+  std::vector<BeamTable::Normalisation> normalisation;
 
   MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
       : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
@@ -117,17 +118,37 @@ struct MiddleStick {
              const PulseBand::Values& elevation_axis) {
     elevation_scale.push_back(1 / largest_amplitude(elevation[row], band));
     PulseBand::Values on_axis = {};
-    double area = 0;
     for (int node = 0; node < band.nodes(); ++node) {
       const auto i = static_cast<std::size_t>(node);
       on_axis[i] = elevation_scale[row] * elevation_axis[i] * lateral_axis[i];
-      area += band.weight(node) * power_m(elevation[row], i) * power_m(lateral[row], i);
     }
     lateral_scale.push_back(1 / band.peak(on_axis));
-    const double both = elevation_scale[row] * lateral_scale[row];
-    area_m2.push_back(area * both * both);
+    BeamTable::Normalisation at{lateral_scale[row], elevation_scale[row], {}, {}};
+    double area = 0;
+    for (int node = 0; node < band.nodes(); ++node) {
+      const auto i = static_cast<std::size_t>(node);
+      at.lateral_power_m[i] = at.lateral_scale * at.lateral_scale * power_m(lateral[row], i);
+      at.elevation_power_m[i] =
+          at.elevation_scale * at.elevation_scale * power_m(elevation[row], i);
+      area += band.weight(node) * at.elevation_power_m[i] * at.lateral_power_m[i];
+    }
+    area_m2.push_back(area);
+    normalisation.push_back(at);
   }
 };
+
+BeamTable::Normalisation half_way(const BeamTable::Normalisation& a,
+                                  const BeamTable::Normalisation& b) {
+  BeamTable::Normalisation result{0.5 * (a.lateral_scale + b.lateral_scale),
+                                  0.5 * (a.elevation_scale + b.elevation_scale),
+                                  {},
+                                  {}};
+  for (std::size_t i = 0; i < result.lateral_power_m.size(); ++i) {
+    result.lateral_power_m[i] = 0.5 * (a.lateral_power_m[i] + b.lateral_power_m[i]);
+    result.elevation_power_m[i] = 0.5 * (a.elevation_power_m[i] + b.elevation_power_m[i]);
+  }
+  return result;
+}
 
 /// Angles of the sticks on one side of the sector: first, and spacing.
 struct StickAngles {
@@ -168,8 +189,9 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
   for (int row = 0; row < count; ++row) {
     const auto at = static_cast<std::size_t>(row / 2);
-    const double next = row % 2 == 0 ? middle.area_m2[at] : middle.area_m2[at + 1];
-    area_m2_.push_back(0.5 * (middle.area_m2[at] + next));
+    const std::size_t next = row % 2 == 0 ? at : at + 1;
+    area_m2_.push_back(0.5 * (middle.area_m2[at] + middle.area_m2[next]));
+    normalisation_.push_back(half_way(middle.normalisation[at], middle.normalisation[next]));
   }
   lateral_.resize(static_cast<std::size_t>(angles.count));
   lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);

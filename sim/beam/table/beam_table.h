@@ -5,6 +5,7 @@
 // have a lateral table of their own, because part of their aperture is missing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -69,6 +70,17 @@ class BeamTable {
   /// cross-section, over that of a scatterer whose echo has a peak of 1.
   double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }
 
+  /// How the middle stick's responses are normalised.
+  struct Normalisation {
+    /// By which sums over the sources are multiplied.
+    double lateral_scale = 1, elevation_scale = 1;
+    /// Integrals of the power at each node, so multiplied, over the offset.
+    std::array<double, PulseBand::kMostNodes> lateral_power_m = {}, elevation_power_m = {};
+  };
+  const Normalisation& normalisation(int row) const {
+    return normalisation_[static_cast<std::size_t>(row)];
+  }
+
  private:
   int columns_;
   double rows_per_m_;
@@ -77,6 +89,7 @@ class BeamTable {
   std::vector<Direction> lateral_;
   Direction elevation_;
   std::vector<double> area_m2_;
+  std::vector<Normalisation> normalisation_;
 };
 
 }  // namespace wobblebench::sim

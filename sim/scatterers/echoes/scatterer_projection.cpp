@@ -12,10 +12,6 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// A row of the table times its columns and this is the row's first entry, in the lateral and the
-/// elevation half of a word. The lateral table has columns on both sides of the axis.
-constexpr std::uint32_t kBothIndices = 0x10002;
-
 WOBBLEBENCH_INLINE std::uint32_t to_index(float x) {
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(x));
 }
@@ -100,7 +96,6 @@ WOBBLEBENCH_SIMD int look_up_rows(const std::int32_t* rows,
 WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
                                  int count,
                                  float to_center,
-                                 std::int32_t columns,
                                  const BatchRows& from,
                                  CellBatch& __restrict batch) {
   const BeamAtRow* rows = from.rows;
@@ -122,7 +117,7 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
     batch.partial[c] = octave[c].partial * amplitude[c];
     batch.full_count[c] = octave[c].full_count;
     batch.count[c] = octave[c].count;
-    batch.first_table_index[c] = static_cast<std::uint32_t>(batch.row[c] * columns) * kBothIndices;
+    batch.first_table_index[c] = rows[c].first_index;
   }
 }
 
@@ -229,7 +224,7 @@ int project_scatterers(const HashCellArrays& cells,
     const HashCellArrays these = cells.from(static_cast<std::size_t>(first));
     load_cells(these, padded_count, axes.to_center, projection, batch);
     const int max_count = look_up_rows(batch.row, batch_size, projection, rows);
-    load_beams(these.amplitude, padded_count, axes.to_center, projection.columns, rows, batch);
+    load_beams(these.amplitude, padded_count, axes.to_center, rows, batch);
     for (int i = 0; i < max_count; ++i) {
       fill_lanes(padded_count, i, axes, projection, batch, lanes);
       if (mixed != nullptr)
@@ -261,10 +256,8 @@ int project_point(const PointScatterer& point,
   projected.range_m[0] = beam.delay_m + beam.range_scale * at.axial +
                          (lateral_tilt + lateral_curvature * at.lateral) * at.lateral +
                          elevation_curvature * at.elevation * at.elevation;
-  projected.table_index[0] =
-      static_cast<std::uint32_t>(point.row * projection.columns) * kBothIndices +
-      to_index(u + columns) + (to_index(v) << 16);
-  projected.amplitude[0] = point.amplitude;
+  projected.table_index[0] = beam.first_index + to_index(u + columns) + (to_index(v) << 16);
+  projected.amplitude[0] = point.amplitude * beam.point_gain;
   return projection.rim == BeamRim::ellipse
              ? within_rim<BeamRim::ellipse>(magnitude(u), v, columns)
              : within_rim<BeamRim::diamond>(magnitude(u), v, columns);

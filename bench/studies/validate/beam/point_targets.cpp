@@ -19,7 +19,8 @@ namespace {
 
 constexpr double kDepth_m = 0.17;
 constexpr int kSamples = 4096;  // IQ samples then need no oversampling
-constexpr int kBeyond = 8;      // lines: half the widest profile
+constexpr int kLines = 257;     // no sparser than the tables of beams ever are
+constexpr int kBeyond = 32;     // lines: half the widest profile
 /// Sticks of a profile, and how far it reaches at first, in expected widths.
 constexpr int kAcross = 49;
 constexpr double kReach = 1.0;
@@ -28,7 +29,10 @@ constexpr int kTries = 4;
 
 hw::AcquisitionPlan plan_of(hw::ProbePreset preset) {
   return preset_plan(preset,
-                     {.depth_m = kDepth_m, .samples_per_stick = kSamples, .frames_per_volume = 1},
+                     {.depth_m = kDepth_m,
+                      .sticks_per_frame = kLines,
+                      .samples_per_stick = kSamples,
+                      .frames_per_volume = 1},
                      kBeyond);
 }
 

@@ -13,6 +13,12 @@ namespace {
 /// Near the array's end the level falls by some dB a degree.
 constexpr double kMiddle_rad = 0.3 * kDegree;
 
+/// From the grid's middle to the middle of two lines.
+double away_rad(const SpeckleGrid& grid, int line, int other) {
+  const auto theta = [&](int i) { return grid.theta_rad[static_cast<std::size_t>(i)]; };
+  return 0.5 * std::abs(theta(line) + theta(other) - theta(0) - theta(grid.lines() - 1));
+}
+
 double intensity(const SpeckleGrid& grid, int frame, int line, int sample) {
   const double amplitude = grid.at(frame, line, sample);
   return amplitude * amplitude;
@@ -26,6 +32,7 @@ double intensity_correlation(const SpeckleGrid& grid,
   const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
   double covariance = 0, norm = 0;
   for (int line = 0; line + step.lines < grid.lines(); ++line) {
+    if (away_rad(grid, line, line + step.lines) >= window.about_middle_rad) continue;
     Moments here, there;
     double products = 0;
     for (int f = 0; f + step.frames < grid.frames; ++f) {
@@ -45,11 +52,9 @@ double intensity_correlation(const SpeckleGrid& grid,
 
 double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window) {
   const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
-  const double middle_rad = 0.5 * (grid.theta_rad.front() + grid.theta_rad.back());
   Moments all;
   for (int line = 0; line < grid.lines(); ++line) {
-    const double away = grid.theta_rad[static_cast<std::size_t>(line)] - middle_rad;
-    if (std::abs(away) > kMiddle_rad) continue;
+    if (away_rad(grid, line, line) > kMiddle_rad) continue;
     for (int f = 0; f < grid.frames; ++f) {
       for (int k = first; k < last; ++k) all.add(intensity(grid, f, line, k));
     }

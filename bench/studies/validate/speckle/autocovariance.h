@@ -1,6 +1,7 @@
 // Autocovariance of the intensity of speckle, and its width.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "bench/studies/validate/speckle/speckle_grid.h"
@@ -14,10 +15,11 @@ struct ScanStep {
   int samples = 0;
 };
 
-/// Ranges.
+/// Ranges, and pairs of lines whose middle is nearer to the grid's than this.
 struct ScanWindow {
   double from_m = 0;
   double to_m = 0;
+  double about_middle_rad = HUGE_VAL;
 };
 
 /// Covariance of the intensities of all pairs in the window that lie `step` apart, over their

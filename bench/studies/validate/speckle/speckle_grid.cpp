@@ -21,8 +21,8 @@ namespace {
 
 /// Past the sector's edge, wider than any speckle, so that the scan's end is not seen.
 constexpr double kBeyond_rad = 6 * kDegree;
-/// Beam tables of `scatterers` are as far apart as the default scan's lines.
-constexpr int kTableLines = 64, kTableLinesBeyond = 6;
+/// Of the plan by which beam tables of `scatterers` are made: no sparser than tables ever are.
+constexpr int kTableLines = 257, kTableLinesBeyond = 24;
 
 SpeckleGrid empty_grid(const GridPlan& plan) {
   SpeckleGrid grid;

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kDepth_m = 0.165;
 constexpr int kSamples = 1500;  // IQ samples then need no oversampling
+/// Towards the end of the array speckle doubles within some degrees.
+constexpr double kAboutStick_rad = 0.3 * kDegree;
 /// Lags are measured until the covariance is well below a half.
 constexpr double kEnough = 0.4;
 constexpr int kMostLags = 60;
@@ -24,6 +26,7 @@ constexpr int kMostLags = 60;
 struct DenseGrid {
   GridPlan plan;
   ScanStep step;
+  double about_middle_rad = HUGE_VAL;
 };
 
 DenseGrid dense_grid(BeamDirection direction) {
@@ -31,7 +34,9 @@ DenseGrid dense_grid(BeamDirection direction) {
     case BeamDirection::axial:
       return {{0, 3, 1.2 * kDegree, 48, 1.7 * kDegree, kDepth_m, 4096}, {0, 0, 1}};
     case BeamDirection::lateral:
-      return {{0, 21, 0.25 * kDegree, 48, 1.7 * kDegree, kDepth_m, kSamples}, {0, 1, 0}};
+      return {{0, 21, 0.25 * kDegree, 96, 0.85 * kDegree, kDepth_m, kSamples},
+              {0, 1, 0},
+              kAboutStick_rad};
     case BeamDirection::elevation:
       return {{0, 2, 2.4 * kDegree, 320, 0.19 * kDegree, kDepth_m, kSamples}, {1, 0, 0}};
   }
@@ -130,7 +135,7 @@ std::vector<SpeckleWidth> measure_speckle_widths(BeamDirection direction,
     std::vector<const SpeckleGrid*> of_seeds;
     for (const auto& of_seed : grids) of_seeds.push_back(&of_seed[plan_of[at]]);
     const double range_m = places[at].range_m, half_m = inputs.half_window_m;
-    found[at] = width_at({range_m - half_m, range_m + half_m},
+    found[at] = width_at({range_m - half_m, range_m + half_m, dense.about_middle_rad},
                          dense.step,
                          step_m(direction, dense.plan, geometry, places[at]),
                          of_seeds);
