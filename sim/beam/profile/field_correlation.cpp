@@ -69,9 +69,16 @@ BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
                          const PulseBand& band,
                          Apodisation apodisation,
                          double range_m,
-                         double theta_rad)
+                         double theta_rad,
+                         const Plane& shared_elevation)
     : lateral(lateral_plane(plan, band, apodisation, range_m, theta_rad, wavelength_m(plan))),
-      elevation(elevation_plane(plan, band, range_m, wavelength_m(plan))) {}
+      elevation(shared_elevation) {}
+
+BeamAtRange::Plane BeamAtRange::elevation_at(const hw::AcquisitionPlan& plan,
+                                             const PulseBand& band,
+                                             double range_m) {
+  return elevation_plane(plan, band, range_m, wavelength_m(plan));
+}
 
 FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
                                    const SampledRow& other,

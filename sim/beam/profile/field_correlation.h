@@ -27,13 +27,16 @@ struct BeamAtRange {
     SampledRow row;
   };
   Plane lateral;
-  Plane elevation;
+  const Plane& elevation;  ///< the same for all sticks
 
+  static Plane elevation_at(const hw::AcquisitionPlan& plan, const PulseBand& band, double range_m);
+  /// `shared_elevation` must outlive it.
   BeamAtRange(const hw::AcquisitionPlan& plan,
               const PulseBand& band,
               Apodisation apodisation,
               double range_m,
-              double theta_rad);
+              double theta_rad,
+              const Plane& shared_elevation);
 };
 
 /// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`, by

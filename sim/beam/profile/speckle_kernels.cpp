@@ -66,23 +66,28 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
                                           bool across_lines,
                                           const MakeTurn& make_turn) {
   const PulseBand band(plan);
-  std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * grid.angles()));
-  parallel_ranges(static_cast<int>(taps.size()), options.threads, [&](int first, int last) {
-    for (int i = first; i < last; ++i) {
-      const double range_m = grid.range_m(i / grid.angles());
-      const double theta_rad = grid.angle_rad(i % grid.angles());
-      if (across_lines && i % grid.angles() > 0 &&
+  const int angles = grid.angles();
+  std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * angles));
+  const auto at_range = [&](int range) {
+    const double range_m = grid.range_m(range);
+    const auto elevation = BeamAtRange::elevation_at(plan, band, range_m);
+    for (int angle = 0; angle < angles; ++angle) {
+      const double theta_rad = grid.angle_rad(angle);
+      if (across_lines && angle > 0 &&
           StickAperture(plan, options.apodisation, theta_rad).whole(range_m)) {
         continue;
       }
-      const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad);
-      taps[static_cast<std::size_t>(i)] =
+      const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad, elevation);
+      taps[static_cast<std::size_t>(range * angles + angle)] =
           taps_at(band, beam, across_lines, make_turn(range_m, theta_rad));
     }
+  };
+  parallel_ranges(grid.ranges(), options.threads, [&](int first, int last) {
+    for (int range = first; range < last; ++range) at_range(range);
   });
   // Where the aperture is whole lines turn alike.
   for (std::size_t i = 0; i < taps.size(); ++i) {
-    if (taps[i].empty()) taps[i] = taps[i - i % static_cast<std::size_t>(grid.angles())];
+    if (taps[i].empty()) taps[i] = taps[i - i % static_cast<std::size_t>(angles)];
   }
   return taps;
 }
