@@ -67,9 +67,10 @@ void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
 
 void complete_from_plan(Scene& scene) {
   phantoms::Box box = scanned_box(scene.plan());
-  // No more than the option allows: of the widest probe, 0.6 m, the outermost 10 cm are left out.
+  // What the option allows: a sector or fan of 0.1 degrees is narrower than a millimetre, and of
+  // the widest probe, 0.6 m, the outermost 10 cm are left out.
   const glm::dvec3 middle = 0.5 * (box.low + box.high);
-  const glm::dvec3 half = glm::min(0.5 * (box.high - box.low), glm::dvec3(0.5));
+  const glm::dvec3 half = glm::clamp(0.5 * (box.high - box.low), 0.5e-3, 0.5);
   set_volume_of_interest(scene, {middle - half, middle + half});
 }
 

@@ -411,6 +411,15 @@ TEST_F(SceneFile, WithoutAPhantomTheVolumeOfInterestIsTheScannedSector) {
   EXPECT_NEAR(box.center_m.z, 0.5 * (end + low_z), 1e-12);
 }
 
+/// It was refused for a size that nobody had given.
+TEST_F(SceneFile, TheVolumeOfInterestOfTheNarrowestScanIsAllowed) {
+  Scene scene = load_scene(
+      {}, {"acquisition.sector_deg=0.1", "acquisition.fan_deg=0.1", "acquisition.depth_mm=1"});
+  complete_from_plan(scene);
+  EXPECT_NO_THROW(render::validate(scene.render));
+  EXPECT_NEAR(scene.render.volume_of_interest.center_m.z, 0.0405, 1e-5);
+}
+
 TEST_F(SceneFile, AVolumeOfInterestThatWasGivenStaysAndTheWidestIsAllowed) {
   Scene scene = load_scene({},
                            {"render.volume_of_interest.size_mm=[50,60,70]",
