@@ -22,7 +22,8 @@ std::vector<Command> add_commands(CLI::App& app) {
                                    add_validate_command(app),
                                    add_trade_command(app),
                                    add_accuracy_command(app),
-                                   add_fit_command(app)};
+                                   add_fit_command(app),
+                                   add_extremes_command(app)};
   for (Command& command : commands) {
     command.run = [run = std::move(command.run)] { return with_late_refusals(run); };
   }

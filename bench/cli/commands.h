@@ -27,5 +27,6 @@ Command add_validate_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
 Command add_accuracy_command(CLI::App& app);
 Command add_fit_command(CLI::App& app);
+Command add_extremes_command(CLI::App& app);
 
 }  // namespace wobblebench::bench

@@ -77,7 +77,8 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
                                     "modes",
                                     "validate",
                                     "trade",
-                                    "accuracy"}) {
+                                    "accuracy",
+                                    "extremes"}) {
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
     for (const char* const help : {"-h", "--help"}) {
       const auto result = bench({command, help}, folder);

@@ -1,0 +1,134 @@
+#include "bench/studies/extremes/extremes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/user_error.h"
+#include "bench/pipeline/acquire.h"
+#include "bench/scene/scene.h"
+#include "bench/studies/extremes/sample_reach.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+bool is_colour(const glm::vec3& colour) {
+  const auto within = [](float value) { return value >= 0 && value <= 1.00001F; };
+  return within(colour.r) && within(colour.g) && within(colour.b);
+}
+
+bool are_depths(const Image<float>& depth_m) {
+  return std::none_of(
+      depth_m.pixels.begin(), depth_m.pixels.end(), [](float z) { return std::isinf(z); });
+}
+
+bool are_colours(const Image<glm::vec3>& picture) {
+  return std::all_of(picture.pixels.begin(), picture.pixels.end(), is_colour);
+}
+
+/// The case's scene, with a small scan and picture. Throws UserError.
+Scene scene_of(const ExtremeCase& of, render::RenderPreset preset) {
+  std::vector<std::string> settings = base_settings();
+  settings.insert(settings.end(), of.settings.begin(), of.settings.end());
+  return load_scene({}, settings, "extremes", preset);
+}
+
+hw::PolarVolume sticks_of(const ExtremeCase& of, Scene& scene, PhantomCache& cache) {
+  if (of.sticks == StickSource::ball) {
+    complete_from_plan(scene);
+    return ball_volume(scene.plan());
+  }
+  const auto phantom = cache.phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  return acquire_simulated(scene, phantom, cache.tissue_maps()).volume;
+}
+
+bool is_one_sample(SampleChange change) {
+  return change != SampleChange::none && change != SampleChange::all_zero &&
+         change != SampleChange::all_one;
+}
+
+/// The largest pictures, by the renderer itself.
+bool renders_finite(const hw::PolarVolume& volume,
+                    const render::RenderOptions& options,
+                    render::GlContext& context) {
+  const render::Picture picture = render_volume(context, volume, options);
+  return are_depths(picture.depth_m) && are_depths(picture.filtered_depth_m) &&
+         are_colours(picture.volume) && are_colours(picture.surface);
+}
+
+void render_case(ExtremeOutcome& outcome,
+                 const Scene& scene,
+                 const hw::PolarVolume& volume,
+                 render::GlContext& context) {
+  const ExtremeCase& of = outcome.of;
+  if (!of.compared) {
+    outcome.finite = renders_finite(volume, scene.render, context);
+    outcome.rendered = true;
+    return;
+  }
+  context.make_current();
+  const ChangedVolume changed = changed_volume(volume, of.change);
+  const PassPictures pictures = run_passes(changed.given, scene.render);
+  outcome.rendered = true;
+  outcome.finite = is_finite(pictures);
+  outcome.errors = pass_errors(pictures, changed.meant, scene.render);
+  if (!is_one_sample(of.change)) return;
+  const PassPictures before = run_passes(volume, scene.render);
+  const auto reached = reached_pixels(volume.plan(), scene.render, changed_sample(volume.plan()));
+  outcome.changed_out_of_reach =
+      changed_out_of_reach(reached, before.cast_m, pictures.cast_m, scene.render);
+}
+
+void judge(ExtremeOutcome& outcome) {
+  auto& failures = outcome.failures;
+  const MustHappen must = outcome.of.must;
+  if (outcome.rendered && must == MustHappen::refuse) failures.emplace_back("was not refused");
+  if (!outcome.rendered && must == MustHappen::render) failures.emplace_back("was refused");
+  if (!outcome.rendered) return;
+  if (!outcome.finite) failures.emplace_back("not finite");
+  for (const PassError& error : outcome.errors) {
+    if (error.outside == 0) continue;
+    failures.push_back(error.pass + ": " + std::to_string(error.outside) + " of " +
+                       std::to_string(error.compared) + " beyond the bound");
+  }
+  if (outcome.changed_out_of_reach.value_or(0) > 0) {
+    failures.push_back(std::to_string(*outcome.changed_out_of_reach) +
+                       " pixels changed that the sample does not reach");
+  }
+}
+
+}  // namespace
+
+bool is_finite(const PassPictures& pictures) {
+  const auto in_slice = [](const Image<float>& slice) {
+    return std::all_of(
+        slice.pixels.begin(), slice.pixels.end(), [](float v) { return std::isfinite(v); });
+  };
+  return std::all_of(pictures.slices.begin(), pictures.slices.end(), in_slice) &&
+         are_depths(pictures.cast_m) && are_depths(pictures.corrected_m) &&
+         are_depths(pictures.filtered_m) && are_colours(pictures.volume) &&
+         are_colours(pictures.shaded) && are_colours(pictures.smoothed);
+}
+
+ExtremeOutcome run_extreme_case(const ExtremeCase& of,
+                                render::RenderPreset preset,
+                                render::GlContext& context,
+                                PhantomCache& cache) {
+  ExtremeOutcome outcome{of, std::string(to_string(preset))};
+  try {
+    Scene scene = scene_of(of, preset);
+    const hw::PolarVolume volume = sticks_of(of, scene, cache);
+    render_case(outcome, scene, volume, context);
+  } catch (const UserError& error) {
+    outcome.refusal = error.what();
+  } catch (const std::exception& error) {
+    outcome.refusal = error.what();
+    outcome.failures.push_back(std::string("after work had begun: ") + error.what());
+  }
+  judge(outcome);
+  return outcome;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,166 @@
+// What the study of extremes calls an error, and what it does not.
+#include "bench/studies/extremes/extremes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "bench/scene/scene.h"
+#include "bench/studies/extremes/number_cases.h"
+#include "bench/studies/extremes/sample_reach.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+namespace {
+
+render::GlContext& gl_context() {
+  static const std::unique_ptr<render::GlContext> context = render::make_context();
+  context->make_current();
+  return *context;
+}
+
+Scene small_scene(render::RenderPreset preset = render::RenderPreset::paper) {
+  Scene scene = load_scene({}, base_settings(), "extremes", preset);
+  complete_from_plan(scene);
+  return scene;
+}
+
+/// The passes that a change of their pictures puts beyond their bounds.
+std::set<std::string> beyond(const PassPictures& pictures, const Scene& scene) {
+  std::set<std::string> passes;
+  for (const PassError& error : pass_errors(pictures, ball_volume(scene.plan()), scene.render)) {
+    if (error.outside > 0) passes.insert(error.pass);
+  }
+  return passes;
+}
+
+/// The first pixel from the middle on that has a surface.
+std::size_t surface_pixel(const Image<float>& depth_m) {
+  std::size_t i = depth_m.pixels.size() / 2;
+  while (std::isnan(depth_m.pixels.at(i))) ++i;
+  return i;
+}
+
+class Passes : public ::testing::TestWithParam<render::RenderPreset> {};
+
+TEST_P(Passes, AreTheRenderers) {
+  const Scene scene = small_scene(GetParam());
+  const hw::PolarVolume volume = ball_volume(scene.plan());
+  const render::Picture expected = render_volume(gl_context(), volume, scene.render);
+  const PassPictures pictures = run_passes(volume, scene.render);
+  int surfaces = 0;
+  for (std::size_t i = 0; i < expected.depth_m.pixels.size(); ++i) {
+    EXPECT_EQ(pictures.smoothed.pixels[i], expected.surface.pixels[i]);
+    EXPECT_EQ(pictures.volume.pixels[i], expected.volume.pixels[i]);
+    const float z = expected.depth_m.pixels[i], filtered = expected.filtered_depth_m.pixels[i];
+    EXPECT_EQ(std::isnan(pictures.corrected_m.pixels[i]), std::isnan(z));
+    if (std::isnan(z)) continue;
+    ++surfaces;
+    EXPECT_EQ(pictures.corrected_m.pixels[i], z);
+    EXPECT_EQ(pictures.filtered_m.pixels[i], filtered);
+  }
+  EXPECT_GT(surfaces, 20);
+}
+
+/// Each fault is small: half a per cent of full scale, one step of a ray, a millimetre.
+TEST_P(Passes, AFaultOfOnePixelIsBeyondTheBoundOfItsPassAlone) {
+  const Scene scene = small_scene(GetParam());
+  gl_context();
+  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render);
+  EXPECT_EQ(beyond(right, scene), std::set<std::string>{});
+  const std::size_t pixel = surface_pixel(right.cast_m);
+  PassPictures wrong = right;
+  wrong.slices[4].at(10, 10) += 0.005F;
+  EXPECT_EQ(beyond(wrong, scene), std::set<std::string>{"scan conversion"});
+  wrong = right;
+  wrong.smoothed.pixels[pixel].g += 0.005F;
+  EXPECT_EQ(beyond(wrong, scene), std::set<std::string>{"smoothing"});
+  wrong = right;
+  wrong.cast_m.pixels[pixel] += 5 * static_cast<float>(step_m(scene.render));
+  EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, z"));
+  wrong.cast_m.pixels[pixel] = kNoSurface;
+  EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, z"));
+  wrong = right;
+  wrong.volume.pixels[pixel] += glm::vec3(0.05F);
+  EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, volume"));
+  wrong = right;
+  wrong.filtered_m.pixels[pixel] += 1e-3F;
+  EXPECT_TRUE(beyond(wrong, scene).contains("z filter"));
+  wrong = right;
+  wrong.shaded.pixels[pixel] += glm::vec3(0.02F);
+  EXPECT_TRUE(beyond(wrong, scene).contains("shading"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets,
+                         Passes,
+                         ::testing::Values(render::RenderPreset::paper,
+                                           render::RenderPreset::accurate),
+                         [](const auto& of) { return std::string(to_string(of.param)); });
+
+TEST(Extremes, ANumberThatIsNotFiniteIsFound) {
+  gl_context();
+  const Scene scene = small_scene();
+  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render);
+  EXPECT_TRUE(is_finite(right));
+  PassPictures wrong = right;
+  wrong.slices[0].pixels[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(is_finite(wrong));
+  wrong = right;
+  wrong.shaded.pixels[7].b = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(is_finite(wrong));
+  wrong = right;
+  wrong.filtered_m.pixels[7] = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(is_finite(wrong));
+}
+
+/// The reach is no blank cheque: most pixels are out of it, and some within it change.
+TEST(Extremes, ASampleChangesPixelsWithinItsReachOnly) {
+  gl_context();
+  const Scene scene = small_scene();
+  const hw::AcquisitionPlan plan = scene.plan();
+  const hw::PolarVolume volume = ball_volume(plan);
+  const auto reached = reached_pixels(plan, scene.render, changed_sample(plan));
+  const auto count = std::count(reached.begin(), reached.end(), true);
+  EXPECT_GT(count, 0);
+  EXPECT_LT(count, static_cast<long>(reached.size()) / 3);
+  const PassPictures before = run_passes(volume, scene.render);
+  const ChangedVolume changed = changed_volume(volume, SampleChange::one_1e30);
+  const PassPictures after = run_passes(changed.given, scene.render);
+  EXPECT_EQ(changed_out_of_reach(reached, before.cast_m, after.cast_m, scene.render), 0);
+  const std::vector<bool> nothing(reached.size(), false);
+  EXPECT_GT(changed_out_of_reach(nothing, before.cast_m, after.cast_m, scene.render), 0);
+}
+
+TEST(Extremes, WhatMustBeRefusedFailsWhereItIsRendered) {
+  PhantomCache cache;
+  ExtremeCase of{"rendered", {}, MustHappen::refuse};
+  EXPECT_FALSE(run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache).passed());
+  of = {"refused", {"acquisition.depth_mm=401"}, MustHappen::render};
+  const auto outcome = run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache);
+  EXPECT_FALSE(outcome.passed());
+  EXPECT_EQ(outcome.refusal, "extremes: acquisition.depth_mm = 401: must be within 1 and 400");
+  of.must = MustHappen::refuse;
+  EXPECT_TRUE(run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache).passed());
+}
+
+TEST(Extremes, RandomCasesFollowFromTheirSeed) {
+  const auto one = random_extreme_cases(7, 5), same = random_extreme_cases(7, 5),
+             other = random_extreme_cases(8, 5);
+  ASSERT_EQ(one.size(), 5U);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].settings, same[i].settings);
+    EXPECT_NE(one[i].settings, other[i].settings);
+    EXPECT_GT(one[i].settings.size(), 5U);
+  }
+}
+
+TEST(Extremes, NumbersAreExactAtTheirEnds) {
+  for (const NumberOutcome& number : run_number_cases()) {
+    EXPECT_LE(number.worst, number.bound) << number.name;
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
