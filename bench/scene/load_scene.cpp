@@ -155,6 +155,7 @@ void validate(const Scene& scene, const std::string& source) {
   check("phantom", [&] { phantoms::validate(scene.phantom); });
   check("motion", [&] { phantoms::validate(scene.motion); });
   check("probe", [&] { hw::validate(scene.probe); });
+  check("acquisition", [&] { static_cast<void>(scene.plan()); });
   check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
   check("render", [&] { render::validate(scene.render); });
   check_memory(scene, source, available_memory_bytes());

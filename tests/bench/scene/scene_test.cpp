@@ -411,6 +411,13 @@ TEST_F(SceneFile, WithoutAPhantomTheVolumeOfInterestIsTheScannedSector) {
   EXPECT_NEAR(box.center_m.z, 0.5 * (end + low_z), 1e-12);
 }
 
+/// The refusal named a key of the section simulation, which has none.
+TEST_F(SceneFile, ARuleOfTheAcquisitionIsRefusedByItsOwnSection) {
+  const std::string text =
+      refusal("[acquisition]\nfocal_zones = 8\ndead_time_us = 9999\ndepth_mm = 400\n");
+  EXPECT_NE(text.find(": acquisition.focal_zones = 8: "), std::string::npos) << text;
+}
+
 /// It was refused for a size that nobody had given.
 TEST_F(SceneFile, TheVolumeOfInterestOfTheNarrowestScanIsAllowed) {
   Scene scene = load_scene(
