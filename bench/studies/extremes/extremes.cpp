@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/user_error.h"
 #include "bench/pipeline/acquire.h"
@@ -12,6 +14,9 @@
 namespace wobblebench::bench {
 
 namespace {
+
+/// Where the settings are from, as refusals say it.
+const std::string kSource = "extremes";
 
 bool is_colour(const glm::vec3& colour) {
   const auto within = [](float value) { return value >= 0 && value <= 1.00001F; };
@@ -31,7 +36,7 @@ bool are_colours(const Image<glm::vec3>& picture) {
 Scene scene_of(const ExtremeCase& of, render::RenderPreset preset) {
   std::vector<std::string> settings = base_settings();
   settings.insert(settings.end(), of.settings.begin(), of.settings.end());
-  return load_scene({}, settings, "extremes", preset);
+  return load_scene({}, settings, kSource, preset);
 }
 
 hw::PolarVolume sticks_of(const ExtremeCase& of, Scene& scene, PhantomCache& cache) {
@@ -81,12 +86,30 @@ void render_case(ExtremeOutcome& outcome,
       changed_out_of_reach(reached, before.cast_m, pictures.cast_m, scene.render);
 }
 
+/// "extremes: SECTION.KEY = VALUE: what is allowed", of a key that there is.
+bool names_a_key(const std::string& refusal) {
+  const std::string head = kSource + ": ";
+  const std::size_t end = refusal.find(" = ");
+  if (!refusal.starts_with(head) || end == std::string::npos) return false;
+  const Scene defaults;
+  nlohmann::ordered_json at = resolved(defaults);
+  std::istringstream words(refusal.substr(head.size(), end - head.size()));
+  for (std::string word; std::getline(words, word, '.');) {
+    if (!at.is_object() || !at.contains(word)) return false;
+    at = nlohmann::ordered_json(at.at(word));
+  }
+  return refusal.find('\n') == std::string::npos;
+}
+
 void judge(ExtremeOutcome& outcome) {
   auto& failures = outcome.failures;
   const MustHappen must = outcome.of.must;
   if (outcome.rendered && must == MustHappen::refuse) failures.emplace_back("was not refused");
   if (!outcome.rendered && must == MustHappen::render) failures.emplace_back("was refused");
-  if (!outcome.rendered) return;
+  if (!outcome.rendered) {
+    if (!names_a_key(outcome.refusal)) failures.emplace_back("the refusal names no key of a scene");
+    return;
+  }
   if (!outcome.finite) failures.emplace_back("not finite");
   for (const PassError& error : outcome.errors) {
     if (error.outside == 0) continue;

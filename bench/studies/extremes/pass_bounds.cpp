@@ -21,6 +21,9 @@ constexpr double u = kUnitRoundoff;
 /// Mesa's atan is a polynomial whose leading coefficient is 0.99998; to 2^-15 of the angle.
 constexpr double kArcTangent = 1.0 / (1 << 15);
 
+/// Most that a ray through the whole field is long, in far ends of the sticks.
+constexpr double kFieldLength = 6;
+
 /// Rounded to half a level when a frame is uploaded, after the filter of rows, and as a slice.
 double texel_error(render::TextureFormat format) {
   if (format == render::TextureFormat::r32f) return 0;
@@ -85,6 +88,56 @@ double detector_error(const render::RenderOptions& options, double sample, doubl
   return o.buffer_length * sample + steps * u * (4 + o.buffer_length / 2.0);
 }
 
+/// Places of samples are stored rounded and scaled to texels, 8 operations; then the taps' sums.
+double slice_error(const hw::AcquisitionPlan& plan,
+                   const render::RenderOptions& options,
+                   const Steepness& steep) {
+  const auto taps = static_cast<double>(slice_weights(options).size());
+  const hw::AcquisitionOptions dense = dense_plan(plan, dense_factors(plan, options)).acquisition();
+  return texel_error(options.scan_conversion.format) +
+         8 * u * (dense.samples_per_stick * steep.sample + dense.sticks_per_frame * steep.line) +
+         (taps * taps + 8) * u;
+}
+
+/// Of a fetch from the slices beside their own error: of its place in each direction, scaled to
+/// texels, and of the sum of a kernel's taps along the ray.
+double sample_error(const hw::AcquisitionPlan& plan,
+                    const render::RenderOptions& options,
+                    const Steepness& steep,
+                    const PassBounds& bounds,
+                    double angle) {
+  const render::DenseFactors factors = dense_factors(plan, options);
+  const render::SliceGeometry geometry(plan, options.scan_conversion.slice_size, factors);
+  const double size = geometry.slice_size(), frames = geometry.frames();
+  const double row_m = (geometry.r_max_m() - geometry.depth_min_m()) / size;
+  const double column_m = 2 * geometry.x_max_m() / size;
+  const double per_rad = frames > 1 ? factors.frames / std::abs(plan.phi_step_rad()) : 0;
+  const int taps = ray_kernel_size(options.ray_casting) + options.ray_casting.window_2d;
+  double error = steep.column * (bounds.position_m / column_m + 8 * u * size) +
+                 steep.row * (bounds.place_m / row_m + 8 * u * size) + (std::pow(taps, 3) + 8) * u;
+  if (steep.frame > 0) error += steep.frame * (per_rad * angle + 8 * u * frames);
+  return error;
+}
+
+/// A sum over a square window.
+double window_error(int filter_size) {
+  return (1.0 * filter_size * filter_size + 8) * u;
+}
+
+double smoothing_error(const render::SmoothingOptions& o) {
+  const double window = 2 * window_error(o.filter_size);
+  switch (o.filter) {
+    case render::SmoothingFilter::guided:  // variance / (variance + sigma^2), slope 1 / sigma^2
+      return std::min(1.0, window * (1 + 3 / (o.range_sigma * o.range_sigma)));
+    case render::SmoothingFilter::bilateral:
+      // exp(-E) is wrong by E exp(-E) < 1 roundings of E, and by those of the contrast in E.
+      return window + 32 * u + 8 * u / o.range_sigma;
+    case render::SmoothingFilter::box:
+      break;
+  }
+  return window;
+}
+
 }  // namespace
 
 Steepness steepness(const hw::PolarVolume& volume,
@@ -121,47 +174,21 @@ PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
                        const Steepness& steep) {
   const render::SliceGeometry geometry(
       plan, options.scan_conversion.slice_size, dense_factors(plan, options));
-  const double size = geometry.slice_size(), frames = geometry.frames();
-  const auto taps = static_cast<double>(slice_weights(options).size());
-  const double samples = plan.acquisition().samples_per_stick;
-  const double lines =
-      dense_plan(plan, dense_factors(plan, options)).acquisition().sticks_per_frame;
-  const double field_m = 6 * geometry.r_max_m();  // most that a ray's own coordinates reach
-  const double extent = extent_m(options, geometry);
   PassBounds bounds;
-  // Places of samples are stored rounded and scaled to texels, 8 operations; then the taps' sums.
-  bounds.slices = texel_error(options.scan_conversion.format) +
-                  8 * u * (samples * steep.sample + lines * steep.line) + (taps * taps + 8) * u;
   // A position: origin, offset and length along the ray, 8 operations.
-  bounds.position_m = 8 * u * extent;
+  bounds.position_m = 8 * u * extent_m(options, geometry);
   const Arms arm = arms(options, geometry);
   const double angle = angle_error(options, geometry, arm, bounds.position_m);
-  const double row_m = (geometry.r_max_m() - geometry.depth_min_m()) / size;
-  const double column_m = 2 * geometry.x_max_m() / size;
   bounds.place_m = bounds.position_m + (std::isfinite(angle) ? angle * arm.most_m : 0);
-  const double per_rad =
-      frames > 1 ? 1 / std::abs(plan.phi_step_rad()) * dense_factors(plan, options).frames : 0;
-  const double kernel =
-      std::pow(render::ray_kernel_size(options.ray_casting) + options.ray_casting.window_2d, 3);
-  const double depth_m = bounds.place_m;
-  bounds.sample = bounds.slices + steep.column * (bounds.position_m / column_m + 8 * u * size) +
-                  steep.row * (depth_m / row_m + 8 * u * size) + (kernel + 8) * u +
-                  (steep.frame > 0 ? steep.frame * (per_rad * angle + 8 * u * frames) : 0);
-  const double ray_m =
-      options.ray_casting.stop_at_box ? glm::length(options.volume_of_interest.size_m) : field_m;
-  const double steps = ray_m / step_m(options);
-  bounds.detector = detector_error(options, bounds.sample, steps);
+  bounds.slices = slice_error(plan, options, steep);
+  bounds.sample = bounds.slices + sample_error(plan, options, steep, bounds, angle);
+  const double ray_m = options.ray_casting.stop_at_box
+                           ? glm::length(options.volume_of_interest.size_m)
+                           : kFieldLength * geometry.r_max_m();
+  bounds.detector = detector_error(options, bounds.sample, ray_m / step_m(options));
   bounds.step_error_m = bounds.position_m + 8 * u * ray_m;
-  const auto window = [](int filter) { return (1.0 * filter * filter + 8) * u; };
-  bounds.filter = window(options.shading.depth_filter_size);
-  const double ranges = options.smoothing.range_sigma * options.smoothing.range_sigma;
-  bounds.smoothing = window(options.smoothing.filter_size) * 2;
-  if (options.smoothing.filter == render::SmoothingFilter::guided) {
-    bounds.smoothing = std::min(1.0, bounds.smoothing * (1 + 3 / ranges));
-  } else if (options.smoothing.filter == render::SmoothingFilter::bilateral) {
-    // exp(-E) is wrong by E exp(-E) < 1 roundings of E, and by those of the contrast in E.
-    bounds.smoothing += 32 * u + 8 * u / options.smoothing.range_sigma;
-  }
+  bounds.filter = window_error(options.shading.depth_filter_size);
+  bounds.smoothing = smoothing_error(options.smoothing);
   return bounds;
 }
 
