@@ -20,6 +20,7 @@ std::vector<Command> add_commands(CLI::App& app) {
                                    add_tables_command(app),
                                    add_modes_command(app),
                                    add_validate_command(app),
+                                   add_rungs_command(app),
                                    add_trade_command(app),
                                    add_accuracy_command(app),
                                    add_fit_command(app),

@@ -24,6 +24,7 @@ Command add_phantom_command(CLI::App& app);
 Command add_tables_command(CLI::App& app);
 Command add_modes_command(CLI::App& app);
 Command add_validate_command(CLI::App& app);
+Command add_rungs_command(CLI::App& app);
 Command add_trade_command(CLI::App& app);
 Command add_accuracy_command(CLI::App& app);
 Command add_fit_command(CLI::App& app);

@@ -1,8 +1,10 @@
-// Speed against accuracy over the rungs of the simulator.
+// Time against error over a plan's settings.
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/number_text.h"
 #include "base/user_error.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
@@ -10,191 +12,112 @@
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"
 #include "bench/report/report.h"
-#include "bench/report/trade/rung_trade_report.h"
-#include "bench/studies/trade/rung_memory.h"
-#include "sim/fidelity.h"
-#include "sim/probe_simulator.h"
+#include "bench/report/trade/trade_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
+constexpr int kMostShards = 10000;
+
 struct Arguments {
-  SceneArguments scene;
+  std::filesystem::path plan;
+  std::vector<std::string> settings;
+  std::string shard = "1/1";
+  std::vector<std::string> merged;
+  CacheArguments cache;
   OutputArguments output;
-  int repeats = 3;
+  std::string gl = "auto";
 };
 
-constexpr int kSeeds = 3;
-constexpr int kPanelWidth = 600;
+struct Shard {
+  int index = 1, count = 1;
+};
 
-void refuse_compared_settings(const Scene& scene) {
-  for (const char* key : {"simulation.fidelity", "simulation.side_lobes"}) {
-    if (scene.given.contains(key)) {
-      throw UserError(std::string(key) + ": is set by the trade itself; leave it out");
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  char end = 0;
+  const bool read = std::sscanf(text.c_str(), "%5d/%5d%c", &shard.index, &shard.count, &end) == 2;
+  const bool allowed = read && shard.index >= 1 && shard.index <= shard.count &&
+                       shard.count <= kMostShards &&
+                       text == std::to_string(shard.index) + "/" + std::to_string(shard.count);
+  if (!allowed) {
+    throw UserError("--shard = " + text + ": must be I/N, 1 to N, with N at most " +
+                    std::to_string(kMostShards));
+  }
+  return shard;
+}
+
+TradeWork work_of(const Arguments& arguments) {
+  TradeWork work{load_trade_plan(arguments.plan), {}, arguments.settings};
+  check_trade(work);
+  work.points = design_points(work.plan);
+  return work;
+}
+
+std::string machine_of(const render::GlContext& context, const TradeWork& work) {
+  const Provenance provenance = provenance_of_simulation(context, work.plan.seeds.front());
+  return "commit " + provenance.commit + ", " + provenance.cpu + ", " +
+         std::to_string(provenance.threads) + " threads, " + provenance.gl_renderer;
+}
+
+void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& journal) {
+  TradeContent merged;
+  for (const std::string& folder : arguments.merged) {
+    TradeContent content = read_trade_journal(folder, work.hash());
+    merged.records.merge(content.records);
+    merged.machines.merge(content.machines);
+  }
+  for (const std::string& machine : merged.machines) journal.append_machine(machine);
+  const auto units = trade_units(work);
+  std::size_t missing = 0;
+  for (const TradeUnit& unit : units) {
+    const auto found = merged.records.find(unit);
+    if (found != merged.records.end()) {
+      journal.append(found->second);
+    } else if (!journal.records().contains(unit)) {
+      ++missing;
     }
+  }
+  if (missing > 0) {
+    throw UserError("--merge: " + std::to_string(missing) + " of " + std::to_string(units.size()) +
+                    " measurements are in none of the folders; finish their shards first");
   }
 }
 
-/// All rungs are compared, so that each must model what the options switch on.
-void refuse_for_any_rung(const Scene& scene) {
-  auto options = scene.simulation;
-  for (const sim::Rung rung : {sim::Rung::geometry, sim::Rung::reference}) {
-    options.fidelity = rung;
-    try {
-      sim::choose_fidelity(options, scene.plan(), scene.moves());
-    } catch (const InvalidOption& error) {
-      throw UserError(std::string("simulation.") + error.what());
-    }
-  }
-}
-
-TradeScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
-  complete_from_phantom(scene, phantom);
-  return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
-}
-
-/// In processes of their own, before this one works on other threads.
-std::vector<MemoryPeak> measure_memory(const Scene& scene, const PartDone& done) {
-  std::vector<MemoryPeak> peaks;
-  PartCount parts(1 + 2 * volume_rungs().size(), done);
-  const auto add = [&](const std::string& what, const auto& body) {
-    peaks.push_back({what, peak_memory_bytes(body)});
-    parts.finish_one();
-  };
-  add("phantom alone", [&] { phantoms::make_phantom(scene.phantom); });
-  for (const sim::Rung rung : volume_rungs()) {
-    for (const bool moving : {false, true}) {
-      add(sim::to_string(rung) + (moving ? ", moving" : ", still"), [&] {
-        auto subject = scene_of(scene, phantoms::make_phantom(scene.phantom));
-        subject.options.fidelity = rung;
-        subject.subject.motion = moving ? slow_path() : phantoms::Motion();
-        const sim::ProbeSimulator simulator(subject.subject, subject.plan, subject.options);
-        simulator.volume(0);
-      });
-    }
-  }
-  return peaks;
-}
-
-std::vector<RungFrame> middle_frames(const TradeScene& scene) {
-  std::vector<RungFrame> panels;
-  for (const sim::Rung rung : volume_rungs()) {
-    auto options = scene.options;
-    options.fidelity = rung;
-    const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
-    panels.push_back(
-        {sim::to_string(rung),
-         frame_picture(
-             scene.plan, volume, scene.plan.acquisition().frames_per_volume / 2, kPanelWidth)});
-  }
-  return panels;
-}
-
-/// The scene with another phantom in place of its own.
-TradeScene body_in(Scene scene, const std::string& name) {
-  scene.phantom = {.name = name};
-  if (name == "plane") scene.phantom.tilt_y_rad = 10 * kDegree;
-  scene.given.clear();
-  return scene_of(scene, phantoms::make_phantom(scene.phantom));
-}
-
-/// The scene's own phantom, and two whose truth has a closed form.
-std::vector<RungError> measure_errors(const Scene& scene,
-                                      const TradeScene& subject,
-                                      const std::vector<std::uint64_t>& seeds,
-                                      const PartDone& done) {
-  PartCount parts(4, done);
-  std::vector<RungError> errors =
-      measure_rung_errors(scene.phantom.name, subject, volume_rungs(), seeds);
-  parts.finish_one();
-  for (const std::string name : {"sphere", "plane"}) {
-    if (name != scene.phantom.name) {
-      const auto more = measure_rung_errors(name, body_in(scene, name), volume_rungs(), seeds);
-      errors.insert(errors.end(), more.begin(), more.end());
-    }
-    parts.finish_one();
-  }
-  const auto small = measure_rung_errors(
-      "sheet", small_sheet(scene.simulation), {sim::Rung::scatterers, sim::Rung::reference}, seeds);
-  errors.insert(errors.end(), small.begin(), small.end());
-  return errors;
-}
-
-/// Of the steps of measure(), estimated.
-std::vector<PlannedStep> usual_shares(int repeats) {
-  return {{"memory", 50},
-          {"phantom", 4},
-          {"times", 6.0 + 6.0 * repeats},
-          {"stages", 4},
-          {"growth", 60},
-          {"errors", 15},
-          {"reference", 20},
-          {"frames", 6}};
-}
-
-RungTradeResults measure(const Scene& scene, int repeats, Progress& progress) {
-  RungTradeResults results;
-  results.phantom = scene.phantom.name;
-  results.repeats = repeats;
-  results.seeds = seeds_from(scene.simulation.seed, kSeeds);
-  results.memory =
-      progress.step("memory", [&](const PartDone& done) { return measure_memory(scene, done); });
-  const auto subject = progress.step(
-      "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
-  results.sound_ms = hw::to_milliseconds(subject.plan.volume_duration());
-  results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
-                    subject.plan.acquisition().samples_per_stick;
-  results.times = progress.step("times", [&](const PartDone& done) {
-    return measure_times(subject, volume_rungs(), repeats, done);
+void measure(const Arguments& arguments,
+             const TradeWork& work,
+             const Shard& shard,
+             TradeJournal& journal,
+             Progress& progress) {
+  const auto context = render::make_context(arguments.gl);
+  journal.append_machine(machine_of(*context, work));
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const auto units = trade_shard(trade_units(work), shard.index, shard.count);
+  progress.step("measure", [&](const PartDone& done) {
+    measure_trade(work, units, journal, *context, cache, done);
   });
-  progress.step("stages", [&](const PartDone& done) {
-    PartCount parts(volume_rungs().size(), done);
-    for (const sim::Rung rung : volume_rungs()) {
-      results.stages.push_back(measure_stages(subject, rung));
-      parts.finish_one();
-    }
-  });
-  results.growth = progress.step("growth", [&](const PartDone& done) {
-    return measure_growth(volume_rungs(), scene.simulation, {}, done);
-  });
-  results.errors = progress.step("errors", [&](const PartDone& done) {
-    return measure_errors(scene, subject, results.seeds, done);
-  });
-  progress.step("reference", [&] {
-    const auto small = small_sheet(scene.simulation);
-    results.small_scatterers = measure_volume(small, sim::Rung::scatterers, kSmallRepeats);
-    results.small_reference = measure_volume(small, sim::Rung::reference, kSmallRepeats);
-  });
-  results.frames = progress.step("frames", [&] { return middle_frames(subject); });
-  return results;
 }
 
-Json report_of(const RungTradeResults& results,
-               const Scene& scene,
-               const Provenance& provenance,
-               const StepTimes& times) {
-  Json report = report_head("trade", provenance, scene);
-  report["acquisition"] = acquisition_json(scene.plan());
+Json report_of(const TradeResults& results, const StepTimes& times) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = "simulated";
+  Json report = report_head("trade", provenance, results.work.reference(0));
+  report["scene"] = nullptr;  // there are several
+  report["machines"] = results.machines;
   report["trade"] = trade_json(results);
   report["wall_ms"] = wall_json(times);
   return report;
 }
 
-int trade(const Arguments& arguments) {
-  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  refuse_compared_settings(scene);
-  refuse_for_any_rung(scene);
-  OutputFolder out(arguments.output.folder);
-  Progress progress(usual_shares(arguments.repeats));
-  const RungTradeResults results = measure(scene, arguments.repeats, progress);
-
-  Provenance provenance = provenance_of_this_machine();
-  provenance.board = "simulated";
-  const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
-  const std::string markdown = trade_markdown(results, provenance);
-  out.write_text("trade.md", markdown);
+int write(const Arguments& arguments,
+          const TradeResults& results,
+          OutputFolder& out,
+          const StepTimes& times) {
+  const std::string report = report_text(report_of(results, times));
+  const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
+  out.write_text("trade.md", markdown);
   for (const Figure& figure : trade_figures(results)) {
     write_png(out.stage(trade_figure_file(figure)), figure.picture);
   }
@@ -204,15 +127,51 @@ int trade(const Arguments& arguments) {
   return 0;
 }
 
+int trade(const Arguments& arguments) {
+  const Shard shard = parse_shard(arguments.shard);
+  if (!arguments.merged.empty() && shard.count > 1) {
+    throw UserError("--merge: measures nothing, and takes no --shard");
+  }
+  TradeWork work = work_of(arguments);
+  OutputFolder out(arguments.output.folder);
+  TradeJournal journal(out.directory(), work.hash());
+  Progress progress({{"measure", 100}});
+  if (!arguments.merged.empty()) {
+    merge(arguments, work, journal);
+  } else {
+    measure(arguments, work, shard, journal, progress);
+  }
+  const std::size_t all = trade_units(work).size(), here = journal.records().size();
+  if (here < all) {
+    std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
+              << " measurements are in " << (out.directory() / TradeJournal::kFile).string()
+              << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "
+                 "shards.\n";
+    return 0;
+  }
+  const TradeResults results =
+      trade_results(std::move(work), {journal.records(), journal.machines()});
+  return write(arguments, results, out, progress.times());
+}
+
 }  // namespace
 
 Command add_trade_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& command =
-      add_subcommand(app, "trade", "Speed against accuracy over the simulator's rungs");
-  add_scene_options(command, arguments->scene);
+  CLI::App& command = add_subcommand(
+      app,
+      "trade",
+      "Time against error over a plan's settings: the front, its knees, what matters");
+  add_required_path(command, "PLAN", arguments->plan, "TOML file with scenes and axes of settings");
+  add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");
+  add_text(command, "--shard", arguments->shard, "Measure part I of N alone: I/N");
+  add_list(command,
+           "--merge",
+           arguments->merged,
+           "Folder of a finished shard; repeat it for each. Nothing is measured");
+  add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
-  add_repeats_option(command, arguments->repeats);
+  add_gl_option(command, arguments->gl);
   return {&command, [arguments] { return trade(*arguments); }};
 }
 

@@ -188,4 +188,14 @@ Evaluation Evaluator::evaluate(const render::RenderOptions& options,
   return result;
 }
 
+PictureTime Evaluator::time_picture(const render::RenderOptions& options) {
+  render::Renderer& renderer = renderer_of(options);
+  renderer.add_volume(sticks());
+  PictureTime time;
+  const render::Picture picture = renderer.render();
+  for (const render::PassTime& pass : picture.passes) time.volume_ms += pass.ms;
+  time.view_ms = time.volume_ms - picture.passes.front().ms;
+  return time;
+}
+
 }  // namespace wobblebench::bench

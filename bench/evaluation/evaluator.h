@@ -34,6 +34,12 @@ struct Evaluation {
   EvaluationTimes times;
 };
 
+/// Of one picture, in ms: the sum over the passes.
+struct PictureTime {
+  double volume_ms = 0;  ///< of a new volume: all passes
+  double view_ms = 0;    ///< of a volume that is there: passes 2 to 4
+};
+
 struct EvaluationChoice {
   MeasureChoice measures;
   bool registration = false;
@@ -71,6 +77,9 @@ class Evaluator {
 
   /// Needs sticks. Throws InvalidOption, and as render::Renderer does.
   Evaluation evaluate(const render::RenderOptions& options, const EvaluationChoice& choice = {});
+  /// Gives the sticks to the renderer once more and times the picture. The first picture of a
+  /// setting takes longer than others: evaluate() before. Throws as evaluate().
+  PictureTime time_picture(const render::RenderOptions& options);
   /// The truth of a view, with what the sticks' rung cannot hear.
   const TrueView& truth(const render::RenderOptions& options);
 

@@ -76,6 +76,7 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
                                     "tables",
                                     "modes",
                                     "validate",
+                                    "rungs",
                                     "trade",
                                     "accuracy",
                                     "extremes"}) {
@@ -113,10 +114,10 @@ TEST(Answers, NumbersAreDecimal) {
   EXPECT_EQ(report.at("first_seed"), 8);
 }
 
-TEST(Answers, TradeRefusesAPhantomsFileWithOneLine) {
+TEST(Answers, RungsRefuseAPhantomsFileWithOneLine) {
   const ScratchFolder folder;
   folder.write("bad.stl", "solid x\nendsolid x\n");
-  const auto result = bench({"trade",
+  const auto result = bench({"rungs",
                              "--set",
                              "phantom.name=mesh",
                              "--set",
@@ -130,9 +131,9 @@ TEST(Answers, TradeRefusesAPhantomsFileWithOneLine) {
   EXPECT_EQ(result.out, "");
 }
 
-TEST(Answers, TradeRefusesWhatOneOfItsRungsCannotShow) {
+TEST(Answers, RungsRefuseWhatOneOfItsRungsCannotShow) {
   const ScratchFolder folder;
-  const auto result = bench({"trade", "--set", "simulation.speckle=false"}, folder);
+  const auto result = bench({"rungs", "--set", "simulation.speckle=false"}, folder);
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err,
             "wobblebench: simulation.speckle = false: needs the rung geometry or field; the rung "
@@ -169,7 +170,7 @@ TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {
                       "--set",
                       "phantom.unit_mm=1"};
   for (const char* const command :
-       {"phantom", "record", "run", "tables", "conformance", "trade", "accuracy"}) {
+       {"phantom", "record", "run", "tables", "conformance", "rungs", "accuracy"}) {
     const auto result = bench(with({command}, {mesh}), folder);
     EXPECT_EQ(result.exit_code, 2) << command;
     EXPECT_EQ(lines_in(result.err), 1) << result.err;

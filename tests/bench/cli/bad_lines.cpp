@@ -115,6 +115,8 @@ std::string right_value(const CLI::Option& option) {
   if (name == "--gl") return "osmesa";
   if (name == "--set") return "phantom.name=sphere";
   if (name == "--study") return "shear";
+  if (name == "--shard") return "1/2";
+  if (name == "PLAN") return "plan.toml";
   return is_number(option) ? "1" : "right";
 }
 
@@ -125,6 +127,7 @@ void make_named_files(const fs::path& folder) {
     std::ofstream(folder / name) << text;
   };
   write("whole.wbst", recording_of(recorded_plan()));
+  write("plan.toml", "[scenes.ball]\n[axes]\n\"render.ray_casting.steps\" = [64, 128]\n");
   write("wrong_key.toml", "[acquisition]\ndeptn_mm = 100\n");
   write("wrong_type.toml", "[acquisition]\nsticks_per_frame = \"many\"\n");
   write("wrong_range.toml", "[acquisition]\ndepth_mm = nan\n");

@@ -1,4 +1,4 @@
-// The validation documents, and the commands validate and trade.
+// The validation documents, and the commands validate and rungs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -100,12 +100,12 @@ TEST(ValidateCommand, RefusesAnUnknownStudy) {
   EXPECT_TRUE(folder.files("out").empty());
 }
 
-TEST(TradeCommand, RefusesWhatItSetsItself) {
+TEST(RungsCommand, RefusesWhatItSetsItself) {
   const ScratchFolder folder;
   const auto result = run_process(
-      WOBBLEBENCH_PROGRAM, {"trade", "--set", "simulation.fidelity=field"}, folder.path());
+      WOBBLEBENCH_PROGRAM, {"rungs", "--set", "simulation.fidelity=field"}, folder.path());
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.err.find("wobblebench: simulation.fidelity: is set by the trade"), 0u)
+  EXPECT_EQ(result.err.find("wobblebench: simulation.fidelity: is set by the command"), 0u)
       << result.err;
 }
 

@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_memory.h"
+#include "bench/studies/rungs/rung_memory.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>

@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/report/trade/rung_trade_report.h"
+#include "bench/report/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -20,27 +20,25 @@ std::string times_real_time(double ms, double acquisition_ms) {
   return fixed(times, times < 9.95 ? 1 : 0);
 }
 
-const RungTime* time_of(const RungTradeResults& results, sim::Rung rung) {
+const RungTime* time_of(const RungsResults& results, sim::Rung rung) {
   for (const RungTime& time : results.times) {
     if (time.rung == rung) return &time;
   }
   return nullptr;
 }
 
-void write_head(const RungTradeResults& results,
-                const Provenance& provenance,
-                std::ostream& markdown) {
+void write_head(const RungsResults& results, const Provenance& provenance, std::ostream& markdown) {
   markdown
       << "# Trade of the simulator's rungs\n\n"
-      << "Made by `wobblebench trade`. Commit " << provenance.commit << ", " << provenance.cpu
+      << "Made by `wobblebench rungs`. Commit " << provenance.commit << ", " << provenance.cpu
       << ", " << provenance.threads << " threads. Phantom " << results.phantom
       << "; a volume's sound takes " << fixed(results.sound_ms, 1) << " ms"
       << ". Seeds " << results.seeds.front() << " to " << results.seeds.back()
       << ". Times are wall times of all threads, median (least to most) of " << results.repeats
-      << " after one uncounted, the rungs in turn in each repeat. All rows are in `trade.csv`.\n";
+      << " after one uncounted, the rungs in turn in each repeat. All rows are in `rungs.csv`.\n";
 }
 
-void write_trade(const RungTradeResults& results, std::ostream& markdown) {
+void write_rungs(const RungsResults& results, std::ostream& markdown) {
   markdown
       << "\n## Time and error\n\n"
          "Error against the truth: where a stick first shows tissue (mean of three samples above "
@@ -77,7 +75,7 @@ void write_trade(const RungTradeResults& results, std::ostream& markdown) {
            << " times as long (" << kSmallRepeats << " repeats).\n";
 }
 
-void write_times(const RungTradeResults& results, std::ostream& markdown) {
+void write_times(const RungsResults& results, std::ostream& markdown) {
   markdown
       << "\n## Time of a volume\n\n"
          "Map: the phantom's surfaces brought onto one lattice, once for a phantom. Once for a "
@@ -111,7 +109,7 @@ void write_times(const RungTradeResults& results, std::ostream& markdown) {
   }
 }
 
-void write_stages(const RungTradeResults& results, std::ostream& markdown) {
+void write_stages(const RungsResults& results, std::ostream& markdown) {
   markdown << "\n## Where the time goes\n\n"
               "CPU time of a moving volume on one thread; the simulator's own stages, called one "
               "by one.\n\n"
@@ -138,7 +136,7 @@ void write_stages(const RungTradeResults& results, std::ostream& markdown) {
   }
 }
 
-void write_memory(const RungTradeResults& results, std::ostream& markdown) {
+void write_memory(const RungsResults& results, std::ostream& markdown) {
   if (results.memory.empty()) return;
   markdown
       << "\n## Memory\n\nLargest resident size of a process of its own (getrusage) that builds the "
@@ -150,7 +148,7 @@ void write_memory(const RungTradeResults& results, std::ostream& markdown) {
   }
 }
 
-void write_growth(const RungTradeResults& results, std::ostream& markdown) {
+void write_growth(const RungsResults& results, std::ostream& markdown) {
   markdown
       << "\n## Growth\n\nA block of tissue in fluid, 12 frames of 32 sticks; each size by itself, "
       << GrowthInputs{}.repeats
@@ -179,17 +177,17 @@ void write_growth(const RungTradeResults& results, std::ostream& markdown) {
 
 }  // namespace
 
-std::string trade_markdown(const RungTradeResults& results, const Provenance& provenance) {
+std::string rungs_markdown(const RungsResults& results, const Provenance& provenance) {
   std::ostringstream markdown;
   write_head(results, provenance, markdown);
-  const auto figures = trade_figures(results);
+  const auto figures = rungs_figures(results);
   const auto show = [&](const std::string& name) {
     for (const Figure& figure : figures) {
       if (figure.name != name) continue;
-      markdown << "\n![" << figure.caption << "](" << trade_figure_file(figure) << ")\n";
+      markdown << "\n![" << figure.caption << "](" << rungs_figure_file(figure) << ")\n";
     }
   };
-  write_trade(results, markdown);
+  write_rungs(results, markdown);
   show("rungs");
   show("frames");
   write_times(results, markdown);

@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_growth.h"
+#include "bench/studies/rungs/rung_growth.h"
 #include "base/units.h"
 
 #include <algorithm>
@@ -16,17 +16,17 @@ namespace {
 const glm::dvec3 kHalf_m{0.14, 0.13, 0.11};
 constexpr double kVoxel_m = 4e-3;  // flat faces are exact at any voxel size
 
-TradeScene scene_with(const phantoms::Phantom& body,
-                      double front_mm,
-                      const hw::AcquisitionOptions& acquisition,
-                      const sim::SimulationOptions& options) {
+RungScene scene_with(const phantoms::Phantom& body,
+                     double front_mm,
+                     const hw::AcquisitionOptions& acquisition,
+                     const sim::SimulationOptions& options) {
   const hw::AcquisitionPlan plan({}, acquisition);
   const double middle_m = plan.probe().radius_m + front_mm * kMillimetre + kHalf_m.z;
   return {phantoms::still_at(body, {0, 0, middle_m}), plan, options};
 }
 
 /// Fraction of the samples of a volume that are tissue, by rung `geometry`.
-double tissue_fraction(const TradeScene& scene) {
+double tissue_fraction(const RungScene& scene) {
   auto options = scene.options;
   options.fidelity = sim::Rung::geometry;
   const auto samples = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
@@ -78,10 +78,10 @@ class Growth {
   std::vector<GrowthPoint> take() { return std::move(points_); }
 
  private:
-  void add(const std::string& what, double size, const TradeScene& scene) {
+  void add(const std::string& what, double size, const RungScene& scene) {
     for (const sim::Rung rung : rungs_) measure(what, size, scene, rung);
   }
-  void measure(const std::string& what, double size, const TradeScene& scene, sim::Rung rung) {
+  void measure(const std::string& what, double size, const RungScene& scene, sim::Rung rung) {
     points_.push_back({what, size, rung, measure_volume(scene, rung, inputs_.repeats)});
     parts_.finish_one();
   }

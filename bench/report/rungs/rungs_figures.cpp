@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/report/trade/rung_trade_report.h"
+#include "bench/report/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -19,7 +19,7 @@ std::string spaced(std::string text) {
 }
 
 /// Each rung's time against its error against the rung above, one mark a body.
-Figure draw_trade(const RungTradeResults& results) {
+Figure draw_rungs(const RungsResults& results) {
   Chart chart{"The rungs: time and error against the rung above",
               {"first volume of a seed / time of its sound", Scale::logarithmic},
               {"RMS difference of the mean image (dB)", Scale::logarithmic}};
@@ -60,7 +60,7 @@ Figure draw_trade(const RungTradeResults& results) {
           draw(chart, {700, 420})};
 }
 
-Figure draw_stages(const RungTradeResults& results) {
+Figure draw_stages(const RungsResults& results) {
   BarChart chart{"Where the time of a moving volume goes", "share of CPU time (%)", {}, {}};
   std::vector<std::string> names;
   for (const StageTimes& stages : results.stages) {
@@ -83,7 +83,7 @@ Figure draw_stages(const RungTradeResults& results) {
   return {"stages", "CPU time of one volume on one thread, by stage.", draw(chart, {700, 260})};
 }
 
-Picture3 draw_sizes(const RungTradeResults& results, sim::Rung rung) {
+Picture3 draw_sizes(const RungsResults& results, sim::Rung rung) {
   Chart chart{"Rung " + sim::to_string(rung),
               {"size / smallest", Scale::logarithmic},
               {"time of a moving volume (ms)", Scale::logarithmic}};
@@ -105,7 +105,7 @@ Picture3 draw_sizes(const RungTradeResults& results, sim::Rung rung) {
   return draw(chart, {520, 360});
 }
 
-Figure draw_tissue(const RungTradeResults& results) {
+Figure draw_tissue(const RungsResults& results) {
   Chart chart{"Time against how much of the field is tissue",
               {"share of the samples (%)"},
               {"time of a moving volume (ms)"}};
@@ -126,10 +126,10 @@ Figure draw_tissue(const RungTradeResults& results) {
 
 }  // namespace
 
-std::vector<Figure> trade_figures(const RungTradeResults& results) {
+std::vector<Figure> rungs_figures(const RungsResults& results) {
   std::vector<GreyPanel> frames;
   for (const RungFrame& frame : results.frames) frames.push_back({frame.rung, frame.picture});
-  return {draw_trade(results),
+  return {draw_rungs(results),
           {"frames",
            "The middle frame of " + results.phantom + " on each rung.",
            draw(frames, "display range and depth as in the scene", 300)},

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/rungs/rung_time.h"
 
 namespace wobblebench::bench {
 
@@ -29,13 +29,13 @@ struct RungError {
 };
 
 /// The phantom's first target surface along each stick, from the front of its box of interest.
-std::vector<double> true_ranges(const TradeScene& scene);
+std::vector<double> true_ranges(const RungScene& scene);
 
 /// `rungs` in rising order. A surface is detected where the mean of three samples first exceeds 0.3
 /// of full scale, in the volume of the first seed. Images are means of the displayed values over
 /// the seeds, compared where either is above zero.
 std::vector<RungError> measure_rung_errors(const std::string& body,
-                                           const TradeScene& scene,
+                                           const RungScene& scene,
                                            const std::vector<sim::Rung>& rungs,
                                            const std::vector<std::uint64_t>& seeds);
 

@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/rungs/rung_time.h"
 
 #include <chrono>
 #include <memory>
@@ -38,7 +38,7 @@ double moving_volume_ms(const sim::ProbeSimulator& simulator, int repeat) {
   return sum_ms / kVolumesInARow;
 }
 
-sim::ProbeSimulator simulator(const TradeScene& scene,
+sim::ProbeSimulator simulator(const RungScene& scene,
                               sim::Rung rung,
                               const phantoms::Motion& motion) {
   auto options = scene.options;
@@ -53,7 +53,7 @@ struct TimedRung {
   std::unique_ptr<sim::ProbeSimulator> bending;
   std::vector<double> map_ms, once_ms, still_ms, first_ms, moving_ms, bending_ms;
 
-  void measure(const TradeScene& scene, int repeat, bool counted) {
+  void measure(const RungScene& scene, int repeat, bool counted) {
     const auto still = simulator(scene, rung, {});
     const double first = volume_ms(still, 0), further = volume_ms(still, 1);
     const double path = moving_volume_ms(*moving, repeat);
@@ -90,7 +90,7 @@ phantoms::Motion bending(const phantoms::Phantom& phantom) {
   return {options, phantom.joint()};
 }
 
-std::vector<RungTime> measure_times(const TradeScene& scene,
+std::vector<RungTime> measure_times(const RungScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats,
                                     const PartDone& done) {
@@ -114,7 +114,7 @@ std::vector<RungTime> measure_times(const TradeScene& scene,
   return results;
 }
 
-VolumeTime measure_volume(const TradeScene& scene, sim::Rung rung, int repeats) {
+VolumeTime measure_volume(const RungScene& scene, sim::Rung rung, int repeats) {
   const auto moving = simulator(scene, rung, slow_path());
   std::vector<double> first_ms, moving_ms;
   for (int repeat = 0; repeat <= repeats; ++repeat) {

@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_comparison.h"
+#include "bench/studies/rungs/rung_comparison.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ const std::vector<sim::Rung>& volume_rungs() {
   return rungs;
 }
 
-TradeScene small_sheet(const sim::SimulationOptions& options) {
+RungScene small_sheet(const sim::SimulationOptions& options) {
   constexpr double kRange_m = 75e-3, kHalf_m = 1e-3;
   const hw::AcquisitionPlan plan({},
                                  {.depth_m = 0.078,
@@ -36,7 +36,7 @@ TradeScene small_sheet(const sim::SimulationOptions& options) {
           options};
 }
 
-double floor_ms(sim::Rung rung, const RungTradeResults& results) {
+double floor_ms(sim::Rung rung, const RungsResults& results) {
   if (rung == sim::Rung::field) return kFieldFloor_ms * results.samples / kFieldSamples;
   for (const StageTimes& stages : results.stages) {
     if (stages.rung != rung || stages.scatterers == 0) continue;

@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_stages.h"
+#include "bench/studies/rungs/rung_stages.h"
 
 #include <algorithm>
 #include <ctime>
@@ -32,7 +32,7 @@ void timed(double& sum_ms, const Body& body) {
   sum_ms += cpu_ms() - begin;
 }
 
-sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
+sim::ScannedTissue subject_of(const RungScene& scene, sim::Rung rung) {
   return {std::make_shared<const sim::TissueMap>(scene.subject.phantom,
                                                  sim::echo_model_type(rung).reach_m(scene.plan),
                                                  scene.options.threads),
@@ -41,7 +41,7 @@ sim::ScannedTissue subject_of(const TradeScene& scene, sim::Rung rung) {
           slow_path()};
 }
 
-StageTimes geometry_stages(const TradeScene& scene) {
+StageTimes geometry_stages(const RungScene& scene) {
   const auto subject = subject_of(scene, sim::Rung::geometry);
   double follow_ms = 0, all_ms = 0;
   sim::StickTrack track;
@@ -64,7 +64,7 @@ StageTimes geometry_stages(const TradeScene& scene) {
           0};
 }
 
-std::unique_ptr<const sim::IqModel> make_model(const TradeScene& scene,
+std::unique_ptr<const sim::IqModel> make_model(const RungScene& scene,
                                                const sim::ScannedTissue& subject,
                                                const sim::SimulationOptions& options) {
   if (options.fidelity == sim::Rung::scatterers) {
@@ -85,7 +85,7 @@ struct Worker {
   sim::MeanPower power;
   std::vector<float> mean_power;
 
-  Worker(const TradeScene& scene,
+  Worker(const RungScene& scene,
          const sim::ScannedTissue& subject,
          const sim::SimulationOptions& options)
       : spacing_m(scene.plan.sample_spacing_m() / sim::iq_oversampling(scene.plan)),
@@ -113,7 +113,7 @@ struct Worker {
 
 /// Fills the caches of the tissue (sim/scatterers/cells/tissue_blocks.h), so that this is not
 /// timed.
-void warm_up(const TradeScene& scene,
+void warm_up(const RungScene& scene,
              const sim::ScannedTissue& subject,
              const sim::IqMaker& make,
              const sim::ScattererField& scatterers,
@@ -137,7 +137,7 @@ double StageTimes::total_ms() const {
   return sum;
 }
 
-StageTimes measure_stages(const TradeScene& scene, sim::Rung rung) {
+StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   if (rung == sim::Rung::geometry) return geometry_stages(scene);
   auto options = scene.options;
   options.fidelity = rung;

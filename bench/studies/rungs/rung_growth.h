@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/rungs/rung_time.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-// Speed and accuracy of the simulator's rungs: the measurements of the command `trade`.
+// Speed and accuracy of the simulator's rungs: the measurements of the command `rungs`.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/image.h"
-#include "bench/studies/trade/rung_error.h"
-#include "bench/studies/trade/rung_growth.h"
-#include "bench/studies/trade/rung_stages.h"
-#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/rungs/rung_error.h"
+#include "bench/studies/rungs/rung_growth.h"
+#include "bench/studies/rungs/rung_stages.h"
+#include "bench/studies/rungs/rung_time.h"
 #include "bench/studies/validate/seeds.h"
 
 namespace wobblebench::bench {
@@ -29,7 +29,7 @@ struct RungFrame {
   Image<float> picture;  ///< grey values in [0, 1]
 };
 
-struct RungTradeResults {
+struct RungsResults {
   std::string phantom;
   double sound_ms = 0;  ///< acquisition time of a volume
   double samples = 0;   ///< per volume
@@ -46,13 +46,13 @@ struct RungTradeResults {
 };
 
 /// A sheet of tissue across the axis under a few sticks: small enough for `reference`.
-TradeScene small_sheet(const sim::SimulationOptions& options);
+RungScene small_sheet(const sim::SimulationOptions& options);
 /// Repeats after one warm-up; `reference` takes two seconds for a volume.
 inline constexpr int kSmallRepeats = 3;
 
 /// Estimated lower bound of the time of a volume on two AVX2 cores (docs/architecture.md): 10 ms
 /// for the 1.21 million samples of `field`, 0.2 s for 47 million scatterers. 0: no estimate.
-double floor_ms(sim::Rung rung, const RungTradeResults& results);
+double floor_ms(sim::Rung rung, const RungsResults& results);
 
 /// One frame, scan-converted in its plane: grey values as displayed, white outside the sector.
 Image<float> frame_picture(const hw::AcquisitionPlan& plan,

@@ -14,7 +14,7 @@
 namespace wobblebench::bench {
 
 /// A scan that all rungs are compared on.
-struct TradeScene {
+struct RungScene {
   phantoms::PlacedPhantom subject;  ///< still
   hw::AcquisitionPlan plan;
   sim::SimulationOptions options;  ///< the rung is overridden
@@ -41,7 +41,7 @@ struct RungTime {
 
 /// All rungs in turn in each repeat, after one warm-up repeat, so that a drift of the machine's
 /// speed affects all equally.
-std::vector<RungTime> measure_times(const TradeScene& scene,
+std::vector<RungTime> measure_times(const RungScene& scene,
                                     const std::vector<sim::Rung>& rungs,
                                     int repeats,
                                     const PartDone& done = {});
@@ -51,6 +51,6 @@ struct VolumeTime {
   Spread first_ms;
   Spread moving_ms;
 };
-VolumeTime measure_volume(const TradeScene& scene, sim::Rung rung, int repeats);
+VolumeTime measure_volume(const RungScene& scene, sim::Rung rung, int repeats);
 
 }  // namespace wobblebench::bench

@@ -1,7 +1,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/report/trade/rung_trade_report.h"
+#include "bench/report/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -38,7 +38,7 @@ class Rows {
   std::ostringstream text_;
 };
 
-void add_times(const RungTradeResults& results, Rows& rows) {
+void add_times(const RungsResults& results, Rows& rows) {
   for (const RungTime& time : results.times) {
     const std::string rung = sim::to_string(time.rung);
     rows.add("time", results.phantom, rung, "map", time.map_ms);
@@ -75,7 +75,7 @@ void add_depth(const RungError& error,
   rows.add("error", error.body, rung, against + " sticks", static_cast<double>(spread.n), "1");
 }
 
-void add_errors(const RungTradeResults& results, Rows& rows) {
+void add_errors(const RungsResults& results, Rows& rows) {
   for (const RungError& error : results.errors) {
     const std::string rung = sim::to_string(error.rung);
     add_depth(error, "truth", error.against_truth, rows);
@@ -88,7 +88,7 @@ void add_errors(const RungTradeResults& results, Rows& rows) {
 
 }  // namespace
 
-std::string trade_csv(const RungTradeResults& results) {
+std::string rungs_csv(const RungsResults& results) {
   Rows rows;
   add_times(results, rows);
   for (const GrowthPoint& point : results.growth) {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/studies/trade/rung_time.h"
+#include "bench/studies/rungs/rung_time.h"
 
 namespace wobblebench::bench {
 
@@ -22,6 +22,6 @@ struct StageTimes {
 
 /// Times the stages that the simulator calls (sim/echo/stick_propagation.h, sim/echo/iq_model.h)
 /// one by one; "rest" is what remains of its total time.
-StageTimes measure_stages(const TradeScene& scene, sim::Rung rung);
+StageTimes measure_stages(const RungScene& scene, sim::Rung rung);
 
 }  // namespace wobblebench::bench

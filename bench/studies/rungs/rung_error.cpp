@@ -1,4 +1,4 @@
-#include "bench/studies/trade/rung_error.h"
+#include "bench/studies/rungs/rung_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ struct Search {
   double from_m;
 };
 
-Search search_along(const TradeScene& scene, int stick) {
+Search search_along(const RungScene& scene, int stick) {
   const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
   const auto ray = scene.plan.geometry().stick(scene.plan.theta_rad(static_cast<int>(index.line)),
                                                scene.plan.motor_angle_rad(index));
@@ -59,7 +59,7 @@ double detected_range_m(const hw::AcquisitionPlan& plan, const float* stick, dou
   return kNone;
 }
 
-RungImage scan_rung(const TradeScene& scene,
+RungImage scan_rung(const RungScene& scene,
                     sim::Rung rung,
                     const std::vector<std::uint64_t>& seeds) {
   RungImage image{rung, {}, {}};
@@ -129,7 +129,7 @@ struct ImagePair {
 
 }  // namespace
 
-std::vector<double> true_ranges(const TradeScene& scene) {
+std::vector<double> true_ranges(const RungScene& scene) {
   const phantoms::SurfaceFinder finder(scene.subject.phantom);
   std::vector<double> ranges;
   for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
@@ -142,7 +142,7 @@ std::vector<double> true_ranges(const TradeScene& scene) {
 }
 
 std::vector<RungError> measure_rung_errors(const std::string& body,
-                                           const TradeScene& scene,
+                                           const RungScene& scene,
                                            const std::vector<sim::Rung>& rungs,
                                            const std::vector<std::uint64_t>& seeds) {
   const auto truth = true_ranges(scene);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "bench/report/trade/rung_trade_report.h"
+#include "bench/report/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const RungError* error_of(const RungTradeResults& results, sim::Rung rung) {
+const RungError* error_of(const RungsResults& results, sim::Rung rung) {
   for (const RungError& error : results.errors) {
     if (error.body == results.phantom && error.rung == rung) return &error;
   }
@@ -19,7 +19,7 @@ const RungError* error_of(const RungTradeResults& results, sim::Rung rung) {
 
 }  // namespace
 
-Json trade_json(const RungTradeResults& results) {
+Json rungs_json(const RungsResults& results) {
   Json points = Json::array(), front = Json::array();
   struct Point {
     std::string rung;
@@ -47,8 +47,8 @@ Json trade_json(const RungTradeResults& results) {
   return {{"points", points}, {"front", front}};
 }
 
-std::string trade_figure_file(const Figure& figure) {
-  return "trade_" + figure.name + ".png";
+std::string rungs_figure_file(const Figure& figure) {
+  return "rungs_" + figure.name + ".png";
 }
 
 }  // namespace wobblebench::bench

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bench/report/trade/rung_trade_report.h"
-#include "bench/studies/trade/rung_memory.h"
+#include "bench/report/rungs/rungs_report.h"
+#include "bench/studies/rungs/rung_memory.h"
 #include "bench/studies/validate/scan.h"
 
 namespace wobblebench::bench {
@@ -17,12 +17,12 @@ hw::AcquisitionOptions few_sticks() {
   return {.sticks_per_frame = 9, .samples_per_stick = 512, .frames_per_volume = 5};
 }
 
-TradeScene sphere_scene() {
+RungScene sphere_scene() {
   const auto sphere = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   return {phantoms::still_at(sphere, sphere.suggested_position_m()), {{}, few_sticks()}, {}};
 }
 
-TEST(RungTrade, ExponentsAreSlopesOfLogarithms) {
+TEST(Rungs, ExponentsAreSlopesOfLogarithms) {
   std::vector<GrowthPoint> points;
   for (const double size : {1.0, 2.0, 4.0, 8.0}) {
     points.push_back({"sticks", size, Rung::field, {{3 * size}, {5 * std::sqrt(size)}}});
@@ -33,7 +33,7 @@ TEST(RungTrade, ExponentsAreSlopesOfLogarithms) {
   EXPECT_NEAR(growth_exponent(points, "frames", Rung::field, &VolumeTime::first_ms), 0, 1e-12);
 }
 
-TEST(RungTrade, GrowthVariesOneSizeAtATime) {
+TEST(Rungs, GrowthVariesOneSizeAtATime) {
   GrowthInputs inputs;
   inputs.acquisition = few_sticks();
   inputs.sticks = {4, 8};
@@ -56,7 +56,7 @@ TEST(RungTrade, GrowthVariesOneSizeAtATime) {
   EXPECT_EQ(tissue[2], 1);
 }
 
-TEST(RungTrade, StagesCoverTheRungTheyBelongTo) {
+TEST(Rungs, StagesCoverTheRungTheyBelongTo) {
   const auto scene = sphere_scene();
   for (const Rung rung : volume_rungs()) {
     const auto stages = measure_stages(scene, rung);
@@ -66,7 +66,7 @@ TEST(RungTrade, StagesCoverTheRungTheyBelongTo) {
   }
 }
 
-TEST(RungTrade, TrueRangesMeetTheSphere) {
+TEST(Rungs, TrueRangesMeetTheSphere) {
   const auto scene = sphere_scene();
   const auto ranges = true_ranges(scene);
   ASSERT_EQ(ranges.size(), 45u);
@@ -75,7 +75,7 @@ TEST(RungTrade, TrueRangesMeetTheSphere) {
   EXPECT_TRUE(std::isnan(ranges[0]));
 }
 
-TEST(RungTrade, GeometryFindsTheSurfaceWhereItIs) {
+TEST(Rungs, GeometryFindsTheSurfaceWhereItIs) {
   const auto scene = sphere_scene();
   const auto errors = measure_rung_errors("sphere", scene, {Rung::geometry, Rung::field}, {1});
   ASSERT_EQ(errors.size(), 2u);
@@ -88,7 +88,7 @@ TEST(RungTrade, GeometryFindsTheSurfaceWhereItIs) {
   EXPECT_FALSE(errors[1].against_above);
 }
 
-TEST(RungTrade, AFrameIsASectorOnWhite) {
+TEST(Rungs, AFrameIsASectorOnWhite) {
   const hw::AcquisitionPlan plan({}, few_sticks());
   const std::vector<float> volume(static_cast<std::size_t>(plan.sticks_per_volume()) * 512, 0.25f);
   const auto picture = frame_picture(plan, volume, 2, 200);
@@ -98,8 +98,8 @@ TEST(RungTrade, AFrameIsASectorOnWhite) {
   EXPECT_EQ(picture.at(199, picture.height - 1), 1.0f);
 }
 
-TEST(RungTrade, FrontHoldsWhatNothingBeats) {
-  RungTradeResults results;
+TEST(Rungs, FrontHoldsWhatNothingBeats) {
+  RungsResults results;
   results.phantom = "ball";
   results.sound_ms = 100;
   const auto add = [&](Rung rung, double ms, double error_mm) {
@@ -116,10 +116,10 @@ TEST(RungTrade, FrontHoldsWhatNothingBeats) {
   add(Rung::geometry, 10, 3);
   add(Rung::field, 20, 4);
   add(Rung::scatterers, 30, 1);
-  const auto trade = trade_json(results);
-  EXPECT_EQ(trade.at("points").size(), 3u);
-  EXPECT_EQ(trade.at("points")[0].at("time_ratio"), 0.1);
-  EXPECT_EQ(trade.at("front"), (nlohmann::ordered_json{"geometry", "scatterers"}));
+  const auto rungs = rungs_json(results);
+  EXPECT_EQ(rungs.at("points").size(), 3u);
+  EXPECT_EQ(rungs.at("points")[0].at("time_ratio"), 0.1);
+  EXPECT_EQ(rungs.at("front"), (nlohmann::ordered_json{"geometry", "scatterers"}));
 }
 
 // The address sanitizer keeps an eighth of what is held besides.

@@ -1,0 +1,74 @@
+// What a trade says: the front of time and error, its knees, and which settings matter.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/evaluation/seed_statistics.h"
+#include "bench/studies/trade/trade_study.h"
+
+namespace wobblebench::bench {
+
+/// A point over its scenes and seeds.
+struct TradeScore {
+  std::size_t point = 0;
+  double volume_ratio = 0, view_ratio = 0;  ///< geometric means, to the reference
+  double volume_ms = 0;                     ///< likewise
+  std::vector<MeanInterval> measures;       ///< of trade_measure_names(): over seeds
+
+  double p95_mm() const;
+  double wrong_percent() const;  ///< missed_or_false_percent
+};
+
+/// Scores of the points that were measured on all of these scenes and all seeds of the plan.
+std::vector<TradeScore> trade_scores(const TradeWork& work,
+                                     const TradeRecords& records,
+                                     const std::vector<std::size_t>& scenes);
+
+/// Numbers of the scores that no other beats or equals in time for a volume, P95 and what
+/// is missed or false together, by time.
+std::vector<std::size_t> trade_front(const std::vector<TradeScore>& scores);
+
+/// A corner of the lower convex hull of log P95 against log time: more time beyond it buys less
+/// than before it.
+struct TradeKnee {
+  std::size_t score = 0;
+  /// How much P95 falls for each per cent of time, in per cent: up to here, and from here on.
+  double gain_before = 0, gain_after = 0;
+};
+
+/// By time; the ends of the hull are left out. `front`: of trade_front().
+std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
+                                   const std::vector<std::size_t>& front);
+
+/// What effects are formed of.
+enum class TradeResponse { log2_volume_ratio, p95_mm, missed_or_false_percent };
+inline constexpr TradeResponse kTradeResponses[] = {
+    TradeResponse::log2_volume_ratio, TradeResponse::p95_mm, TradeResponse::missed_or_false_percent};
+
+/// The mean response of a level's points less that of all others, with the 95 % interval of two
+/// independent means (Welch).
+struct LevelEffect {
+  std::size_t axis = 0, level = 0;
+  MeanInterval effect;
+};
+
+/// Share of the response's variance over the points that goes with one axis, or with two beyond
+/// what each does alone: omega squared (Hays), which is 0 on average where there is no effect. The
+/// 95 % interval, share - half to share + half, is of a jackknife that leaves out groups of points.
+struct VarianceShare {
+  std::size_t axis = 0, other = 0;  ///< equal: of one axis
+  double share = 0, half = 0;
+};
+
+std::vector<LevelEffect> level_effects(const TradeWork& work,
+                                       const std::vector<TradeScore>& scores,
+                                       TradeResponse response);
+
+/// Of all axes, then of all pairs of them.
+std::vector<VarianceShare> variance_shares(const TradeWork& work,
+                                           const std::vector<TradeScore>& scores,
+                                           TradeResponse response);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,161 @@
+#include "bench/studies/trade/trade_journal.h"
+
+#include <fcntl.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "base/sync.h"
+#include "base/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "wobblebench.trade.points/1";
+
+Json json_of(const TradeRecord& record) {
+  const TradeUnit& unit = record.unit;
+  Json json = {{"scene", unit.scene}, {"point", unit.point}, {"seed", unit.seed}};
+  if (!record.refused.empty()) {
+    json["refused"] = record.refused;
+    return json;
+  }
+  for (std::size_t i = 0; i < record.measures.size(); ++i) {
+    const double value = record.measures[i];
+    json[trade_measure_names()[i]] = std::isfinite(value) ? Json(value) : Json(nullptr);
+  }
+  json["volume_ms"] = record.volume_ms;
+  json["view_ms"] = record.view_ms;
+  json["volume_ratio"] = record.volume_ratio;
+  json["view_ratio"] = record.view_ratio;
+  return json;
+}
+
+TradeRecord record_of(const Json& json) {
+  TradeRecord record;
+  record.unit = {json.at("scene"), json.at("point"), json.at("seed")};
+  if (json.contains("refused")) {
+    record.refused = json["refused"];
+    return record;
+  }
+  for (const std::string& name : trade_measure_names()) {
+    const Json& value = json.at(name);
+    record.measures.push_back(value.is_null() ? std::nan("") : value.get<double>());
+  }
+  record.volume_ms = json.at("volume_ms");
+  record.view_ms = json.at("view_ms");
+  record.volume_ratio = json.at("volume_ratio");
+  record.view_ratio = json.at("view_ratio");
+  return record;
+}
+
+std::string head_of(const std::string& plan) {
+  return Json({{"schema", kSchema}, {"plan", plan}}).dump() + "\n";
+}
+
+struct Content {
+  TradeContent content;
+  std::size_t whole = 0;  ///< bytes up to the end of the last whole line
+};
+
+void add_line(const Json& line, TradeContent& content) {
+  if (line.contains("machine")) {
+    content.machines.insert(line["machine"].get<std::string>());
+    return;
+  }
+  TradeRecord record = record_of(line);
+  content.records.emplace(record.unit, std::move(record));
+}
+
+/// `refuse(reason)` throws.
+template <class Refuse>
+Content read(const std::filesystem::path& path, const std::string& plan, const Refuse& refuse) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  Content content;
+  const std::size_t end = text.rfind('\n');
+  if (end == std::string::npos) return content;
+  content.whole = end + 1;
+  const std::string head = head_of(plan);
+  if (!text.starts_with(head)) refuse("holds the points of another plan");
+  int line = 1;
+  for (std::size_t at = head.size(); at < content.whole; at = text.find('\n', at) + 1) {
+    ++line;
+    try {
+      add_line(Json::parse(text.substr(at, text.find('\n', at) - at)), content.content);
+    } catch (const Json::exception&) {
+      refuse("line " + std::to_string(line) + " is no measured point");
+    }
+  }
+  return content;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path) {
+  throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(errno));
+}
+
+void write_whole(int file, const std::string& text, const std::filesystem::path& path) {
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t wrote = ::write(file, text.data() + done, text.size() - done);
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote < 0) fail(path);
+    done += static_cast<std::size_t>(wrote);
+  }
+  if (sync_data(file) != 0) fail(path);
+}
+
+}  // namespace
+
+TradeJournal::TradeJournal(const std::filesystem::path& folder, const std::string& plan)
+    : path_(folder / kFile) {
+  Content content = read(path_, plan, [&](const std::string& reason) {
+    throw UserError("--out = " + folder.string() + ": " + kFile + " " + reason +
+                    "; give another folder");
+  });
+  file_ = FileDescriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (!file_.is_open() || ::ftruncate(file_.get(), static_cast<off_t>(content.whole)) != 0) {
+    fail(path_);
+  }
+  if (content.whole == 0) {
+    write_whole(file_.get(), head_of(plan), path_);
+    sync_folder(folder);
+  }
+  content_ = std::move(content.content);
+}
+
+void TradeJournal::append(const TradeRecord& record) {
+  if (!content_.records.emplace(record.unit, record).second) return;
+  write_whole(file_.get(), json_of(record).dump() + "\n", path_);
+}
+
+void TradeJournal::append_machine(const std::string& machine) {
+  if (!content_.machines.insert(machine).second) return;
+  write_whole(file_.get(), Json({{"machine", machine}}).dump() + "\n", path_);
+}
+
+TradeContent read_trade_journal(const std::filesystem::path& folder, const std::string& plan) {
+  const auto refuse = [&](const std::string& reason) {
+    throw UserError("--merge = " + folder.string() + ": " + reason);
+  };
+  const std::filesystem::path path = folder / TradeJournal::kFile;
+  if (!std::filesystem::is_regular_file(path)) {
+    refuse(std::string("has no ") + TradeJournal::kFile);
+  }
+  return read(path,
+              plan,
+              [&](const std::string& reason) {
+                refuse(std::string(TradeJournal::kFile) + " " + reason);
+              })
+      .content;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,172 @@
+// The front, its knees, effects, and the journal of the command `trade`, against known answers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "base/user_error.h"
+#include "bench/studies/trade/trade_analysis.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+MeanInterval exactly(double value) {
+  return {value, 0, 1};
+}
+
+TradeScore score(std::size_t point, double time, double p95_mm, double wrong_percent) {
+  TradeScore result;
+  result.point = point;
+  result.volume_ratio = time;
+  result.measures.assign(trade_measure_names().size(), exactly(0));
+  result.measures[trade_measure("p95_mm")] = exactly(p95_mm);
+  result.measures[trade_measure("missed_or_false_percent")] = exactly(wrong_percent);
+  return result;
+}
+
+TEST(TradeFront, HoldsWhatNoOtherBeats) {
+  const std::vector<TradeScore> scores = {score(0, 1, 5, 5),
+                                          score(1, 2, 3, 5),
+                                          score(2, 2, 4, 5),  // as slow as 1, and worse
+                                          score(3, 3, 6, 1),  // finds more
+                                          score(4, 0.5, std::nan(""), 40),
+                                          score(5, 9, 3, 5)};  // slower than 1
+  EXPECT_EQ(trade_front(scores), (std::vector<std::size_t>{0, 1, 3}));
+}
+
+/// P95 = 8 / time up to time 4, and 4 / sqrt(time) beyond: one per cent of time takes 1 %, then
+/// half a per cent.
+TEST(TradeKnees, AreWhereTheSlopeChanges) {
+  std::vector<TradeScore> scores;
+  for (const double time : {1.0, 2.0, 4.0, 8.0, 16.0}) {
+    scores.push_back(
+        score(scores.size(), time, time <= 4 ? 8 / time : 4 / std::sqrt(time), 1 / time));
+  }
+  scores.push_back(score(scores.size(), 3, 7, 0.01));  // on the front, above the hull
+  const auto front = trade_front(scores);
+  ASSERT_EQ(front.size(), scores.size());
+  const auto knees = trade_knees(scores, front);
+  ASSERT_EQ(knees.size(), 1U);
+  EXPECT_EQ(scores[knees[0].score].volume_ratio, 4);
+  EXPECT_NEAR(knees[0].gain_before, 1, 1e-9);
+  EXPECT_NEAR(knees[0].gain_after, 0.5, 1e-9);
+}
+
+/// Two settings of two levels and one of three, 40 times each combination.
+TradeWork full_design() {
+  TradeWork work;
+  work.plan.axes = {{"a.a", {"0", "1"}, {}}, {"a.b", {"0", "1"}, {}}, {"a.c", {"0", "1", "2"}, {}}};
+  for (int i = 0; i < 480; ++i) {
+    work.points.push_back({{}, {i % 2, i / 2 % 2, i / 4 % 3}});
+  }
+  return work;
+}
+
+/// y = 10 + 3 a + 2 a b, a and b +1 or -1, and unit noise: variances 9, 0, 4 and 1. The axis c does
+/// nothing.
+TEST(TradeEffects, AreThoseThatTheResponseWasMadeWith) {
+  const TradeWork work = full_design();
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise;
+  std::vector<TradeScore> scores;
+  for (std::size_t i = 0; i < work.points.size(); ++i) {
+    const auto& levels = work.points[i].levels;
+    const double a = 2 * levels[0] - 1, b = 2 * levels[1] - 1;
+    scores.push_back(score(i, 1, 10 + 3 * a + 2 * a * b + noise(random), 0));
+  }
+  const auto shares = variance_shares(work, scores, TradeResponse::p95_mm);
+  ASSERT_EQ(shares.size(), 6U);
+  const double expected[] = {9. / 14, 0, 0, 4. / 14, 0, 0};  // a, b, c, ab, ac, bc
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    EXPECT_NEAR(shares[i].share, expected[i], 0.02) << i;
+    EXPECT_LT(shares[i].half, 0.06) << i;
+    EXPECT_LT(std::abs(shares[i].share - expected[i]), 1.6 * shares[i].half + 1e-3) << i;
+  }
+  const auto effects = level_effects(work, scores, TradeResponse::p95_mm);
+  ASSERT_EQ(effects.size(), 7U);
+  EXPECT_NEAR(effects[1].effect.mean, 6, 2 * effects[1].effect.half);
+  EXPECT_TRUE(effects[1].effect.differs_from_zero());
+  EXPECT_NEAR(effects[5].effect.mean, 0, 2 * effects[5].effect.half);
+}
+
+TEST(TradeShards, AreAllOfTheWorkAndNothingTwice) {
+  std::vector<TradeUnit> units;
+  for (std::size_t i = 0; i < 101; ++i) units.push_back({0, i, 0});
+  for (const int count : {1, 2, 7, 101, 200}) {
+    std::vector<TradeUnit> together;
+    for (int i = 1; i <= count; ++i) {
+      const auto shard = trade_shard(units, i, count);
+      together.insert(together.end(), shard.begin(), shard.end());
+    }
+    EXPECT_EQ(together, units) << count;
+  }
+}
+
+class Journal : public testing_support::FolderTest {
+ protected:
+  static TradeRecord record(std::size_t point) {
+    TradeRecord result{{1, point, 2}, {}, {}};
+    result.measures.assign(trade_measure_names().size(), 0.1 * static_cast<double>(point) + 1. / 3);
+    result.measures.back() = std::nan("");
+    result.volume_ratio = 1. / 7;
+    return result;
+  }
+  std::filesystem::path file() const { return folder_ / TradeJournal::kFile; }
+};
+
+TEST_F(Journal, GivesBackWhatItWasGiven) {
+  {
+    TradeJournal journal(folder_, "plan");
+    journal.append_machine("this one");
+    for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
+    journal.append({{1, 9, 2}, "x = 3: must be \"even\"", {}});
+  }
+  const TradeJournal again(folder_, "plan");
+  ASSERT_EQ(again.records().size(), 4U);
+  EXPECT_EQ(again.machines(), std::set<std::string>{"this one"});
+  const TradeRecord& second = again.records().at({1, 1, 2});
+  EXPECT_EQ(second.measures.front(), record(1).measures.front());
+  EXPECT_TRUE(std::isnan(second.measures.back()));
+  EXPECT_EQ(second.volume_ratio, 1. / 7);
+  EXPECT_EQ(again.records().at({1, 9, 2}).refused, "x = 3: must be \"even\"");
+}
+
+/// Cut at any byte, as by a kill, it loses at most the record that was being written.
+TEST_F(Journal, CutAtAnyByteItLosesTheLastRecordAtMost) {
+  {
+    TradeJournal journal(folder_, "plan");
+    for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
+  }
+  std::string whole;
+  {
+    std::ifstream in(file(), std::ios::binary);
+    whole.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  for (std::size_t bytes = 0; bytes <= whole.size(); ++bytes) {
+    std::ofstream(file(), std::ios::binary | std::ios::trunc) << whole.substr(0, bytes);
+    const std::string left = whole.substr(0, bytes);
+    const auto lines = std::count(left.begin(), left.end(), '\n');
+    {
+      TradeJournal journal(folder_, "plan");
+      ASSERT_EQ(journal.records().size(), static_cast<std::size_t>(std::max(0L, lines - 1)));
+      for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
+    }
+    std::ifstream in(file(), std::ios::binary);
+    ASSERT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), whole) << bytes;
+  }
+}
+
+TEST_F(Journal, OfAnotherPlanIsRefusedAndStaysAsItIs) {
+  TradeJournal(folder_, "plan").append(record(0));
+  const auto size = std::filesystem::file_size(file());
+  EXPECT_THROW(TradeJournal(folder_, "another"), UserError);
+  EXPECT_THROW(read_trade_journal(folder_, "another"), UserError);
+  EXPECT_THROW(read_trade_journal(folder_ / "none", "plan"), UserError);
+  EXPECT_EQ(std::filesystem::file_size(file()), size);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
