@@ -27,7 +27,19 @@ struct Arguments {
   std::string gl = "auto";
   int seeds = 4;
   int coverage = 0;
+  std::vector<std::string> judged;  ///< files of scenes
 };
+
+/// Scenes whose phantoms the model is also judged on, by the names of their files.
+using JudgedScenes = std::vector<std::pair<std::string, Scene>>;
+
+JudgedScenes judged_scenes(const Arguments& arguments) {
+  JudgedScenes scenes;
+  for (const std::string& file : arguments.judged) {
+    scenes.emplace_back(std::filesystem::path(file).stem().string(), load_scene(file, {}));
+  }
+  return scenes;
+}
 
 void refuse_what_is_not_fitted(const Scene& scene) {
   if (!scene.picture.correction.empty()) {
@@ -81,6 +93,7 @@ void stage_results(OutputFolder& out, const FitResults& results, const Provenanc
 }
 
 FitResults measure(const Scene& scene,
+                   const JudgedScenes& judged,
                    const Arguments& arguments,
                    render::GlContext& context,
                    Progress& progress) {
@@ -96,7 +109,7 @@ FitResults measure(const Scene& scene,
     });
   }
   results.model = progress.step("model", [&](const PartDone& done) {
-    return study_detection_model(scene, phantom, arguments.seeds, cache, context, done);
+    return study_detection_model(scene, judged, arguments.seeds, cache, context, done);
   });
   results.correction = {results.model.model, correction_conditions(scene), results.model.step_mm};
   return results;
@@ -105,14 +118,15 @@ FitResults measure(const Scene& scene,
 int fit(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   refuse_what_is_not_fitted(scene);
+  const JudgedScenes judged = judged_scenes(arguments);
   check_memory_of_run(scene, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
   Progress progress({{"phantom", 40},
                      {"register", 3},
                      {"coverage", 1.5 * (arguments.coverage + kReferenceSeeds)},
-                     {"model", 12.0 + 5.0 * arguments.seeds}});
-  const FitResults results = measure(scene, arguments, *context, progress);
+                     {"model", 60.0 + 60.0 * arguments.seeds}});
+  const FitResults results = measure(scene, judged, arguments, *context, progress);
 
   const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
   Json report = report_head("fit", provenance, scene);
@@ -137,7 +151,11 @@ Command add_fit_command(CLI::App& app) {
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
   add_integer(
-      command, "--seeds", arguments->seeds, "Seeds of each training pose of the model", 1, 100);
+      command, "--seeds", arguments->seeds, "Seeds of each training set of the model", 1, 100);
+  add_list(command,
+           "--judge",
+           arguments->judged,
+           "Scene whose phantom the model is also judged on; may be given several times");
   add_integer(command,
               "--coverage",
               arguments->coverage,

@@ -150,14 +150,17 @@ double robust_scale_mm(const std::vector<ErrorRow>& rows, const DetectionModel& 
   return std::max(scale_mm, kLeastSpread_mm);
 }
 
-std::vector<LinearRow> bias_rows(const std::vector<ErrorRow>& rows, const DetectionModel& model) {
+std::vector<LinearRow> bias_rows(const std::vector<ErrorRow>& rows,
+                                 const TakenTerms& taken,
+                                 const DetectionModel& model) {
   const double sigma_mm = robust_scale_mm(rows, model);
   std::vector<LinearRow> result;
   result.reserve(rows.size());
   for (const ErrorRow& row : rows) {
     Eigen::VectorXd x(static_cast<Eigen::Index>(kErrorTerms));
     for (std::size_t i = 0; i < kErrorTerms; ++i) {
-      x[static_cast<Eigen::Index>(i)] = static_cast<double>(row.pixel.x[i]) / sigma_mm;
+      x[static_cast<Eigen::Index>(i)] =
+          taken[i] ? static_cast<double>(row.pixel.x[i]) / sigma_mm : 0;
     }
     result.push_back({x, static_cast<double>(row.error_m) / kMillimetre / sigma_mm, row.block});
   }
@@ -214,12 +217,12 @@ double DetectionModel::spread_m(const PixelTerms& pixel) const {
   return std::exp(std::clamp(log_mm, -5.0, 5.0)) * kMillimetre;
 }
 
-DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows) {
+DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows, const TakenTerms& taken) {
   DetectionModel model;
   model.rows = static_cast<int>(rows.size());
   if (rows.size() < kErrorTerms) return model;
-  read_terms(fit(bias_rows(rows, model)), model.bias);
-  const Fitted fitted = fit(bias_rows(rows, model));
+  read_terms(fit(bias_rows(rows, taken, model)), model.bias);
+  const Fitted fitted = fit(bias_rows(rows, taken, model));
   read_terms(fitted, model.bias);
   read_terms(fit(spread_rows(rows, model)), model.spread);
   model.blocks = fitted.blocks;

@@ -42,12 +42,15 @@ struct ErrorRow {
   PixelTerms pixel;
   float error_m = 0;       ///< found less true depth along the ray
   std::int64_t block = 0;  ///< rows of one block have correlated errors
+  int set = 0;             ///< of scans of one phantom at one pose
 };
+/// Which terms of the bias a model has; the others are held at 0.
+using TakenTerms = std::array<bool, kErrorTerms>;
 inline constexpr double kOtherSurface_m = 10e-3;
 
 /// Ceres. The bias with a Huber loss beyond twice the scale of what it leaves (median absolute
 /// deviation; two rounds), all pixels alike: weighted by their spread, those that need no
 /// correction would decide it. Then the spread of what is left. Intervals by bootstrap of blocks.
-DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows);
+DetectionModel fit_detection_model(const std::vector<ErrorRow>& rows, const TakenTerms& taken);
 
 }  // namespace wobblebench::bench

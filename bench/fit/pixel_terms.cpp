@@ -18,10 +18,15 @@ constexpr double kMiddleRange_m = 75e-3;
 constexpr double kEdge_m = 0.5e-3;
 constexpr int kLeastPlanePixels = 6;
 
-/// Mean slopes of z within a window, per pixel.
+constexpr double kMostTangent = 2.5;
+constexpr double kMostBump_mm = 1;
+
+/// A plane through z within a window: its slopes, per pixel, and how much deeper it is than z in
+/// the middle.
 struct Slopes {
   double across = 0;
   double down = 0;
+  double behind = 0;
 };
 
 /// Least squares of a plane through the depths about a pixel.
@@ -42,7 +47,9 @@ std::optional<Slopes> fit_plane(const Image<float>& depth_m, int column, int row
   xx -= x * x / n, xy -= x * y / n, yy -= y * y / n, xz -= x * z / n, yz -= y * z / n;
   const double determinant = xx * yy - xy * xy;
   if (!(determinant > 1e-9 * xx * yy)) return {};
-  return Slopes{(xz * yy - yz * xy) / determinant, (yz * xx - xz * xy) / determinant};
+  const double across = (xz * yy - yz * xy) / determinant;
+  const double down = (yz * xx - xz * xy) / determinant;
+  return Slopes{across, down, (z - across * x - down * y) / n};
 }
 
 /// Unit vectors of a stick: along it, and the directions in which lines and frames follow.
@@ -116,6 +123,13 @@ const std::array<TermDescription, kErrorTerms>& error_terms() {
        "mm",
        "samples behind less before the surface: before a weak rise the edge is yet to come"},
       {"depth", "mm/mm", "range less 75 mm"},
+      {"incidence_correction",
+       "mm/mm",
+       "the renderer's correction, length x tan(incidence): that it is too long"},
+      {"weak_edge",
+       "mm/mm",
+       "beam width x sin(incidence) x what the contrast lacks: a weaker echo is crossed later"},
+      {"bump", "mm/mm", "what stands out of a plane of 8 mm: averaging between sticks flattens it"},
   }};
   return terms;
 }
@@ -125,10 +139,19 @@ struct TermMeter::State {
   sim::BeamProfile beam;
   render::Camera camera;
   double buffer_mm;
+  double correction_mm;
+
+  int reach(double length_m) const {
+    return std::max(1, static_cast<int>(std::lround(length_m / camera.pixel_m())));
+  }
+
+  double bump_mm(const Image<float>& depth_m, int column, int row) const {
+    const auto plane = fit_plane(depth_m, column, row, reach(kBumpReach_m));
+    return plane ? std::clamp(plane->behind / kMillimetre, -kMostBump_mm, kMostBump_mm) : 0;
+  }
 
   std::optional<glm::dvec3> normal(const Image<float>& depth_m, int column, int row) const {
-    const int reach = std::max(1, static_cast<int>(std::lround(kNormalReach_m / camera.pixel_m())));
-    const auto slopes = fit_plane(depth_m, column, row, reach);
+    const auto slopes = fit_plane(depth_m, column, row, reach(kNormalReach_m));
     if (!slopes) return {};
     const double z = static_cast<double>(depth_m.at(column, row));
     const glm::dvec3 here = camera.ray(column, row).at(z);
@@ -165,8 +188,18 @@ struct TermMeter::State {
     set(kFrameSpacingTerm, frame_m * sin_elevation / kMillimetre);
     set(kContrastTerm, std::clamp(contrast_at(volume, p), 0.0, kMostContrast));
     set(kDepthTerm, (range_m - kMiddleRange_m) / kMillimetre);
-    terms.incidence_rad =
-        static_cast<float>(std::acos(std::min(1.0, std::abs(glm::dot(n, axes.along)))));
+    const double cos_incidence = std::abs(glm::dot(n, axes.along));
+    const double tangent =
+        std::sqrt(std::max(0.0, 1 - cos_incidence * cos_incidence)) / std::max(cos_incidence, 1e-3);
+    set(kTangentTerm, correction_mm * std::min(tangent, kMostTangent));
+    const auto term = [&](ErrorTerm i) {
+      return static_cast<double>(terms.x[static_cast<std::size_t>(i)]);
+    };
+    set(kWeakEdgeTerm,
+        std::hypot(term(kLateralTerm), term(kElevationTerm)) *
+            (kMostContrast - term(kContrastTerm)));
+    set(kBumpTerm, bump_mm(depth_m, column, row));
+    terms.incidence_rad = static_cast<float>(std::acos(std::min(1.0, cos_incidence)));
     return terms;
   }
 };
@@ -177,7 +210,10 @@ TermMeter::TermMeter(const hw::AcquisitionPlan& plan,
     : state_(new State{plan,
                        {plan, simulation},
                        render::make_camera(render),
-                       render.ray_casting.buffer_length * render::step_m(render) / kMillimetre}) {}
+                       render.ray_casting.detector == render::Detector::paper
+                           ? render.ray_casting.buffer_length * render::step_m(render) / kMillimetre
+                           : 0,
+                       render.ray_casting.incidence_correction_m / kMillimetre}) {}
 
 TermMeter::~TermMeter() = default;
 

@@ -16,15 +16,18 @@ namespace wobblebench::bench {
 /// image plane and across it.
 enum ErrorTerm {
   kConstantTerm,      ///< 1
-  kBufferTerm,        ///< buffer length x step
+  kBufferTerm,        ///< buffer length x step; 0 of a detector without a buffer
   kLateralTerm,       ///< lateral beam width x sin(incidence in the image plane)
   kElevationTerm,     ///< elevation beam width x sin(incidence across it)
   kLineSpacingTerm,   ///< line spacing x sin(incidence in the image plane)
   kFrameSpacingTerm,  ///< frame spacing x sin(incidence across it)
   kContrastTerm,      ///< sample values behind less before the surface, 0 to 0.45 of full scale
   kDepthTerm,         ///< range less 75 mm
+  kTangentTerm,       ///< render.ray_casting.incidence_correction_mm x tan(incidence), at most 2.5
+  kWeakEdgeTerm,      ///< both beam terms together x what the contrast is below 0.45
+  kBumpTerm,          ///< how much nearer z is than the plane fitted about it, within 1 mm
 };
-inline constexpr std::size_t kErrorTerms = 8;
+inline constexpr std::size_t kErrorTerms = 11;
 
 struct TermDescription {
   const char* name;
@@ -62,6 +65,8 @@ class TermMeter {
 
 /// Half side of the window of the plane that gives the measured normal.
 inline constexpr double kNormalReach_m = 2e-3;
+/// The same of the plane that a bump stands out from.
+inline constexpr double kBumpReach_m = 4e-3;
 /// Contrast is the mean over this length behind the surface less that before it; beyond the limit
 /// an edge is found where it is.
 inline constexpr double kContrastReach_m = 5e-3;

@@ -80,7 +80,7 @@ struct SurfaceResidual {
       return true;
     }
     // First-order expansion: the distance, and its gradient times the derivatives of the position.
-    residual[0] = T(distance->value_m);
+    residual[0] = T(distance->value_m - point.expected_m);
     for (int i = 0; i < 3; ++i) residual[0] += distance->gradient[i] * (moved[i] - T(position[i]));
     residual[0] /= T(sigma_m);
     return true;

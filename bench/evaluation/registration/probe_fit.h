@@ -125,6 +125,8 @@ struct MeasuredPoint {
   glm::dvec3 view_direction{0, 0, 1};  ///< of the pixel's ray
   hw::StickIndex fired;                ///< the stick whose time the point has
   std::int64_t block = 0;              ///< points of one block have correlated errors
+  /// Signed distance at which the detector is known to find this part of the surface.
+  double expected_m = 0;
 };
 
 /// Signed distance to the true surface at a place, at the time of a stick; none beyond reach.

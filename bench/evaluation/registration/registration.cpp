@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "bench/evaluation/truth/scanned_surfaces.h"
@@ -13,31 +14,16 @@ namespace {
 /// Additional reach for points that move away from the surface during the fit.
 constexpr double kDrift_m = 1e-3;
 
-std::vector<MeasuredPoint> measured_points(const Image<float>& depth_m,
-                                           const hw::ProbeGeometry& assumed,
-                                           const render::Camera& camera,
-                                           const ScannedSurfaces& target,
-                                           int max_points,
-                                           int& sampled) {
+/// Pixels on a regular grid, at most about `max_points` of the picture.
+template <class Body>
+void for_each_sampled_pixel(const Image<float>& depth_m, int max_points, const Body& body) {
   const double per_point = static_cast<double>(depth_m.pixels.size()) / max_points;
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(per_point))));
-  std::vector<MeasuredPoint> points;
   for (int row = stride / 2; row < depth_m.height; row += stride) {
     for (int column = stride / 2; column < depth_m.width; column += stride) {
-      const double depth = static_cast<double>(depth_m.at(column, row));
-      if (!std::isfinite(depth)) continue;
-      ++sampled;
-      const hw::Ray ray = camera.ray(column, row);
-      const hw::StickIndex fired = target.stick_at(ray.at(depth));
-      const auto distance = target.distance(ray.at(depth), fired);
-      if (!distance || std::abs(distance->value_m) > kFarPoint_m) continue;
-      points.push_back({assumed.to_polar(ray.at(depth)),
-                        ray.direction,
-                        fired,
-                        error_block(camera, column, row)});
+      if (std::isfinite(depth_m.at(column, row))) body(column, row);
     }
   }
-  return points;
 }
 
 }  // namespace
@@ -52,6 +38,35 @@ struct SurfaceRegistration::State {
   hw::AcquisitionPlan plan;
   render::Camera camera;
   ScannedSurfaces target;
+
+  /// The point of a pixel and its signed distance; none where no surface is near.
+  struct Found {
+    MeasuredPoint point;
+    double distance_m;
+  };
+  std::optional<Found> found(const Image<float>& depth_m, int column, int row) const {
+    const hw::Ray ray = camera.ray(column, row);
+    const glm::dvec3 position = ray.at(static_cast<double>(depth_m.at(column, row)));
+    const hw::StickIndex fired = target.stick_at(position);
+    const auto distance = target.distance(position, fired);
+    if (!distance || std::abs(distance->value_m) > kFarPoint_m) return {};
+    return Found{{plan.geometry().to_polar(position),
+                  ray.direction,
+                  fired,
+                  error_block(camera, column, row)},
+                 distance->value_m};
+  }
+
+  Registration fit(const std::vector<MeasuredPoint>& points,
+                   int sampled,
+                   const RegistrationPriors& priors) const {
+    const auto distance_to = [&](const glm::dvec3& position_m, const hw::StickIndex& fired) {
+      return target.distance(position_m, fired);
+    };
+    Registration result = fit_probe(points, distance_to, plan.geometry(), priors);
+    result.sampled = sampled;
+    return result;
+  }
 };
 
 SurfaceRegistration::SurfaceRegistration(const phantoms::PlacedPhantom& subject,
@@ -65,22 +80,38 @@ SurfaceRegistration::~SurfaceRegistration() = default;
 Registration SurfaceRegistration::fit(const Image<float>& depth_m,
                                       const RegistrationPriors& priors,
                                       int max_points) const {
-  return fit(depth_m, state_->plan, priors, max_points);
+  std::vector<MeasuredPoint> points;
+  int sampled = 0;
+  for_each_sampled_pixel(depth_m, max_points, [&](int column, int row) {
+    ++sampled;
+    if (const auto found = state_->found(depth_m, column, row)) points.push_back(found->point);
+  });
+  return state_->fit(points, sampled, priors);
 }
 
-Registration SurfaceRegistration::fit(const Image<float>& depth_m,
-                                      const hw::AcquisitionPlan& assumed,
-                                      const RegistrationPriors& priors,
-                                      int max_points) const {
-  int sampled = 0;
-  const auto points = measured_points(
-      depth_m, assumed.geometry(), state_->camera, state_->target, max_points, sampled);
-  const auto distance_to = [&](const glm::dvec3& position_m, const hw::StickIndex& fired) {
-    return state_->target.distance(position_m, fired);
-  };
-  Registration result = fit_probe(points, distance_to, assumed.geometry(), priors);
-  result.sampled = sampled;
+Image<float> SurfaceRegistration::distances(const Image<float>& depth_m, int max_points) const {
+  Image<float> result(depth_m.width, depth_m.height, kNoSurface);
+  for_each_sampled_pixel(depth_m, max_points, [&](int column, int row) {
+    const auto found = state_->found(depth_m, column, row);
+    if (found) result.at(column, row) = static_cast<float>(found->distance_m);
+  });
   return result;
+}
+
+Registration SurfaceRegistration::fit_difference(const Image<float>& depth_m,
+                                                 const Image<float>& expected_m,
+                                                 const RegistrationPriors& priors,
+                                                 int max_points) const {
+  std::vector<MeasuredPoint> points;
+  int sampled = 0;
+  for_each_sampled_pixel(depth_m, max_points, [&](int column, int row) {
+    ++sampled;
+    const auto found = state_->found(depth_m, column, row);
+    if (!found || !std::isfinite(expected_m.at(column, row))) return;
+    points.push_back(found->point);
+    points.back().expected_m = static_cast<double>(expected_m.at(column, row));
+  });
+  return state_->fit(points, sampled, priors);
 }
 
 Registration register_surface(const Image<float>& depth_m,

@@ -50,11 +50,16 @@ class SurfaceRegistration {
   Registration fit(const Image<float>& depth_m,
                    const RegistrationPriors& priors = {},
                    int max_points = kRegistrationPoints) const;
-  /// The same, of a picture that was made with another plan: the assumed one.
-  Registration fit(const Image<float>& depth_m,
-                   const hw::AcquisitionPlan& assumed,
-                   const RegistrationPriors& priors = {},
-                   int max_points = kRegistrationPoints) const;
+  /// Signed distance of what is found to the true surface, at the pixels whose points fit() takes;
+  /// NaN elsewhere.
+  Image<float> distances(const Image<float>& depth_m, int max_points = kRegistrationPoints) const;
+  /// Fits what differs from pictures with these mean distances(): a detector's error that repeats
+  /// from seed to seed is in both, and cancels pixel by pixel. Pixels without a distance are left
+  /// out.
+  Registration fit_difference(const Image<float>& depth_m,
+                              const Image<float>& expected_m,
+                              const RegistrationPriors& priors,
+                              int max_points = kRegistrationPoints) const;
 
  private:
   struct State;

@@ -41,17 +41,24 @@ std::string terms_csv(const DetectionModel& model) {
 
 std::string judgements_csv(const ModelStudy& study) {
   std::ostringstream rows;
-  rows << "scans,held_out,pixels,other_surface_percent,mean_before_mm,mean_after_mm,rms_before_mm,"
+  rows << "scans,held_out,rung,pixels,other_surface_percent,mean_before_mm,mean_after_mm,rms_"
+          "before_mm,"
           "rms_after_mm,explained_variance,removed_mean_square,reproducible_variance,within_one_"
           "spread_percent,"
-          "within_two_spreads_percent\n";
+          "within_two_spreads_percent,median_before_mm,median_after_mm,p95_before_mm,p95_after_mm,"
+          "outside_rms_before_mm,outside_rms_after_mm,missed_percent,false_percent\n";
+  const auto pair = [&](double before, double after) { return text(before) + "," + text(after); };
   const auto add = [&](const Judgement& judged) {
-    rows << judged.name << "," << judged.of << "," << judged.pixels << ","
+    rows << judged.name << "," << judged.of << "," << judged.rung << "," << judged.pixels << ","
          << text(judged.other_surface_percent) << "," << text(judged.mean_before_mm) << ","
          << text(judged.mean_after_mm) << "," << text(judged.rms_before_mm) << ","
          << text(judged.rms_after_mm) << "," << text(judged.explained_variance) << ","
          << text(judged.removed_mean_square) << "," << text(judged.reproducible_variance) << ","
-         << text(judged.within_one_percent) << "," << text(judged.within_two_percent) << "\n";
+         << text(judged.within_one_percent) << "," << text(judged.within_two_percent) << ","
+         << pair(judged.found.median_mm, judged.corrected.median_mm) << ","
+         << pair(judged.found.p95_mm, judged.corrected.p95_mm) << ","
+         << pair(judged.found.outside_rms_mm, judged.corrected.outside_rms_mm) << ","
+         << pair(judged.found.missed_percent, judged.found.false_percent) << "\n";
   };
   add(study.training);
   for (const Judgement& judged : study.held_out) add(judged);

@@ -20,11 +20,13 @@ Json coverage_json(const Coverage& coverage) {
                     {"mean_recovered", number(row.mean)},
                     {"standard_deviation", number(row.deviation)},
                     {"mean_half_width", number(row.half_width)},
-                    {"reference", number(row.reference)},
-                    {"covered", row.covered}});
+                    {"covered", row.covered},
+                    {"held_nothing", row.held_nothing}});
   }
   return {{"seeds", coverage.seeds.size()},
           {"reference_seeds", coverage.reference.size()},
+          {"repeatable_rms_mm", coverage.repeatable_rms_m / kMillimetre},
+          {"random_rms_mm", coverage.random_rms_m / kMillimetre},
           {"parameters", rows}};
 }
 
@@ -44,9 +46,26 @@ Json terms_json(const std::array<FittedTerm, N>& terms,
   return list;
 }
 
+Json effect_json(const PictureEffect& effect) {
+  return {{"median_mm", effect.median_mm},
+          {"p95_mm", effect.p95_mm},
+          {"outside_silhouettes_rms_mm", effect.outside_rms_mm},
+          {"missed_percent", effect.missed_percent},
+          {"false_percent", effect.false_percent}};
+}
+
+Json choice_json(const TermChoice& choice) {
+  Json taken = Json::array();
+  for (const ChosenTerm& chosen : choice.order) {
+    taken.push_back({{"name", error_terms().at(chosen.term).name}, {"left", chosen.left}});
+  }
+  return {{"folds", choice.folds}, {"taken", taken}};
+}
+
 Json judgement_json(const Judgement& judged) {
   return {{"name", judged.name},
           {"held_out", judged.of},
+          {"rung", judged.rung},
           {"pixels", judged.pixels},
           {"other_surface_percent", number(judged.other_surface_percent)},
           {"mean_before_mm", judged.mean_before_mm},
@@ -57,7 +76,9 @@ Json judgement_json(const Judgement& judged) {
           {"removed_mean_square", number(judged.removed_mean_square)},
           {"reproducible_variance", number(judged.reproducible_variance)},
           {"within_one_spread_percent", judged.within_one_percent},
-          {"within_two_spreads_percent", judged.within_two_percent}};
+          {"within_two_spreads_percent", judged.within_two_percent},
+          {"found", effect_json(judged.found)},
+          {"corrected", effect_json(judged.corrected)}};
 }
 
 Json model_json(const ModelStudy& study) {
@@ -67,7 +88,8 @@ Json model_json(const ModelStudy& study) {
                           error_terms().at(static_cast<std::size_t>(other)).name});
   }
   for (const Judgement& judged : study.held_out) held_out.push_back(judgement_json(judged));
-  return {{"terms", terms_json(study.model.bias, error_terms())},
+  return {{"choice", choice_json(study.choice)},
+          {"terms", terms_json(study.model.bias, error_terms())},
           {"spread_terms", terms_json(study.model.spread, spread_term_descriptions())},
           {"correlated", correlated},
           {"pixels", study.model.rows},

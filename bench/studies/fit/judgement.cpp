@@ -46,19 +46,39 @@ class Bins {
   std::vector<ResidualBin> bins_;
 };
 
-}  // namespace
-
-double reproducible_variance(const std::vector<ScannedErrors>& scans) {
-  if (scans.size() < 2) return kNone;
-  const auto &a = scans[0].error_m.pixels, &b = scans[1].error_m.pixels;
+/// Over the pixels that both have; NaN where one does not vary.
+double correlation(const Image<float>& one, const Image<float>& other) {
   double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
-    const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
+  for (std::size_t i = 0; i < one.pixels.size(); ++i) {
+    if (!std::isfinite(one.pixels[i]) || !std::isfinite(other.pixels[i])) continue;
+    const double x = static_cast<double>(one.pixels[i]), y = static_cast<double>(other.pixels[i]);
     n += 1, sa += x, sb += y, aa += x * x, bb += y * y, ab += x * y;
   }
   const double scale = std::sqrt((aa - sa * sa / n) * (bb - sb * sb / n));
   return scale > 0 ? (ab - sa * sb / n) / scale : kNone;
+}
+
+}  // namespace
+
+void PictureEffect::add(const PictureMeasures& measures, double share) {
+  median_mm += share * measures.raw.depth.median_m / kMillimetre;
+  p95_mm += share * measures.raw.depth.p95_m / kMillimetre;
+  missed_percent += share * measures.raw.missed_percent();
+  false_percent += share * measures.raw.false_percent();
+  for (const RegionError& region : measures.regions) {
+    if (region.group != "silhouette" || region.name != "outside") continue;
+    outside_rms_mm += share * region.depth.rms_m / kMillimetre;
+  }
+}
+
+double reproducible_variance(const std::vector<ScannedErrors>& scans) {
+  double sum = 0, pairs = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (std::size_t j = i + 1; j < scans.size(); ++j, ++pairs) {
+      sum += correlation(scans[i].error_m, scans[j].error_m);
+    }
+  }
+  return pairs > 0 ? sum / pairs : kNone;
 }
 
 Judgement judge(const std::string& name,

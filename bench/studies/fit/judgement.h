@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/image.h"
+#include "bench/evaluation/measures/picture_measures.h"
 #include "bench/fit/detection_model.h"
 
 namespace wobblebench::bench {
@@ -13,14 +14,26 @@ namespace wobblebench::bench {
 struct ScannedErrors {
   Image<float> error_m;  ///< NaN: no error
   Image<PixelTerms> terms;
-  int set = 0;
   double other_surface_percent = 0;
+};
+
+/// A picture against what the probe can see of the truth; means over scans. Percent are of pixels.
+struct PictureEffect {
+  double median_mm = 0;
+  double p95_mm = 0;
+  double outside_rms_mm = 0;  ///< outside the band at silhouettes
+  double missed_percent = 0;
+  double false_percent = 0;
+
+  /// Adds a part of the mean.
+  void add(const PictureMeasures& measures, double share);
 };
 
 /// How the model does on scans that it was, or was not, fitted to.
 struct Judgement {
   std::string name;
-  std::string of;  ///< what is new about them
+  std::string of;    ///< what is new about them
+  std::string rung;  ///< empty: of several
   int pixels = 0;
   double other_surface_percent = 0;  ///< left out: errors beyond kOtherSurface_m
   double mean_before_mm = 0, mean_after_mm = 0;
@@ -32,6 +45,10 @@ struct Judgement {
   double reproducible_variance = 0;
   double within_one_percent = 0;  ///< of pixels within one spread of the bias; normal: 68.3
   double within_two_percent = 0;  ///< 95.4
+  PictureEffect found, corrected;
+
+  /// Of what repeats, and so could be explained.
+  double explained_of_reproducible() const { return explained_variance / reproducible_variance; }
 };
 
 /// Signed error, the model's bias and what is left, of one scan; NaN where there is none.
@@ -53,7 +70,7 @@ Judgement judge(const std::string& name,
                 const std::string& of,
                 const std::vector<ErrorRow>& rows,
                 const DetectionModel& model);
-/// Correlation of the errors of the first two scans.
+/// Mean correlation of the errors of two scans.
 double reproducible_variance(const std::vector<ScannedErrors>& scans);
 ResidualPicture residual_picture(const std::string& name,
                                  const ScannedErrors& scan,

@@ -1,32 +1,36 @@
 // The detection-error model fitted on some scans and judged on others.
 #pragma once
 
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/part_done.h"
-#include "bench/studies/fit/fit_scans.h"
+#include "bench/cache/phantom_cache.h"
+#include "bench/fit/term_choice.h"
+#include "bench/scene/scene.h"
 #include "bench/studies/fit/judgement.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {
 
 struct ModelStudy {
+  TermChoice choice;
   DetectionModel model;
   int training_scans = 0;
   double step_mm = 0;
   Judgement training;
-  std::vector<Judgement> held_out;
+  std::vector<Judgement> held_out;  ///< one of each set and rung
   Judgement all_held_out;
   std::vector<ResidualPicture> pictures;  ///< one of each held-out set
   std::vector<ResidualBin> bins;
 };
 
-/// `seeds`: of each training pose. Trains on the scene's phantom at three poses and in another
-/// view, and, so that the terms of the settings vary, with twice the buffer, half the frames and
-/// half the sticks; judges on other seeds, another pose, another view, and those of a ball, a
-/// slanting plane and steps that the scene does not have.
+/// `seeds`: of each training set. The terms are chosen, and the model is fitted, on training_sets()
+/// alone; then it is judged on held_out_sets(). `others`: names and scenes whose phantoms it is
+/// also judged on.
 ModelStudy study_detection_model(const Scene& scene,
-                                 const LoadedPhantom& phantom,
+                                 const std::vector<std::pair<std::string, Scene>>& others,
                                  int seeds,
                                  PhantomCache& cache,
                                  render::GlContext& context,

@@ -1,7 +1,9 @@
 #include "bench/studies/fit/planted_errors.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "bench/studies/validate/seeds.h"
 
@@ -10,8 +12,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr std::array<int, 4> kPlanted = {kScale, kBias, kMotorAngle, kWobbleRadius};
-/// Two-sided 95 % quantile of Student's t with kReferenceSeeds - 1 degrees of freedom.
-constexpr double kStudent = 2.262;
 /// Reference seeds begin so far behind the scene's seed.
 constexpr std::uint64_t kReferenceOffset = 100'000;
 
@@ -44,12 +44,19 @@ class PlantedScans {
         renderer_(context, scene_.plan(), scene_.render),
         registration_(subject_, scene_.plan(), render::make_view(scene_.render)) {}
 
-  PlantedSeed fit(std::uint64_t seed, const PlantedErrors& errors) {
+  /// z, with the bias added.
+  Image<float> depth(std::uint64_t seed, const PlantedErrors& errors) {
     const Scene truth = with_errors(scene_, errors);
     const auto subject = seen_by_motor(subject_, truth.plan().geometry(), errors.motor_angle_rad);
     auto picture = render_frames(renderer_, scan_with_seed(truth, seed, subject, phantom_.maps));
     for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors.bias_m);
-    return {seed, registration_.fit(picture.depth_m, RegistrationPriors::of_known_pose())};
+    return picture.depth_m;
+  }
+  Image<float> distances(const Image<float>& depth_m) const {
+    return registration_.distances(depth_m);
+  }
+  Registration difference(const Image<float>& depth_m, const Image<float>& expected_m) const {
+    return registration_.fit_difference(depth_m, expected_m, RegistrationPriors::of_known_pose());
   }
 
  private:
@@ -76,28 +83,76 @@ MeanDeviation mean_deviation(const std::vector<PlantedSeed>& fits, int parameter
   return result;
 }
 
+bool holds(const Registration& fit, int parameter, double value) {
+  const auto slot = static_cast<std::size_t>(parameter);
+  return fit.low[slot] <= value && value <= fit.high[slot];
+}
+
 PlantedParameter summarise(int parameter, const PlantedErrors& errors, const Coverage& coverage) {
   const auto slot = static_cast<std::size_t>(parameter);
-  const auto reference = mean_deviation(coverage.reference, parameter);
   const auto found = mean_deviation(coverage.seeds, parameter);
-  const double reference_width =
-      kStudent * reference.deviation / std::sqrt(static_cast<double>(coverage.reference.size()));
-  PlantedParameter result{parameter,
-                          errors.of(parameter),
-                          found.mean - reference.mean,
-                          found.deviation,
-                          0,
-                          reference.mean,
-                          0};
+  PlantedParameter result{parameter, errors.of(parameter), found.mean, found.deviation, 0, 0, 0};
   for (const auto& [seed, fit] : coverage.seeds) {
-    const double value = fit.value[slot] - reference.mean;
-    const double low = value - std::hypot(fit.value[slot] - fit.low[slot], reference_width);
-    const double high = value + std::hypot(fit.high[slot] - fit.value[slot], reference_width);
-    result.half_width += 0.5 * (high - low) / static_cast<double>(coverage.seeds.size());
-    result.covered += low <= result.planted && result.planted <= high;
+    result.half_width +=
+        0.5 * (fit.high[slot] - fit.low[slot]) / static_cast<double>(coverage.seeds.size());
+    result.covered += holds(fit, parameter, result.planted);
   }
+  for (const auto& [seed, fit] : coverage.reference)
+    result.held_nothing += holds(fit, parameter, 0);
   return result;
 }
+
+/// Pictures without planted errors: what of their distances repeats.
+class ReferenceDistances {
+ public:
+  void add(Image<float> distances_m) { all_.push_back(std::move(distances_m)); }
+
+  /// Of all but one, where at least half of them have a distance. `left_out` < 0: of all.
+  Image<float> mean(int left_out = -1) const {
+    Image<float> result(all_.front().width, all_.front().height, kNoSurface);
+    for (std::size_t i = 0; i < result.pixels.size(); ++i) {
+      const auto values = at(i, left_out);
+      if (2 * values.size() < all_.size() || values.empty()) continue;
+      result.pixels[i] = static_cast<float>(mean_of(values));
+    }
+    return result;
+  }
+
+  /// The variance of the mean over seeds is of both parts; that of what is random is taken off it.
+  void split(Coverage& coverage) const {
+    double repeatable = 0, random = 0, n = 0;
+    for (std::size_t i = 0; i < all_.front().pixels.size(); ++i) {
+      const auto values = at(i, -1);
+      if (values.size() < all_.size() || values.size() < 2) continue;
+      const double mean = mean_of(values), count = static_cast<double>(values.size());
+      double variance = 0;
+      for (const double value : values) variance += std::pow(value - mean, 2) / (count - 1);
+      repeatable += mean * mean - variance / count;
+      random += variance;
+      ++n;
+    }
+    coverage.repeatable_rms_m = n > 0 ? std::sqrt(std::max(0.0, repeatable / n)) : 0;
+    coverage.random_rms_m = n > 0 ? std::sqrt(random / n) : 0;
+  }
+
+ private:
+  static double mean_of(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+  }
+  std::vector<double> at(std::size_t pixel, int left_out) const {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < all_.size(); ++k) {
+      const float value = all_[k].pixels[pixel];
+      if (static_cast<int>(k) == left_out || !std::isfinite(value)) continue;
+      values.push_back(static_cast<double>(value));
+    }
+    return values;
+  }
+
+  std::vector<Image<float>> all_;
+};
 
 }  // namespace
 
@@ -136,12 +191,21 @@ Coverage measure_coverage(const Scene& scene,
   Coverage coverage;
   const PlantedErrors none{0, 0, 0, 0}, planted = plantable(scene);
   const std::uint64_t first = scene.simulation.seed;
+  ReferenceDistances reference;
+  std::vector<Image<float>> unplanted;
   for (const std::uint64_t seed : seeds_from(first + kReferenceOffset, kReferenceSeeds)) {
-    coverage.reference.push_back(scans.fit(seed, none));
+    unplanted.push_back(scans.depth(seed, none));
+    reference.add(scans.distances(unplanted.back()));
+    coverage.reference.push_back({seed, {}});
     parts.finish_one();
   }
+  for (std::size_t i = 0; i < unplanted.size(); ++i) {
+    coverage.reference[i].fit = scans.difference(unplanted[i], reference.mean(static_cast<int>(i)));
+  }
+  reference.split(coverage);
+  const Image<float> expected_m = reference.mean();
   for (const std::uint64_t seed : seeds_from(first, seeds)) {
-    coverage.seeds.push_back(scans.fit(seed, planted));
+    coverage.seeds.push_back({seed, scans.difference(scans.depth(seed, planted), expected_m)});
     parts.finish_one();
   }
   for (const int parameter : kPlanted) {
