@@ -56,6 +56,16 @@ void unmoved_position(const MeasuredPoint& point,
   for (int i = 0; i < 3; ++i) position[i] -= p[kBias] * T(point.view_direction[i]);
 }
 
+/// As RegistrationPriors says: turned about the centroid, and moved.
+template <class T>
+void fitted_position(const MeasuredPoint& point, const Frame& frame, const T* p, T* position) {
+  T offset[3];
+  unmoved_position(point, frame.probe, p, offset);
+  for (int i = 0; i < 3; ++i) offset[i] -= T(frame.centroid[i]);
+  ceres::AngleAxisRotatePoint(p + kRotation, offset, position);
+  for (int i = 0; i < 3; ++i) position[i] += T(frame.centroid[i]) + p[kTranslation + i];
+}
+
 /// Signed distance of one transformed point to the surface, over the standard deviation of the
 /// points.
 struct SurfaceResidual {
@@ -65,15 +75,9 @@ struct SurfaceResidual {
 
   template <class T>
   bool operator()(const T* parameters, T* residual) const {
-    T offset[3], moved[3];
-    unmoved_position(point, frame.probe, parameters, offset);
-    for (int i = 0; i < 3; ++i) offset[i] -= T(frame.centroid[i]);
-    ceres::AngleAxisRotatePoint(parameters + kRotation, offset, moved);
-    glm::dvec3 position;
-    for (int i = 0; i < 3; ++i) {
-      moved[i] += T(frame.centroid[i]) + parameters[kTranslation + i];
-      position[i] = value_of(moved[i]);
-    }
+    T moved[3];
+    fitted_position(point, frame, parameters, moved);
+    const glm::dvec3 position(value_of(moved[0]), value_of(moved[1]), value_of(moved[2]));
     const auto distance = frame.distance_to(position, point.fired);
     if (!distance) {
       residual[0] = T(kFarPoint_m / sigma_m);
@@ -246,6 +250,21 @@ const std::array<std::string, kN>& registration_names() {
                                                     "motor_angle_rad",
                                                     "wobble_radius_m"};
   return names;
+}
+
+std::vector<glm::dvec3> fitted_positions(const std::vector<MeasuredPoint>& points,
+                                         const hw::ProbeGeometry& assumed,
+                                         const Registration& fit) {
+  const DistanceTo unused;
+  const Frame frame{unused, assumed, centroid_of(points, assumed)};
+  std::vector<glm::dvec3> positions;
+  positions.reserve(points.size());
+  for (const MeasuredPoint& point : points) {
+    glm::dvec3 position;
+    fitted_position(point, frame, fit.value.data(), &position.x);
+    positions.push_back(position);
+  }
+  return positions;
 }
 
 Registration fit_probe(const std::vector<MeasuredPoint>& points,

@@ -133,6 +133,11 @@ struct MeasuredPoint {
 using DistanceTo = std::function<std::optional<phantoms::SurfaceFinder::Distance>(
     const glm::dvec3& position_m, const hw::StickIndex& fired)>;
 
+/// Where a fit of these points by fit_probe() has them.
+std::vector<glm::dvec3> fitted_positions(const std::vector<MeasuredPoint>& points,
+                                         const hw::ProbeGeometry& assumed,
+                                         const Registration& fit);
+
 inline constexpr int kLeastPoints = 20;
 /// Measured points farther than this from every target surface belong to none of them.
 inline constexpr double kFarPoint_m = 6e-3;

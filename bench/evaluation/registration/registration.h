@@ -50,11 +50,11 @@ class SurfaceRegistration {
   Registration fit(const Image<float>& depth_m,
                    const RegistrationPriors& priors = {},
                    int max_points = kRegistrationPoints) const;
-  /// Signed distance of what is found to the true surface, at the pixels whose points fit() takes;
-  /// NaN elsewhere.
-  Image<float> distances(const Image<float>& depth_m, int max_points = kRegistrationPoints) const;
+  /// Signed distance of what is found to the true surface, pixel by pixel; NaN where none is near.
+  Image<float> distances(const Image<float>& depth_m) const;
   /// Fits what differs from pictures with these mean distances(): a detector's error that repeats
-  /// from seed to seed is in both, and cancels pixel by pixel. Pixels without a distance are left
+  /// from seed to seed is in both, and cancels. It belongs to the surface, so that a point is
+  /// compared with what was found where the fit has it. Points without a distance there are left
   /// out.
   Registration fit_difference(const Image<float>& depth_m,
                               const Image<float>& expected_m,

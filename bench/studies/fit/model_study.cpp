@@ -182,7 +182,8 @@ ModelStudy study_detection_model(const Scene& scene,
                                  render::GlContext& context,
                                  const PartDone& done) {
   const auto training = training_sets(scene, seeds);
-  const auto held_out = held_out_sets(scene, others, training.back().seeds.back() + 1, cache);
+  const auto held_out = held_out_sets(
+      scene, others, std::max(training.back().seeds.back() + 1, scene.simulation.seed + 20), cache);
   PartCount parts(scans_in(training) + scans_in(held_out), done);
   ModelStudy study;
   train(training, cache, context, parts, study);

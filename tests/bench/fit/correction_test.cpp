@@ -64,6 +64,10 @@ TEST_F(CorrectionFile, OfOtherConditionsIsRefusedInOneLine) {
                                   "acquisition.sticks_per_frame=32",
                                   "acquisition.samples_per_stick=256",
                                   "render.ray_casting.buffer_length=16",
+                                  "render.ray_casting.detector=floor",
+                                  "render.ray_casting.iso_level=0.6",
+                                  "render.ray_casting.incidence_correction_mm=1",
+                                  "render.reconstruction.sticks=plain",
                                   "render.ray_casting.steps=256",
                                   "render.ray_casting.threshold=0.2",
                                   "render.shading.depth_filter_size=5",
@@ -98,17 +102,23 @@ TEST_F(CorrectionFile, OfAnotherStepIsRefused) {
 
 TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
   const std::string file = write(correction_text(correction_of(small_scene(), 1)));
-  const auto result = bench({"run",
-                             "--set",
-                             "phantom.name=sphere",
-                             "--set",
-                             "render.ray_casting.buffer_length=16",
-                             "--set",
-                             "render.correction=" + file},
-                            folder_);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+  for (const std::string other : {"probe.preset=c5-2v",
+                                  "render.ray_casting.buffer_length=16",
+                                  "render.ray_casting.steps=256",
+                                  "render.ray_casting.detector=paper"}) {
+    const auto result = bench({"run",
+                               "--set",
+                               "phantom.name=sphere",
+                               "--set",
+                               other,
+                               "--set",
+                               "render.correction=" + file},
+                              folder_);
+    EXPECT_EQ(result.exit_code, 2) << other;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find(other.substr(0, other.find('='))), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+  }
 }
 
 /// A slanting surface in the middle of the picture.

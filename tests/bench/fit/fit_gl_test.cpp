@@ -18,17 +18,21 @@ const Words kSmall = {"--set",
                       "render.ray_casting.image_size=64",
                       "--set",
                       "acquisition.frames_per_volume=19"};
+/// A detector whose error is large enough for a small scan to show what a correction does.
+const Words kPaper = {"--set", "render.preset=paper"};
 
 TEST(Fit, WritesACorrectionThatRunApplies) {
   const ScratchFolder folder;
   const auto fitted = bench(
-      with({"fit", "--json", "--seeds", "1", "--coverage", "1", "--out", "fit"}, {kSmall}), folder);
+      with({"fit", "--json", "--seeds", "1", "--coverage", "1", "--out", "fit"}, {kSmall, kPaper}),
+      folder);
   ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
   const auto fit = nlohmann::json::parse(fitted.out).at("fit");
   EXPECT_GT(fit.at("registration").at("blocks").get<int>(), 10);
   EXPECT_EQ(fit.at("registration").at("coverage").at("seeds"), 1);
-  EXPECT_EQ(fit.at("model").at("terms").size(), 8);
+  EXPECT_EQ(fit.at("model").at("terms").size(), 11);
   EXPECT_TRUE(fit.at("model").at("explained_variance_held_out").is_number());
+  EXPECT_FALSE(fit.at("model").at("choice").at("taken").empty());
   for (const char* file : {"fit.md",
                            "fit_terms.csv",
                            "fit_held_out.csv",
@@ -44,7 +48,7 @@ TEST(Fit, WritesACorrectionThatRunApplies) {
                                "render.correction=fit/correction.json",
                                "--set",
                                "simulation.seed=77"},
-                              {kSmall}),
+                              {kSmall, kPaper}),
                          folder);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto error = nlohmann::json::parse(run.out).at("error");
@@ -69,6 +73,14 @@ TEST(Fit, OfAPictureWithoutASurfaceIsRefused) {
   EXPECT_NE(result.err.find("render.ray_casting: 0 of 0 found points"), std::string::npos)
       << result.err;
   EXPECT_FALSE(fs::exists(folder.path() / "out" / "fit.md"));
+}
+
+TEST(Fit, RefusesAJudgedSceneThatIsNotThere) {
+  const ScratchFolder folder;
+  const auto result = bench({"fit", "--judge", "nowhere.toml"}, folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_NE(result.err.find("nowhere.toml"), std::string::npos) << result.err;
 }
 
 TEST(Fit, RefusesWhatItCannotFitInOneLine) {

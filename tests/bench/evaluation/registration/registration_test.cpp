@@ -96,6 +96,32 @@ TEST_F(KnownError, LargeDepthErrorsAreNotLeftOut) {
   EXPECT_NEAR(fit.value[7] - fit.value[5], 5.0e-3, 0.5e-3);
 }
 
+TEST_F(KnownError, WhatRepeatsCancelsInADifference) {
+  // A detector's error of 1 mm that varies over the picture, and 0.5 mm of ray bias on top.
+  const auto plan = scene_->plan();
+  const auto view = render::make_view(scene_->render);
+  const SurfaceRegistration registration(*subject_, plan, view);
+  Image<float> found = trace_truth(*subject_, plan, view).depth_m;
+  for (int row = 0; row < found.height; ++row) {
+    for (int column = 0; column < found.width; ++column) {
+      found.at(column, row) +=
+          1e-3f * std::sin(0.11f * static_cast<float>(column) + 0.07f * static_cast<float>(row));
+    }
+  }
+  Image<float> planted = found;
+  for (float& z : planted.pixels) z += 0.5e-3f;
+  const auto priors = RegistrationPriors::of_known_pose();
+  const auto alone = registration.fit(planted, priors);
+  const auto difference =
+      registration.fit_difference(planted, registration.distances(found), priors);
+  ASSERT_TRUE(difference.converged);
+  EXPECT_NEAR(difference.value[kBias], 0.5e-3, 0.05e-3);
+  EXPECT_NEAR(difference.value[kScale], 0, 1e-3);
+  EXPECT_LT(difference.high[kBias] - difference.low[kBias],
+            0.3 * (alone.high[kBias] - alone.low[kBias]));
+  EXPECT_GT(difference.points, alone.points * 9 / 10);
+}
+
 TEST_F(KnownError, AKnownMotionIsNoError) {
   for (const bool head_turns : {false, true}) {
     phantoms::MotionOptions options;
