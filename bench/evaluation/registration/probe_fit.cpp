@@ -56,16 +56,6 @@ void unmoved_position(const MeasuredPoint& point,
   for (int i = 0; i < 3; ++i) position[i] -= p[kBias] * T(point.view_direction[i]);
 }
 
-/// As RegistrationPriors says: turned about the centroid, and moved.
-template <class T>
-void fitted_position(const MeasuredPoint& point, const Frame& frame, const T* p, T* position) {
-  T offset[3];
-  unmoved_position(point, frame.probe, p, offset);
-  for (int i = 0; i < 3; ++i) offset[i] -= T(frame.centroid[i]);
-  ceres::AngleAxisRotatePoint(p + kRotation, offset, position);
-  for (int i = 0; i < 3; ++i) position[i] += T(frame.centroid[i]) + p[kTranslation + i];
-}
-
 /// Signed distance of one transformed point to the surface, over the standard deviation of the
 /// points.
 struct SurfaceResidual {
@@ -75,16 +65,22 @@ struct SurfaceResidual {
 
   template <class T>
   bool operator()(const T* parameters, T* residual) const {
-    T moved[3];
-    fitted_position(point, frame, parameters, moved);
-    const glm::dvec3 position(value_of(moved[0]), value_of(moved[1]), value_of(moved[2]));
+    T offset[3], moved[3];
+    unmoved_position(point, frame.probe, parameters, offset);
+    for (int i = 0; i < 3; ++i) offset[i] -= T(frame.centroid[i]);
+    ceres::AngleAxisRotatePoint(parameters + kRotation, offset, moved);
+    glm::dvec3 position;
+    for (int i = 0; i < 3; ++i) {
+      moved[i] += T(frame.centroid[i]) + parameters[kTranslation + i];
+      position[i] = value_of(moved[i]);
+    }
     const auto distance = frame.distance_to(position, point.fired);
     if (!distance) {
       residual[0] = T(kFarPoint_m / sigma_m);
       return true;
     }
     // First-order expansion: the distance, and its gradient times the derivatives of the position.
-    residual[0] = T(distance->value_m - point.expected_m);
+    residual[0] = T(distance->value_m);
     for (int i = 0; i < 3; ++i) residual[0] += distance->gradient[i] * (moved[i] - T(position[i]));
     residual[0] /= T(sigma_m);
     return true;
@@ -250,21 +246,6 @@ const std::array<std::string, kN>& registration_names() {
                                                     "motor_angle_rad",
                                                     "wobble_radius_m"};
   return names;
-}
-
-std::vector<glm::dvec3> fitted_positions(const std::vector<MeasuredPoint>& points,
-                                         const hw::ProbeGeometry& assumed,
-                                         const Registration& fit) {
-  const DistanceTo unused;
-  const Frame frame{unused, assumed, centroid_of(points, assumed)};
-  std::vector<glm::dvec3> positions;
-  positions.reserve(points.size());
-  for (const MeasuredPoint& point : points) {
-    glm::dvec3 position;
-    fitted_position(point, frame, fit.value.data(), &position.x);
-    positions.push_back(position);
-  }
-  return positions;
 }
 
 Registration fit_probe(const std::vector<MeasuredPoint>& points,

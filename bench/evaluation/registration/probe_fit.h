@@ -125,18 +125,11 @@ struct MeasuredPoint {
   glm::dvec3 view_direction{0, 0, 1};  ///< of the pixel's ray
   hw::StickIndex fired;                ///< the stick whose time the point has
   std::int64_t block = 0;              ///< points of one block have correlated errors
-  /// Signed distance at which the detector is known to find this part of the surface.
-  double expected_m = 0;
 };
 
 /// Signed distance to the true surface at a place, at the time of a stick; none beyond reach.
 using DistanceTo = std::function<std::optional<phantoms::SurfaceFinder::Distance>(
     const glm::dvec3& position_m, const hw::StickIndex& fired)>;
-
-/// Where a fit of these points by fit_probe() has them.
-std::vector<glm::dvec3> fitted_positions(const std::vector<MeasuredPoint>& points,
-                                         const hw::ProbeGeometry& assumed,
-                                         const Registration& fit);
 
 inline constexpr int kLeastPoints = 20;
 /// Measured points farther than this from every target surface belong to none of them.

@@ -54,8 +54,8 @@ class SurfaceRegistration {
   Image<float> distances(const Image<float>& depth_m) const;
   /// Fits what differs from pictures with these mean distances(): a detector's error that repeats
   /// from seed to seed is in both, and cancels. It belongs to the surface, so that a point is
-  /// compared with what was found where the fit has it. Points without a distance there are left
-  /// out.
+  /// compared with what was found where the fit has it. Points within 2.5 mm of a pixel without a
+  /// distance are left out.
   Registration fit_difference(const Image<float>& depth_m,
                               const Image<float>& expected_m,
                               const RegistrationPriors& priors,
