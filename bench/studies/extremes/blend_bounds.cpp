@@ -62,7 +62,9 @@ class RayBound {
     const render::Span span = clip_to_box(ray, start_);
     const double end_m = clip_to_box(ray, box_).to_m;
     double error = 0, opacity = 0, most_light = 1;
-    for (double at_m = span.from_m + step_m_ / 2; at_m < end_m + step_m_; at_m += step_m_) {
+    for (int step = 0;; ++step) {
+      const double at_m = span.from_m + (step + 0.5) * step_m_;
+      if (at_m >= end_m + step_m_) break;
       const auto sample = slices_.at(ray.at(at_m));
       if (!sample.inside) continue;
       const auto entry = transfer_.at(sample.value);

@@ -147,7 +147,7 @@ std::vector<ExtremeCase> samples() {
   return cases;
 }
 
-/// Tissue echoes lie at about -45 dB of a mirror: noise from there to 120 dB below.
+/// `soft_tissue` has -45 dB: noise from there to 120 dB below.
 std::vector<ExtremeCase> simulated() {
   std::vector<ExtremeCase> cases;
   const auto add = [&](const char* name, std::vector<std::string> settings) {

@@ -16,7 +16,7 @@ std::vector<bool> reached_pixels(const hw::AcquisitionPlan& plan,
                                  const render::RenderOptions& options,
                                  const ChangedSample& changed);
 
-/// Pixels out of reach whose z or volume picture differs. With aligned sticks or a detector that
+/// Pixels out of reach whose z differs. With aligned sticks or a detector that
 /// measures its level, one sample moves the level of all pixels: by that z may move a hundredth of
 /// a step.
 long changed_out_of_reach(const std::vector<bool>& reached,

@@ -44,8 +44,9 @@ std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
 
 /// What effects are formed of.
 enum class TradeResponse { log2_volume_ratio, p95_mm, missed_or_false_percent };
-inline constexpr TradeResponse kTradeResponses[] = {
-    TradeResponse::log2_volume_ratio, TradeResponse::p95_mm, TradeResponse::missed_or_false_percent};
+inline constexpr TradeResponse kTradeResponses[] = {TradeResponse::log2_volume_ratio,
+                                                    TradeResponse::p95_mm,
+                                                    TradeResponse::missed_or_false_percent};
 
 /// The mean response of a level's points less that of all others, with the 95 % interval of two
 /// independent means (Welch).

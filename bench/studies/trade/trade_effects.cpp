@@ -130,6 +130,16 @@ double jackknife_deviation(const std::vector<double>& estimates) {
   return std::sqrt(moments.deviation() * (moments.n - 1) / moments.n);
 }
 
+/// Deviation of an omega squared that is truly 0: that of (F - 1) df / n. The jackknife sees none
+/// of it, as the share is quadratic in the effects.
+double deviation_of_nothing(const TradeWork& work, const VarianceShare& share, std::size_t n) {
+  const auto freedom = [&](std::size_t axis) {
+    return static_cast<double>(work.plan.axes[axis].levels.size() - 1);
+  };
+  const double df = freedom(share.axis) * (share.axis == share.other ? 1 : freedom(share.other));
+  return std::sqrt(2 * df) / static_cast<double>(n);
+}
+
 }  // namespace
 
 std::vector<LevelEffect> level_effects(const TradeWork& work,
@@ -170,7 +180,8 @@ std::vector<VarianceShare> variance_shares(const TradeWork& work,
     for (std::size_t k = 0; k < result.size(); ++k) without[k].push_back(again[k].share);
   }
   for (std::size_t k = 0; k < result.size(); ++k) {
-    result[k].half = kNormal95 * jackknife_deviation(without[k]);
+    result[k].half = kNormal95 * std::hypot(jackknife_deviation(without[k]),
+                                            deviation_of_nothing(work, result[k], all.size()));
   }
   return result;
 }

@@ -11,6 +11,8 @@ namespace wobblebench::bench {
 
 namespace {
 
+constexpr double kLeastBend = 0.02;  // of the slope; less is a straight line within rounding
+
 /// The records of one point, or none where one is missing or was refused.
 std::optional<std::vector<const TradeRecord*>> records_of(const TradeWork& work,
                                                           const TradeRecords& records,
@@ -132,9 +134,10 @@ std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
   const std::vector<std::size_t> hull = lower_hull(scores, front);
   std::vector<TradeKnee> knees;
   for (std::size_t i = 1; i + 1 < hull.size(); ++i) {
-    knees.push_back({hull[i],
-                     -slope(scores[hull[i - 1]], scores[hull[i]]),
-                     -slope(scores[hull[i]], scores[hull[i + 1]])});
+    const TradeKnee knee{hull[i],
+                         -slope(scores[hull[i - 1]], scores[hull[i]]),
+                         -slope(scores[hull[i]], scores[hull[i + 1]])};
+    if (knee.gain_before - knee.gain_after > kLeastBend) knees.push_back(knee);
   }
   return knees;
 }

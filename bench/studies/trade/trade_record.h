@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "bench/evaluation/measures/picture_measures.h"
@@ -15,7 +16,10 @@ struct TradeUnit {
   std::size_t point = 0;
   std::size_t seed = 0;
 
-  auto operator<=>(const TradeUnit&) const = default;
+  bool operator==(const TradeUnit&) const = default;
+  bool operator<(const TradeUnit& other) const {
+    return std::tie(scene, point, seed) < std::tie(other.scene, other.point, other.seed);
+  }
 };
 
 /// Names of a record's measures, with their units.

@@ -168,7 +168,10 @@ std::vector<TradeUnit> trade_units(const TradeWork& work) {
     std::size_t seed;
     std::string slices;
     std::size_t point;
-    auto operator<=>(const Place&) const = default;
+    bool operator<(const Place& o) const {
+      return std::tie(scene, scan, seed, slices, point) <
+             std::tie(o.scene, o.scan, o.seed, o.slices, o.point);
+    }
   };
   std::vector<Place> places;
   for (std::size_t point = 0; point < work.points.size(); ++point) {
