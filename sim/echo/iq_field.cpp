@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "base/parallel.h"
 #include "sim/beam/point_spread.h"
 #include "sim/beam/profile/speckle_kernels.h"
+#include "sim/beam/profile/speckle_length.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {
@@ -23,12 +25,7 @@ WOBBLEBENCH_SIMD void fill_noise(float* parts, int count, std::uint64_t key) {
   }
 }
 
-/// target[i] += weight * source[i], for real and imaginary parts alike.
-WOBBLEBENCH_SIMD void add_scaled(float* target, const float* source, int count, float weight) {
-  for (int i = 0; i < count; ++i) target[i] += weight * source[i];
-}
-
-/// The same with a weight for each complex value.
+/// target[i] += weights[i] * source[i].
 WOBBLEBENCH_SIMD void add_weighted(float* target,
                                    const float* source,
                                    const float* weights,
@@ -140,18 +137,33 @@ IqField make_iq_field(const hw::AcquisitionPlan& plan) {
   return field;
 }
 
-void fill_speckle(std::span<Complex> stick, std::uint64_t key, double pulse_sigma_samples) {
-  const auto taps = unit_power_gaussian(pulse_sigma_samples, kMaxHalfPulse);
-  const int half = static_cast<int>(taps.size()) / 2, count = static_cast<int>(stick.size());
+AxialKernels::AxialKernels(const std::vector<double>& sigmas_samples)
+    : samples_(static_cast<int>(sigmas_samples.size())) {
+  std::vector<std::vector<float>> taps;
+  for (const double sigma : sigmas_samples) {
+    taps.push_back(unit_power_gaussian(sigma, kMaxHalfPulse));
+    half_ = std::max(half_, static_cast<int>(taps.back().size()) / 2);
+  }
+  weights_.assign(taps.size() * static_cast<std::size_t>(2 * half_ + 1), 0.0f);
+  for (std::size_t i = 0; i < taps.size(); ++i) {
+    const int half = static_cast<int>(taps[i].size()) / 2;
+    for (int tap = -half; tap <= half; ++tap) {
+      const auto row = static_cast<std::size_t>(tap + half_);
+      weights_[row * taps.size() + i] = taps[i][static_cast<std::size_t>(tap + half)];
+    }
+  }
+}
+
+void fill_speckle(std::span<Complex> stick, std::uint64_t key, const AxialKernels& kernels) {
+  const int count = static_cast<int>(stick.size()), half = kernels.half();
+  if (count != kernels.samples()) throw std::invalid_argument("fill_speckle: a kernel a sample");
   // Noise extends beyond both ends of the stick, so that the filter has no edges.
-  std::vector<Complex> noise(stick.size() + taps.size() - 1);
+  std::vector<Complex> noise(stick.size() + static_cast<std::size_t>(2 * half));
   fill_noise(parts_of(noise.data()), static_cast<int>(noise.size()), key);
   std::fill(stick.begin(), stick.end(), Complex(0));
-  for (int tap = 0; tap <= 2 * half; ++tap) {
-    add_scaled(parts_of(stick.data()),
-               parts_of(noise.data() + tap),
-               2 * count,
-               taps[static_cast<std::size_t>(tap)]);
+  for (int tap = -half; tap <= half; ++tap) {
+    add_weighted(
+        parts_of(stick.data()), parts_of(noise.data() + tap + half), kernels.weights(tap), count);
   }
 }
 
@@ -195,7 +207,12 @@ void filter_across_frames(IqField& field,
 
 IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
   IqField field = make_iq_field(plan);
-  const double pulse_sigma = sigma_of_fwhm(axial_fwhm_m(plan)) / field.spacing_m;
+  const SpeckleLengths lengths(plan, options);
+  std::vector<double> sigmas_samples;
+  for (int i = 0; i < field.samples; ++i) {
+    sigmas_samples.push_back(lengths.sigma_m((i + 0.5) * field.spacing_m) / field.spacing_m);
+  }
+  const AxialKernels kernels(sigmas_samples);
   parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const int frame = i / field.lines, line = i % field.lines;
@@ -203,7 +220,7 @@ IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOpt
                                   RandomStream::speckle,
                                   static_cast<std::uint64_t>(frame),
                                   static_cast<std::uint64_t>(line));
-      fill_speckle(field.stick(frame, line), key, pulse_sigma);
+      fill_speckle(field.stick(frame, line), key, kernels);
     }
   });
   filter_across_lines(field, plan, options);

@@ -49,10 +49,30 @@ double iq_bytes(const hw::AcquisitionPlan& plan);
 /// All samples 0.
 IqField make_iq_field(const hw::AcquisitionPlan& plan);
 
-/// Circular complex white noise, filtered by the pulse, of unit mean power.
+/// Gaussian filters along a stick, one for each of its samples, of unit power.
+class AxialKernels {
+ public:
+  explicit AxialKernels(const std::vector<double>& sigmas_samples);
+
+  int samples() const { return samples_; }
+  /// Taps lie at -half() to half() samples.
+  int half() const { return half_; }
+  /// Of each sample.
+  const float* weights(int tap) const {
+    return weights_.data() + static_cast<std::ptrdiff_t>(tap + half_) * samples_;
+  }
+
+ private:
+  int samples_;
+  int half_ = 0;
+  std::vector<float> weights_;  ///< [tap][sample]
+};
+
+/// Circular complex white noise, filtered along the stick, of unit mean power. Throws
+/// std::invalid_argument for a stick of another number of samples.
 void fill_speckle(std::span<std::complex<float>> stick,
                   std::uint64_t key,
-                  double pulse_sigma_samples);
+                  const AxialKernels& kernels);
 
 /// Filters each range so that white noise gets the correlation of speckle there
 /// (sim/beam/profile/speckle_kernels.h), across the lines of each frame or across frames. Keeps the
