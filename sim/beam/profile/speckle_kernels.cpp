@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRangeStep_m = 5e-3;
 /// Across lines kernels follow the aperture, which the array's end cuts; across frames the turn.
-constexpr double kLineAngleStep_rad = 2.2 * kDegree, kFrameAngleStep_rad = 13 * kDegree;
+constexpr double kLineAngleStep_rad = 2.2 * kDegree, kFrameAngleStep_rad = 3.3 * kDegree;
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags = 16;  ///< over the first lobe; correlations between are interpolated
 
