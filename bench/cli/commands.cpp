@@ -22,6 +22,7 @@ std::vector<Command> add_commands(CLI::App& app) {
                                    add_validate_command(app),
                                    add_rungs_command(app),
                                    add_trade_command(app),
+                                   add_tune_command(app),
                                    add_accuracy_command(app),
                                    add_fit_command(app),
                                    add_extremes_command(app)};

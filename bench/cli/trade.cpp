@@ -64,7 +64,7 @@ std::string machine_of(const render::GlContext& context, const TradeWork& work) 
 void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& journal) {
   TradeContent merged;
   for (const std::string& folder : arguments.merged) {
-    TradeContent content = read_trade_journal(folder, work.hash());
+    TradeContent content = read_trade_journal(folder, work.hash(), "--merge");
     merged.records.merge(content.records);
     merged.machines.merge(content.machines);
   }

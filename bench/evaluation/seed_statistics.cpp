@@ -13,6 +13,7 @@ namespace {
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 /// Both tails of the 95 % interval.
 constexpr double kUpper = 0.975;
+constexpr double kOneSided = 0.95;
 
 }  // namespace
 
@@ -33,6 +34,14 @@ MeanInterval mean_interval(const std::vector<double>& values) {
   const boost::math::students_t_distribution<double> student(result.n - 1);
   result.half = boost::math::quantile(student, kUpper) * error;
   return result;
+}
+
+double upper_of_next(const MeanInterval& known) {
+  if (known.n < 2) return std::numeric_limits<double>::infinity();
+  const boost::math::students_t_distribution<double> student(known.n - 1);
+  const double deviation = known.half / boost::math::quantile(student, kUpper) * std::sqrt(known.n);
+  return known.mean +
+         boost::math::quantile(student, kOneSided) * deviation * std::sqrt(1 + 1.0 / known.n);
 }
 
 MeanInterval paired_difference(const std::vector<double>& values,

@@ -19,6 +19,10 @@ struct MeanInterval {
 /// Values that are not finite are left out.
 MeanInterval mean_interval(const std::vector<double>& values);
 
+/// What a further value, of another seed, stays below with a probability of 95 %: mean + t s sqrt(1
+/// + 1/n). Infinite where fewer than two values are known.
+double upper_of_next(const MeanInterval& known);
+
 /// Of values[i] - references[i], both of the same seed: what the seed does to both alike cancels.
 /// Throws std::invalid_argument for lists of different lengths.
 MeanInterval paired_difference(const std::vector<double>& values,

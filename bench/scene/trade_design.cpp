@@ -5,6 +5,7 @@
 #include <functional>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 
 #include "base/number_text.h"
 #include "bench/scene/trade_plan.h"
@@ -82,7 +83,32 @@ std::vector<TradePoint> sobol(const TradePlan& plan) {
   return points;
 }
 
+double share_of(const TradeAxis& axis, const std::string& value, int level) {
+  if (!axis.range) return (level + 0.5) / static_cast<double>(axis.levels.size());
+  const TradeAxis::Range& range = *axis.range;
+  const double number = std::stod(value);
+  const double share = range.logarithmic
+                           ? std::log(number / range.from) / std::log(range.to / range.from)
+                           : (number - range.from) / (range.to - range.from);
+  return std::clamp(share, 0.0, 1.0);
+}
+
 }  // namespace
+
+TradePoint point_at(const TradePlan& plan, const std::vector<double>& shares) {
+  if (shares.size() != plan.axes.size()) throw std::invalid_argument("point_at: a share an axis");
+  TradePoint point;
+  for (std::size_t i = 0; i < shares.size(); ++i) add_value(plan.axes[i], shares[i], point);
+  return point;
+}
+
+std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point) {
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+    shares.push_back(share_of(plan.axes[i], point.values[i], point.levels[i]));
+  }
+  return shares;
+}
 
 std::vector<TradePoint> design_points(const TradePlan& plan) {
   switch (plan.design) {

@@ -194,10 +194,11 @@ TradePlan load_trade_plan(const std::filesystem::path& path) {
   describe(seeds, reader);
   plan.seeds = seed_list(seeds.first_seed, seeds.seeds);
   auto known = reader.known_keys();
-  known.insert(known.end(), {"reference", "scenes", "axes"});
+  known.insert(known.end(), {"reference", "scenes", "unseen", "axes"});
   refuse_unknown(root, known, plan.source);
   plan.reference = read_reference(root, path);
   plan.scenes = read_option_tables(root, "scenes", path);
+  if (root.contains("unseen")) plan.unseen = read_option_tables(root, "unseen", path);
   plan.axes = read_axes(root, plan.source);
   check_design(plan, points_given);
   return plan;

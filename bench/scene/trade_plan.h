@@ -37,6 +37,8 @@ struct TradeAxis {
 ///   [reference.render]                      # the setting whose time is 1, over each scene
 ///   preset = "paper"
 ///   [scenes.face]                           # as in a plan of `accuracy`
+///   [unseen.plane.phantom]                  # likewise; `tune` judges by them what it found
+///   name = "plane"
 ///   [axes]
 ///   "render.ray_casting.steps" = [128, 256, 512]
 ///   "render.ray_casting.iso_level" = { from = 0.5, to = 0.9 }
@@ -49,10 +51,11 @@ struct TradePlan {
   std::vector<std::uint64_t> seeds;
   int repeats = 3;
   std::vector<NamedOptions> scenes;
+  std::vector<NamedOptions> unseen;  ///< of `tune` alone: to judge what it found
   NamedOptions reference;
   std::vector<TradeAxis> axes;
 
-  /// Everything that the measured points follow from, as a text.
+  /// Everything that the measured points of `trade` follow from, as a text.
   std::string canonical() const;
 };
 
@@ -72,6 +75,12 @@ TradePlan load_trade_plan(const std::filesystem::path& path);
 
 /// The points of the plan, in its order; the same each time.
 std::vector<TradePoint> design_points(const TradePlan& plan);
+
+/// The point at a place in each axis, from 0 to 1. Throws std::invalid_argument for another number
+/// of axes.
+TradePoint point_at(const TradePlan& plan, const std::vector<double>& shares);
+/// A place of each value of a point: point_at() makes it again.
+std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point);
 
 /// A value without the quotes of TOML's texts.
 std::string plain_value(const std::string& value);

@@ -21,12 +21,15 @@ Json settings_json(const TradeWork& work, std::size_t point) {
   return json;
 }
 
-Json score_json(const TradeWork& work, const TradeScore& score) {
+}  // namespace
+
+Json trade_score_json(const TradeWork& work, const TradeScore& score) {
   Json json = {{"point", score.point},
                {"settings", settings_json(work, score.point)},
                {"volume_ratio", score.volume_ratio},
                {"view_ratio", score.view_ratio},
-               {"volume_ms", score.volume_ms}};
+               {"volume_ms", score.volume_ms},
+               {"view_ms", score.view_ms}};
   for (std::size_t i = 0; i < score.measures.size(); ++i) {
     json[trade_measure_names()[i]] = {{"mean", number(score.measures[i].mean)},
                                       {"half_interval", number(score.measures[i].half)},
@@ -35,14 +38,12 @@ Json score_json(const TradeWork& work, const TradeScore& score) {
   return json;
 }
 
-}  // namespace
-
 Json trade_json(const TradeResults& results) {
   Json parts = Json::object();
   for (const TradeResults::Part& part : results.parts) {
     Json front = Json::array(), knees = Json::array();
     for (const std::size_t i : part.front) {
-      front.push_back(score_json(results.work, part.scores[i]));
+      front.push_back(trade_score_json(results.work, part.scores[i]));
     }
     for (const TradeKnee& knee : part.knees) {
       knees.push_back({{"point", part.scores[knee.score].point},

@@ -34,6 +34,8 @@ TradeResults trade_results(TradeWork work, TradeContent content);
 std::string trade_csv(const TradeResults& results);
 std::string trade_markdown(const TradeResults& results);
 nlohmann::ordered_json trade_json(const TradeResults& results);
+/// A point's settings, times and measures.
+nlohmann::ordered_json trade_score_json(const TradeWork& work, const TradeScore& score);
 /// Time against P95 of each part, with its front.
 std::vector<Figure> trade_figures(const TradeResults& results);
 std::string trade_figure_file(const Figure& figure);

@@ -1,6 +1,7 @@
 // What a trade says: the front of time and error, its knees, and which settings matter.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,12 +15,19 @@ namespace wobblebench::bench {
 struct TradeScore {
   std::size_t point = 0;
   double volume_ratio = 0, view_ratio = 0;  ///< geometric means, to the reference
-  double volume_ms = 0;                     ///< likewise
+  double volume_ms = 0, view_ms = 0;        ///< likewise
   std::vector<MeanInterval> measures;       ///< of trade_measure_names(): over seeds
 
   double p95_mm() const;
   double wrong_percent() const;  ///< missed_or_false_percent
 };
+
+/// The score of a point on these scenes and all seeds of the plan; none where a measurement is
+/// missing or was refused.
+std::optional<TradeScore> trade_score(const TradeWork& work,
+                                      const TradeRecords& records,
+                                      const std::vector<std::size_t>& scenes,
+                                      std::size_t point);
 
 /// Scores of the points that were measured on all of these scenes and all seeds of the plan.
 std::vector<TradeScore> trade_scores(const TradeWork& work,

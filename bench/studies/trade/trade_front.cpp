@@ -57,6 +57,7 @@ TradeScore score_of(std::size_t point, const std::vector<const TradeRecord*>& re
   score.volume_ratio = geometric_mean(records, &TradeRecord::volume_ratio);
   score.view_ratio = geometric_mean(records, &TradeRecord::view_ratio);
   score.volume_ms = geometric_mean(records, &TradeRecord::volume_ms);
+  score.view_ms = geometric_mean(records, &TradeRecord::view_ms);
   for (std::size_t i = 0; i < trade_measure_names().size(); ++i) {
     score.measures.push_back(mean_interval(means_of_seeds(records, i)));
   }
@@ -102,13 +103,21 @@ double TradeScore::wrong_percent() const {
   return measures[trade_measure("missed_or_false_percent")].mean;
 }
 
+std::optional<TradeScore> trade_score(const TradeWork& work,
+                                      const TradeRecords& records,
+                                      const std::vector<std::size_t>& scenes,
+                                      std::size_t point) {
+  const auto found = records_of(work, records, scenes, point);
+  return found ? std::optional(score_of(point, *found)) : std::nullopt;
+}
+
 std::vector<TradeScore> trade_scores(const TradeWork& work,
                                      const TradeRecords& records,
                                      const std::vector<std::size_t>& scenes) {
   std::vector<TradeScore> scores;
   for (std::size_t point = 0; point < work.points.size(); ++point) {
-    const auto found = records_of(work, records, scenes, point);
-    if (found) scores.push_back(score_of(point, *found));
+    const auto score = trade_score(work, records, scenes, point);
+    if (score) scores.push_back(*score);
   }
   return scores;
 }

@@ -142,9 +142,11 @@ void TradeJournal::append_machine(const std::string& machine) {
   write_whole(file_.get(), Json({{"machine", machine}}).dump() + "\n", path_);
 }
 
-TradeContent read_trade_journal(const std::filesystem::path& folder, const std::string& plan) {
+TradeContent read_trade_journal(const std::filesystem::path& folder,
+                                const std::string& plan,
+                                const std::string& option) {
   const auto refuse = [&](const std::string& reason) {
-    throw UserError("--merge = " + folder.string() + ": " + reason);
+    throw UserError(option + " = " + folder.string() + ": " + reason);
   };
   const std::filesystem::path path = folder / TradeJournal::kFile;
   if (!std::filesystem::is_regular_file(path)) {

@@ -43,8 +43,10 @@ class TradeJournal {
   TradeContent content_;
 };
 
-/// The content of another folder. Throws UserError "--merge = DIR: reason" where they are of
-/// another plan or cannot be read.
-TradeContent read_trade_journal(const std::filesystem::path& folder, const std::string& plan);
+/// The content of another folder. Throws UserError "OPTION = DIR: reason" where they are of another
+/// plan or cannot be read.
+TradeContent read_trade_journal(const std::filesystem::path& folder,
+                                const std::string& plan,
+                                const std::string& option);
 
 }  // namespace wobblebench::bench

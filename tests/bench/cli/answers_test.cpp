@@ -78,6 +78,7 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
                                     "validate",
                                     "rungs",
                                     "trade",
+                                    "tune",
                                     "accuracy",
                                     "extremes"}) {
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;

@@ -172,8 +172,8 @@ TEST_F(Journal, OfAnotherPlanIsRefusedAndStaysAsItIs) {
   TradeJournal(folder_, "plan").append(record(0));
   const auto size = std::filesystem::file_size(file());
   EXPECT_THROW(TradeJournal(folder_, "another"), UserError);
-  EXPECT_THROW(read_trade_journal(folder_, "another"), UserError);
-  EXPECT_THROW(read_trade_journal(folder_ / "none", "plan"), UserError);
+  EXPECT_THROW(read_trade_journal(folder_, "another", "--merge"), UserError);
+  EXPECT_THROW(read_trade_journal(folder_ / "none", "plan", "--merge"), UserError);
   EXPECT_EQ(std::filesystem::file_size(file()), size);
 }
 

@@ -1,0 +1,19 @@
+// What `tune` found, as tune.md, report.json and the scene file tuned.toml.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "bench/studies/tune/tune_study.h"
+
+namespace wobblebench::bench {
+
+std::string tune_markdown(const TuneResults& results, const std::string& machine);
+nlohmann::ordered_json tune_json(const TuneResults& results);
+/// The chosen settings as a scene file. `results.chosen()` must be one.
+std::string tuned_scene(const TuneResults& results);
+
+/// "least volume_ms with p95_mm <= 2 and missed_percent <= 5".
+std::string request_text(const TuneRequest& request);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,255 @@
+#include "bench/studies/tune/tune_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "bench/scene/accuracy_plan.h"
+#include "bench/studies/trade/trade_measurement.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr double kNearEnd = 0.03;
+constexpr std::size_t kMostScans = 12;  // kept at a time: some 100 MB each at the default scan
+
+/// Scores points of one work, measuring what is not known.
+class Scorer {
+ public:
+  Scorer(const TradeWork& work, TradeRecords known, render::GlContext& context, PhantomCache& cache)
+      : work_(work),
+        records_(std::move(known)),
+        measurement_(work, context, cache, scans(work)),
+        scenes_(work.plan.scenes.size()) {
+    std::iota(scenes_.begin(), scenes_.end(), std::size_t{0});
+  }
+
+  /// None where a scene refuses the point.
+  std::optional<TradeScore> score(std::size_t point) { return score(point, scenes_); }
+
+  std::optional<TradeScore> score(std::size_t point, const std::vector<std::size_t>& scenes) {
+    for (const std::size_t scene : scenes) {
+      for (std::size_t seed = 0; seed < work_.plan.seeds.size(); ++seed) {
+        const TradeUnit unit{scene, point, seed};
+        if (records_.contains(unit)) continue;
+        const TradeRecord& record =
+            records_.emplace(unit, measurement_.measure(unit)).first->second;
+        if (!record.refused.empty()) return std::nullopt;
+      }
+    }
+    return trade_score(work_, records_, scenes, point);
+  }
+
+ private:
+  static std::size_t scans(const TradeWork& work) {
+    return std::min(kMostScans, work.plan.scenes.size() * work.plan.seeds.size());
+  }
+
+  const TradeWork& work_;
+  TradeRecords records_;
+  TradeMeasurement measurement_;
+  std::vector<std::size_t> scenes_;
+};
+
+class Tuning {
+ public:
+  Tuning(TradeWork work,
+         const TuneOptions& options,
+         TradeRecords known,
+         render::GlContext& context,
+         PhantomCache& cache,
+         const PartDone& done)
+      : context_(context), cache_(cache), done_(done) {
+    results_.work = std::move(work);
+    results_.options = options;
+    results_.known = results_.work.points.size();
+    for (const TradeAxis& axis : plan().axes) {
+      axes_.push_back({axis.range ? 0 : static_cast<int>(axis.levels.size())});
+    }
+    score_known(std::move(known));
+  }
+
+  TuneResults run() {
+    find();
+    confirm();
+    judge();
+    return std::move(results_);
+  }
+
+ private:
+  const TradePlan& plan() const { return results_.work.plan; }
+  const TuneRequest& request() const { return results_.options.request; }
+
+  void score_known(TradeRecords known) {
+    std::vector<std::size_t> scenes(plan().scenes.size());
+    std::iota(scenes.begin(), scenes.end(), std::size_t{0});
+    for (std::size_t point = 0; point < results_.known; ++point) {
+      numbers_.emplace(results_.work.points[point].values, point);
+      const auto score = trade_score(results_.work, known, scenes, point);
+      if (score) scores_.emplace(point, *score);
+    }
+    scorer_.emplace(results_.work, std::move(known), context_, cache_);
+  }
+
+  SearchPoint search_point(const TradePoint& point) const {
+    SearchPoint result;
+    const std::vector<double> shares = shares_of(plan(), point);
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      result.push_back(axes_[i].levels == 0 ? shares[i] : point.levels[i]);
+    }
+    return result;
+  }
+
+  TradePoint trade_point(const SearchPoint& point) const {
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      shares.push_back(axes_[i].levels == 0 ? point[i] : (point[i] + 0.5) / axes_[i].levels);
+    }
+    return point_at(plan(), shares);
+  }
+
+  SearchValue value_of(const TradeScore& score) const {
+    return {quantity_of(score, request().least), excess_of(request(), score)};
+  }
+
+  SearchValue measure(const SearchPoint& at) {
+    const TradePoint point = trade_point(at);
+    const auto [number, is_new] = numbers_.emplace(point.values, results_.work.points.size());
+    if (is_new) {
+      results_.work.points.push_back(point);
+      ++results_.evaluated;
+      if (const auto score = scorer_->score(number->second)) {
+        scores_.emplace(number->second, *score);
+      } else {
+        ++results_.refused;
+      }
+      if (done_) done_(std::min<std::size_t>(results_.evaluated, evaluations()), evaluations());
+    }
+    const auto found = scores_.find(number->second);
+    return found == scores_.end() ? SearchValue{1e9, 1e9} : value_of(found->second);
+  }
+
+  std::size_t evaluations() const {
+    return static_cast<std::size_t>(results_.options.search.evaluations);
+  }
+
+  /// Points by what the request asks: those that hold first, of them the least.
+  std::vector<std::size_t> best_first() const {
+    std::vector<std::size_t> points;
+    for (const auto& [point, score] : scores_) points.push_back(point);
+    const auto key = [&](std::size_t point) {
+      const SearchValue value = value_of(scores_.at(point));
+      return std::pair(value.excess, value.goal);
+    };
+    std::stable_sort(points.begin(), points.end(), [&](std::size_t a, std::size_t b) {
+      return key(a) < key(b);
+    });
+    return points;
+  }
+
+  std::vector<SearchPoint> starts() const {
+    std::vector<SearchPoint> starts;
+    if (results_.known > 0) {
+      for (const std::size_t point : best_first()) {
+        starts.push_back(search_point(results_.work.points[point]));
+      }
+    } else {
+      for (const TradePoint& point : design_points(plan())) starts.push_back(search_point(point));
+    }
+    return starts;
+  }
+
+  void find() {
+    SearchOptions options = results_.options.search;
+    // What is known costs nothing.
+    if (options.method == SearchMethod::nsga2) {
+      options.evaluations += static_cast<int>(std::min(results_.known, kSearchPopulation));
+    }
+    if (evaluations() == 0) return;
+    search(axes_, starts(), options, [this](const SearchPoint& at) { return measure(at); });
+  }
+
+  /// The best ones on fresh seeds, one after the other until one holds.
+  void confirm() {
+    TradeWork fresh = results_.work;
+    fresh.plan.seeds = seed_list(plan().seeds.back() + 1, results_.options.fresh_seeds);
+    results_.fresh_seeds = fresh.plan.seeds;
+    Scorer scorer(fresh, {}, context_, cache_);
+    for (const std::size_t point : best_first()) {
+      const TradeScore& searched = scores_.at(point);
+      if (excess_of(request(), searched) > 0) break;
+      results_.candidates.push_back({point, searched, scorer.score(point), false});
+      TuneCandidate& candidate = results_.candidates.back();
+      candidate.holds = candidate.fresh && all_hold(*candidate.fresh);
+      if (candidate.holds || results_.candidates.size() == kMostCandidates) break;
+    }
+  }
+
+  bool all_hold(const TradeScore& fresh) const {
+    return std::ranges::all_of(request().limits, [&](const TuneLimit& limit) {
+      return upper_quantity(fresh, limit.name) <= limit.most;
+    });
+  }
+
+  void judge() {
+    const TuneCandidate* chosen = results_.chosen();
+    if (chosen == nullptr) return;
+    results_.at_an_end = keys_at_an_end(plan(), results_.work.points[chosen->point]);
+    if (plan().unseen.empty()) return;
+    TradeWork unseen = results_.work;
+    unseen.plan.scenes = plan().unseen;
+    unseen.plan.seeds = results_.fresh_seeds;
+    Scorer scorer(unseen, {}, context_, cache_);
+    for (std::size_t scene = 0; scene < unseen.plan.scenes.size(); ++scene) {
+      results_.unseen.push_back(
+          {unseen.plan.scenes[scene].name, scorer.score(chosen->point, {scene})});
+    }
+  }
+
+  render::GlContext& context_;
+  PhantomCache& cache_;
+  const PartDone& done_;
+  TuneResults results_;
+  std::vector<SearchAxis> axes_;
+  std::optional<Scorer> scorer_;
+  std::map<std::vector<std::string>, std::size_t> numbers_;  ///< of points, by their values
+  std::map<std::size_t, TradeScore> scores_;                 ///< of points that were not refused
+};
+
+}  // namespace
+
+const TuneCandidate* TuneResults::chosen() const {
+  return candidates.empty() || !candidates.back().holds ? nullptr : &candidates.back();
+}
+
+std::vector<std::string> keys_at_an_end(const TradePlan& plan, const TradePoint& point) {
+  std::vector<std::string> keys;
+  const std::vector<double> shares = shares_of(plan, point);
+  for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+    const TradeAxis& axis = plan.axes[i];
+    bool at_end = axis.range && (shares[i] < kNearEnd || shares[i] > 1 - kNearEnd);
+    if (!axis.range) {
+      const bool numbers = std::ranges::all_of(axis.levels, [](const std::string& level) {
+        return level.find_first_not_of("0123456789.eE+-") == std::string::npos;
+      });
+      const auto last = static_cast<int>(axis.levels.size()) - 1;
+      at_end = numbers && (point.levels[i] == 0 || point.levels[i] == last);
+    }
+    if (at_end) keys.push_back(axis.key);
+  }
+  return keys;
+}
+
+TuneResults tune(TradeWork work,
+                 const TuneOptions& options,
+                 TradeRecords known,
+                 render::GlContext& context,
+                 PhantomCache& cache,
+                 const PartDone& done) {
+  return Tuning(std::move(work), options, std::move(known), context, cache, done).run();
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,99 @@
+// The command `tune`, by running the program.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/cli/program_under_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+const std::string kSmall =
+    "voxel_mm = 2\n[NAME.acquisition]\nframes_per_volume = 9\nsticks_per_frame = 16\n"
+    "[NAME.render.scan_conversion]\nslice_size = 64\n[NAME.render.ray_casting]\nimage_size = 64\n";
+
+std::string scene(const std::string& name, const std::string& phantom) {
+  std::string text = "[NAME.phantom]\nname = \"" + phantom + "\"\n" + kSmall;
+  for (auto at = text.find("NAME"); at != std::string::npos; at = text.find("NAME")) {
+    text.replace(at, 4, name);
+  }
+  return text;
+}
+
+const std::string kPlan = "design = \"sobol\"\npoints = 4\nseeds = 1\nrepeats = 1\n" +
+                          scene("scenes.ball", "sphere") + scene("unseen.flat", "plane") +
+                          "[axes]\n\"render.ray_casting.steps\" = [32, 64, 128]\n"
+                          "\"render.ray_casting.iso_level\" = { from = 0.5, to = 0.9 }\n";
+
+class Tune : public ::testing::Test {
+ protected:
+  Tune() { folder_.write("plan.toml", kPlan); }
+  ProcessResult tune(const Words& more) const {
+    return bench(with({"tune", "plan.toml", "--fresh-seeds", "2"}, {more}), folder_, {});
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
+  const auto result = tune({"--limit", "p95_mm<=20", "--evaluations", "30", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto report = nlohmann::json::parse(result.out).at("tune");
+  EXPECT_LE(report.at("measured_points"), 30);
+  EXPECT_FALSE(report.at("chosen").is_null());
+  EXPECT_LE(report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 20);
+  EXPECT_FALSE(report.at("unseen").at("flat").is_null());
+  ASSERT_TRUE(fs::exists(folder_.path() / "out/tuned.toml"));
+  const auto resolved = bench({"run",
+                               "out/tuned.toml",
+                               "--set",
+                               "phantom.name=sphere",
+                               "--set",
+                               "phantom.voxel_mm=2",
+                               "--out",
+                               "run"},
+                              folder_,
+                              {});
+  EXPECT_EQ(resolved.exit_code, 0) << resolved.err;
+}
+
+TEST_F(Tune, SaysThatNothingWasFoundAndWritesNoScene) {
+  const auto result = tune({"--limit", "p95_mm<=0.0001", "--evaluations", "5"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.out.find("No setting met the limits"), std::string::npos) << result.out;
+  EXPECT_FALSE(fs::exists(folder_.path() / "out/tuned.toml"));
+  EXPECT_TRUE(fs::exists(folder_.path() / "out/tune.md"));
+}
+
+TEST_F(Tune, StartsFromATradeOfThePlanAndFromNoOther) {
+  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
+  const auto result =
+      tune({"--limit", "p95_mm<=20", "--evaluations", "0", "--trade", "traded", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto report = nlohmann::json::parse(result.out).at("tune");
+  EXPECT_EQ(report.at("known_points"), 4);
+  EXPECT_EQ(report.at("measured_points"), 0);
+  folder_.write("plan.toml", kPlan + "\"render.ray_casting.threshold\" = [1, 2]\n");
+  const auto other = tune({"--limit", "p95_mm<=20", "--trade", "traded"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_NE(other.err.find("--trade = traded: "), std::string::npos) << other.err;
+}
+
+TEST_F(Tune, RefusesWhatItCannotSearch) {
+  const auto refused = [&](const Words& words, const std::string& line) {
+    const auto result = tune(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find(line), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+  };
+  refused({}, "--limit: must be given");
+  refused({"--limit", "p95<=2"}, "--limit = p95: must be one of volume_ms");
+  refused({"--limit", "p95_mm=2"}, "--limit = p95_mm=2: must be NAME<=NUMBER");
+  refused({"--limit", "p95_mm<=2", "--least", "speed"}, "--least = speed: must be one of");
+  refused({"--limit", "p95_mm<=2", "--evaluations", "-1"}, "--evaluations = -1");
+  folder_.write("plan.toml", kPlan + "[unseen.other.phantom]\nname = \"cube\"\n");
+  refused({"--limit", "p95_mm<=2"}, "phantom.name = \"cube\"");
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
