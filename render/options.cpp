@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/number_text.h"
+#include "render/camera.h"
+#include "render/geometry/ray_sampling.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -29,6 +33,27 @@ void check_transfer_function(const RayCastingOptions& o) {
   check_length("transfer_grey", o.transfer_grey);
 }
 
+void check_buffer_length(const RenderOptions& options) {
+  const RayCastingOptions& o = options.ray_casting;
+  if (o.buffer_length % 2 != 0) {
+    throw InvalidOption(
+        "ray_casting.buffer_length", std::to_string(o.buffer_length), "must be even");
+  }
+  if (o.buffer_length_m == 0) return;
+  const std::string length = significant(o.buffer_length_m / kMillimetre, 6);
+  if (o.buffer_length != RayCastingOptions{}.buffer_length) {
+    throw InvalidOption(
+        "ray_casting.buffer_length_mm", length, "cannot be given with buffer_length");
+  }
+  const int n = buffer_samples(options);
+  if (n < 2 || n > kLongestBuffer) {
+    throw InvalidOption("ray_casting.buffer_length_mm",
+                        length,
+                        "must be 2 to " + std::to_string(kLongestBuffer) + " steps of " +
+                            significant(step_m(options) / kMillimetre, 3) + " mm");
+  }
+}
+
 }  // namespace
 
 void validate(const RenderOptions& options) {
@@ -45,10 +70,7 @@ void validate(const RenderOptions& options) {
   check_odd("ray_casting.window_2d", options.ray_casting.window_2d);
   check_odd("shading.depth_filter_size", options.shading.depth_filter_size);
   check_odd("smoothing.filter_size", options.smoothing.filter_size);
-  const int buffer_length = options.ray_casting.buffer_length;
-  if (buffer_length % 2 != 0) {
-    throw InvalidOption("ray_casting.buffer_length", std::to_string(buffer_length), "must be even");
-  }
+  check_buffer_length(options);
   check_transfer_function(options.ray_casting);
   if (options.reconstruction.sticks == Sticks::aligned && options.pipeline.mid_volume) {
     throw InvalidOption(

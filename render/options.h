@@ -134,6 +134,8 @@ void describe(O& o, Visitor& v) {
   v.real("eye_distance_mm", o.eye_distance_m, kMillimetre, 1, 10000);
 }
 
+inline constexpr int kLongestBuffer = 64;  ///< n of Eq. (1)
+
 /// Pass 2: ray casting, edge detection and alpha blending, paper section 3.2.
 struct RayCastingOptions {
   RenderMode mode = RenderMode::both;
@@ -150,6 +152,9 @@ struct RayCastingOptions {
   /// beam's width at the detector's level; 0: not.
   double incidence_correction_m = 0;
   int buffer_length = 8;  ///< n of Eq. (1), even
+  /// n as a length along the ray, so that it does not depend on `steps`: the nearest even number of
+  /// steps, 2 to 64. 0: buffer_length says it. Not both.
+  double buffer_length_m = 0;
   /// Threshold on Difference of Eq. (1), for samples in [0, 1]. The paper leaves it to the user;
   /// this value suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel
   /// in slices (docs/results/calibration.md).
@@ -188,7 +193,8 @@ void describe(O& o, Visitor& v) {
            {{"paper", Detector::paper}, {"iso", Detector::iso}, {"floor", Detector::floor}});
   v.real("iso_level", o.iso_level, 1, 0.05, 1.5);
   v.real("incidence_correction_mm", o.incidence_correction_m, kMillimetre, 0, 10);
-  v.integer("buffer_length", o.buffer_length, 2, 64);
+  v.integer("buffer_length", o.buffer_length, 2, kLongestBuffer);
+  v.real("buffer_length_mm", o.buffer_length_m, kMillimetre, 0, 1000);
   v.real("threshold", o.threshold, 1, -64, 64);
   v.choice("edge", o.edge, {{"rising", EdgeSign::rising}, {"falling", EdgeSign::falling}});
   v.integer("window_2d", o.window_2d, 1, 11);

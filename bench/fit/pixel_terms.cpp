@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "render/camera.h"
+#include "render/geometry/ray_sampling.h"
 #include "sim/beam/profile/beam_profile.h"
 
 namespace wobblebench::bench {
@@ -211,7 +212,7 @@ TermMeter::TermMeter(const hw::AcquisitionPlan& plan,
                        {plan, simulation},
                        render::make_camera(render),
                        render.ray_casting.detector == render::Detector::paper
-                           ? render.ray_casting.buffer_length * render::step_m(render) / kMillimetre
+                           ? render::buffer_samples(render) * render::step_m(render) / kMillimetre
                            : 0,
                        render.ray_casting.incidence_correction_m / kMillimetre}) {}
 

@@ -53,8 +53,22 @@ std::vector<double> blend_weights(const RayCastingOptions& options) {
   return weights;
 }
 
-int buffer_length(const RayCastingOptions& options) {
-  return options.detector == Detector::paper ? options.buffer_length : 2;
+int buffer_samples(const RenderOptions& options) {
+  const RayCastingOptions& o = options.ray_casting;
+  if (o.buffer_length_m == 0) return o.buffer_length;
+  return 2 * static_cast<int>(std::lround(0.5 * o.buffer_length_m / step_m(options)));
+}
+
+int detector_samples(const RenderOptions& options) {
+  switch (options.ray_casting.detector) {
+    case Detector::iso:
+      return 2;
+    case Detector::floor:
+      return (kFloorBlocks + 2) * floor_mean_samples(options);
+    case Detector::paper:
+      break;
+  }
+  return buffer_samples(options);
 }
 
 int floor_mean_samples(const RenderOptions& options) {

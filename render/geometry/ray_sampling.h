@@ -24,8 +24,13 @@ std::vector<double> buffer_weights(const RayCastingOptions& options);
 /// the length of buffer_weights().
 std::vector<double> blend_weights(const RayCastingOptions& options);
 
-/// Samples that the detector compares: n of Eq. (1); the last two for an iso-surface.
-int buffer_length(const RayCastingOptions& options);
+/// n of Eq. (1), from `buffer_length` or `buffer_length_m`.
+int buffer_samples(const RenderOptions& options);
+
+/// Samples up to this one that the detector takes to say whether the surface lies here: n of
+/// Eq. (1); two for an iso-surface; for Detector::floor those of the floor's blocks and of one
+/// more, because the crossing is interpolated from the step before.
+int detector_samples(const RenderOptions& options);
 
 /// Detector::floor: samples in the mean of a millimetre, at least 1 and at most 64.
 int floor_mean_samples(const RenderOptions& options);

@@ -17,7 +17,7 @@ double value_rounding(TextureFormat format) {
     case TextureFormat::r16:
       return 2.0 / 65535;
     case TextureFormat::r32f:
-      return 1e-6;
+      return 3e-6;  // edge_detector.glsl sums multiples of 2^-18
   }
   return 1;
 }
@@ -42,9 +42,17 @@ std::vector<int> next_visible(const RenderOptions& options) {
 /// Slope along a ray below which Difference, Eq. (1), stays below the threshold.
 double max_slope_without_edge_per_m(const RenderOptions& options) {
   const RayCastingOptions& o = options.ray_casting;
-  const double half = 0.5 * o.buffer_length;
-  const double rounding = o.buffer_length * value_rounding(options.scan_conversion.format);
+  const int n = buffer_samples(options);
+  const double half = 0.5 * n;
+  const double rounding = n * value_rounding(options.scan_conversion.format);
   return (o.threshold - rounding) / (half * half * step_m(options) * kSlopeMargin);
+}
+
+/// Value that a sample of the buffer must reach for Difference, Eq. (1), to reach the threshold:
+/// samples are not negative, so it is at most n / 2 times the largest of them.
+double least_bright_value(const RenderOptions& options) {
+  return 2 * options.ray_casting.threshold / buffer_samples(options) -
+         value_rounding(options.scan_conversion.format);
 }
 
 /// A rectangle of the image plane.
@@ -97,15 +105,15 @@ SkippableCells::SkippableCells(const hw::AcquisitionPlan& plan,
       pixel_x_m_(geometry.pixel_x_m(1) - geometry.pixel_x_m(0)),
       pixel_depth_m_(geometry.pixel_depth_m(1) - geometry.pixel_depth_m(0)),
       phi_step_rad_(plan.phi_step_rad()),
-      can_leap_(geometry.frames() > 1 && geometry.depth_min_m() > geometry.axis_z_m() &&
-                options.ray_casting.detector != Detector::floor),
+      can_leap_(geometry.frames() > 1 && geometry.depth_min_m() > geometry.axis_z_m()),
       detects_(options.ray_casting.mode != RenderMode::volume),
       rising_(options.ray_casting.edge == EdgeSign::rising),
       detector_(options.ray_casting.detector),
       value_rounding_(value_rounding(options.scan_conversion.format)),
       max_slope_without_edge_per_m_(max_slope_without_edge_per_m(options)),
+      least_bright_value_(least_bright_value(options)),
       next_visible_(next_visible(options)),
-      buffer_{buffer_length(options.ray_casting) * step_m(options), kernel_radius_m(options)},
+      buffer_{detector_samples(options) * step_m(options), kernel_radius_m(options)},
       kernel_{0, kernel_radius_m(options)} {
   const auto cells = static_cast<std::size_t>(grid_.columns) * static_cast<std::size_t>(grid_.rows);
   bounds_.assign(static_cast<std::size_t>(grid_.intervals), std::vector<MacrocellBounds>(cells));
@@ -194,6 +202,9 @@ bool SkippableCells::is_visible(float low, float high) const {
 bool SkippableCells::may_hold_surface(const MacrocellBounds& bounds,
                                       const Directions& along,
                                       double axis_distance_m) const {
+  if (detector_ == Detector::floor) {  // no mean rises so far above another unless a sample does
+    return static_cast<double>(bounds.high) >= level_ - value_rounding_;
+  }
   if (detector_ == Detector::iso) {
     return rising_ ? static_cast<double>(bounds.high) >= level_ - value_rounding_
                    : static_cast<double>(bounds.low) <= level_ + value_rounding_;
@@ -245,7 +256,7 @@ CellBits SkippableCells::dilated(const CellBits& bits, const Reach& reach) const
 CellBits SkippableCells::to_sample() const {
   const std::size_t words =
       static_cast<std::size_t>(grid_.rows) * static_cast<std::size_t>(grid_.intervals);
-  CellBits steep(words, 0), visible(words, 0), border(words, 0);
+  CellBits steep(words, 0), bright(words, 0), visible(words, 0), border(words, 0);
   for (std::size_t word = 0; word < words; ++word) {
     const int interval = static_cast<int>(word) / grid_.rows;
     const int row = static_cast<int>(word) % grid_.rows;
@@ -265,10 +276,15 @@ CellBits SkippableCells::to_sample() const {
       if (detects_ && (cut_kernel || may_hold_surface(cell, along, axis_distance_m(row)))) {
         steep[word] |= bit;
       }
+      if (static_cast<double>(cell.high) >= least_bright_value_) bright[word] |= bit;
       if (is_visible(cell.low, cell.high)) visible[word] |= bit;
     }
   }
   steep = dilated(steep, buffer_);
+  if (detector_ == Detector::paper && least_bright_value_ > 0) {
+    bright = dilated(bright, buffer_);
+    for (std::size_t word = 0; word < words; ++word) steep[word] &= bright[word];
+  }
   visible = dilated(visible, kernel_);
   for (std::size_t word = 0; word < words; ++word) border[word] |= steep[word] | visible[word];
   return border;

@@ -30,8 +30,9 @@ struct MacrocellBounds {
 /// Samples are interpolated linearly between pixels and frames, so the largest changes from pixel
 /// to pixel bound the slope along a ray. Each sample of the newer half of the buffer lies n / 2
 /// steps behind one of the older half, so Difference of Eq. (1) <= (n / 2)^2 step slope: if that is
-/// below the threshold over the length of the buffer, no edge is detected. If the transfer function
-/// is transparent between low and high, nothing is visible.
+/// below the threshold over the length of the buffer, no edge is detected; nor if n / 2 times the
+/// largest sample there is. If the transfer function is transparent between low and high, nothing is
+/// visible.
 ///
 /// All cells must be sampled if there is a single frame, or if the wobble axis lies in the field:
 /// the bounds assume that neighbouring frames are neighbours in space.
@@ -48,6 +49,7 @@ class SkippableCells {
   /// Slopes along rays and the cells that a buffer covers depend on the direction of the rays.
   void set_view(const RenderOptions& options);
   /// Detector::iso: the surface's level. A cell that lies below it holds no rising edge.
+  /// Detector::floor: the rise. No sample so large, no rise.
   void set_level(double level) { level_ = level; }
 
   /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest cell that must
@@ -97,6 +99,7 @@ class SkippableCells {
   double level_ = 0;
   double value_rounding_;
   double max_slope_without_edge_per_m_;  ///< along a ray
+  double least_bright_value_;            ///< Detector::paper
   std::vector<int> next_visible_;  ///< first visible entry of the transfer table from this one on
   Reach buffer_, kernel_;
   std::vector<ConeOverlap> overlaps_;                 ///< [row][column]

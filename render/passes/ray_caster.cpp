@@ -17,29 +17,33 @@ constexpr double kNoLevel = 1e30;
 
 enum Bindings { kSlices, kMotionTable, kTransfer, kDistances };
 
-/// Longest buffer processed in blocks; a longer one would not stay in registers.
-constexpr int kMaxBlock = 16;
 /// Samples of a block where the detector does not say how many.
-constexpr int kIsoBlock = 8;
+constexpr int kBlock = 8;
+/// Longest block; a longer one would not stay in registers.
+constexpr int kMaxBlock = 16;
 
 /// Steps by which slice coordinates may deviate from a straight line over half a block.
 constexpr double kStraightSteps = 0.02;
 
-/// Whether samples are processed in blocks (ray_blocks.glsl): without a kernel along the ray.
-bool in_blocks(const RayCastingOptions& o) {
-  return buffer_weights(o).size() == 1 && o.detector != Detector::floor &&
-         buffer_length(o) <= kMaxBlock;
+/// Blocks of the floor begin at multiples of their length, so that its blocks are theirs.
+int first_step_multiple(const RenderOptions& options) {
+  return options.ray_casting.detector == Detector::floor ? floor_mean_samples(options) : 1;
 }
 
-int block_length(const RayCastingOptions& o) {
-  return o.detector == Detector::paper ? buffer_length(o) : kIsoBlock;
+int block_length(const RenderOptions& options) {
+  return options.ray_casting.detector == Detector::floor ? floor_mean_samples(options) : kBlock;
+}
+
+/// Whether samples are processed in blocks (ray_blocks.glsl): without a kernel along the ray.
+bool in_blocks(const RenderOptions& options) {
+  return buffer_weights(options.ray_casting).size() == 1 && block_length(options) <= kMaxBlock;
 }
 
 /// Whether depth and frame are nearly linear over half a block: a chord of length l at a distance d
 /// from the wobble axis lies within l^2 / (8 d) of its arc. The deviation from a parabola is
 /// smaller by l / d.
 bool is_straight(const SliceGeometry& g, const RenderOptions& options) {
-  const double half_block_steps = 0.5 * block_length(options.ray_casting);
+  const double half_block_steps = 0.5 * block_length(options);
   const double nearest_m = g.depth_min_m() - g.axis_z_m();
   return g.frames() > 1 &&
          half_block_steps * half_block_steps * step_m(options) < 8 * nearest_m * kStraightSteps;
@@ -65,12 +69,14 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
       .add("DETECTOR", static_cast<int>(o.detector))
       .add("DETECTOR_ISO", static_cast<int>(Detector::iso))
       .add("DETECTOR_FLOOR", static_cast<int>(Detector::floor))
-      .add("BUFFER", buffer_length(o))
-      .add("BLOCK", block_length(o))
+      .add("BUFFER", o.detector == Detector::paper ? buffer_samples(options) : 2)
+      .add("REFILL", detector_samples(options))
+      .add("FIRST_STEP_MULTIPLE", first_step_multiple(options))
+      .add("BLOCK", block_length(options))
       .add("MEAN", floor_mean_samples(options))
       .add("FLOOR_BLOCKS", kFloorBlocks)
       .add("PAIRS", is_fast(options))
-      .add("BLOCKS", in_blocks(o))
+      .add("BLOCKS", in_blocks(options))
       .add("STRAIGHT", is_straight(geometry, options))
       .add("LEAPS", leaps)
       .add("DETECT", o.mode != RenderMode::volume)
@@ -86,6 +92,7 @@ FragmentProgram make_program(const Defines& defines, bool fast) {
                             "cone_closed.glsl",
                             "ray_kernel.glsl",
                             "edge_detector.glsl",
+                            "block_detector.glsl",
                             "ray_march.glsl",
                             "ray_blocks.glsl",
                             "ray_cast_fast.frag.glsl"},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -20,7 +21,10 @@ double sign_of(EdgeSign edge) {
 /// edges.
 class PaperFinder : public SurfaceFinder {
  public:
-  PaperFinder(const RayCastingOptions& options, double step_m) : o_(options), step_m_(step_m) {}
+  explicit PaperFinder(const RenderOptions& options)
+      : o_(options.ray_casting),
+        step_m_(step_m(options)),
+        n_(static_cast<std::size_t>(buffer_samples(options))) {}
 
   void reset() override {
     buffer_.clear();
@@ -28,8 +32,8 @@ class PaperFinder : public SurfaceFinder {
   }
   std::optional<double> take(double sample, double distance_m) override {
     buffer_.push_back(sample);
-    if (buffer_.size() < static_cast<std::size_t>(o_.buffer_length)) return {};
-    if (buffer_.size() > static_cast<std::size_t>(o_.buffer_length)) buffer_.pop_front();
+    if (buffer_.size() < n_) return {};
+    if (buffer_.size() > n_) buffer_.pop_front();
     const double now = difference();
     const std::optional<double> before = std::exchange(last_difference_, now);
     if (now < o_.threshold) return {};
@@ -47,6 +51,7 @@ class PaperFinder : public SurfaceFinder {
 
   RayCastingOptions o_;
   double step_m_;
+  std::size_t n_;
   std::deque<double> buffer_;
   std::optional<double> last_difference_;
 };
@@ -82,15 +87,17 @@ class FloorFinder : public SurfaceFinder {
 
   void reset() override {
     buffer_.clear();
-    means_.clear();
+    means_.push_back(kNoMean);
+    std::ranges::fill(means_, kNoMean);
     last_rise_ = 0;
   }
   std::optional<double> take(double sample, double distance_m) override {
+    means_.push_back(kNoMean);
     buffer_.push_back(sample);
     if (buffer_.size() < static_cast<std::size_t>(samples_)) return {};
     if (buffer_.size() > static_cast<std::size_t>(samples_)) buffer_.pop_front();
-    means_.push_back(sign_of(o_.edge) * std::accumulate(buffer_.begin(), buffer_.end(), 0.0) /
-                     samples_);
+    means_.back() =
+        sign_of(o_.edge) * std::accumulate(buffer_.begin(), buffer_.end(), 0.0) / samples_;
     const double now = means_.back() - floor();
     const double before = std::exchange(last_rise_, now);
     if (now < rise_) return {};
@@ -99,8 +106,10 @@ class FloorFinder : public SurfaceFinder {
   }
 
  private:
-  /// The least mean of the block of `samples_` means that the last one belongs to, and of the
-  /// kFloorBlocks blocks before.
+  static constexpr double kNoMean = std::numeric_limits<double>::infinity();
+
+  /// The least mean of the block of `samples_` steps that the last one belongs to, and of the
+  /// kFloorBlocks blocks before; blocks are counted from the ray's first step.
   double floor() const {
     const auto blocks_before = (means_.size() - 1) / static_cast<std::size_t>(samples_);
     const auto first = blocks_before - std::min<std::size_t>(blocks_before, kFloorBlocks);
@@ -113,7 +122,7 @@ class FloorFinder : public SurfaceFinder {
   int samples_;
   double rise_;
   std::deque<double> buffer_;
-  std::vector<double> means_;  ///< since the ray entered the cone
+  std::vector<double> means_;  ///< of each step; none before the cone and its first millimetre
   double last_rise_ = 0;
 };
 
@@ -128,7 +137,7 @@ std::unique_ptr<SurfaceFinder> make_surface_finder(const RenderOptions& options,
     case Detector::paper:
       break;
   }
-  return std::make_unique<PaperFinder>(options.ray_casting, step_m(options));
+  return std::make_unique<PaperFinder>(options);
 }
 
 }  // namespace wobblebench::render::reference

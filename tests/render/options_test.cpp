@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "render/geometry/ray_sampling.h"
+
 namespace wobblebench::render {
 namespace {
 
@@ -46,6 +48,18 @@ const Refusal kRefusals[] = {
     {"buffer_length",
      [](RenderOptions& o) { o.ray_casting.buffer_length = 7; },
      "ray_casting.buffer_length = 7: must be even"},
+    {"both_buffer_lengths",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 16;
+       o.ray_casting.buffer_length_m = 4e-3;
+     },
+     "ray_casting.buffer_length_mm = 4: cannot be given with buffer_length"},
+    {"buffer_length_too_long",  // 66 steps of 80 mm / 512
+     [](RenderOptions& o) { o.ray_casting.buffer_length_m = 10.3e-3; },
+     "ray_casting.buffer_length_mm = 10.3: must be 2 to 64 steps of 0.156 mm"},
+    {"buffer_length_too_short",
+     [](RenderOptions& o) { o.ray_casting.buffer_length_m = 0.1e-3; },
+     "ray_casting.buffer_length_mm = 0.1: must be 2 to 64 steps of 0.156 mm"},
     {"window_2d",
      [](RenderOptions& o) { o.ray_casting.window_2d = 2; },
      "ray_casting.window_2d = 2: must be odd"},
@@ -91,6 +105,18 @@ INSTANTIATE_TEST_SUITE_P(Each,
                          RenderOptionsRefusal,
                          ::testing::ValuesIn(kRefusals),
                          [](const auto& param_info) { return param_info.param.name; });
+
+TEST(RenderOptions, ABufferOfMillimetresIsTheNearestEvenNumberOfSteps) {
+  RenderOptions options;  // 512 steps in 80 mm
+  EXPECT_EQ(buffer_samples(options), 8);
+  options.ray_casting.buffer_length_m = 10e-3;
+  EXPECT_EQ(buffer_samples(options), 64);
+  options.ray_casting.buffer_length_m = 1.1e-3;  // 7.04 steps
+  EXPECT_EQ(buffer_samples(options), 8);
+  options.ray_casting.steps = 1024;
+  EXPECT_EQ(buffer_samples(options), 14);
+  EXPECT_NO_THROW(validate(options));
+}
 
 TEST(RenderOptions, AlignedSticksNeedWholeVolumes) {
   RenderOptions options;

@@ -184,6 +184,29 @@ const Setting kBaseSettings[] = {
        o.shading.base_rgb = {1, 1, 1};
      },
      0.05},
+    {"buffer_of_millimetres",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length_m = 20 * step_m(o);
+       o.ray_casting.threshold = 2;
+     }},
+    {"buffer_30",  // no multiple of a block
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 30;
+       o.ray_casting.threshold = 3;
+     }},
+    {"buffer_64_beyond_the_cone",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 64;
+       o.ray_casting.threshold = 4;
+       o.ray_casting.stop_on_leaving_cone = false;
+       o.view.yaw_rad = 70 * kDegree;
+     }},
+    {"buffer_64_of_a_ray_kernel",
+     [](RenderOptions& o) {
+       o.ray_casting.buffer_length = 64;
+       o.ray_casting.threshold = 4;
+       o.ray_casting.kernel_space = KernelSpace::ray;
+     }},
     {"detector_iso", [](RenderOptions& o) { o.ray_casting.detector = Detector::iso; }},
     {"detector_iso_falling",
      [](RenderOptions& o) {
@@ -197,6 +220,28 @@ const Setting kBaseSettings[] = {
        o.ray_casting.kernel_space = KernelSpace::ray;
      }},
     {"detector_floor", [](RenderOptions& o) { o.ray_casting.detector = Detector::floor; }},
+    {"detector_floor_of_surfaces_alone",  // leaps farther: nothing is blended
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::floor;
+       o.ray_casting.mode = RenderMode::surface;
+     }},
+    {"detector_floor_falling",
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::floor;
+       o.ray_casting.edge = EdgeSign::falling;
+       o.ray_casting.mode = RenderMode::surface;
+     }},
+    {"detector_floor_beyond_the_cone",
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::floor;
+       o.ray_casting.stop_on_leaving_cone = false;
+       o.view.yaw_rad = 70 * kDegree;
+     }},
+    {"detector_floor_of_a_ray_kernel",
+     [](RenderOptions& o) {
+       o.ray_casting.detector = Detector::floor;
+       o.ray_casting.kernel_space = KernelSpace::ray;
+     }},
     {"sticks_aligned", [](RenderOptions& o) { o.reconstruction.sticks = Sticks::aligned; }},
     {"sticks_aligned_iso",
      [](RenderOptions& o) {

@@ -21,6 +21,9 @@ constexpr double u = kUnitRoundoff;
 /// Mesa's atan is a polynomial whose leading coefficient is 0.99998; to 2^-15 of the angle.
 constexpr double kArcTangent = 1.0 / (1 << 15);
 
+/// Half a step of 2^-18.
+constexpr double kGridRounding = 1.0 / (1 << 19);
+
 /// Most that a ray through the whole field is long, in far ends of the sticks.
 constexpr double kFieldLength = 6;
 
@@ -74,18 +77,18 @@ double angle_error(const render::RenderOptions& options,
   return (rounded_m + 2 * entry_m * entry_m / 8 / arms.least_m) / arms.least_m + of_position;
 }
 
-double detector_error(const render::RenderOptions& options, double sample, double steps) {
-  const render::RayCastingOptions& o = options.ray_casting;
-  switch (o.detector) {
+/// Samples enter running sums as multiples of 2^-18, whose sums are exact (edge_detector.glsl).
+double detector_error(const render::RenderOptions& options, double sample) {
+  const double summed = sample + kGridRounding;
+  switch (options.ray_casting.detector) {
     case render::Detector::iso:
       return sample + 2 * u;
-    case render::Detector::floor:  // a running sum of up to `mean` full scales, at both ends
-      return 2 * (sample + steps * 2 * u);
+    case render::Detector::floor:  // a sum divided, at both ends
+      return 2 * (summed + 2 * u);
     case render::Detector::paper:
       break;
   }
-  // Of a step's three operations two are on single samples, one on a sum of up to n / 2 of them.
-  return o.buffer_length * sample + steps * u * (4 + o.buffer_length / 2.0);
+  return render::buffer_samples(options) * summed;
 }
 
 /// Places of samples are stored rounded and scaled to texels, 8 operations; then the taps' sums.
@@ -185,7 +188,7 @@ PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
   const double ray_m = options.ray_casting.stop_at_box
                            ? glm::length(options.volume_of_interest.size_m)
                            : kFieldLength * geometry.r_max_m();
-  bounds.detector = detector_error(options, bounds.sample, ray_m / step_m(options));
+  bounds.detector = detector_error(options, bounds.sample);
   bounds.step_error_m = bounds.position_m + 8 * u * ray_m;
   bounds.filter = window_error(options.shading.depth_filter_size);
   bounds.smoothing = smoothing_error(options.smoothing);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/studies/validate/seeds.h"
+#include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::bench {
 
@@ -77,8 +78,9 @@ std::vector<ScanSet> training_sets(const Scene& scene, int count) {
   add("half the frames", frames);
   add("half the sticks", sticks);
   if (scene.render.ray_casting.detector == render::Detector::paper) {
-    auto& n = buffer.render.ray_casting.buffer_length;
-    n = n <= 32 ? 2 * n : n / 4 * 2;
+    const int n = render::buffer_samples(buffer.render);
+    buffer.render.ray_casting.buffer_length = n <= 32 ? 2 * n : n / 4 * 2;
+    buffer.render.ray_casting.buffer_length_m = 0;
     add("buffer", buffer);
   }
   if (scene.phantom.name != "sphere") add("sphere", with_phantom(scene, {.name = "sphere"}));

@@ -1,26 +1,16 @@
-// Pass 2, mode fast without a kernel along the ray: edge detection (Eq. (1), or an iso-surface) and
-// blending of BLOCK samples at a time; BLOCK is BUFFER for Eq. (1). Indices into the circular buffer are then constants, the buffer stays in
-// registers, and the loop overhead, on a CPU as large as a fetch, is shared by many samples.
-float older[BLOCK];  // samples of the block before
+// Pass 2, mode fast without a kernel along the ray: edge detection and blending of BLOCK samples at
+// a time. The loop overhead, on a CPU as large as a fetch, is shared by them.
 
-void empty_block() {
-  for (int j = 0; j < BLOCK; ++j) older[j] = 0.0;
-  taken = 0;
-  difference = 0.0;
-}
-
-// Processes the samples of steps `begin` to `begin` + BLOCK - 1, at most `count` - 1; true if the
-// ray ends among them.
-bool process_block(inout March march, int begin, int count) {
-  const int half_block = BLOCK / 2;
-  float newer[BLOCK];
-  bool inside[BLOCK];
+// Whether a block's samples are inside the cone; fetches them.
+void fetch_block(March march, int begin, out bool inside[BLOCK]) {
 #if STRAIGHT
   // Slice coordinates follow a parabola through those of the block's ends and middle.
   float phi;
   vec3 first = slice_coordinates(sample_position(march, begin), phi);
-  vec3 middle = slice_coordinates(sample_position(march, begin + half_block), phi);
   vec3 last = slice_coordinates(sample_position(march, begin + BLOCK), phi);
+  vec3 middle_position =
+      0.5 * (sample_position(march, begin) + sample_position(march, begin + BLOCK));
+  vec3 middle = slice_coordinates(middle_position, phi);
 #endif
   for (int j = 0; j < BLOCK; ++j) {
 #if STRAIGHT
@@ -33,47 +23,38 @@ bool process_block(inout March march, int begin, int count) {
     vec3 slice = to_slices(sample_position(march, begin + j), in_cone);
     inside[j] = in_cone;
 #endif
-    newer[j] = fetch_slices(slice);
+    float value = fetch_slices(slice);
+    newer[j] = inside[j] ? on_grid(value) : 0.0;
   }
+}
+
+// Processes the samples of steps `begin` to `begin` + BLOCK - 1, at most `count` - 1; true if the
+// ray ends among them.
+bool process_block(inout March march, int begin, int count) {
+  bool inside[BLOCK];
+  fetch_block(march, begin, inside);
   bool ended = false;
   for (int j = 0; j < BLOCK; ++j) {
     bool left = STOP_ON_LEAVING_CONE != 0 && march.was_inside && !inside[j];
     ended = ended || begin + j >= count || left;
     if (!ended) {
       march.was_inside = march.was_inside || inside[j];
-      if (!inside[j]) {
-        empty_block();
-        for (int k = 0; k < BUFFER; ++k) newer[k] = k <= j ? 0.0 : newer[k];
-      } else {
 #if DETECT
-        // As reaches_surface() of edge_detector.glsl.
-        last_difference = difference;
-#if DETECTOR == DETECTOR_ISO
-        difference = edge_sign * (newer[j] - threshold);
-        ++taken;
-        bool reached = taken >= BUFFER && last_difference < 0.0 && difference >= 0.0;
-#else
-        float halfway = j < half_block ? older[(j + half_block) % BLOCK]
-                                       : newer[(j + half_block) % BLOCK];
-        difference += edge_sign * (newer[j] - 2.0 * halfway + older[j]);
-        ++taken;
-        bool reached = taken >= BUFFER && difference >= threshold;
-#endif
-        if (march.detecting && reached) {  // the edge becomes z
-          z = march.start_m + (float(begin + j) + 0.5 - steps_past_crossing()) * step_m;
-          march.detecting = false;
-        }
+      bool reached = reaches_surface_in_block(inside[j], j);
+      if (march.detecting && reached) {  // the edge becomes z
+        z = march.start_m + (float(begin + j) + 0.5 - steps_past_crossing()) * step_m;
+        march.detecting = false;
+      }
 #endif
 #if BLEND
-        if (march.blending) {
-          blend(newer[j]);
-          march.blending = color.a < opacity_limit;
-        }
-#endif
-        ended = !march.detecting && !march.blending;
+      if (march.blending && inside[j]) {
+        blend(newer[j]);
+        march.blending = color.a < opacity_limit;
       }
+#endif
+      ended = !march.detecting && !march.blending;
     }
   }
-  older = newer;
+  end_block();
   return ended;
 }

@@ -8,9 +8,9 @@ uniform float axis_distance_max_m;    // largest distance of data from the wobbl
 uniform float x_max_m;
 
 // Steps between two tests whether a sampling ray can leap, and the shortest leap that is worth
-// refilling the buffer for.
+// refilling the detector for.
 const int STEPS_BETWEEN_LEAP_TESTS = 4;
-const int MIN_LEAP = BUFFER + 2;
+const int MIN_LEAP = REFILL + FIRST_STEP_MULTIPLE + 1;
 const float MAX_STEPS = 1e6;  // exactly an integer in float
 
 // Clips a span of a ray to the region that can hold data: between the fan's sides, within
@@ -97,10 +97,11 @@ void main() {
     }
     if (leap > 0) break;
 #endif
-    // `next` must be sampled: fill kernel and buffer from the BUFFER steps before, which also
+    // `next` must be sampled: fill kernel and detector from the REFILL steps before, which also
     // establish whether the ray was inside the cone.
     march.was_inside = false;
-    int first = max(next - BUFFER, 0);
+    int first = max(next - REFILL, 0);
+    first -= first % FIRST_STEP_MULTIPLE;
 #if BLOCKS
     empty_block();
     for (int begin = first; begin < count && !ended; begin += BLOCK) {

@@ -53,13 +53,13 @@ void blend(float value) {
 // Detection and blending for the sample of this step, in the kernel's middle; true if the ray ends.
 bool process_sample(inout March march, int step) {
   Smoothed newest = smoothed();
-  if (!newest.inside) {
-    empty_buffer();
-    return STOP_ON_LEAVING_CONE != 0 && march.was_inside;
-  }
+#if DETECT
+  bool reached = reaches_surface(newest.inside, newest.buffered);
+#endif
+  if (!newest.inside) return STOP_ON_LEAVING_CONE != 0 && march.was_inside;
   march.was_inside = true;
 #if DETECT
-  if (march.detecting && reaches_surface(newest.buffered)) {  // Eq. (1): the edge becomes z
+  if (march.detecting && reached) {  // Eq. (1): the edge becomes z
     z = march.start_m + (float(step) + 0.5 - steps_past_crossing()) * step_m;
     march.detecting = false;
   }

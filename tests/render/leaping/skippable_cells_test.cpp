@@ -129,6 +129,33 @@ TEST(SkippableCells, SlopesBelowTheThresholdAreSkippedAndAboveItSampled) {
   }
 }
 
+// Difference, Eq. (1), is at most n / 2 times the largest sample, however steep the samples are.
+TEST(SkippableCells, SamplesTooDarkForTheThresholdAreSkipped) {
+  const Fixture fixture;
+  SkippableCells cells = fixture.cells();
+  const RayCastingOptions& o = fixture.options.ray_casting;
+  for (const double share : {0.9, 1.05}) {
+    const auto brightest = static_cast<float>(share * o.threshold / (0.5 * o.buffer_length));
+    auto bounds = flat(cells.grid(), brightest);
+    for (MacrocellBounds& b : bounds) b.depth.rise = 0.9f;
+    for (int k = 0; k < 20; ++k) cells.set_bounds(k, bounds);
+    EXPECT_EQ(count_sampled(cells.distances()) > 0, share > 1) << share;
+  }
+}
+
+// A mean that rises so far above another has a sample that does.
+TEST(SkippableCells, FloorSamplesWhereAValueReachesTheRise) {
+  Fixture fixture;
+  fixture.options.ray_casting.detector = Detector::floor;
+  SkippableCells cells = fixture.cells();
+  ASSERT_TRUE(cells.can_leap());
+  cells.set_level(0.4);
+  for (const float value : {0.39f, 0.41f}) {
+    for (int k = 0; k < 20; ++k) cells.set_bounds(k, flat(cells.grid(), value));
+    EXPECT_EQ(count_sampled(cells.distances()) > 0, value > 0.4f) << value;
+  }
+}
+
 TEST(SkippableCells, VisibleCellsAreSampled) {
   Fixture fixture;
   fixture.options.ray_casting.mode = RenderMode::volume;  // opaque from 0.2 on
