@@ -139,17 +139,25 @@ const AccuracySummary* outside_band(const AccuracyResults& results,
   return nullptr;
 }
 
+std::string left_out(const SpacingError& spacing) {
+  return std::to_string(spacing.hidden) + ", " + std::to_string(spacing.outside) + ", " +
+         std::to_string(spacing.parted);
+}
+
 /// RMS errors outside the band over what a perfect detector could reach.
 void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
   if (results.bounds.empty()) return;
-  markdown << "\n## Against the bound\n\nRMS outside the band over the yardstick of decision 30: a "
-              "perfect "
-              "detector on each stick, straight lines between them. Pixels whose four sticks do "
-              "not meet "
-              "their surface are left out of the yardstick, but not of the RMS.\n\n"
-              "| scene | sticks, mm | spacing, mm | yardstick, mm | pixels | left out | rung | "
-              "setting | RMS, mm | "
-              "ratio |\n| --- | ---: | ---: | ---: | ---: | ---: | --- | --- | ---: | ---: |\n";
+  markdown
+      << "\n## Against the bound\n\nRMS outside the band over the yardstick of decision 30: a "
+         "perfect "
+         "detector on each stick, straight lines between them. Left out of the yardstick, but not "
+         "of the RMS: pixels whose point lies behind what its stick meets (hidden), that are "
+         "not between four sticks that meet a surface (outside), or whose surface does not "
+         "run on to all four (parted).\n\n"
+         "| scene | sticks, mm | spacing, mm | yardstick, mm | pixels | hidden, outside, parted | "
+         "rung | "
+         "setting | RMS, mm | "
+         "ratio |\n| --- | ---: | ---: | ---: | ---: | ---: | --- | --- | ---: | ---: |\n";
   for (const AccuracyBound& bound : results.bounds) {
     for (const AccuracySummary& s : results.summaries) {
       if (s.group != "picture" || s.scene != bound.scene) continue;
@@ -158,9 +166,9 @@ void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
       const MeanInterval rms = outside->means[index_of("rms_mm")];
       const double yardstick_mm = bound.yardstick_m() / kMillimetre;
       markdown << "| " << s.scene << " | " << fixed(bound.sticks_m / kMillimetre, 3) << " | "
-               << fixed(bound.spacing_m / kMillimetre, 3) << " | " << fixed(yardstick_mm, 3)
-               << " | " << bound.pixels << " | " << bound.unsupported << " | " << s.rung << " | "
-               << s.setting << " | " << text_of(rms, 2) << " | "
+               << fixed(bound.spacing.rms_m / kMillimetre, 3) << " | " << fixed(yardstick_mm, 3)
+               << " | " << bound.spacing.n << " | " << left_out(bound.spacing) << " | " << s.rung
+               << " | " << s.setting << " | " << text_of(rms, 2) << " | "
                << fixed(rms.mean / yardstick_mm, 2) << " |\n";
     }
   }

@@ -5,7 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "bench/evaluation/bound/spacing_error.h"
 #include "bench/evaluation/measures/silhouettes.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "sim/fidelity.h"
@@ -30,10 +29,10 @@ AccuracyBound bound_of(const std::string& name,
                                            scene.simulation,
                                            brightest_target_db(subject.phantom),
                                            counted);
-  const auto ranges_m = stick_ranges_m(subject, scene.plan(), render::make_view(options));
+  const StickRanges sticks = stick_ranges_m(subject, scene.plan(), render::make_view(options));
   const SpacingError spacing =
-      spacing_error(view.truth, view.camera, scene.plan(), ranges_m, counted);
-  return {name, bound.between_sticks_m, spacing.rms_m, spacing.n, spacing.unsupported};
+      spacing_error(view.truth, view.camera, scene.plan(), sticks, counted);
+  return {name, bound.between_sticks_m, spacing};
 }
 
 /// Working state of measure_accuracy().
@@ -56,7 +55,7 @@ class Study {
     }
     const AccuracyBound bound =
         bound_of(planned.name, evaluator, evaluator.render_options(planned.settings.front().scene));
-    if (bound.pixels > 0) results.bounds.push_back(bound);
+    if (bound.spacing.n > 0) results.bounds.push_back(bound);
   }
 
   AccuracyResults results;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/part_done.h"
+#include "bench/evaluation/bound/spacing_error.h"
 #include "bench/evaluation/evaluator.h"
 #include "bench/evaluation/measures/measure_table.h"
 #include "bench/evaluation/seed_statistics.h"
@@ -48,13 +49,11 @@ struct AccuracySummary {
 /// (docs/decisions/0030-detection-bound.md); losses on the way are left out.
 struct AccuracyBound {
   std::string scene;
-  double sticks_m = 0;   ///< PictureBound::between_sticks_m
-  double spacing_m = 0;  ///< SpacingError::rms_m
-  int pixels = 0;        ///< that both count
-  int unsupported = 0;   ///< SpacingError::unsupported
+  double sticks_m = 0;  ///< PictureBound::between_sticks_m
+  SpacingError spacing;
 
   /// The yardstick of a picture's RMS error there.
-  double yardstick_m() const { return std::hypot(sticks_m, spacing_m); }
+  double yardstick_m() const { return std::hypot(sticks_m, spacing.rms_m); }
 };
 
 /// Of the first seed.

@@ -45,7 +45,7 @@ TEST(SpacingError, RangesOfSticksAreThoseOfTheSphere) {
   const auto plan = plan_of(33, 21);
   const auto ball = phantoms::still_at(
       phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m}), kCenter_m);
-  const Image<float> ranges_m = stick_ranges_m(ball, plan, view_of());
+  const Image<float> ranges_m = stick_ranges_m(ball, plan, view_of()).ranges_m;
   EXPECT_NEAR(static_cast<double>(ranges_m.at(16, 10)), 0.12 - 0.04 - kRadius_m, 1e-5);
   const hw::Ray ray = plan.geometry().stick(plan.theta_rad(18), plan.frame_phi_rad(11));
   const double along = glm::dot(kCenter_m - ray.origin, ray.direction);
@@ -84,6 +84,57 @@ TEST(SpacingError, OnTheAxisIsTheChordsError) {
   // Even numbers of lines and frames: the axis lies midway between four sticks.
   const double middle_m = static_cast<double>(error.map_m.at(32, 32));
   EXPECT_NEAR(middle_m, in_plane + across, 0.1 * (in_plane + across));
+}
+
+// Between sticks on two treads nothing joins them; on a tread the error is that of a plane, whose
+// ranges curve by at most range / cos^3 of the stick's angle.
+TEST(SpacingError, AcrossAStepSticksAreParted) {
+  const auto plan = plan_of(64, 38);
+  const auto steps = phantoms::still_at(
+      phantoms::make_phantom({.name = "steps", .step_heights_m = {8e-3}}), {0, 0, 0.12});
+  const auto view = view_of();
+  const Truth truth = trace_truth(steps, plan, view);
+  const SpacingError error =
+      spacing_error(truth, view.camera, plan, stick_ranges_m(steps, plan, view), all);
+  // The edge crosses all 65 rows, nearly all within the sweep; the sticks on its sides are one to
+  // three pixels apart.
+  EXPECT_GT(error.parted, 0.75 * 65);
+  EXPECT_LT(error.parted, 3 * 65);
+  EXPECT_GT(error.n, 10 * error.hidden);
+  EXPECT_EQ(error.unsupported, error.hidden + error.outside + error.parted);
+  const auto bend_m = [](double range_m, double step_rad, double angle_rad) {
+    const double cosine = std::cos(angle_rad);
+    return range_m * step_rad * step_rad / 8 * 2 / (cosine * cosine * cosine);
+  };
+  const double deepest_m = 0.13;
+  const double largest_m = bend_m(deepest_m, plan.theta_step_rad(), plan.theta_rad(63)) +
+                           bend_m(deepest_m, plan.phi_step_rad(), plan.frame_phi_rad(37));
+  for (const float error_m : error.map_m.pixels) {
+    if (std::isnan(error_m)) continue;
+    EXPECT_LE(std::abs(static_cast<double>(error_m)), largest_m);
+  }
+  EXPECT_GT(error.with_parted_rms_m, 5 * error.rms_m);
+}
+
+// A true point behind the surface that its stick meets.
+TEST(SpacingError, PointsThatTheirStickDoesNotMeetAreHidden) {
+  const auto plan = plan_of(64, 38);
+  const auto ball = phantoms::still_at(
+      phantoms::make_phantom({.name = "sphere", .radius_m = kRadius_m}), kCenter_m);
+  const auto view = view_of(50 * kDegree);
+  Truth truth = trace_truth(ball, plan, view);
+  const SpacingError seen =
+      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), all);
+  EXPECT_EQ(seen.hidden, 0);
+  int moved = 0;
+  for (std::size_t i = 0; i < truth.kind.pixels.size(); i += 7) {
+    if (truth.kind.pixels[i] != TruthKind::surface) continue;
+    truth.depth_m.pixels[i] += 2e-3F;
+    ++moved;
+  }
+  const SpacingError hidden =
+      spacing_error(truth, view.camera, plan, stick_ranges_m(ball, plan, view), all);
+  EXPECT_EQ(hidden.hidden, moved);
 }
 
 TEST(SpacingError, LeavesOutWhatNoFourSticksSupport) {
