@@ -31,8 +31,8 @@ struct MacrocellBounds {
 /// to pixel bound the slope along a ray. Each sample of the newer half of the buffer lies n / 2
 /// steps behind one of the older half, so Difference of Eq. (1) <= (n / 2)^2 step slope: if that is
 /// below the threshold over the length of the buffer, no edge is detected; nor if n / 2 times the
-/// largest sample there is. If the transfer function is transparent between low and high, nothing is
-/// visible.
+/// largest sample there is. If the transfer function is transparent between low and high, nothing
+/// is visible.
 ///
 /// All cells must be sampled if there is a single frame, or if the wobble axis lies in the field:
 /// the bounds assume that neighbouring frames are neighbours in space.
