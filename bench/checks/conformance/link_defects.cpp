@@ -108,14 +108,16 @@ Defect hidden_faults() {
 }
 
 Defect busy_after_close() {
-  Defect defect{
-      "link.reopen", "the device stays busy for a second after close()", correct_fixture()};
-  auto until = std::make_shared<hw::HostTime>(hw::HostTime::min());
-  defect.fixture.open = [open = defect.fixture.open, until] {
-    if (hw::HostClock::now() < *until) {
+  Defect defect{"link.reopen",
+                "the device stays busy after close() until somebody has asked for it in vain",
+                correct_fixture()};
+  auto busy = std::make_shared<bool>(false);
+  defect.fixture.open = [open = defect.fixture.open, busy] {
+    if (*busy) {
+      *busy = false;
       throw hw::LinkOpenError(hw::OpenFault::busy, "card: is busy; must be free");
     }
-    *until = hw::HostClock::now() + std::chrono::seconds(1);
+    *busy = true;
     return open();
   };
   return defect;
