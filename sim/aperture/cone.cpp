@@ -14,6 +14,19 @@ double middle(int part, int parts) {
   return (2 * part + 1.0) / parts - 1;
 }
 
+/// Width of the transmit aperture whose waves add up at a point: within it their phase is less than
+/// a quarter of a cycle from that on the axis, pi a^2 |1/r - 1/focus| / wavelength (Goodman,
+/// Introduction to Fourier Optics, 4.2). Out of focus waves from farther out cancel each other, and
+/// covering them changes little.
+double in_phase_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
+  const double aperture_m = transmit_aperture_m(plan, range_m);
+  const double curvature_per_m = std::abs(1 / range_m - 1 / transmit_focus_m(plan, range_m));
+  const double wavelength_m =
+      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  if (aperture_m * aperture_m * curvature_per_m <= 2 * wavelength_m) return aperture_m;
+  return std::sqrt(2 * wavelength_m / curvature_per_m);
+}
+
 }  // namespace
 
 ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid)
@@ -34,7 +47,7 @@ ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid
   }
   for (int end = 0; end < kEnds; ++end) {
     for (int to = 0; to < grid.nodes; ++to) {
-      const double aperture_m = end == 0 ? transmit_aperture_m(plan, to * grid.step_m)
+      const double aperture_m = end == 0 ? in_phase_aperture_m(plan, to * grid.step_m)
                                          : receive_aperture_m(plan, to * grid.step_m);
       widest_m_ = std::max(widest_m_, aperture_m);
       place(aperture_m, to);
