@@ -53,6 +53,10 @@ LinkCapabilities Board::capabilities() const {
   return impl_->capabilities();
 }
 
+std::optional<HostTime> Board::epoch() const {
+  return impl_->epoch();
+}
+
 int Board::ring_slots() const {
   return impl_->ring_slots();
 }

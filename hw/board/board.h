@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -190,6 +191,8 @@ class Board {
   BoardAccount account() const;
   WireDamage damage() const;
   LinkCapabilities capabilities() const;
+  /// As Link::epoch().
+  std::optional<HostTime> epoch() const;
   int ring_slots() const;
   int free_slots() const;
 

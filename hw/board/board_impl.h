@@ -40,6 +40,7 @@ class Board::Impl {
   BoardAccount account() const;
   WireDamage damage() const;
   LinkCapabilities capabilities() const { return link_->capabilities(); }
+  std::optional<HostTime> epoch() const { return link_->epoch(); }
   int ring_slots() const { return ring_->slots(); }
   int free_slots() const { return ring_->free_slots(); }
 

@@ -108,6 +108,10 @@ LinkCapabilities FaultLink::capabilities() const {
   return impl_->inner->capabilities();
 }
 
+std::optional<HostTime> FaultLink::epoch() const {
+  return impl_->inner->epoch();
+}
+
 std::string FaultLink::loss() const {
   if (!impl_->unplugged_at) return impl_->inner->loss();
   return "the device is gone (a fault, at packet " + std::to_string(*impl_->unplugged_at) + ")";

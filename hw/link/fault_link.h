@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hw/link/faults.h"
@@ -44,6 +45,7 @@ class FaultLink : public Link {
   void resume() override;
   void close() override;
   LinkCapabilities capabilities() const override;
+  std::optional<HostTime> epoch() const override;
   std::string loss() const override;
 
   /// The faults so far, in order. To be called by the reading thread.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -74,9 +75,9 @@ class LinkOpenError : public std::runtime_error {
 /// device or file cannot be opened, and InvalidOption for bad arguments; a Link object is an open
 /// link.
 ///
-/// Threads: one thread at a time calls read(), resume(), loss() and close(). cancel() and
-/// capabilities() may be called from any thread at any time, also while another is inside read().
-/// Errors of an open link are a ReadStatus; its functions do not throw.
+/// Threads: one thread at a time calls read(), resume(), loss() and close(). cancel(),
+/// capabilities() and epoch() may be called from any thread at any time, also while another is
+/// inside read(). Errors of an open link are a ReadStatus; its functions do not throw.
 ///
 /// @code
 /// struct EmptyLink : hw::Link {
@@ -110,6 +111,12 @@ class Link {
   virtual void close() = 0;
 
   virtual LinkCapabilities capabilities() const = 0;
+
+  /// Host time of device time 0, by which the link paces its bytes: a stick is due to be fired at
+  /// epoch() + its time. Moves on while the device waits for its source, or its reader pauses. None
+  /// before the first read, and for a device that has a clock of its own or none. May be called
+  /// from any thread at any time.
+  virtual std::optional<HostTime> epoch() const { return {}; }
 
   /// Why a read returned `lost`, in one line.
   virtual std::string loss() const { return "the device is gone"; }

@@ -12,6 +12,7 @@
 
 #include "base/options.h"
 #include "hw/link/interruptible_wait.h"
+#include "hw/link/shared_epoch.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/recording/recording_reader.h"
 
@@ -37,6 +38,7 @@ class FileLink::Impl {
   InterruptibleWait wait;
   bool resumed = false;  ///< since the last read
   std::string loss;      ///< empty: as Link::loss()
+  SharedEpoch shared_epoch;
 
  private:
   /// Length of a loop's repetition, or of all turns so far.
@@ -59,6 +61,7 @@ class FileLink::Impl {
   void take_rest();
   void take_end();
   HostTime due(DeviceTime time);
+  void share_epoch();
 
   const FileLinkOptions options_;
   const RecordingFile file_;
@@ -100,6 +103,10 @@ void FileLink::close() {
 
 LinkCapabilities FileLink::capabilities() const {
   return {.origin = StreamOrigin::recording, .copy_in = true, .waits_for_reader = true};
+}
+
+std::optional<HostTime> FileLink::epoch() const {
+  return impl_->shared_epoch.get();
 }
 
 std::string FileLink::loss() const {
@@ -191,6 +198,7 @@ void FileLink::Impl::skip_pause() {
   const auto pause = HostClock::now() - last_read_;
   epoch_->host += pause;
   packet_due_ += pause;
+  share_epoch();
 }
 
 ReadResult FileLink::Impl::read_raw(std::span<std::byte> buffer) {
@@ -279,9 +287,18 @@ void FileLink::Impl::take_end() {
 }
 
 HostTime FileLink::Impl::due(DeviceTime time) {
-  if (!epoch_) epoch_ = {HostClock::now(), time};
+  if (!epoch_) {
+    epoch_ = {HostClock::now(), time};
+    share_epoch();
+  }
   const DeviceTime last = saturated_sum(epoch_->device, kLongestRecording);
   return epoch_->host + (std::clamp(time, epoch_->device, last) - epoch_->device);
+}
+
+void FileLink::Impl::share_epoch() {
+  if (options_.pace == Pace::realtime) {
+    shared_epoch.set(epoch_->host - epoch_->device.time_since_epoch());
+  }
 }
 
 }  // namespace wobblebench::hw

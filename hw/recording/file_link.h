@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/options.h"
@@ -53,6 +54,7 @@ class FileLink : public Link {
   void resume() override;
   void close() override;
   LinkCapabilities capabilities() const override;
+  std::optional<HostTime> epoch() const override;
   std::string loss() const override;
 
  private:

@@ -21,8 +21,7 @@ double middle(int part, int parts) {
 double in_phase_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
   const double aperture_m = transmit_aperture_m(plan, range_m);
   const double curvature_per_m = std::abs(1 / range_m - 1 / transmit_focus_m(plan, range_m));
-  const double wavelength_m =
-      plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
   if (aperture_m * aperture_m * curvature_per_m <= 2 * wavelength_m) return aperture_m;
   return std::sqrt(2 * wavelength_m / curvature_per_m);
 }

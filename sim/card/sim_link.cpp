@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hw/link/interruptible_wait.h"
+#include "hw/link/shared_epoch.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
 #include "sim/card/volume_feed.h"
@@ -53,11 +54,13 @@ class SimLink::Impl {
 
   hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline);
   hw::LinkCapabilities capabilities() const;
+  std::optional<hw::HostTime> epoch() const { return shared_epoch_.get(); }
   const std::string& loss() const { return loss_; }
   hw::InterruptibleWait& waiting() { return waiting_; }
 
  private:
   hw::HostTime now() const { return time_ ? time_->now() : hw::HostClock::now(); }
+  void set_epoch(hw::HostTime epoch);
   hw::ReadResult read_card(std::span<std::byte> buffer, hw::HostTime deadline);
   hw::DeviceTime device_now() const;
   void send_until(hw::DeviceTime time);
@@ -82,6 +85,7 @@ class SimLink::Impl {
   hw::Stick stick_;                    ///< the stick sent last
   std::vector<std::byte> bytes_;       ///< one packet
   std::optional<hw::HostTime> epoch_;  ///< host time of device time 0; set by the first read
+  hw::SharedEpoch shared_epoch_;       ///< realtime: the same
   const hw::DeviceDuration stick_period_;
   VolumeFeed feed_;  ///< last: its thread wakes waiting_
 };
@@ -123,7 +127,7 @@ hw::ReadResult SimLink::Impl::read(std::span<std::byte> buffer, hw::HostTime dea
 }
 
 hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTime deadline) {
-  if (!epoch_) epoch_ = now();
+  if (!epoch_) set_epoch(now());
   for (;;) {
     const std::uint64_t wakes = waiting_.wakes();
     send_until(device_now());
@@ -136,6 +140,11 @@ hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTim
     waiting_.sleep_until(std::min(deadline, next_event()), wakes);
     if (const auto ended = waiting_.interrupted()) return {0, *ended};
   }
+}
+
+void SimLink::Impl::set_epoch(hw::HostTime epoch) {
+  epoch_ = epoch;
+  if (options_.pace == hw::Pace::realtime) shared_epoch_.set(epoch);
 }
 
 /// asap: every interrupt lies in the past.
@@ -193,7 +202,7 @@ bool SimLink::Impl::begin_volume() {
 void SimLink::Impl::delay_probe(hw::DeviceTime begin, hw::HostTime ready) {
   const hw::HostTime due = *epoch_ + begin.time_since_epoch();
   if (time_ != nullptr || ready <= due) return;
-  *epoch_ += ready - due;
+  set_epoch(*epoch_ + (ready - due));
   if (sequence_ > 0) statistics_->late_ms += milliseconds(ready - due);
 }
 
@@ -257,6 +266,10 @@ void SimLink::close() {
 
 hw::LinkCapabilities SimLink::capabilities() const {
   return impl_->capabilities();
+}
+
+std::optional<hw::HostTime> SimLink::epoch() const {
+  return impl_->epoch();
 }
 
 std::string SimLink::loss() const {

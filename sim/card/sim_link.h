@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hw/link/link.h"
@@ -79,6 +80,7 @@ class SimLink : public hw::Link {
   void resume() override;
   void close() override;
   hw::LinkCapabilities capabilities() const override;
+  std::optional<hw::HostTime> epoch() const override;
   std::string loss() const override;
 
  private:
