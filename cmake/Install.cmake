@@ -19,5 +19,5 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/wobblebenchConfigVersion
 install(FILES
   "${PROJECT_BINARY_DIR}/wobblebenchConfig.cmake"
   "${PROJECT_BINARY_DIR}/wobblebenchConfigVersion.cmake"
-  "${PROJECT_SOURCE_DIR}/cmake/FindOpenCVImgproc.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake"
   DESTINATION "${config_directory}")

@@ -119,6 +119,15 @@ CLI::Option& add_integer(CLI::App& command,
           }).default_str(std::to_string(value));
 }
 
+void add_optional_integer(CLI::App& command,
+                          const std::string& name,
+                          int& value,
+                          const std::string& help,
+                          int min,
+                          int max) {
+  add_integer(command, name, value, help, min, max).default_str("");
+}
+
 void add_scene_options(CLI::App& command, SceneArguments& scene) {
   add_path_option(
       command, "SCENE", "", scene.file, "TOML file that names what differs from the defaults");

@@ -67,6 +67,14 @@ CLI::Option& add_integer(CLI::App& command,
                          int min,
                          int max);
 
+/// Without a default: `value` stays as it is unless the option is given.
+void add_optional_integer(CLI::App& command,
+                          const std::string& name,
+                          int& value,
+                          const std::string& help,
+                          int min,
+                          int max);
+
 /// SCENE and --set.
 void add_scene_options(CLI::App& command, SceneArguments& scene);
 /// PLAN, a plan or a scene, and --set.

@@ -61,10 +61,6 @@ hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
 sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
                                                const phantoms::PlacedPhantom& subject,
                                                const sim::TissueMapSource& maps) {
-  if (scene.acquisition.volumes != 1) {
-    throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
-                    ": must be 1; this command renders one volume");
-  }
   sim::ProbeSimulator simulator(subject, scene.plan(), scene.simulation, maps);
   simulated_ = SimulatedVolume{.effects = simulator.effects(),
                                .fidelity = simulator.fidelity(),
@@ -73,34 +69,60 @@ sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
   return simulator;
 }
 
-Acquisition BoardConnection::acquire(const Scene& scene,
-                                     const phantoms::PlacedPhantom& subject,
-                                     const sim::TissueMapSource& maps) {
+hw::Board& BoardConnection::connect(const Scene& scene,
+                                    const phantoms::PlacedPhantom& subject,
+                                    const sim::TissueMapSource& maps) {
   if (!is_simulated(arguments_)) {
     if (assembly_->configuration()) {
       const std::string source = "--board " + arguments_.text;
       refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/true, source);
     }
-    return acquire(scene);
+    return connect();
   }
   sim::ProbeSimulator made = simulator(scene, subject, maps);
-  // The link computes its volume from here on.
-  const auto start = hw::HostClock::now();
+  // The link computes its volumes from here on.
+  connected_ = hw::HostClock::now();
   const auto sticks = [&] { return sim::stick_source(std::move(made), subject_hash(scene)); };
   board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
   assembly_.emplace(*board_);
-  return receive(scene, start);
+  return *board_;
 }
 
-Acquisition BoardConnection::acquire(const Scene& scene) {
-  const auto start = hw::HostClock::now();
+hw::Board& BoardConnection::connect() {
+  connected_ = hw::HostClock::now();
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
   if (board_->state() == hw::BoardState::lost) open();
-  return receive(scene, start);
+  return *board_;
 }
 
-Acquisition BoardConnection::receive(const Scene& scene, hw::HostTime start) {
+Acquisition BoardConnection::acquire(const Scene& scene,
+                                     const phantoms::PlacedPhantom& subject,
+                                     const sim::TissueMapSource& maps) {
+  if (is_simulated(arguments_) && scene.acquisition.volumes != 1) {
+    throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
+                    ": must be 1; this command renders one volume");
+  }
+  connect(scene, subject, maps);
+  return receive(scene);
+}
+
+Acquisition BoardConnection::acquire(const Scene& scene) {
+  connect();
+  return receive(scene);
+}
+
+std::optional<SimulatedVolume> BoardConnection::simulated() const {
+  std::optional<SimulatedVolume> simulated = simulated_;
+  if (simulated) {
+    simulated->volume_ms = figures_->volume_ms;
+    simulated->late_ms = figures_->late_ms;
+    simulated->packets_dropped = figures_->packets_dropped;
+  }
+  return simulated;
+}
+
+Acquisition BoardConnection::receive(const Scene& scene) {
   board_->start();
   hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
   const auto delivered = hw::HostClock::now();
@@ -121,13 +143,8 @@ Acquisition BoardConnection::receive(const Scene& scene, hw::HostTime start) {
   acquisition.account = board_->account();
   acquisition.damage = board_->damage();
   check_balance(acquisition.account);
-  if (simulated_) {
-    simulated_->volume_ms = figures_->volume_ms;
-    simulated_->late_ms = figures_->late_ms;
-    simulated_->packets_dropped = figures_->packets_dropped;
-    acquisition.simulated = simulated_;
-  }
-  acquisition.transport_ms = milliseconds(delivered - start) - figures_->volume_ms;
+  acquisition.simulated = simulated();
+  acquisition.transport_ms = milliseconds(delivered - connected_) - figures_->volume_ms;
   return acquisition;
 }
 

@@ -66,17 +66,28 @@ class BoardConnection {
   /// The same, of a recording or a card whose subject is not known.
   [[nodiscard]] Acquisition acquire(const Scene& scene);
 
+  /// For a stream: the board, of a simulator that makes all of the scene's volumes. Valid as long
+  /// as this. Throws UserError for a recording of a subject at another place.
+  hw::Board& connect(const Scene& scene,
+                     const phantoms::PlacedPhantom& subject,
+                     const sim::TissueMapSource& maps = {});
+  /// The same, of a recording or a card whose subject is not known.
+  hw::Board& connect();
+  /// The simulator's report on the volumes so far, times as sums; none: sticks come from elsewhere.
+  std::optional<SimulatedVolume> simulated() const;
+
  private:
   void open();
   sim::ProbeSimulator simulator(const Scene& scene,
                                 const phantoms::PlacedPhantom& subject,
                                 const sim::TissueMapSource& maps);
-  Acquisition receive(const Scene& scene, hw::HostTime start);
+  Acquisition receive(const Scene& scene);
   std::string ending();
 
   BoardArguments arguments_;
   std::unique_ptr<hw::Board> board_;
   std::optional<hw::VolumeAssembly> assembly_;
+  hw::HostTime connected_;  ///< from then on sticks may be made
   std::optional<SimulatedVolume> simulated_;
   std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
 };

@@ -17,6 +17,9 @@ enum class MotorMode {
   fly_back,     ///< continuous; after each volume the motor returns in `fly_back_s`
 };
 
+/// Half a day of the default scan.
+inline constexpr int kMostVolumes = 100000;
+
 /// Extent and sampling of a volume. Defaults: the paper's reference settings.
 struct AcquisitionOptions {
   double depth_m = 0.16;  ///< longest range from the face
@@ -47,7 +50,7 @@ void describe(O& o, Visitor& v) {
   v.integer("sticks_per_frame", o.sticks_per_frame, 1, 1024);
   v.integer("samples_per_stick", o.samples_per_stick, 2, 4096);
   v.integer("frames_per_volume", o.frames_per_volume, 1, 1024);
-  v.integer("volumes", o.volumes, 1, 1000);
+  v.integer("volumes", o.volumes, 1, kMostVolumes);
   v.real("sound_speed_m_s", o.sound_speed_m_s, 1, 1000, 4000);
   v.real("dead_time_us", o.dead_time_s, kMicrosecond, 0, 10000);
   v.integer("focal_zones", o.focal_zones, 1, 8);

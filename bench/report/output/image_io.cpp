@@ -28,12 +28,11 @@ void write(const std::filesystem::path& path,
   write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-/// sRGB's transfer function (IEC 61966-2-1).
+}  // namespace
+
 float encoded(float light) {
   return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
 }
-
-}  // namespace
 
 void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
   std::vector<float> values;

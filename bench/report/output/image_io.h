@@ -15,6 +15,9 @@ namespace wobblebench::bench {
 /// light, which is encoded so.
 enum class Values { display, light };
 
+/// sRGB's transfer function (IEC 61966-2-1).
+float encoded(float light);
+
 /// 8-bit RGB PNG in sRGB, which the file says. Throws std::runtime_error "PATH: reason".
 void write_png(const std::filesystem::path& path,
                const Image<glm::vec3>& image,

@@ -1,0 +1,28 @@
+// What travels from the board to the renderer: frames, each with the times of its sticks.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "hw/probe/clock.h"
+#include "hw/probe/polar_volume.h"
+
+namespace wobblebench::bench {
+
+/// The host's clock throughout. `fired`: scheduled, by the link's epoch; unset where the device has
+/// a clock of its own.
+struct StickTimes {
+  std::optional<hw::HostTime> fired;
+  hw::HostTime acquired;  ///< taken from the board
+};
+
+struct StreamFrame {
+  std::uint32_t volume = 0;
+  int frame = 0;
+  hw::PolarFrame samples;
+  int sticks = 0;  ///< that arrived; without any, the times are those of the frame before
+  StickTimes first, last;
+  bool ends_volume = false;  ///< the last that the volume will get
+};
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,101 @@
+// Every frame of every volume comes once, in the order of acquisition, with the sticks that came.
+#include "bench/pipeline/stream/frame_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+#include "tests/hw/support/memory_link.h"
+#include "tests/hw/support/streams.h"
+
+namespace wobblebench::bench {
+namespace {
+
+struct Read {
+  std::vector<StreamFrame> frames;
+  ReaderStatistics statistics;
+  hw::BoardAccount account;
+};
+
+Read read(const hw::AcquisitionPlan& plan, const std::vector<hw::Bytes>& packets) {
+  hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(packets)));
+  board.start();
+  VolumeQueue queue({.policy = StreamPolicy::every, .volumes = 64});
+  FrameReader reader(board, plan, queue, "test");
+  reader.run(0);
+  Read result{.frames = {}, .statistics = reader.statistics(), .account = board.account()};
+  while (auto frame = queue.pop()) result.frames.push_back(std::move(*frame));
+  return result;
+}
+
+TEST(FrameReader, FramesAreThoseOfAVolumeInEveryMotorMode) {
+  for (const hw::MotorMode motor : hw::kMotorModes) {
+    const auto plan = hw::small_plan(3, motor);
+    const Read got = read(plan, hw::packets_of(plan));
+    const int frames = plan.acquisition().frames_per_volume;
+    ASSERT_EQ(got.frames.size(), 3u * static_cast<std::size_t>(frames));
+    for (std::size_t i = 0; i < got.frames.size(); ++i) {
+      const StreamFrame& frame = got.frames[i];
+      hw::PolarVolume volume(plan, frame.volume);
+      for (int line = 0; line < plan.acquisition().sticks_per_frame; ++line) {
+        const hw::StickIndex index{frame.volume,
+                                   static_cast<std::uint32_t>(frame.frame),
+                                   static_cast<std::uint32_t>(line)};
+        volume.place(hw::test_stick(plan, plan.sequence(index)));
+      }
+      EXPECT_EQ(frame.samples.samples, volume.frame(frame.frame).samples);
+      EXPECT_EQ(frame.volume, i / static_cast<std::size_t>(frames));
+      EXPECT_EQ(frame.ends_volume, (i + 1) % static_cast<std::size_t>(frames) == 0);
+      const bool back = plan.sweep_direction(frame.volume) < 0;
+      const int place = static_cast<int>(i) % frames;
+      EXPECT_EQ(frame.frame, back ? frames - 1 - place : place);
+    }
+  }
+}
+
+/// Any set of sticks lost: each volume but one without any stick has all its frames, and the sticks
+/// are those that came.
+TEST(FrameReader, LostSticksLeaveNoFrameOut) {
+  const auto plan = hw::small_plan(4);
+  const auto all = hw::packets_of(plan);
+  const auto sticks = static_cast<std::uint64_t>(4 * plan.sticks_per_volume());
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const std::uint64_t one_in = 2 + seed % 6;
+    std::set<std::size_t> lost;
+    for (std::uint64_t sequence = 1; sequence < sticks; ++sequence) {
+      if (hw::hash(seed, sequence) % one_in == 0) lost.insert(hw::packet_index(plan, sequence));
+    }
+    std::vector<hw::Bytes> packets;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!lost.contains(i)) packets.push_back(all[i]);
+    }
+    const Read got = read(plan, packets);
+    std::uint64_t came = 0;
+    for (const StreamFrame& frame : got.frames) came += static_cast<std::uint64_t>(frame.sticks);
+    EXPECT_EQ(came, sticks - lost.size()) << seed;
+    EXPECT_EQ(came, got.account.delivered) << seed;
+    EXPECT_EQ(got.statistics.sticks, came) << seed;
+    EXPECT_EQ(got.frames.size() % 3, 0u) << seed;
+  }
+}
+
+TEST(FrameReader, AVolumeWhoseBeginningWasMissedIsLeft) {
+  const auto plan = hw::small_plan(2);
+  auto packets = hw::packets_of(plan);
+  packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 0)));
+  const Read got = read(plan, packets);
+  ASSERT_EQ(got.frames.size(), 3u);
+  EXPECT_EQ(got.frames.front().volume, 1u);
+  EXPECT_EQ(got.statistics.left_sticks, static_cast<std::uint64_t>(plan.sticks_per_volume() - 1));
+}
+
+TEST(FrameReader, AnAcquisitionThatChangesEndsTheStream) {
+  const auto plan = hw::small_plan(1);
+  hw::AcquisitionOptions other = plan.acquisition();
+  other.depth_m *= 2;
+  EXPECT_THROW(read({plan.probe(), other}, hw::packets_of(plan)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
