@@ -11,6 +11,7 @@ std::vector<Command> add_commands(CLI::App& app) {
   app.require_subcommand(1);
   std::vector<Command> commands = {add_run_command(app),
                                    add_stream_command(app),
+                                   add_latency_command(app),
                                    add_record_command(app),
                                    add_inspect_command(app),
                                    add_conformance_command(app),

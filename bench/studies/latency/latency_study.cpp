@@ -1,0 +1,271 @@
+#include "bench/studies/latency/latency_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "bench/studies/latency/line_rate.h"
+#include "bench/studies/latency/virtual_stream.h"
+#include "bench/studies/latency/wall_stream.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// So many more volumes in virtual time than on the wall, so that its percentiles are smooth.
+constexpr int kVirtualVolumes = 4000;
+constexpr double kStalls_ms[] = {10, 100, 500};
+constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+
+struct Variant {
+  std::string name;
+  std::function<void(hw::AcquisitionOptions&)> change;
+};
+
+std::vector<Variant> variants() {
+  return {{"the scene", [](auto&) {}},
+          {"half the frames",
+           [](auto& of) { of.frames_per_volume = std::max(of.frames_per_volume / 2, 2); }},
+          {"3/4 of the frames",
+           [](auto& of) { of.frames_per_volume = std::max(of.frames_per_volume * 3 / 4, 2); }},
+          {"3/2 of the lines", [](auto& of) { of.sticks_per_frame = of.sticks_per_frame * 3 / 2; }},
+          {"3/4 of the depth", [](auto& of) { of.depth_m *= 0.75; }}};
+}
+
+/// Those that service times are measured at.
+constexpr std::size_t kCalibrations = 2;
+
+/// An age and when it was reached, seconds after the stream's first stick was fired.
+struct Aged {
+  double ready_s, age_s;
+};
+
+std::vector<Aged> wall_ages(const StreamResult& result, const hw::AcquisitionPlan& plan) {
+  std::vector<Aged> ages;
+  for (const PictureTimes& times : result.records) {
+    const auto fired = plan.stick_time(plan.first_sequence(times.volume)).time_since_epoch();
+    const auto epoch = *times.first.fired - fired;
+    ages.push_back({std::chrono::duration<double>(times.ready - epoch).count(),
+                    std::chrono::duration<double>(times.ready - *times.last.fired).count()});
+  }
+  return ages;
+}
+
+std::vector<Aged> virtual_ages(const VirtualResult& result) {
+  std::vector<Aged> ages;
+  for (const VirtualPicture& picture : result.pictures) {
+    if (picture.volume >= kWarmUpVolumes) ages.push_back({picture.ready_s, picture.age_newest_s()});
+  }
+  return ages;
+}
+
+Percentiles age_percentiles(const std::vector<Aged>& ages) {
+  std::vector<double> values_ms;
+  for (const Aged& aged : ages) values_ms.push_back(1e3 * aged.age_s);
+  return percentiles_of(values_ms);
+}
+
+double rate_of(const std::vector<Aged>& ages) {
+  if (ages.size() < 2) return kNever;
+  return static_cast<double>(ages.size() - 1) / (ages.back().ready_s - ages.front().ready_s);
+}
+
+struct Recovery {
+  double after_ms, worst_ms;
+};
+
+Recovery recovery_of(const std::vector<Aged>& ages, double stall_at_s, double stall_end_s) {
+  std::vector<double> before;
+  for (const Aged& aged : ages) {
+    if (aged.ready_s < stall_at_s) before.push_back(aged.age_s);
+  }
+  const double usual = quantile_upper(before, 0.9);
+  Recovery recovery{kNever, 0};
+  for (const Aged& aged : ages) {
+    if (aged.ready_s < stall_at_s) continue;
+    recovery.worst_ms = std::max(recovery.worst_ms, 1e3 * aged.age_s);
+    const bool is_back = aged.ready_s >= stall_end_s && aged.age_s <= usual;
+    if (is_back && std::isnan(recovery.after_ms)) {
+      recovery.after_ms = 1e3 * (aged.ready_s - stall_end_s);
+    }
+  }
+  return recovery;
+}
+
+class Study {
+ public:
+  Study(const Scene& scene,
+        int volumes,
+        StreamPolicy policy,
+        render::GlContext& context,
+        PhantomCache& cache,
+        const PartDone& done)
+      : scene_(scene),
+        context_(context),
+        cache_(cache),
+        parts_(variants().size() + std::size(kStalls_ms) + 1, done) {
+    scene_.acquisition.volumes = volumes;
+    result_.volumes = volumes;
+    result_.policy = policy;
+  }
+
+  LatencyStudy run();
+
+ private:
+  Scene scene_of(const Variant& variant) const;
+  VirtualSetting virtual_setting(const hw::AcquisitionPlan& plan) const;
+  LatencyCheck check(const Variant& variant, const StreamResult& wall, const Scene& scene) const;
+  StallRecovery recover(double stall_ms);
+
+  Scene scene_;
+  render::GlContext& context_;
+  PhantomCache& cache_;
+  PartCount parts_;
+  sim::CardOptions card_;
+  ServiceTimes times_[kCalibrations];
+  int frames_[kCalibrations] = {};
+  LatencyStudy result_;
+};
+
+Scene Study::scene_of(const Variant& variant) const {
+  Scene scene = scene_;
+  variant.change(scene.acquisition);
+  static_cast<void>(scene.plan());  // throws for what it cannot be
+  return scene;
+}
+
+VirtualSetting Study::virtual_setting(const hw::AcquisitionPlan& plan) const {
+  return {.plan = plan,
+          .card = card_,
+          .times = times_at(
+              times_[0], frames_[0], times_[1], frames_[1], plan.acquisition().frames_per_volume),
+          .queue = {.policy = result_.policy},
+          .volumes = kVirtualVolumes};
+}
+
+LatencyCheck Study::check(const Variant& variant,
+                          const StreamResult& wall,
+                          const Scene& scene) const {
+  const auto plan = scene.plan();
+  const auto ages = wall_ages(wall, plan);
+  const VirtualSetting setting = virtual_setting(plan);
+  const auto predicted = virtual_ages(run_virtual_stream(setting));
+  const int frames = plan.acquisition().frames_per_volume;
+  return {.name = variant.name,
+          .calibrated_on = false,
+          .sound_ms = hw::to_milliseconds(plan.volume_duration()),
+          .wall = age_percentiles(ages),
+          .predicted = age_percentiles(predicted),
+          .wall_volumes_per_s = rate_of(ages),
+          .predicted_volumes_per_s = rate_of(predicted),
+          .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
+          .predicted_renderer_ms = 1e3 * setting.times.renderer_s(frames)};
+}
+
+/// The stall begins with the first stick of the volume in the middle.
+StallRecovery Study::recover(double stall_ms) {
+  const auto plan = scene_.plan();
+  const int middle = result_.volumes / 2;
+  const auto packet = static_cast<std::uint64_t>(middle) *
+                      (static_cast<std::uint64_t>(plan.sticks_per_volume()) + 2);
+  const std::string faults =
+      "stall@" + std::to_string(packet) + "+stall_ms:" + std::to_string(static_cast<int>(stall_ms));
+  const StreamResult wall =
+      run_wall_stream({scene_, {.policy = result_.policy}, faults}, context_, cache_);
+  const auto first = plan.first_sequence(static_cast<std::uint32_t>(middle));
+  const double at_s = 1e-3 * hw::to_milliseconds(plan.stick_time(first).time_since_epoch());
+  const double end_s = at_s + 1e-3 * stall_ms;
+  VirtualSetting setting = virtual_setting(plan);
+  setting.volumes = result_.volumes;
+  setting.stall = Stall{at_s, 1e-3 * stall_ms};
+  const Recovery measured = recovery_of(wall_ages(wall, plan), at_s, end_s);
+  const Recovery predicted = recovery_of(virtual_ages(run_virtual_stream(setting)), at_s, end_s);
+  return {.stall_ms = stall_ms,
+          .wall_ms = measured.after_ms,
+          .predicted_ms = predicted.after_ms,
+          .wall_worst_ms = measured.worst_ms,
+          .predicted_worst_ms = predicted.worst_ms};
+}
+
+LatencyStudy Study::run() {
+  const auto all = variants();
+  std::vector<StreamResult> walls;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Scene scene = scene_of(all[i]);
+    walls.push_back(run_wall_stream({scene, {.policy = result_.policy}, ""}, context_, cache_));
+    if (i < kCalibrations) {
+      times_[i] = measured_times(walls[i], scene.plan(), card_);
+      frames_[i] = scene.acquisition.frames_per_volume;
+    }
+    parts_.finish_one();
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    result_.checks.push_back(check(all[i], walls[i], scene_of(all[i])));
+    result_.checks.back().calibrated_on = i < kCalibrations;
+  }
+  const auto plan = scene_.plan();
+  result_.times = times_[0];
+  result_.summary =
+      summarize(walls[0], hw::to_milliseconds(plan.volume_duration()), /*simulator_ms=*/0);
+  for (const double stall_ms : kStalls_ms) {
+    result_.stalls.push_back(recover(stall_ms));
+    parts_.finish_one();
+  }
+  result_.crossovers =
+      crossover_curves("this machine", times_[0], frames_[0], times_[1], frames_[1], plan);
+  const auto paper = crossover_curves("paper", paper_times(), 37, paper_times(), 27, plan);
+  result_.crossovers.insert(result_.crossovers.end(), paper.begin(), paper.end());
+  result_.line_rates = first_losses(virtual_setting(plan));
+  result_.scene_line_rate_per_s = 1 / plan.stick_period_s();
+  parts_.finish_one();
+  return std::move(result_);
+}
+
+/// Where frames * lines * period = renderer_s(frames), which grows linearly.
+double least_frames(const ServiceTimes& one,
+                    int frames_of_one,
+                    const ServiceTimes& other,
+                    int frames_of_other,
+                    double frame_s) {
+  const double at_one = one.renderer_s(frames_of_one);
+  const double slope =
+      (other.renderer_s(frames_of_other) - at_one) / (frames_of_other - frames_of_one);
+  const double fixed_s = at_one - slope * frames_of_one;
+  if (slope >= frame_s) return kNever;
+  return std::max(fixed_s / (frame_s - slope), 0.0);
+}
+
+}  // namespace
+
+std::vector<CrossoverCurve> crossover_curves(const std::string& name,
+                                             const ServiceTimes& one,
+                                             int frames_of_one,
+                                             const ServiceTimes& other,
+                                             int frames_of_other,
+                                             const hw::AcquisitionPlan& plan) {
+  std::vector<CrossoverCurve> curves;
+  for (const int lines : {32, 64, 128}) {
+    CrossoverCurve curve{.times = name, .lines = lines, .depth_mm = {}, .frames = {}};
+    for (double depth_mm = 40; depth_mm <= 240; depth_mm += 10) {
+      hw::AcquisitionOptions of = plan.acquisition();
+      of.depth_m = depth_mm * kMillimetre;
+      const double frame_s = lines * hw::AcquisitionPlan(plan.probe(), of).stick_period_s();
+      curve.depth_mm.push_back(depth_mm);
+      curve.frames.push_back(least_frames(one, frames_of_one, other, frames_of_other, frame_s));
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+LatencyStudy study_latency(const Scene& scene,
+                           int volumes,
+                           StreamPolicy policy,
+                           render::GlContext& context,
+                           PhantomCache& cache,
+                           const PartDone& done) {
+  return Study(scene, volumes, policy, context, cache, done).run();
+}
+
+}  // namespace wobblebench::bench

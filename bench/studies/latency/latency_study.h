@@ -1,0 +1,80 @@
+// Acquisition against rendering: what limits a stream, predicted in virtual time and held against
+// the wall clock.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/part_done.h"
+#include "base/statistics.h"
+#include "bench/cache/phantom_cache.h"
+#include "bench/pipeline/stream/stream_summary.h"
+#include "bench/scene/scene.h"
+#include "bench/studies/latency/service_times.h"
+#include "render/gl/context.h"
+
+namespace wobblebench::bench {
+
+/// One setting on both clocks. Ages are of the newest echo, from its scheduled emission until the
+/// picture is ready.
+struct LatencyCheck {
+  std::string name;
+  bool calibrated_on = false;  ///< the service times were measured at this setting
+  double sound_ms = 0;         ///< one volume
+  Percentiles wall, predicted;
+  double wall_volumes_per_s = 0, predicted_volumes_per_s = 0;
+  double wall_renderer_ms = 0, predicted_renderer_ms = 0;  ///< one volume, mean
+};
+
+/// From the end of a stall until a picture's age is back within the 90th percentile before it.
+struct StallRecovery {
+  double stall_ms = 0;
+  double wall_ms = 0, predicted_ms = 0;              ///< NaN: not before the stream's end
+  double wall_worst_ms = 0, predicted_worst_ms = 0;  ///< the oldest newest echo from the stall on
+};
+
+/// The least number of frames a volume from which on sound takes longer than rendering.
+struct CrossoverCurve {
+  std::string times;  ///< whose
+  int lines = 0;
+  std::vector<double> depth_mm;
+  std::vector<double> frames;  ///< NaN: sound never does
+};
+
+/// Sticks a second at which loss begins, over draws of service times.
+struct LineRate {
+  std::string loss;  ///< of what, with which policy
+  Spread per_s;
+};
+
+struct LatencyStudy {
+  int volumes = 0;  ///< of each wall-clock stream, warm-up included
+  StreamPolicy policy = StreamPolicy::newest;
+  ServiceTimes times;  ///< of the scene's own setting
+  StreamSummary summary;
+  std::vector<LatencyCheck> checks;
+  std::vector<StallRecovery> stalls;
+  std::vector<CrossoverCurve> crossovers;
+  std::vector<LineRate> line_rates;
+  double scene_line_rate_per_s = 0;
+};
+
+/// Streams the scene in real time, and with half its frames: service times follow. Then streams
+/// with three quarters of the frames, half as many lines again and three quarters of the depth, and
+/// with stalls, on both clocks. Throws InvalidOption for what the changed scenes cannot be.
+LatencyStudy study_latency(const Scene& scene,
+                           int volumes,
+                           StreamPolicy policy,
+                           render::GlContext& context,
+                           PhantomCache& cache,
+                           const PartDone& done = {});
+
+/// Of service times that are known, without a stream.
+std::vector<CrossoverCurve> crossover_curves(const std::string& name,
+                                             const ServiceTimes& one,
+                                             int frames_of_one,
+                                             const ServiceTimes& other,
+                                             int frames_of_other,
+                                             const hw::AcquisitionPlan& plan);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,112 @@
+#include "bench/studies/latency/service_times.h"
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+#include "bench/studies/latency/virtual_stream.h"
+#include "sim/math/random.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+double seconds(hw::HostClock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+void append(TimePool& to, const TimePool& from) {
+  to.values.insert(to.values.end(), from.values.begin(), from.values.end());
+}
+
+TimePool both(const TimePool& one, const TimePool& other) {
+  TimePool pool = one;
+  append(pool, other);
+  return pool;
+}
+
+}  // namespace
+
+double TimePool::mean() const {
+  if (values.empty()) return 0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double TimePool::draw(std::uint64_t seed, std::uint64_t index) const {
+  if (values.empty()) return 0;
+  return values[sim::mix(sim::mix(seed) + index) % values.size()];
+}
+
+TimePool TimePool::scaled(double factor) const {
+  TimePool pool = *this;
+  for (double& value : pool.values) value *= factor;
+  return pool;
+}
+
+double ServiceTimes::renderer_s(int frames) const {
+  return (frames - 1) * frame.mean() + last_frame.mean() + picture.mean();
+}
+
+ServiceTimes measured_times(const StreamResult& result,
+                            const hw::AcquisitionPlan& plan,
+                            const sim::CardOptions& card) {
+  ServiceTimes times;
+  const int frames = plan.acquisition().frames_per_volume;
+  for (const StreamSpan& span : result.spans) {
+    const double took = seconds(span.end - span.begin);
+    const bool back = plan.sweep_direction(span.volume) < 0;
+    const bool is_last = span.frame == (back ? 0 : frames - 1);
+    switch (span.kind) {
+      case StreamSpan::Kind::frame_uploaded:
+        (is_last ? times.last_frame : times.frame).values.push_back(took);
+        break;
+      case StreamSpan::Kind::picture_rendered:
+        times.picture.values.push_back(took);
+        break;
+      case StreamSpan::Kind::picture_written:
+        times.written.values.push_back(took);
+        break;
+      case StreamSpan::Kind::frame_acquired:
+        break;
+    }
+  }
+  const double announced_s = frame_announcements_s(plan, card).back();
+  const double last_fired_s = (plan.sticks_per_volume() - 1) * plan.stick_period_s();
+  for (const PictureTimes& picture : result.records) {
+    if (!picture.last.fired) continue;
+    const double took = seconds(picture.last.acquired - *picture.last.fired);
+    times.wake.values.push_back(std::max(took - (announced_s - last_fired_s), 0.0));
+  }
+  return times;
+}
+
+ServiceTimes paper_times() {
+  constexpr double kFrame_s = (54.6e-3 - 53.7e-3) / (37 - 27);
+  return {.wake = {},
+          .frame = {{kFrame_s}},
+          .last_frame = {{kFrame_s}},
+          .picture = {{54.6e-3 - 37 * kFrame_s}},
+          .written = {}};
+}
+
+ServiceTimes times_at(const ServiceTimes& one,
+                      int frames_of_one,
+                      const ServiceTimes& other,
+                      int frames_of_other,
+                      int frames) {
+  // Pass 1 of a volume but for its last frame, in all.
+  const double all_of_one = (frames_of_one - 1) * one.frame.mean();
+  const double all_of_other = (frames_of_other - 1) * other.frame.mean();
+  const double share =
+      static_cast<double>(frames - frames_of_one) / (frames_of_other - frames_of_one);
+  const double all = std::max(all_of_one + share * (all_of_other - all_of_one), 0.0);
+  const double of_frame = frames > 1 ? all / (frames - 1) : 0;
+  const double mean = one.frame.mean();
+  return {.wake = both(one.wake, other.wake),
+          .frame = one.frame.scaled(mean > 0 ? of_frame / mean : 0),
+          .last_frame = both(one.last_frame, other.last_frame),
+          .picture = both(one.picture, other.picture),
+          .written = both(one.written, other.written)};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,50 @@
+// How long the stages of a stream take, as a model of its latency takes them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/pipeline/stream/stream.h"
+#include "hw/probe/acquisition_plan.h"
+#include "sim/options.h"
+
+namespace wobblebench::bench {
+
+/// Observed times, seconds; a model draws from them.
+struct TimePool {
+  std::vector<double> values;
+
+  double mean() const;
+  /// One of them, by a hash of seed and index; 0 if there is none.
+  double draw(std::uint64_t seed, std::uint64_t index) const;
+  TimePool scaled(double factor) const;
+};
+
+struct ServiceTimes {
+  TimePool wake;        ///< from the card's interrupt until a frame's last stick is taken
+  TimePool frame;       ///< upload and pass 1 of a frame that does not end a volume
+  TimePool last_frame;  ///< of the one that does
+  TimePool picture;     ///< passes 2 to 4
+  TimePool written;     ///< by the sink
+
+  /// Of one volume with so many frames, on average: what limits the rate of volumes.
+  double renderer_s(int frames) const;
+};
+
+/// Those of a stream in real time. `card`: of its link.
+ServiceTimes measured_times(const StreamResult& result,
+                            const hw::AcquisitionPlan& plan,
+                            const sim::CardOptions& card);
+
+/// The paper's: Table I, 53.7 ms of 27 frames and 54.6 ms of 37, on its GPU (docs/references.md
+/// [1]); neither sink nor wake-up is known, and both take no time.
+ServiceTimes paper_times();
+
+/// Pass 1 depends on the number of frames: between and beyond two measurements linearly.
+ServiceTimes times_at(const ServiceTimes& one,
+                      int frames_of_one,
+                      const ServiceTimes& other,
+                      int frames_of_other,
+                      int frames);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,196 @@
+#include "bench/studies/latency/virtual_stream.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hw/wire/packet.h"
+#include "sim/card/card_model.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+double seconds(hw::DeviceTime time) {
+  return 1e-9 * static_cast<double>(time.time_since_epoch().count());
+}
+
+/// Draws of one seed for each purpose.
+enum class Purpose : std::uint64_t { wake, frame, last_frame, picture, written };
+
+class VirtualStream {
+ public:
+  explicit VirtualStream(const VirtualSetting& setting)
+      : setting_(setting),
+        frames_(setting.plan.acquisition().frames_per_volume),
+        period_s_(setting.plan.stick_period_s()),
+        announced_s_(frame_announcements_s(setting.plan, setting.card)) {}
+
+  VirtualResult run();
+
+ private:
+  double draw(const TimePool& pool, Purpose purpose, std::uint64_t index) const {
+    return pool.draw(setting_.seed * 16 + static_cast<std::uint64_t>(purpose), index);
+  }
+  double begin_s(int volume) const {
+    return seconds(
+        setting_.plan.stick_time(setting_.plan.first_sequence(static_cast<std::uint32_t>(volume))));
+  }
+  double announced_s(int volume, int place) const;
+  void acquire(int volume);
+  int volume_to_begin(int last) const;
+  void render(int volume);
+  void hand_over(const VirtualPicture& picture);
+
+  const VirtualSetting& setting_;
+  const int frames_;
+  const double period_s_;
+  const std::vector<double> announced_s_;
+  std::vector<std::vector<double>> acquired_s_;  ///< [volume][place]
+  std::vector<double> popped_s_;                 ///< of a volume's last frame
+  double reader_free_s_ = 0, renderer_free_s_ = 0;
+  double taken_s_ = -1, written_s_ = 0;  ///< of the last picture: by the sink; written
+  VirtualResult result_;
+};
+
+double VirtualStream::announced_s(int volume, int place) const {
+  const double time_s = begin_s(volume) + announced_s_[static_cast<std::size_t>(place)];
+  const auto& stall = setting_.stall;
+  if (!stall || time_s < stall->at_s || time_s >= stall->at_s + stall->for_s) return time_s;
+  return stall->at_s + stall->for_s;
+}
+
+/// Times at which the reader has pushed the frames of a volume.
+void VirtualStream::acquire(int volume) {
+  auto& acquired = acquired_s_.emplace_back();
+  const std::size_t before = acquired_s_.size() - 1;
+  const bool waits = setting_.queue.policy == StreamPolicy::every;
+  for (int place = 0; place < frames_; ++place) {
+    const auto index = static_cast<std::uint64_t>(before) * static_cast<std::uint64_t>(frames_) +
+                       static_cast<std::uint64_t>(place);
+    const double came_s =
+        announced_s(volume, place) + draw(setting_.times.wake, Purpose::wake, index);
+    double pushed_s = std::max(came_s, reader_free_s_);
+    const auto room_after = static_cast<std::ptrdiff_t>(before) - setting_.queue.volumes;
+    if (waits && place == 0 && room_after >= 0) {
+      pushed_s = std::max(pushed_s, popped_s_.at(static_cast<std::size_t>(room_after)));
+      // Sticks that came meanwhile wait in the ring, as far as it has room.
+      const double held = (pushed_s - came_s) / period_s_;
+      const double beyond = held - setting_.ring_slots;
+      if (beyond > 0) result_.sticks_lost += static_cast<std::uint64_t>(beyond);
+    }
+    reader_free_s_ = pushed_s;
+    acquired.push_back(pushed_s);
+  }
+}
+
+/// With `newest` the last one that is whole when the renderer is free; else the next.
+int VirtualStream::volume_to_begin(int last) const {
+  int begun = last + 1;
+  if (setting_.queue.policy == StreamPolicy::every) return begun;
+  for (int volume = begun; volume < setting_.volumes; ++volume) {
+    if (acquired_s_[static_cast<std::size_t>(volume)].back() > renderer_free_s_) break;
+    begun = volume;
+  }
+  return begun;
+}
+
+void VirtualStream::render(int volume) {
+  const auto& acquired = acquired_s_[static_cast<std::size_t>(volume)];
+  double free_s = renderer_free_s_;
+  for (int place = 0; place < frames_; ++place) {
+    const bool is_last = place + 1 == frames_;
+    const auto index = static_cast<std::uint64_t>(volume) * static_cast<std::uint64_t>(frames_) +
+                       static_cast<std::uint64_t>(place);
+    const double popped_s = std::max(free_s, acquired[static_cast<std::size_t>(place)]);
+    if (is_last) popped_s_.push_back(popped_s);
+    free_s = popped_s + (is_last ? draw(setting_.times.last_frame, Purpose::last_frame, index)
+                                 : draw(setting_.times.frame, Purpose::frame, index));
+  }
+  const double picture_s =
+      draw(setting_.times.picture, Purpose::picture, static_cast<std::uint64_t>(volume));
+  const double begin = begin_s(volume);
+  hand_over({.volume = static_cast<std::uint32_t>(volume),
+             .first_fired_s = begin,
+             .last_fired_s = begin + (setting_.plan.sticks_per_volume() - 1) * period_s_,
+             .announced_s = announced_s(volume, frames_ - 1),
+             .acquired_s = acquired.back(),
+             .uploaded_s = free_s,
+             .ready_s = free_s + picture_s});
+}
+
+/// The queue of pictures holds one: with `every` the renderer waits until the sink takes it, with
+/// `newest` it replaces it.
+void VirtualStream::hand_over(const VirtualPicture& picture) {
+  renderer_free_s_ = picture.ready_s;
+  if (taken_s_ > picture.ready_s) {
+    if (setting_.queue.policy == StreamPolicy::every) {
+      renderer_free_s_ = taken_s_;
+    } else {
+      ++result_.superseded_pictures;
+      result_.pictures.pop_back();
+      // The sink is still at the picture before the one that is replaced.
+      written_s_ = taken_s_;
+    }
+  }
+  taken_s_ = std::max(renderer_free_s_, written_s_);
+  written_s_ = taken_s_ + draw(setting_.times.written, Purpose::written, picture.volume);
+  result_.pictures.push_back(picture);
+}
+
+VirtualResult VirtualStream::run() {
+  const bool all_first = setting_.queue.policy == StreamPolicy::newest;
+  if (all_first) {
+    for (int volume = 0; volume < setting_.volumes; ++volume) acquire(volume);
+  }
+  for (int last = -1; last + 1 < setting_.volumes;) {
+    if (!all_first) acquire(last + 1);
+    const int volume = volume_to_begin(last);
+    result_.superseded_volumes += static_cast<std::uint64_t>(volume - last - 1);
+    render(volume);
+    last = volume;
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
+                                          const sim::CardOptions& card_options) {
+  sim::CardModel card(card_options);
+  hw::Stick stick;
+  stick.samples.resize(static_cast<std::size_t>(plan.acquisition().samples_per_stick));
+  std::vector<std::byte> packet, read(1 << 16);
+  hw::encode(stick, packet);
+  const int lines = plan.acquisition().sticks_per_frame;
+  const int sticks = plan.sticks_per_volume();
+  std::size_t read_bytes = 0;
+  int announced = 0;
+  std::vector<double> times_s;
+  const auto take = [&](hw::DeviceTime until) {
+    while (const auto interrupt = card.next_interrupt()) {
+      if (*interrupt > until) return;
+      read_bytes += card.read(read, *interrupt);
+      for (; announced < sticks &&
+             read_bytes >= static_cast<std::size_t>(announced + 1) * packet.size();
+           ++announced) {
+        if ((announced + 1) % lines == 0) times_s.push_back(seconds(*interrupt));
+      }
+    }
+  };
+  for (int sequence = 0; sequence < sticks; ++sequence) {
+    const auto next = static_cast<std::uint64_t>(sequence + 1);
+    const hw::DeviceTime end(
+        hw::DeviceDuration(std::llround(static_cast<double>(next) * plan.stick_period_s() * 1e9)));
+    card.push(packet, end, sequence + 1 == sticks);
+    take(end);
+  }
+  take(hw::DeviceTime::max());
+  return times_s;
+}
+
+VirtualResult run_virtual_stream(const VirtualSetting& setting) {
+  check_options(setting.queue);
+  return VirtualStream(setting).run();
+}
+
+}  // namespace wobblebench::bench

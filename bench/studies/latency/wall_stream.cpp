@@ -1,0 +1,50 @@
+#include "bench/studies/latency/wall_stream.h"
+
+#include <stdexcept>
+
+#include "bench/cache/kept_maps.h"
+#include "bench/pipeline/acquire.h"
+#include "bench/pipeline/stream/gl_stream_renderer.h"
+#include "render/renderer.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string board_text(const WallSetting& setting) {
+  const std::string board = "sim,pace=realtime";
+  return setting.faults.empty() ? board : board + ",faults=" + setting.faults;
+}
+
+}  // namespace
+
+StreamResult run_wall_stream(const WallSetting& setting,
+                             render::GlContext& context,
+                             PhantomCache& cache) {
+  Scene scene = setting.scene;
+  const std::string text = board_text(setting);
+  BoardConnection connection(parse_board(text));
+  const auto phantom = cache.phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  const auto subject = scene.place(phantom);
+  const auto plan = scene.plan();
+  render::Renderer renderer(context, plan, scene.render);
+  renderer.compile();
+  hw::Board& board = connection.connect(scene, subject, kept_maps(cache.tissue_maps()));
+  GlStreamRenderer passes(renderer);
+  StreamResult result = run_stream(
+      board,
+      plan,
+      passes,
+      {.queue = setting.queue},
+      text,
+      [](const ShownPicture&) {},
+      [] { return false; });
+  if (!result.failure.empty()) throw std::runtime_error(result.failure);
+  std::erase_if(result.records,
+                [](const PictureTimes& times) { return times.volume < kWarmUpVolumes; });
+  std::erase_if(result.spans, [](const StreamSpan& span) { return span.volume < kWarmUpVolumes; });
+  return result;
+}
+
+}  // namespace wobblebench::bench
