@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "base/user_error.h"
 #include "bench/cache/kept_maps.h"
@@ -14,13 +15,13 @@
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
-#include "bench/pipeline/stream/kept_depths.h"
 #include "bench/pipeline/stream/stream.h"
 #include "bench/report/output/image_io.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"
 #include "bench/report/output/video.h"
 #include "bench/report/stream/stream_report.h"
+#include "bench/report/stream/stream_sink.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
@@ -29,9 +30,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-/// So that a stream of hours makes no file that players refuse.
-constexpr double kLongestVideo_s = 1200;
 
 struct Arguments {
   SceneArguments scene;
@@ -42,6 +40,7 @@ struct Arguments {
   int volumes = 0;  ///< 0: to the end of the stream, or until Ctrl-C
   std::string policy = "newest";
   int queue = QueueOptions{}.volumes;
+  int ring = hw::BoardOptions{}.ring_slots;
   std::string codec = "mjpg";
   int errors = 8;
   bool trace = false;
@@ -76,51 +75,6 @@ Scene scene_of(const Arguments& arguments) {
   return scene;
 }
 
-/// Writes pictures on the stream's writing thread.
-class Sink {
- public:
-  Sink(const hw::AcquisitionPlan& plan, std::unique_ptr<Video> video, int most_depths)
-      : plan_(plan), video_(std::move(video)), depths_(most_depths) {}
-
-  void take(const ShownPicture& shown) {
-    const auto& times = shown.times;
-    if (first_ == 0 && last_ == 0) first_ = times.volume;
-    if (video_ && time_s(times) < kLongestVideo_s)
-      video_->add(shown.picture.surface, time_s(times));
-    last_ = times.volume;
-    if (!times.whole) return;
-    depths_.add(times.volume, shown.picture.depth_m);
-    picture_ = shown.picture;
-  }
-
-  /// Shows the last picture for the time of one volume.
-  void finish_video() {
-    const double period_s = 1e-3 * hw::to_milliseconds(plan_.volume_duration());
-    if (video_) video_->finish(std::min(kLongestVideo_s, (last_ - first_ + 1) * period_s));
-  }
-  const Video* video() const { return video_.get(); }
-  const std::optional<render::Picture>& last_picture() const { return picture_; }
-  const std::vector<KeptDepth>& depths() const { return depths_.kept(); }
-
- private:
-  /// Of the picture's newest stick after the first picture's volume began, on the device's clock.
-  double time_s(const PictureTimes& times) const {
-    const auto frame = std::max(times.sticks + times.lost - 1, 0);
-    const auto newest =
-        plan_.stick_time(plan_.first_sequence(times.volume) + static_cast<std::uint64_t>(frame));
-    const auto begin = plan_.stick_time(plan_.first_sequence(first_));
-    return times.whole
-               ? (times.volume - first_) * 1e-3 * hw::to_milliseconds(plan_.volume_duration())
-               : 1e-3 * hw::to_milliseconds(newest - begin);
-  }
-
-  const hw::AcquisitionPlan plan_;
-  std::unique_ptr<Video> video_;
-  KeptDepths depths_;
-  std::optional<render::Picture> picture_;  ///< the last of a whole volume
-  std::uint32_t first_ = 0, last_ = 0;
-};
-
 VolumeError error_of(const KeptDepth& kept,
                      const phantoms::PlacedPhantom& subject,
                      const Scene& scene,
@@ -145,108 +99,147 @@ std::string why_no_errors(const Arguments& arguments, const Scene& scene, bool k
   return "no whole volume was shown";
 }
 
-std::unique_ptr<Video> make_video(OutputFolder& out, std::optional<Codec> codec, int side) {
-  if (!codec) return {};
-  return std::make_unique<Video>(
-      out.stage("stream" + std::string(extension(*codec))), *codec, side, side);
+std::string video_name(Codec codec) {
+  return "stream" + std::string(extension(codec));
 }
 
+std::unique_ptr<Video> make_video(OutputFolder& out, std::optional<Codec> codec, int side) {
+  if (!codec) return {};
+  return std::make_unique<Video>(out.stage(video_name(*codec)), *codec, side, side);
+}
+
+/// Why there is no picture of a whole volume.
+std::string why_nothing(const StreamResult& result, const Arguments& arguments) {
+  if (!result.failure.empty()) return result.failure;
+  if (stop_requested()) return "stopped before the first whole volume was shown";
+  return "--board = " + arguments.board + ": no whole volume came";
+}
+
+/// The exit code, with a line on stderr unless it is 0.
 int verdict(const StreamReport& report, const Arguments& arguments) {
+  const std::uint64_t came = report.result.reader.volumes;
   std::string why = report.result.failure;
-  if (why.empty() && report.result.shown.volumes == 0) {
-    why = "--board = " + arguments.board + ": no whole volume came";
-  }
-  if (why.empty() && arguments.volumes > 0 && !stop_requested() &&
-      report.result.reader.volumes < static_cast<std::uint64_t>(arguments.volumes)) {
+  if (why.empty() && came < static_cast<std::uint64_t>(arguments.volumes) && !stop_requested()) {
     why = "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
-          " sent " + std::to_string(report.result.reader.volumes);
+          " sent " + std::to_string(came);
   }
   if (why.empty()) return 0;
   std::cerr << "wobblebench: " << why << "\n";
   return 1;
 }
 
-int stream(const Arguments& arguments) {
-  const QueueOptions queue = queue_options(arguments);
-  const auto codec = codec_of(arguments.codec);
-  Scene scene = scene_of(arguments);
-  check_memory_of_run(scene, available_memory_bytes());
-  BoardConnection board(parse_board(arguments.board));
-  const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress;
-
-  const bool known = board.adopt_plan(scene) == hw::StreamOrigin::simulated;
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  std::optional<phantoms::PlacedPhantom> subject;
-  if (known) {
-    const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-    complete_from_phantom(scene, phantom);
-    subject = scene.place(phantom);
-  } else {
+/// The scene's phantom, placed, where the samples are of it; none: nobody knows what they are of.
+std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
+                                                     hw::StreamOrigin source,
+                                                     PhantomCache& cache,
+                                                     Progress& progress) {
+  if (source != hw::StreamOrigin::simulated) {
     complete_from_plan(scene);
+    return {};
   }
-  const auto plan = scene.plan();
-  const bool mid_volume = scene.render.pipeline.mid_volume;
-  Sink sink(plan,
-            make_video(out, codec, scene.render.ray_casting.image_size),
-            mid_volume || !known ? 0 : arguments.errors);
-  render::Renderer renderer(*context, plan, scene.render);
-  progress.step("shaders", [&] { renderer.compile(); });
-  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-  stop_in_order();
-  hw::Board& source = *progress.step(
-      "scene", [&] { return subject ? &board.connect(scene, *subject, maps) : &board.connect(); });
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+  complete_from_phantom(scene, phantom);
+  return scene.place(phantom);
+}
 
-  StreamReport report{.result = {}, .summary = {}, .queue = queue};
-  report.result = progress.step("stream", [&](const PartDone& done) {
+StreamResult stream_to(StreamSink& sink,
+                       hw::Board& board,
+                       render::Renderer& renderer,
+                       const Scene& scene,
+                       const Arguments& arguments,
+                       Progress& progress) {
+  const auto volumes = static_cast<std::size_t>(arguments.volumes);
+  return progress.step("stream", [&](const PartDone& done) {
     std::uint64_t pictures = 0;
     const PictureSink show = [&](const ShownPicture& shown) {
       sink.take(shown);
       progress.note(std::to_string(++pictures) + " pictures, volume " +
                     std::to_string(shown.times.volume));
-      if (arguments.volumes > 0) {
-        done(std::min<std::size_t>(shown.times.volume + 1, std::size_t(arguments.volumes)),
-             std::size_t(arguments.volumes));
-      }
+      if (volumes > 0) done(std::min<std::size_t>(shown.times.volume + 1, volumes), volumes);
     };
-    const StreamOptions options{.queue = queue,
-                                .volumes = static_cast<std::uint64_t>(arguments.volumes),
-                                .mid_volume = mid_volume};
+    const StreamOptions options{.queue = queue_options(arguments),
+                                .volumes = volumes,
+                                .mid_volume = scene.render.pipeline.mid_volume};
     GlStreamRenderer passes(renderer);
-    return run_stream(source, plan, passes, options, arguments.board, show, stop_requested);
+    return run_stream(board, scene.plan(), passes, options, arguments.board, show, stop_requested);
   });
-  report.simulated = board.simulated();
-  const bool in_real_time = !report.result.link.waits_for_reader || source.epoch();
-  const double sound_ms = hw::to_milliseconds(plan.volume_duration());
+}
+
+StreamSummary summary_of(const StreamReport& report, bool in_real_time, const Scene& scene) {
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const auto volumes = std::max<std::uint64_t>(report.result.reader.volumes, 1);
   const double simulated_ms = report.simulated ? report.simulated->volume_ms : 0;
-  report.summary = summarize(
-      report.result,
-      in_real_time ? sound_ms : 0,
-      simulated_ms / static_cast<double>(std::max<std::uint64_t>(report.result.reader.volumes, 1)));
+  return summarize(
+      report.result, in_real_time ? sound_ms : 0, simulated_ms / static_cast<double>(volumes));
+}
+
+std::vector<VolumeError> errors_of(const StreamSink& sink,
+                                   const std::optional<phantoms::PlacedPhantom>& subject,
+                                   const Scene& scene,
+                                   const sim::TissueMapSource& maps,
+                                   Progress& progress) {
+  std::vector<VolumeError> errors;
+  if (!subject || sink.depths().empty()) return errors;
   progress.step("errors", [&](const PartDone& done) {
     PartCount parts(sink.depths().size(), done);
     for (const KeptDepth& kept : sink.depths()) {
-      if (!subject || stop_requested()) break;
-      report.errors.push_back(error_of(kept, *subject, scene, maps));
+      if (stop_requested()) break;
+      errors.push_back(error_of(kept, *subject, scene, maps));
       parts.finish_one();
     }
   });
-  if (report.errors.empty()) report.why_no_errors = why_no_errors(arguments, scene, known);
+  return errors;
+}
 
-  progress.step("write", [&] {
-    if (const auto& picture = sink.last_picture()) {
-      write_png(out.stage("surface.png"), picture->surface, Values::light);
-      sink.finish_video();
-    }
-    if (arguments.trace) out.write_text("trace.json", stream_trace(report.result));
-  });
-  if (const Video* video = sink.video()) {
-    report.video = VideoSummary{"stream" + std::string(extension(*codec)),
-                                std::string(to_string(*codec)),
-                                video->backend(),
-                                video->seconds()};
+void write_pictures(StreamSink& sink,
+                    std::optional<Codec> codec,
+                    StreamReport& report,
+                    bool with_trace,
+                    OutputFolder& out) {
+  write_png(out.stage("surface.png"), sink.last_picture()->surface, Values::light);
+  if (with_trace) out.write_text("trace.json", stream_trace(report.result));
+  if (const Video* video = sink.finish_video()) {
+    report.video = VideoSummary{
+        video_name(*codec), std::string(to_string(*codec)), video->backend(), video->seconds()};
   }
+}
+
+int stream(const Arguments& arguments) {
+  const auto codec = codec_of(arguments.codec);
+  StreamReport report;
+  report.queue = queue_options(arguments);
+  Scene scene = scene_of(arguments);
+  check_memory_of_run(scene, available_memory_bytes());
+  BoardConnection connection(parse_board(arguments.board), {.ring_slots = arguments.ring});
+  const auto context = render::make_context(arguments.gl);
+  OutputFolder out(arguments.output.folder);
+  Progress progress;
+
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const auto subject = place_subject(scene, connection.adopt_plan(scene), cache, progress);
+  const bool is_measured = subject && !scene.render.pipeline.mid_volume;
+  StreamSink sink(scene.plan(),
+                  make_video(out, codec, scene.render.ray_casting.image_size),
+                  is_measured ? arguments.errors : 0);
+  render::Renderer renderer(*context, scene.plan(), scene.render);
+  progress.step("shaders", [&] { renderer.compile(); });
+  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+  stop_in_order();
+  hw::Board& board = *progress.step("scene", [&] {
+    return subject ? &connection.connect(scene, *subject, maps) : &connection.connect();
+  });
+
+  report.result = stream_to(sink, board, renderer, scene, arguments, progress);
+  if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
+  report.simulated = connection.simulated();
+  report.summary =
+      summary_of(report, !report.result.link.waits_for_reader || board.epoch().has_value(), scene);
+  report.errors = errors_of(sink, subject, scene, maps, progress);
+  if (report.errors.empty()) {
+    report.why_no_errors = why_no_errors(arguments, scene, subject.has_value());
+  }
+  progress.step("write", [&] { write_pictures(sink, codec, report, arguments.trace, out); });
+
   Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
   provenance.board = hw::to_string(report.result.link.origin);
   const std::string json = stream_report(report, std::move(provenance), scene, progress.times());
@@ -279,6 +272,8 @@ Command add_stream_command(CLI::App& app) {
            "newest: drop volumes that a later one has overtaken; every: they wait, and so does the "
            "board");
   add_integer(command, "--queue", arguments->queue, "every: volumes that may wait", 1, 64);
+  add_integer(
+      command, "--ring", arguments->ring, "Sticks that the board holds", 1, hw::kMaxRingSlots);
   add_text(command,
            "--codec",
            arguments->codec,

@@ -32,12 +32,13 @@ double dynamic_range_db(const Scene& scene, const hw::Configuration& configurati
 
 }  // namespace
 
-BoardConnection::BoardConnection(const BoardArguments& arguments) : arguments_(arguments) {
+BoardConnection::BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options)
+    : arguments_(arguments), options_(options) {
   if (!is_simulated(arguments)) open();
 }
 
 void BoardConnection::open() {
-  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}));
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}), options_);
   assembly_.emplace(*board_);
 }
 
@@ -83,7 +84,7 @@ hw::Board& BoardConnection::connect(const Scene& scene,
   // The link computes its volumes from here on.
   connected_ = hw::HostClock::now();
   const auto sticks = [&] { return sim::stick_source(std::move(made), subject_hash(scene)); };
-  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_));
+  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_), options_);
   assembly_.emplace(*board_);
   return *board_;
 }

@@ -49,7 +49,7 @@ struct Acquisition {
 class BoardConnection {
  public:
   /// Opens a recording or a card; a simulator is made by acquire(). Throws UserError.
-  explicit BoardConnection(const BoardArguments& arguments);
+  explicit BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options = {});
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
   /// Returns where the samples come from. Throws UserError where the scene was given other values
@@ -85,6 +85,7 @@ class BoardConnection {
   std::string ending();
 
   BoardArguments arguments_;
+  hw::BoardOptions options_;
   std::unique_ptr<hw::Board> board_;
   std::optional<hw::VolumeAssembly> assembly_;
   hw::HostTime connected_;  ///< from then on sticks may be made

@@ -30,6 +30,18 @@ FrameReader::FrameReader(hw::Board& board,
 }
 
 void FrameReader::run(std::uint64_t volumes) {
+  try {
+    read(volumes);
+  } catch (...) {
+    leave_volume();
+    queue_.close();
+    throw;
+  }
+  leave_volume();
+  queue_.close();
+}
+
+void FrameReader::read(std::uint64_t volumes) {
   double waited_ms = 0;
   const auto start = hw::HostClock::now();
   for (bool more = true; more && (volumes == 0 || statistics_.volumes < volumes);) {
@@ -38,11 +50,9 @@ void FrameReader::run(std::uint64_t volumes) {
     waited_ms += milliseconds(hw::HostClock::now() - asked);
     statistics_.least_free_slots = std::min(statistics_.least_free_slots, board_.free_slots());
     more = take(event);
+    statistics_.busy_ms =
+        milliseconds(hw::HostClock::now() - start) - waited_ms - queue_.statistics().blocked_ms;
   }
-  leave_volume();
-  queue_.close();
-  statistics_.busy_ms =
-      milliseconds(hw::HostClock::now() - start) - waited_ms - queue_.statistics().blocked_ms;
 }
 
 bool FrameReader::take(hw::Event& event) {
@@ -73,11 +83,8 @@ bool FrameReader::take_stick(const hw::Stick& stick) {
   while (next_ < place_of_stick) {
     if (!push_frame(false)) return false;
   }
-  StickTimes times{.fired = {}, .acquired = hw::HostClock::now()};
-  if (const auto epoch = board_.epoch()) times.fired = *epoch + stick.time.time_since_epoch();
-  if (frame_.sticks == 0) frame_.first = times;
-  frame_.last = times;
-  ++frame_.sticks;
+  frame_.last.acquired = hw::HostClock::now();
+  if (frame_.sticks++ == 0) frame_.first.acquired = frame_.last.acquired;
   volume_->place(stick);
   const bool is_last =
       static_cast<int>(stick.index.line) + 1 == plan_.acquisition().sticks_per_frame;
@@ -118,8 +125,9 @@ bool FrameReader::push_frame(bool ends_volume) {
   frame_.frame = place(next_++, frame_.volume);
   frame_.samples = volume_->frame(frame_.frame);
   frame_.ends_volume = ends_volume;
-  StreamFrame following{
-      .volume = frame_.volume, .samples = {}, .first = frame_.last, .last = frame_.last};
+  set_schedule();
+  if (frame_.sticks == 0) frame_.first.acquired = frame_.last.acquired = hw::HostClock::now();
+  StreamFrame following{.volume = frame_.volume, .samples = {}, .first = {}, .last = {}};
   StreamFrame done = std::exchange(frame_, std::move(following));
   if (ends_volume) {
     if (!std::exchange(checked_, true)) {
@@ -129,6 +137,16 @@ bool FrameReader::push_frame(bool ends_volume) {
     ++statistics_.volumes;
   }
   return queue_.push(std::move(done));
+}
+
+/// When the frame's first and last stick were due, whether they arrived or not.
+void FrameReader::set_schedule() {
+  const auto epoch = board_.epoch();
+  if (!epoch) return;
+  const auto lines = static_cast<std::uint64_t>(plan_.acquisition().sticks_per_frame);
+  const auto first = plan_.sequence({frame_.volume, static_cast<std::uint32_t>(frame_.frame), 0});
+  frame_.first.fired = *epoch + plan_.stick_time(first).time_since_epoch();
+  frame_.last.fired = *epoch + plan_.stick_time(first + lines - 1).time_since_epoch();
 }
 
 int FrameReader::place(int frame, std::uint32_t volume) const {

@@ -40,12 +40,14 @@ class FrameReader {
   const ReaderStatistics& statistics() const { return statistics_; }
 
  private:
+  void read(std::uint64_t volumes);
   /// False: nothing more is wanted, or can come.
   bool take(hw::Event& event);
   bool take_stick(const hw::Stick& stick);
   bool begin_volume(const hw::Stick& stick);
   bool end_volume();
   bool push_frame(bool ends_volume);
+  void set_schedule();
   /// Place of a frame in the order of acquisition, and back.
   int place(int frame, std::uint32_t volume) const;
   void leave_volume();

@@ -254,6 +254,7 @@ StreamResult Running::run() {
     board_.cancel();
   }
   result_.end = hw::HostClock::now();
+  frames_.stop();  // counts what is left of a volume that did not end
   board_.stop();
   result_.account = board_.account();
   result_.link = board_.capabilities();

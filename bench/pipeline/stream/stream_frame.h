@@ -20,7 +20,9 @@ struct StreamFrame {
   std::uint32_t volume = 0;
   int frame = 0;
   hw::PolarFrame samples;
-  int sticks = 0;  ///< that arrived; without any, the times are those of the frame before
+  int sticks = 0;  ///< that arrived
+  /// Fired: the first and the last line. Acquired: of those that arrived; none did: when that was
+  /// known.
   StickTimes first, last;
   bool ends_volume = false;  ///< the last that the volume will get
 };

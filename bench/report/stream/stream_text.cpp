@@ -62,6 +62,14 @@ std::string sticks_text(const StreamResult& result) {
          volumes(result.superseded_pictures) + " before writing\n";
 }
 
+/// A simulator that does not keep up delays its probe: ages hold nothing of that.
+std::string late_text(const StreamReport& report) {
+  if (!report.simulated || report.simulated->late_ms <= 0) return "";
+  return "simulator   was late by " + fixed(report.simulated->late_ms, 0) +
+         " ms in all, for which the probe waited; `record`, then `--board "
+         "file=…,pace=realtime`, is in time\n";
+}
+
 std::string errors_text(const StreamReport& report) {
   if (report.errors.empty()) return "depth error none: " + report.why_no_errors + "\n";
   std::vector<double> medians, p95;
@@ -85,7 +93,7 @@ std::string stream_text(const StreamReport& report, const std::filesystem::path&
   if (!report.result.records.empty()) {
     text += rates_text(report.summary) + ages_text(report.summary) + loads_text(report.summary);
   }
-  text += errors_text(report);
+  text += late_text(report) + errors_text(report);
   if (const auto& video = report.video) {
     text += "video       " + video->name + ": " + fixed(video->seconds, 1) + " s, " + video->codec +
             " by " + video->backend + "\n";

@@ -77,6 +77,12 @@ TEST(FrameReader, LostSticksLeaveNoFrameOut) {
     EXPECT_EQ(came, got.account.delivered) << seed;
     EXPECT_EQ(got.statistics.sticks, came) << seed;
     EXPECT_EQ(got.frames.size() % 3, 0u) << seed;
+    // Times go forward, of frames without sticks too.
+    for (std::size_t i = 0; i < got.frames.size(); ++i) {
+      EXPECT_LE(got.frames[i].first.acquired, got.frames[i].last.acquired) << seed;
+      if (i == 0) continue;
+      EXPECT_LE(got.frames[i - 1].last.acquired, got.frames[i].first.acquired) << seed;
+    }
   }
 }
 

@@ -164,6 +164,29 @@ TEST(Stream, StopsWithinASecondAtAnyMoment) {
   }
 }
 
+/// What came before is shown, and the sticks are accounted for.
+TEST(Stream, AnAcquisitionThatChangesInAVolumeEndsIt) {
+  const auto plan = hw::small_plan(2);
+  auto packets = hw::packets_of(plan);
+  hw::AcquisitionOptions deeper = plan.acquisition();
+  deeper.depth_m *= 2;
+  const auto change = hw::packets_of({plan.probe(), deeper}).front();
+  packets.insert(packets.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 18)), change);
+  hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(packets)));
+  SummingRenderer renderer(plan, milliseconds(0));
+  const StreamResult got = run_stream(
+      board,
+      plan,
+      renderer,
+      {.queue = {.policy = StreamPolicy::every}},
+      "test",
+      [](const auto&) {},
+      [] { return false; });
+  EXPECT_NE(got.failure.find("changes"), std::string::npos) << got.failure;
+  EXPECT_EQ(got.shown.volumes, 1u);
+  EXPECT_TRUE(got.balanced());
+}
+
 TEST(Stream, AFailingSinkEndsItWithItsMessage) {
   const auto plan = hw::small_plan(50);
   for (const auto policy : {StreamPolicy::every, StreamPolicy::newest}) {
