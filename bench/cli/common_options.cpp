@@ -172,16 +172,21 @@ void add_board_option(CLI::App& command, std::string& board) {
       .default_str(board);
 }
 
+void add_choice(CLI::App& command,
+                const std::string& name,
+                std::string& value,
+                const std::vector<std::string>& names,
+                const std::string& help) {
+  add_value(command, name, "TEXT", help, [&value](const std::string& text) { value = text; })
+      .check(CLI::IsMember(names))
+      ->default_str(value);
+}
+
 void add_gl_option(CLI::App& command, std::string& backend) {
   std::vector<std::string> names = render::context_backends();
   names.insert(names.begin(), "auto");
-  add_value(command,
-            "--gl",
-            "TEXT",
-            "Where OpenGL comes from; auto: the first that is here",
-            [&backend](const std::string& text) { backend = text; })
-      .check(CLI::IsMember(names))
-      ->default_str(backend);
+  add_choice(
+      command, "--gl", backend, names, "Where OpenGL comes from; auto: the first that is here");
 }
 
 void add_repeats_option(CLI::App& command, int& repeats) {

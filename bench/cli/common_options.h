@@ -51,6 +51,12 @@ void add_text(CLI::App& command,
               const std::string& name,
               std::string& text,
               const std::string& help);
+/// One of `names`.
+void add_choice(CLI::App& command,
+                const std::string& name,
+                std::string& value,
+                const std::vector<std::string>& names,
+                const std::string& help);
 void add_list(CLI::App& command,
               const std::string& name,
               std::vector<std::string>& values,

@@ -28,12 +28,6 @@ struct Arguments {
   int volumes = 60;
 };
 
-StreamPolicy policy_of(const std::string& name) {
-  if (name == "newest") return StreamPolicy::newest;
-  if (name == "every") return StreamPolicy::every;
-  throw UserError("--policy = " + name + ": must be newest or every");
-}
-
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   if (scene.given.contains("acquisition.volumes")) {
@@ -48,7 +42,8 @@ Scene scene_of(const Arguments& arguments) {
 }
 
 int latency(const Arguments& arguments) {
-  const StreamPolicy policy = policy_of(arguments.policy);
+  const bool is_every = arguments.policy == to_string(StreamPolicy::every);
+  const auto policy = is_every ? StreamPolicy::every : StreamPolicy::newest;
   const Scene scene = scene_of(arguments);
   check_memory_of_run(scene, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
@@ -83,10 +78,11 @@ Command add_latency_command(CLI::App& app) {
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
-  add_text(command,
-           "--policy",
-           arguments->policy,
-           "newest: drop volumes that a later one has overtaken; every: they wait");
+  add_choice(command,
+             "--policy",
+             arguments->policy,
+             {"newest", "every"},
+             "newest: drop volumes that a later one has overtaken; every: they wait");
   add_integer(command, "--volumes", arguments->volumes, "Of each stream", 10, 1000);
   return {&command, [arguments] { return latency(*arguments); }};
 }

@@ -7,6 +7,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/cli/place_subject.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/fit/correction.h"
 #include "bench/pipeline/run_result.h"
@@ -31,20 +32,6 @@ struct Arguments {
   bool register_surface = false;
   bool fail_on_loss = false;
 };
-
-/// The scene's phantom, placed, where the samples are of it; none: nobody knows what they are of.
-std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
-                                                     hw::StreamOrigin source,
-                                                     PhantomCache& cache,
-                                                     Progress& progress) {
-  if (source != hw::StreamOrigin::simulated) {
-    complete_from_plan(scene);
-    return {};
-  }
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  return scene.place(phantom);
-}
 
 Truth true_surface(const phantoms::PlacedPhantom& subject,
                    const Scene& scene,

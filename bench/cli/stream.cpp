@@ -10,6 +10,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
 #include "bench/cli/common_options.h"
+#include "bench/cli/place_subject.h"
 #include "bench/cli/stop_signals.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
@@ -47,20 +48,26 @@ struct Arguments {
 };
 
 QueueOptions queue_options(const Arguments& arguments) {
-  if (arguments.policy != "newest" && arguments.policy != "every") {
-    throw UserError("--policy = " + arguments.policy + ": must be newest or every");
-  }
-  return {.policy = arguments.policy == "every" ? StreamPolicy::every : StreamPolicy::newest,
+  const bool is_every = arguments.policy == to_string(StreamPolicy::every);
+  return {.policy = is_every ? StreamPolicy::every : StreamPolicy::newest,
           .volumes = arguments.queue};
 }
 
+constexpr Codec kCodecs[] = {Codec::mjpg, Codec::mp4v, Codec::avc1};
+
 /// None: no video.
 std::optional<Codec> codec_of(const std::string& name) {
-  if (name == "none") return {};
-  for (const Codec codec : {Codec::mjpg, Codec::mp4v, Codec::avc1}) {
+  for (const Codec codec : kCodecs) {
     if (name == to_string(codec)) return codec;
   }
-  throw UserError("--codec = " + name + ": must be mjpg, mp4v, avc1 or none");
+  return {};
+}
+
+std::vector<std::string> codec_names() {
+  std::vector<std::string> names;
+  for (const Codec codec : kCodecs) names.emplace_back(to_string(codec));
+  names.emplace_back("none");
+  return names;
 }
 
 Scene scene_of(const Arguments& arguments) {
@@ -126,20 +133,6 @@ int verdict(const StreamReport& report, const Arguments& arguments) {
   if (why.empty()) return 0;
   std::cerr << "wobblebench: " << why << "\n";
   return 1;
-}
-
-/// The scene's phantom, placed, where the samples are of it; none: nobody knows what they are of.
-std::optional<phantoms::PlacedPhantom> place_subject(Scene& scene,
-                                                     hw::StreamOrigin source,
-                                                     PhantomCache& cache,
-                                                     Progress& progress) {
-  if (source != hw::StreamOrigin::simulated) {
-    complete_from_plan(scene);
-    return {};
-  }
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  return scene.place(phantom);
 }
 
 StreamResult stream_to(StreamSink& sink,
@@ -266,18 +259,21 @@ Command add_stream_command(CLI::App& app) {
                        "Stop after so many; without it at the end of the stream, or at Ctrl-C",
                        1,
                        hw::kMostVolumes);
-  add_text(command,
-           "--policy",
-           arguments->policy,
-           "newest: drop volumes that a later one has overtaken; every: they wait, and so does the "
-           "board");
+  add_choice(
+      command,
+      "--policy",
+      arguments->policy,
+      {"newest", "every"},
+      "newest: drop volumes that a later one has overtaken; every: they wait, and so does the "
+      "board");
   add_integer(command, "--queue", arguments->queue, "every: volumes that may wait", 1, 64);
   add_integer(
       command, "--ring", arguments->ring, "Sticks that the board holds", 1, hw::kMaxRingSlots);
-  add_text(command,
-           "--codec",
-           arguments->codec,
-           "Of the video: mjpg (.avi), mp4v or avc1 (.mp4), or none");
+  add_choice(command,
+             "--codec",
+             arguments->codec,
+             codec_names(),
+             "Of the video: mjpg (.avi), mp4v or avc1 (.mp4), or none");
   add_integer(command,
               "--errors",
               arguments->errors,

@@ -1,6 +1,6 @@
 #include "bench/report/error_report.h"
+#include "bench/report/report_parts.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace wobblebench::bench {
@@ -8,11 +8,6 @@ namespace wobblebench::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON has no NaN: a figure that could not be formed is null.
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json mm(double metres) {
   return number(metres / kMillimetre);

@@ -1,18 +1,8 @@
 #include "bench/report/report.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace wobblebench::bench {
-
-namespace {
-
-/// JSON has no NaN: a figure that could not be formed is null.
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-}  // namespace
 
 Json report_head(const std::string& command, Provenance provenance, const Scene& scene) {
   provenance.seed = scene.simulation.seed;

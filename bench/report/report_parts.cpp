@@ -1,10 +1,15 @@
 #include "bench/report/report_parts.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "hw/probe/clock.h"
 
 namespace wobblebench::bench {
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
 
 nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan) {
   const auto& acquisition = plan.acquisition();

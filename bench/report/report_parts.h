@@ -15,6 +15,9 @@ inline constexpr int kReportSchema = 1;
 /// Names of steps with their wall time, ms.
 using StepTimes = std::vector<std::pair<std::string, double>>;
 
+/// Null unless it is finite: JSON has no NaN.
+nlohmann::ordered_json number(double value);
+
 nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan);
 nlohmann::ordered_json wall_json(const StepTimes& times);
 

@@ -6,6 +6,7 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include "base/options.h"
 #include "bench/pipeline/stream/stream_frame.h"
@@ -18,6 +19,10 @@ enum class StreamPolicy {
   every,   ///< they wait, and then the board does: no volume is dropped here
 };
 
+constexpr std::string_view to_string(StreamPolicy policy) {
+  return policy == StreamPolicy::newest ? "newest" : "every";
+}
+
 struct QueueOptions {
   StreamPolicy policy = StreamPolicy::newest;
   int volumes = 2;  ///< every: so many volumes wait, the one under way included
@@ -25,7 +30,10 @@ struct QueueOptions {
 
 template <OptionsOf<QueueOptions> O, class Visitor>
 void describe(O& o, Visitor& v) {
-  v.choice("policy", o.policy, {{"newest", StreamPolicy::newest}, {"every", StreamPolicy::every}});
+  v.choice("policy",
+           o.policy,
+           {{to_string(StreamPolicy::newest), StreamPolicy::newest},
+            {to_string(StreamPolicy::every), StreamPolicy::every}});
   v.integer("queue", o.volumes, 1, 64);
 }
 

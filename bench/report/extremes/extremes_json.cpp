@@ -1,17 +1,13 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/report/extremes/extremes_report.h"
+#include "bench/report/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json errors_json(const std::vector<PassError>& errors) {
   Json list = Json::array();

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/report/fit/fit_report.h"
@@ -7,10 +6,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json coverage_json(const Coverage& coverage) {
   Json rows = Json::array();

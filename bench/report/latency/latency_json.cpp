@@ -1,18 +1,13 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/report/latency/latency_report.h"
+#include "bench/report/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON has no NaN.
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json ages_json(const Percentiles& of) {
   return {{"p50", number(of.p50)}, {"p99", number(of.p99)}, {"max", number(of.max)}, {"n", of.n}};

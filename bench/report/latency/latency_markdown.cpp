@@ -28,8 +28,7 @@ void write_head(const LatencyStudy& study,
        << acquisition.sticks_per_frame << " lines, " << fixed(acquisition.depth_m / kMillimetre, 0)
        << " mm; pictures of " << scene.render.ray_casting.image_size
        << "² pixels; simulated sticks, seed " << scene.simulation.seed
-       << ", sent in real time; policy "
-       << (study.policy == StreamPolicy::newest ? "newest" : "every")
+       << ", sent in real time; policy " << to_string(study.policy)
        << ". Wall clock: " << study.volumes << " volumes a stream, the first two left out.\n";
   const Bottleneck bottleneck = bottleneck_of(study.summary);
   text << "\nThe bottleneck of the scene is " << bottleneck.stage << ", "

@@ -52,10 +52,14 @@ Video::Video(const std::filesystem::path& path, Codec codec, int width, int heig
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  const int backend = codec == Codec::mjpg ? cv::CAP_OPENCV_MJPEG : cv::CAP_FFMPEG;
   const cv::Size size(width, height);
-  if (!impl_->writer.open(
-          path.string(), backend, four_letters(codec), kVideoFramesPerSecond, size)) {
+  const auto open = [&](int backend) {
+    return impl_->writer.open(
+        path.string(), backend, four_letters(codec), kVideoFramesPerSecond, size);
+  };
+  // Of OpenCV's own Motion JPEG some pictures lack their last bytes, which readers remark on.
+  const bool opened = open(cv::CAP_FFMPEG) || (codec == Codec::mjpg && open(cv::CAP_OPENCV_MJPEG));
+  if (!opened) {
     throw UserError("--codec = " + std::string(to_string(codec)) + ": OpenCV cannot write " +
                     std::to_string(width) + " x " + std::to_string(height) +
                     " pictures with it here; mjpg needs nothing else, "

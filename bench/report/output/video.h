@@ -12,7 +12,7 @@
 namespace wobblebench::bench {
 
 enum class Codec {
-  mjpg,  ///< Motion JPEG in .avi, which OpenCV encodes itself
+  mjpg,  ///< Motion JPEG in .avi, by FFmpeg or else by OpenCV itself
   mp4v,  ///< MPEG-4 Visual in .mp4, by FFmpeg
   avc1,  ///< H.264 in .mp4, by FFmpeg, where it was built with an encoder
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/report/commands/board_report.h"
@@ -10,11 +9,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-/// NaN has no place in JSON: null.
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json percentiles_json(const Percentiles& of) {
   return {{"p50", number(of.p50)},
@@ -121,7 +115,7 @@ std::string stream_report(const StreamReport& report,
   json["board"] = account_json(report.result.account);
   json["board"]["link"] = link_json(report.result.link);
   json["stream"] = {
-      {"policy", report.queue.policy == StreamPolicy::newest ? "newest" : "every"},
+      {"policy", to_string(report.queue.policy)},
       {"queue", report.queue.volumes},
       {"broke_off", report.result.failure.empty() ? Json(nullptr) : Json(report.result.failure)}};
   json["latency"] = latency_json(report);

@@ -1,6 +1,6 @@
-#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/report/report_parts.h"
 #include "bench/report/trade/trade_report.h"
 
 namespace wobblebench::bench {
@@ -8,10 +8,6 @@ namespace wobblebench::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json settings_json(const TradeWork& work, std::size_t point) {
   Json json = Json::object();
