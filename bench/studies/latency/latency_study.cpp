@@ -247,7 +247,8 @@ std::vector<CrossoverCurve> crossover_curves(const std::string& name,
   std::vector<CrossoverCurve> curves;
   for (const int lines : {32, 64, 128}) {
     CrossoverCurve curve{.times = name, .lines = lines, .depth_mm = {}, .frames = {}};
-    for (double depth_mm = 40; depth_mm <= 240; depth_mm += 10) {
+    for (int tens = 4; tens <= 24; ++tens) {
+      const double depth_mm = 10.0 * tens;
       hw::AcquisitionOptions of = plan.acquisition();
       of.depth_m = depth_mm * kMillimetre;
       const double frame_s = lines * hw::AcquisitionPlan(plan.probe(), of).stick_period_s();
