@@ -102,6 +102,7 @@ VolumeError error_of(const KeptDepth& kept,
 std::string why_no_errors(const Arguments& arguments, const Scene& scene, bool known) {
   if (!known) return "what the samples are of is not known";
   if (arguments.errors == 0) return "--errors = 0";
+  if (stop_requested()) return "stopped: they are measured after the stream";
   if (scene.render.pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
   return "no whole volume was shown";
 }
