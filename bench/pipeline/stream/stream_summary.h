@@ -31,6 +31,9 @@ struct StreamSummary {
   Percentiles age_oldest, age_newest;
   /// The parts of age_newest, in order. The first is none unless `scheduled`.
   std::optional<Percentiles> fired_to_acquired;
+  /// Of it, by the simulator's model of the card: until the interrupt that announces a volume's
+  /// last stick, the same in each volume.
+  std::optional<double> fired_to_announced_ms;
   Percentiles acquired_to_rendering;  ///< pass 1 is done, pass 2 begins
   Percentiles rendering;              ///< passes 2 to 4, with reading back
   Percentiles ready_to_written;

@@ -45,6 +45,8 @@ Json latency_json(const StreamReport& report) {
       {"age_newest_ms", percentiles_json(summary.age_newest)},
       {"fired_to_acquired_ms",
        summary.fired_to_acquired ? percentiles_json(*summary.fired_to_acquired) : Json(nullptr)},
+      {"fired_to_announced_ms",
+       summary.fired_to_announced_ms ? Json(*summary.fired_to_announced_ms) : Json(nullptr)},
       {"acquired_to_rendering_ms", percentiles_json(summary.acquired_to_rendering)},
       {"rendering_ms", percentiles_json(summary.rendering)},
       {"ready_to_written_ms", percentiles_json(summary.ready_to_written)},

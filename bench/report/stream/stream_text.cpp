@@ -30,7 +30,11 @@ std::string ages_text(const StreamSummary& summary) {
   text += "oldest echo " + of_ms(summary.age_oldest) + "\n";
   text += "newest echo " + of_ms(summary.age_newest) + "\n";
   if (summary.fired_to_acquired) {
-    text += "  fired to acquired      " + of_ms(*summary.fired_to_acquired) + "\n";
+    text += "  fired to acquired      " + of_ms(*summary.fired_to_acquired);
+    if (const auto& announced_ms = summary.fired_to_announced_ms) {
+      text += "; the card's interrupt after " + fixed(*announced_ms, 2) + " ms (modelled)";
+    }
+    text += "\n";
   }
   text += "  acquired to pass 2     " + of_ms(summary.acquired_to_rendering) + "\n";
   text += "  passes 2 to 4          " + of_ms(summary.rendering) + "\n";

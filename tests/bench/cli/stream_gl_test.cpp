@@ -134,6 +134,8 @@ TEST_F(StreamCommand, ASmallRingAndALossyLinkAreToldByCause) {
   EXPECT_GT(link, 0u);
   EXPECT_EQ(board["emitted"], std::uint64_t{board["delivered"]} + ring_full + link);
   EXPECT_EQ(report["latency"]["ages_from"], "scheduled emission");
+  // The echoes of the last stick take its period, 207.8 us; the volume's end flushes the card.
+  EXPECT_NEAR(double{report["latency"]["fired_to_announced_ms"]}, 0.2078, 0.01);
   EXPECT_LT(double{report["latency"]["age_oldest_ms"]["max"]}, 60000);
   const Json& dropped = report["latency"]["dropped"];
   const std::uint64_t superseded = std::uint64_t{dropped["superseded_before_rendering"]["sticks"]} +
