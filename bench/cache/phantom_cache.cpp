@@ -70,6 +70,16 @@ sim::TissueMapSource PhantomCache::tissue_maps() {
   };
 }
 
+std::optional<std::string> PhantomCache::text(const std::string& key) const {
+  if (!blobs_) return std::nullopt;
+  const auto blob = blobs_->load(key);
+  return blob ? std::optional(std::string(blob->bytes())) : std::nullopt;
+}
+
+void PhantomCache::keep_text(const std::string& key, const std::string& text) const {
+  if (blobs_) blobs_->store(key, text);
+}
+
 PhantomCache open_phantom_cache(int megabytes) {
   const auto folder = default_cache_folder();
   if (!folder || megabytes <= 0) return PhantomCache{};

@@ -1,4 +1,4 @@
-// Phantoms and their tissue maps, kept between runs.
+// Phantoms, their tissue maps and what was measured with them, kept between runs.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,10 @@ class PhantomCache {
 
   /// Maps of the phantom that phantom() gave last, as long as this lives.
   sim::TissueMapSource tissue_maps();
+
+  /// A text that was kept under this key; nullopt: none.
+  std::optional<std::string> text(const std::string& key) const;
+  void keep_text(const std::string& key, const std::string& text) const;
 
   /// Whether the last of each came from the cache.
   struct Kept {

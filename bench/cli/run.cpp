@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/user_error.h"
 #include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
@@ -10,10 +11,12 @@
 #include "bench/cli/place_subject.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/fit/correction.h"
+#include "bench/pipeline/board_link.h"
 #include "bench/pipeline/run_result.h"
 #include "bench/report/commands/run_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"
+#include "bench/report/provenance.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
@@ -29,6 +32,7 @@ struct Arguments {
   OutputArguments output;
   std::string board = "sim";
   std::string gl = "auto";
+  std::string tolerance;  ///< empty: none
   bool register_surface = false;
   bool fail_on_loss = false;
 };
@@ -56,11 +60,46 @@ std::optional<Correction> correction_of(const Scene& scene) {
   return correction;
 }
 
+/// What --tolerance asks for; none: nothing.
+std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
+  if (arguments.tolerance.empty()) return std::nullopt;
+  if (!is_simulated(parse_board(arguments.board))) {
+    throw UserError("--tolerance: needs --board sim: settings are chosen on the simulated scene");
+  }
+  ToleranceRequest request{.tolerance_mm = parse_tolerance_mm(arguments.tolerance),
+                           .file = arguments.scene.file,
+                           .settings = arguments.scene.settings,
+                           .machine = {}};
+  check_request(request);
+  return request;
+}
+
+std::string machine_text(const render::GlContext& context) {
+  const Provenance machine = provenance_of_this_machine();
+  return machine.cpu + ", " + std::to_string(machine.threads) + " threads, " +
+         context.renderer_string();
+}
+
+/// The scene by the settings that keep the tolerance.
+Scene scene_of(const Arguments& arguments, const std::optional<ToleranceChoice>& choice) {
+  std::vector<std::string> settings = arguments.scene.settings;
+  if (choice) {
+    settings.insert(settings.end(), choice->scene_settings.begin(), choice->scene_settings.end());
+  }
+  return load_scene(arguments.scene.file, settings);
+}
+
 /// The exit code, with a line on stderr unless it is 0.
-int verdict(const RunResult& result, const Arguments& arguments) {
+int verdict(const RunResult& result,
+            const std::optional<ToleranceResult>& tolerance,
+            const Arguments& arguments) {
   if (!result.acquisition.ending.empty()) {
     std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result)
               << "\n";
+    return 1;
+  }
+  if (const std::string why = tolerance ? broken_promise(*tolerance) : ""; !why.empty()) {
+    std::cerr << "wobblebench: " << why << "\n";
     return 1;
   }
   if (!arguments.fail_on_loss || result.acquisition.volume.missing_sticks() == 0) return 0;
@@ -69,14 +108,16 @@ int verdict(const RunResult& result, const Arguments& arguments) {
 }
 
 int run(const Arguments& arguments) {
-  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  Scene scene = scene_of(arguments, std::nullopt);
+  auto request = tolerance_request(arguments);
   check_memory_of_run(scene, available_memory_bytes());
   read_correction(scene);  // refuses one that was made for something else before any work
   BoardConnection board(parse_board(arguments.board));
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
-  Progress progress({{"phantom", 40},
+  Progress progress({{"choose", request ? 400.0 : 0.0},
+                     {"phantom", 40},
                      {"acquire", 25},
                      {"shaders", 1},
                      {"render", 5},
@@ -86,6 +127,14 @@ int run(const Arguments& arguments) {
                      {"write", 2}});
 
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  std::optional<ToleranceChoice> choice;
+  if (request) {
+    request->machine = machine_text(*context);
+    choice = progress.step("choose", [&](const PartDone& done) {
+      return choose_for_tolerance(*request, *context, cache, done);
+    });
+    scene = scene_of(arguments, choice);
+  }
   const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
   const auto correction = correction_of(scene);
   const auto plan = scene.plan();
@@ -132,12 +181,15 @@ int run(const Arguments& arguments) {
     }
   }
 
+  std::optional<ToleranceResult> tolerance;
+  if (choice) tolerance = tolerance_result(*choice, result);
   progress.step("write", [&] { stage_run_images(out, result); });
-  const std::string report = run_report(result, scene, progress.times());
+  const std::string report = run_report(result, scene, progress.times(), tolerance);
   out.write_text("report.json", report);
   out.commit();
-  std::cout << (arguments.output.json ? report : run_summary(result, scene, out.directory()));
-  return verdict(result, arguments);
+  std::cout << (arguments.output.json ? report
+                                      : run_summary(result, scene, out.directory(), tolerance));
+  return verdict(result, tolerance, arguments);
 }
 
 }  // namespace
@@ -157,6 +209,12 @@ Command add_run_command(CLI::App& app) {
       arguments->register_surface,
       "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
       "fits the probe's errors)");
+  add_text(
+      command,
+      "--tolerance",
+      arguments->tolerance,
+      "Choose the fastest settings whose P95 of depth stays within this, as 0.5mm: measured on "
+      "the scene the first time. Exit code 1 if it is not kept");
   add_flag(command,
            "--fail-on-loss",
            arguments->fail_on_loss,

@@ -54,6 +54,8 @@ struct TradePlan {
   std::vector<NamedOptions> unseen;  ///< of `tune` alone: to judge what it found
   NamedOptions reference;
   std::vector<TradeAxis> axes;
+  bool of_one_scene =
+      false;  ///< which may have a seed of its own, and volumes; volume 0 is looked at
 
   /// Everything that the measured points of `trade` follow from, as a text.
   std::string canonical() const;

@@ -165,7 +165,17 @@ std::string error_line(const RunResult& result, bool surface_sought) {
 
 }  // namespace
 
-std::string run_report(const RunResult& result, const Scene& scene, const StepTimes& times) {
+ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
+  // A simulated scene has a truth.
+  return {choice,
+          tolerance_outcome(choice, result.comparison.value().error),
+          frame_ms(result.picture.passes)};
+}
+
+std::string run_report(const RunResult& result,
+                       const Scene& scene,
+                       const StepTimes& times,
+                       const std::optional<ToleranceResult>& tolerance) {
   Json report = report_head("run", provenance_of(result), scene);
   const auto& simulated = result.acquisition.simulated;
   report["acquisition"] = acquisition_json(scene.plan());
@@ -192,6 +202,7 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
       report["scene"][unused] = nullptr;
     }
   }
+  if (tolerance) report["tolerance"] = tolerance_json(*tolerance);
   report["cached"] = {{"phantom", result.kept.phantom}, {"tissue_map", result.kept.tissue_map}};
   report["wall_ms"] = wall_json(times);
   return report_text(report);
@@ -199,11 +210,14 @@ std::string run_report(const RunResult& result, const Scene& scene, const StepTi
 
 std::string run_summary(const RunResult& result,
                         const Scene& scene,
-                        const std::filesystem::path& directory) {
+                        const std::filesystem::path& directory,
+                        const std::optional<ToleranceResult>& tolerance) {
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
          rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
          samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result, computes_surface(scene)) + "results     " + directory.string() + "\n";
+         error_line(result, computes_surface(scene)) +
+         (tolerance ? tolerance_lines(*tolerance) : "") + "results     " + directory.string() +
+         "\n";
 }
 
 std::string ending_text(const RunResult& result) {

@@ -5,19 +5,27 @@
 #include <string>
 
 #include "bench/pipeline/run_result.h"
+#include "bench/report/commands/tolerance_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/report_parts.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 
-/// The text of report.json.
-std::string run_report(const RunResult& result, const Scene& scene, const StepTimes& times);
+/// What the picture of a result reached of what was chosen for it.
+ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result);
+
+/// The text of report.json. `tolerance`: none: not asked for.
+std::string run_report(const RunResult& result,
+                       const Scene& scene,
+                       const StepTimes& times,
+                       const std::optional<ToleranceResult>& tolerance = std::nullopt);
 
 /// A few lines for a terminal. `directory`: where the results are.
 std::string run_summary(const RunResult& result,
                         const Scene& scene,
-                        const std::filesystem::path& directory);
+                        const std::filesystem::path& directory,
+                        const std::optional<ToleranceResult>& tolerance = std::nullopt);
 
 /// Why the stream broke off, and how many sticks the volume lacks.
 std::string ending_text(const RunResult& result);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -140,6 +141,23 @@ void TradeJournal::append(const TradeRecord& record) {
 void TradeJournal::append_machine(const std::string& machine) {
   if (!content_.machines.insert(machine).second) return;
   write_whole(file_.get(), Json({{"machine", machine}}).dump() + "\n", path_);
+}
+
+std::string text_of(const TradeRecords& records) {
+  std::string text;
+  for (const auto& [unit, record] : records) text += json_of(record).dump() + "\n";
+  return text;
+}
+
+TradeRecords trade_records(const std::string& text) {
+  TradeContent content;
+  std::istringstream lines(text);
+  try {
+    for (std::string line; std::getline(lines, line);) add_line(Json::parse(line), content);
+  } catch (const Json::exception& error) {
+    throw std::runtime_error(std::string("no records of a trade: ") + error.what());
+  }
+  return std::move(content.records);
 }
 
 TradeContent read_trade_journal(const std::filesystem::path& folder,

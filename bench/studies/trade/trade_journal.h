@@ -43,6 +43,11 @@ class TradeJournal {
   TradeContent content_;
 };
 
+/// Records as a text, and back: lines as the journal has them, without its head. Throws
+/// std::runtime_error for a text that is none.
+std::string text_of(const TradeRecords& records);
+TradeRecords trade_records(const std::string& text);
+
 /// The content of another folder. Throws UserError "OPTION = DIR: reason" where they are of another
 /// plan or cannot be read.
 TradeContent read_trade_journal(const std::filesystem::path& folder,

@@ -24,13 +24,14 @@ Scene load(const TradePlan& plan,
   settings.insert(settings.end(), more.begin(), more.end());
   const std::string source = plan.source + " (scene " + scene.name + ")";
   Scene read = load_scene(scene.file, settings, source);
+  check_memory_of_run(read, available_memory_bytes());
+  if (plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {
     refuse_plan(source, "acquisition.volumes", "must be 1; one volume is rendered");
   }
   if (read.given.contains("simulation.seed")) {
     refuse_plan(source, "simulation.seed", "is set by the plan's seeds; leave it out");
   }
-  check_memory_of_run(read, available_memory_bytes());
   return read;
 }
 
