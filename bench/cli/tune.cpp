@@ -22,6 +22,7 @@ struct Arguments {
   std::filesystem::path trade;  ///< folder of a finished trade; empty: none
   TuneOptions tune;
   bool random = false;
+  int requests = 0;  ///< 0: the one of --limit
   CacheArguments cache;
   OutputArguments output;
   std::string gl = "auto";
@@ -79,7 +80,48 @@ int write(const Arguments& arguments,
   return results.chosen() != nullptr ? 0 : 1;
 }
 
+int write_study(const Arguments& arguments,
+                const RequestStudy& study,
+                const Provenance& provenance,
+                OutputFolder& out,
+                const StepTimes& times) {
+  Json report = report_head("tune", provenance, study.work.reference(0));
+  report["scene"] = nullptr;  // there may be several
+  report["requests"] = requests_json(study);
+  report["wall_ms"] = wall_json(times);
+  const std::string text = report_text(report);
+  const std::string markdown = requests_markdown(study, machine_text(provenance));
+  out.write_text("requests.md", markdown);
+  out.write_text("report.json", text);
+  out.commit();
+  std::cout << (arguments.output.json ? text : markdown);
+  return 0;
+}
+
+/// --requests
+int study(const Arguments& arguments) {
+  if (arguments.trade.empty()) throw UserError("--requests: needs --trade, about which it draws");
+  if (!arguments.limits.empty()) throw UserError("--requests: draws its limits; leave --limit out");
+  TradeWork work = work_of(arguments);
+  const TradeRecords known = known_records(arguments, work);
+  OutputFolder out(arguments.output.folder);
+  Progress progress({{"requests", 100}});
+  const auto context = render::make_context(arguments.gl);
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const Provenance provenance = provenance_of_simulation(*context, work.plan.seeds.front());
+  const RequestStudyOptions options{.requests = arguments.requests,
+                                    .evaluations = arguments.tune.search.evaluations,
+                                    .fresh_seeds = arguments.tune.fresh_seeds,
+                                    .judging_seeds = arguments.tune.fresh_seeds,
+                                    .seed = arguments.tune.search.seed};
+  const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
+    return study_requests(work, options, known, *context, cache, done);
+  });
+  return write_study(arguments, study, provenance, out, progress.times());
+}
+
 int tune(const Arguments& arguments) {
+  if (arguments.requests > 0) return study(arguments);
   const TuneOptions options = options_of(arguments);
   TradeWork work = work_of(arguments);
   TradeRecords known = known_records(arguments, work);
@@ -119,6 +161,15 @@ Command add_tune_command(CLI::App& app) {
               2,
               100);
   add_seed(command, "--seed", arguments->tune.search.seed, "Of the search");
+  add_integer(
+      command,
+      "--requests",
+      arguments->requests,
+      "Instead of --limit: so many requests drawn about the points of --trade; how many are "
+      "kept on seeds that neither search nor confirmation saw, by NSGA-II, by a random search "
+      "and by the trade alone",
+      0,
+      10000);
   add_flag(command, "--random", arguments->random, "Search at random, for comparison");
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);

@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "bench/studies/tune/request_study.h"
 #include "bench/studies/tune/tune_study.h"
 
 namespace wobblebench::bench {
@@ -15,5 +16,9 @@ std::string tuned_scene(const TuneResults& results);
 
 /// "least volume_ms with p95_mm <= 2 and missed_percent <= 5".
 std::string request_text(const TuneRequest& request);
+
+/// Of many requests: requests.md, and their part of report.json.
+std::string requests_markdown(const RequestStudy& study, const std::string& machine);
+nlohmann::ordered_json requests_json(const RequestStudy& study);
 
 }  // namespace wobblebench::bench

@@ -198,6 +198,7 @@ class Tuning {
     const TuneCandidate* chosen = results_.chosen();
     if (chosen == nullptr) return;
     results_.at_an_end = keys_at_an_end(plan(), results_.work.points[chosen->point]);
+    judge_seeds(chosen->point);
     if (plan().unseen.empty()) return;
     TradeWork unseen = results_.work;
     unseen.plan.scenes = plan().unseen;
@@ -207,6 +208,13 @@ class Tuning {
       results_.unseen.push_back(
           {unseen.plan.scenes[scene].name, scorer.score(chosen->point, {scene})});
     }
+  }
+
+  void judge_seeds(std::size_t point) {
+    if (results_.options.judging_seeds == 0) return;
+    TradeWork judging = results_.work;
+    judging.plan.seeds = seed_list(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
+    results_.judged = Scorer(judging, {}, context_, cache_).score(point);
   }
 
   render::GlContext& context_;

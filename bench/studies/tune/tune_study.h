@@ -14,7 +14,8 @@ namespace wobblebench::bench {
 struct TuneOptions {
   TuneRequest request;
   SearchOptions search;
-  int fresh_seeds = 3;  ///< after the plan's; 2 at least
+  int fresh_seeds = 3;    ///< after the plan's; 2 at least
+  int judging_seeds = 0;  ///< after those: what is chosen is measured on them, and chooses nothing
 };
 
 /// A setting that the search found good, on fresh seeds.
@@ -41,6 +42,7 @@ struct TuneResults {
   std::vector<TuneCandidate> candidates;  ///< in the order in which they were tried
   /// Of `candidates`: the one that holds, which is the last; none: nothing was found.
   const TuneCandidate* chosen() const;
+  std::optional<TradeScore> judged;    ///< the chosen one on the judging seeds; none: not asked for
   std::vector<UnseenScore> unseen;     ///< of the chosen one
   std::vector<std::string> at_an_end;  ///< keys whose chosen value is the first or last of the plan
 };
