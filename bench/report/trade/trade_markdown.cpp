@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
+#include "base/statistics.h"
 #include "bench/report/trade/trade_report.h"
 
 namespace wobblebench::bench {
@@ -50,6 +51,32 @@ void write_head(const TradeResults& results, std::ostream& markdown) {
              << " points are combinations that were refused, the first: " << results.first_refusal
              << "\n";
   }
+}
+
+/// How long one evaluation takes, and what of.
+void write_evaluation(const TradeResults& results, std::ostream& markdown) {
+  std::vector<double> all, renderer, render, measure;
+  for (const auto& [unit, record] : results.records) {
+    const EvaluationTimes& times = record.evaluation;
+    const double sum = times.renderer_ms + times.render_ms + times.truth_ms + times.measure_ms;
+    if (sum <= 0) continue;  // refused, or of a journal that has no such times
+    all.push_back(sum);
+    renderer.push_back(times.renderer_ms);
+    render.push_back(times.render_ms);
+    measure.push_back(times.measure_ms);
+  }
+  if (all.empty()) return;
+  const Quartiles quartiles = quartiles_of(all);
+  const auto median = [](const std::vector<double>& times) {
+    return fixed(quantile_linear(times, 0.5), 0) + " ms";
+  };
+  markdown << "\nAn evaluation (a setting's first picture and its measures, without the timing in "
+              "turn) took "
+           << fixed(quartiles.median, 0) << " ms (quartiles " << fixed(quartiles.lower, 0) << " to "
+           << fixed(quartiles.upper, 0) << "), that is " << fixed(1000 / quartiles.median, 1)
+           << " a second: medians " << median(renderer) << " for the renderer, " << median(render)
+           << " for the picture with its shaders and pass 1, " << median(measure)
+           << " for the measures.\n";
 }
 
 void write_row(const TradeResults& results, const TradeScore& score, std::ostream& markdown) {
@@ -196,6 +223,7 @@ void write_shares(const TradeResults& results,
 std::string trade_markdown(const TradeResults& results) {
   std::ostringstream markdown;
   write_head(results, markdown);
+  write_evaluation(results, markdown);
   for (const TradeResults::Part& part : results.parts) write_part(results, part, markdown);
   const auto& scores = results.parts.front().scores;
   if (scores.size() > results.work.plan.axes.size()) {

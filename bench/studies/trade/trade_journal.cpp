@@ -23,6 +23,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "wobblebench.trade.points/1";
 
+/// Journals of before have none.
+constexpr std::pair<const char*, double EvaluationTimes::*> kEvaluationTimes[] = {
+    {"evaluation_renderer_ms", &EvaluationTimes::renderer_ms},
+    {"evaluation_render_ms", &EvaluationTimes::render_ms},
+    {"evaluation_truth_ms", &EvaluationTimes::truth_ms},
+    {"evaluation_measure_ms", &EvaluationTimes::measure_ms}};
+
 Json json_of(const TradeRecord& record) {
   const TradeUnit& unit = record.unit;
   Json json = {{"scene", unit.scene}, {"point", unit.point}, {"seed", unit.seed}};
@@ -38,6 +45,7 @@ Json json_of(const TradeRecord& record) {
   json["view_ms"] = record.view_ms;
   json["volume_ratio"] = record.volume_ratio;
   json["view_ratio"] = record.view_ratio;
+  for (const auto& [name, time] : kEvaluationTimes) json[name] = record.evaluation.*time;
   return json;
 }
 
@@ -56,6 +64,7 @@ TradeRecord record_of(const Json& json) {
   record.view_ms = json.at("view_ms");
   record.volume_ratio = json.at("volume_ratio");
   record.view_ratio = json.at("view_ratio");
+  for (const auto& [name, time] : kEvaluationTimes) record.evaluation.*time = json.value(name, 0.0);
   return record;
 }
 

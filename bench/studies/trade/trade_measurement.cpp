@@ -107,7 +107,9 @@ void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeR
   Evaluator& evaluator = scan_of(unit, scene).evaluator;
   const render::RenderOptions options = evaluator.render_options(scene);
   const EvaluationChoice choice{{.shaded = false, .distance = false}, false};
-  record.measures = trade_measures(evaluator.evaluate(options, choice).measures);
+  const Evaluation evaluation = evaluator.evaluate(options, choice);
+  record.measures = trade_measures(evaluation.measures);
+  record.evaluation = evaluation.times;
   std::vector<double> volume, view, volume_ratio, view_ratio;
   for (int i = 0; i < work_.plan.repeats; ++i) {
     const PictureTime theirs = reference.evaluator.time_picture(reference.options);

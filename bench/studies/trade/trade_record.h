@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "bench/evaluation/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
 
 namespace wobblebench::bench {
@@ -36,6 +37,9 @@ struct TradeRecord {
   /// Medians over the repeats, and their ratios to the reference's picture, taken in turn.
   /// `volume`: all passes; `view`: passes 2 to 4.
   double volume_ms = 0, view_ms = 0, volume_ratio = 0, view_ratio = 0;
+  /// Wall times of the evaluation that the measures are from: making the renderer with its first
+  /// picture's shaders and sticks, the picture, the truth where it is a new view, the measures.
+  EvaluationTimes evaluation;
 };
 
 }  // namespace wobblebench::bench
