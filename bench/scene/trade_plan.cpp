@@ -1,6 +1,8 @@
 #include "bench/scene/trade_plan.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -40,7 +42,16 @@ void describe(O& o, Visitor& v) {
   v.seed("first_seed", o.first_seed);
 }
 
+/// 0.6, where a stream of 17 digits writes 0.59999999999999998.
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
 std::string text_of(const toml::node& node) {
+  const auto number = node.value_exact<double>();
+  if (number && std::isfinite(*number)) return shortest(*number);
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
   std::string line = text.str();

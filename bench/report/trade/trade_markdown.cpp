@@ -108,7 +108,8 @@ void write_knees(const TradeResults& results,
                  const TradeResults::Part& part,
                  std::ostream& markdown) {
   const TradeScore* before = nullptr;
-  markdown << "\n";
+  markdown << "\nKnees, of the points with at most " << fixed(kMostWrongOfKnees, 0)
+           << " % missed or false:\n\n";
   for (const TradeKnee& knee : part.knees) {
     const TradeScore& score = part.scores[knee.score];
     markdown << "- At " << fixed(score.volume_ratio, 2) << " of the reference's time (point "

@@ -1,6 +1,7 @@
 // Scores, front and knees.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -140,7 +141,11 @@ std::vector<std::size_t> trade_front(const std::vector<TradeScore>& scores) {
 
 std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front) {
-  const std::vector<std::size_t> hull = lower_hull(scores, front);
+  std::vector<std::size_t> whole;
+  std::ranges::copy_if(front, std::back_inserter(whole), [&](std::size_t i) {
+    return scores[i].wrong_percent() <= kMostWrongOfKnees;
+  });
+  const std::vector<std::size_t> hull = lower_hull(scores, whole);
   std::vector<TradeKnee> knees;
   for (std::size_t i = 1; i + 1 < hull.size(); ++i) {
     const TradeKnee knee{hull[i],

@@ -57,6 +57,15 @@ TEST(TradeKnees, AreWhereTheSlopeChanges) {
   EXPECT_NEAR(knees[0].gain_after, 0.5, 1e-9);
 }
 
+/// With most of the surface missing, what is left may be as near as one likes.
+TEST(TradeKnees, AreNotOfPicturesThatMissTheSurface) {
+  std::vector<TradeScore> scores = {
+      score(0, 1, 8, 1), score(1, 2, 4, 1), score(2, 8, 3, 1), score(3, 2, 0.1, 40)};
+  const auto knees = trade_knees(scores, trade_front(scores));
+  ASSERT_EQ(knees.size(), 1U);
+  EXPECT_EQ(scores[knees[0].score].point, 1U);
+}
+
 /// Two settings of two levels and one of three, 40 times each combination.
 TradeWork full_design() {
   TradeWork work;
