@@ -138,7 +138,7 @@ int verdict(const StreamReport& report, const Arguments& arguments) {
 }
 
 StreamResult stream_to(StreamSink& sink,
-                       hw::Board& board,
+                       const StreamSource& source,
                        render::Renderer& renderer,
                        const Scene& scene,
                        const Arguments& arguments,
@@ -156,7 +156,7 @@ StreamResult stream_to(StreamSink& sink,
                                 .volumes = volumes,
                                 .mid_volume = scene.render.pipeline.mid_volume};
     GlStreamRenderer passes(renderer);
-    return run_stream(board, scene.plan(), passes, options, arguments.board, show, stop_requested);
+    return run_stream(source, passes, options, show, stop_requested);
   });
 }
 
@@ -232,15 +232,15 @@ int stream(const Arguments& arguments) {
   progress.step("shaders", [&] { renderer.compile(); });
   const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
   stop_in_order();
-  hw::Board& board = *progress.step("scene", [&] {
-    return subject ? &connection.connect(scene, *subject, maps) : &connection.connect();
+  const StreamSource source = progress.step("scene", [&] {
+    return subject ? connection.connect(scene, *subject, maps) : connection.connect(scene);
   });
 
-  report.result = stream_to(sink, board, renderer, scene, arguments, progress);
+  report.result = stream_to(sink, source, renderer, scene, arguments, progress);
   if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
   report.simulated = connection.simulated();
-  report.summary =
-      summary_of(report, !report.result.link.waits_for_reader || board.epoch().has_value(), scene);
+  report.summary = summary_of(
+      report, !report.result.link.waits_for_reader || source.board.epoch().has_value(), scene);
   report.summary.fired_to_announced_ms = announced_after_ms(arguments, scene);
   report.errors = errors_of(sink, subject, scene, maps, progress);
   if (report.errors.empty()) {

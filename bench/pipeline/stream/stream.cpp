@@ -39,23 +39,20 @@ class Spans {
 /// The threads of one stream, and what they share.
 class Running {
  public:
-  Running(hw::Board& board,
-          const hw::AcquisitionPlan& plan,
+  Running(const StreamSource& source,
           StreamRenderer& renderer,
           const StreamOptions& options,
-          const std::string& source,
           const PictureSink& sink,
           const std::function<bool()>& stopped)
-      : board_(board),
-        plan_(plan),
+      : board_(source.board),
+        plan_(source.plan),
         renderer_(renderer),
         mid_volume_(options.mid_volume),
-        volumes_(options.volumes),
         sink_(sink),
         stopped_(stopped),
         frames_(options.queue),
         pictures_(options.queue.policy),
-        reader_(board, plan, frames_, source) {}
+        reader_(source, frames_, options.volumes, options.keep_volume) {}
 
   StreamResult run();
 
@@ -71,10 +68,9 @@ class Running {
   void collect();
 
   hw::Board& board_;
-  const hw::AcquisitionPlan plan_;
+  const hw::AcquisitionPlan& plan_;
   StreamRenderer& renderer_;
   const bool mid_volume_;
-  const std::uint64_t volumes_;
   const PictureSink& sink_;
   const std::function<bool()>& stopped_;
   VolumeQueue frames_;
@@ -109,7 +105,8 @@ void Running::end(std::exception_ptr failure) {
 
 void Running::read() {
   try {
-    reader_.run(volumes_);
+    reader_.run();
+    board_.cancel();  // more sticks would only be counted
   } catch (const UserError&) {
     end(std::current_exception());
   } catch (const std::exception& error) {
@@ -230,6 +227,7 @@ void Running::write() {
 
 void Running::collect() {
   result_.reader = reader_.statistics();
+  result_.kept = std::move(reader_.kept());
   result_.queue = frames_.statistics();
   result_.shown = written_;
   result_.sink_busy_ms = write_ms_;
@@ -257,6 +255,7 @@ StreamResult Running::run() {
   frames_.stop();  // counts what is left of a volume that did not end
   board_.stop();
   result_.account = board_.account();
+  result_.damage = board_.damage();
   result_.link = board_.capabilities();
   if (failure_) std::rethrow_exception(failure_);
   collect();
@@ -266,14 +265,12 @@ StreamResult Running::run() {
 
 }  // namespace
 
-StreamResult run_stream(hw::Board& board,
-                        const hw::AcquisitionPlan& plan,
+StreamResult run_stream(const StreamSource& source,
                         StreamRenderer& renderer,
                         const StreamOptions& options,
-                        const std::string& source,
                         const PictureSink& sink,
                         const std::function<bool()>& stopped) {
-  Running running(board, plan, renderer, options, source, sink, stopped);
+  Running running(source, renderer, options, sink, stopped);
   return running.run();
 }
 
