@@ -60,7 +60,7 @@ void FrameReader::read() {
 }
 
 bool FrameReader::take(hw::Event& event) {
-  if (const auto* slot = std::get_if<hw::StickSlot>(&event)) return take_stick(**slot);
+  if (const auto* slot = std::get_if<hw::StickSlot>(&event)) return take_stick(*slot);
   if (std::holds_alternative<hw::VolumeEnd>(event)) return end_volume() && !has_all();
   if (const auto* configuration = std::get_if<hw::Configuration>(&event)) {
     return end_volume() && !has_all() && take_configuration(*configuration);
@@ -91,7 +91,8 @@ bool FrameReader::take_configuration(const hw::Configuration& configuration) {
   return true;
 }
 
-bool FrameReader::take_stick(const hw::Stick& stick) {
+bool FrameReader::take_stick(const hw::StickSlot& slot) {
+  const hw::Stick& stick = *slot;
   ++statistics_.sticks;
   const auto is_of_another = [&] {
     return volume_ && volume_->volume_index() != stick.index.volume;
@@ -103,9 +104,11 @@ bool FrameReader::take_stick(const hw::Stick& stick) {
   while (next_ < place_of_stick) {
     if (!finish_frame()) return false;
   }
+  frame_.last.received = slot.received();
   frame_.last.acquired = hw::HostClock::now();
-  if (frame_.sticks++ == 0) frame_.first.acquired = frame_.last.acquired;
   volume_->place(stick);
+  frame_.last.placed = hw::HostClock::now();
+  if (frame_.sticks++ == 0) frame_.first = frame_.last;
   const bool is_last =
       static_cast<int>(stick.index.line) + 1 == plan_.acquisition().sticks_per_frame;
   return !is_last || finish_frame();
@@ -139,8 +142,7 @@ void FrameReader::end_stream(const std::string& why) {
 bool FrameReader::finish_frame() {
   frame_.frame = place(next_++, frame_.volume);
   frame_.ends_volume = next_ == plan_.acquisition().frames_per_volume;
-  set_schedule();
-  if (frame_.sticks == 0) frame_.first.acquired = frame_.last.acquired = hw::HostClock::now();
+  set_times();
   StreamFrame following{.volume = frame_.volume, .samples = {}, .first = {}, .last = {}};
   finished_.push_back(std::exchange(frame_, std::move(following)));
   const bool is_linear = volume_->scale() == hw::SampleScale::linear_envelope;
@@ -177,8 +179,17 @@ void FrameReader::finish_volume() {
   ++statistics_.volumes;
 }
 
-/// When the frame's first and last stick were due, whether they arrived or not.
-void FrameReader::set_schedule() {
+/// When the frame's first and last stick were due, whether they arrived or not, and what of their
+/// times is their own.
+void FrameReader::set_times() {
+  const auto now = frame_.complete = hw::HostClock::now();
+  if (frame_.sticks == 0) {
+    frame_.last = {.fired = {}, .received = now, .acquired = now, .placed = now};
+    frame_.first = frame_.last;
+  }
+  const auto& arrived = volume_->frame(frame_.frame).arrived;
+  frame_.first.arrived = arrived.front() != 0;
+  frame_.last.arrived = arrived.back() != 0;
   const auto epoch = source_.board.epoch();
   if (!epoch) return;
   const auto lines = static_cast<std::uint64_t>(plan_.acquisition().sticks_per_frame);

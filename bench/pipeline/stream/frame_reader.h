@@ -60,7 +60,7 @@ class FrameReader {
   bool take(hw::Event& event);
   bool take_behind_last(const hw::Event& event);
   bool take_configuration(const hw::Configuration& configuration);
-  bool take_stick(const hw::Stick& stick);
+  bool take_stick(const hw::StickSlot& slot);
   void begin_volume(const hw::Stick& stick);
   bool end_volume();
   void end_stream(const std::string& why);
@@ -68,7 +68,7 @@ class FrameReader {
   bool push_frames();
   void check_samples();
   void finish_volume();
-  void set_schedule();
+  void set_times();
   /// Place of a frame in the order of acquisition, and back.
   int place(int frame, std::uint32_t volume) const;
   void leave_volume();

@@ -61,6 +61,7 @@ class Running {
   void watch(const std::stop_token& done);
   void render();
   void take_frame(StreamFrame frame);
+  void add_acquisition(const StreamFrame& frame);
   void render_picture(const StreamFrame& newest);
   void drop(const PictureTimes& times, hw::HostTime ready);
   void write();
@@ -139,21 +140,16 @@ void Running::render() {
 }
 
 void Running::take_frame(StreamFrame frame) {
-  const auto begin = hw::HostClock::now();
+  const auto begin = current_.taken = hw::HostClock::now();
   if (volume_frames_ == 0) {
     current_.begun = begin;
     current_.first = frame.first;
   }
-  if (frame.sticks > 0) {
-    render_spans_.add({StreamSpan::Kind::frame_acquired,
-                       frame.volume,
-                       frame.frame,
-                       frame.first.acquired,
-                       frame.last.acquired});
-  }
+  add_acquisition(frame);
   ++volume_frames_;
   volume_sticks_ += static_cast<std::uint64_t>(frame.sticks);
-  current_.update_ms += renderer_.add_frame(frame.frame, frame.samples);
+  current_.pass_1_ms = renderer_.add_frame(frame.frame, frame.samples);
+  current_.update_ms += current_.pass_1_ms;
   frame.samples = {};
   const auto uploaded = hw::HostClock::now();
   render_spans_.add({StreamSpan::Kind::frame_uploaded, frame.volume, frame.frame, begin, uploaded});
@@ -163,6 +159,17 @@ void Running::take_frame(StreamFrame frame) {
   volume_frames_ = 0;
 }
 
+void Running::add_acquisition(const StreamFrame& frame) {
+  const auto add = [&](StreamSpan::Kind kind, hw::HostTime begin, hw::HostTime end) {
+    render_spans_.add({kind, frame.volume, frame.frame, begin, end});
+  };
+  if (frame.sticks == 0) return;
+  add(StreamSpan::Kind::frame_acquired, frame.first.acquired, frame.last.placed);
+  add(StreamSpan::Kind::stick_acquired, frame.first.acquired, frame.first.placed);
+  if (frame.sticks == 1) return;
+  add(StreamSpan::Kind::stick_acquired, frame.last.acquired, frame.last.placed);
+}
+
 void Running::render_picture(const StreamFrame& newest) {
   const int lines = plan_.acquisition().sticks_per_frame;
   current_.volume = newest.volume;
@@ -170,6 +177,7 @@ void Running::render_picture(const StreamFrame& newest) {
   current_.sticks = static_cast<int>(volume_sticks_);
   current_.lost = volume_frames_ * lines - current_.sticks;
   current_.last = newest.last;
+  current_.complete = newest.complete;
   current_.uploaded = hw::HostClock::now();
   ShownPicture shown{.times = {}, .picture = renderer_.render()};
   current_.ready = current_.written = hw::HostClock::now();
@@ -181,13 +189,9 @@ void Running::render_picture(const StreamFrame& newest) {
                      current_.ready});
   ++result_.pictures;
   shown.times = current_;
-  current_ = {.first = current_.first,
-              .last = {},
-              .begun = current_.begun,
-              .uploaded = {},
-              .passes = {},
-              .ready = {},
-              .written = {}};
+  current_ = PictureTimes{};
+  current_.first = shown.times.first;
+  current_.begun = shown.times.begun;
   const hw::HostTime ready = shown.times.ready;
   const auto dropped = pictures_.push(std::move(shown));
   if (dropped && dropped->times.whole) drop(dropped->times, ready);

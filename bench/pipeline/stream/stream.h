@@ -18,7 +18,7 @@ namespace wobblebench::bench {
 
 /// Records kept of the last pictures, so that memory stays flat.
 inline constexpr std::size_t kMostRecords = 100000;
-/// Frames and pictures from the beginning on whose spans are kept, for a trace.
+/// Spans that each thread keeps for a trace, from the beginning on.
 inline constexpr std::size_t kMostSpans = 20000;
 
 struct StreamOptions {
@@ -28,9 +28,16 @@ struct StreamOptions {
   bool keep_volume = false;   ///< StreamResult::kept
 };
 
-/// What one thread did from when to when.
+/// What one thread did from when to when. Of sticks the first and the last of each frame that
+/// arrived.
 struct StreamSpan {
-  enum class Kind { frame_acquired, frame_uploaded, picture_rendered, picture_written };
+  enum class Kind {
+    stick_acquired,
+    frame_acquired,
+    frame_uploaded,
+    picture_rendered,
+    picture_written
+  };
   Kind kind;
   std::uint32_t volume = 0;
   int frame = 0;  ///< of a picture: the newest
