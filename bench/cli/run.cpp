@@ -1,4 +1,4 @@
-// The main job: acquire, render, compare with the truth, write.
+// The main job: a stream of one volume, its picture compared with the truth, written.
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,6 +13,7 @@
 #include "bench/fit/correction.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/run_result.h"
+#include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/report/commands/run_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"
@@ -46,11 +47,6 @@ Truth true_surface(const phantoms::PlacedPhantom& subject,
   const StickReach reach(subject, scene.plan(), scene.simulation, maps, volume);
   mark_shadowed(truth, reach, view.camera);
   return truth;
-}
-
-render::Picture render_volume(render::Renderer& renderer, const hw::PolarVolume& volume) {
-  renderer.add_volume(volume);
-  return renderer.render();
 }
 
 /// The correction that the scene names, once phantom and plan are known.
@@ -113,14 +109,15 @@ int run(const Arguments& arguments) {
   check_memory_of_run(scene, available_memory_bytes());
   read_correction(scene);  // refuses one that was made for something else before any work
   BoardConnection board(parse_board(arguments.board));
+  board.check_one_volume(scene);
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
   OutputFolder out(arguments.output.folder);
   Progress progress({{"choose", request ? 400.0 : 0.0},
                      {"phantom", 40},
-                     {"acquire", 25},
+                     {"scene", 5},
                      {"shaders", 1},
-                     {"render", 5},
+                     {"stream", 25},
                      {"truth", 3},
                      {"compare", 5},
                      {"register", arguments.register_surface ? 20.0 : 0.0},
@@ -143,12 +140,16 @@ int run(const Arguments& arguments) {
   auto compiled = renderer.compile_in_background();
 
   const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-  auto acquisition = progress.step("acquire", [&] {
-    return subject ? board.acquire(scene, *subject, maps) : board.acquire(scene);
+  const StreamSource source = progress.step("scene", [&] {
+    return subject ? board.connect(scene, *subject, maps) : board.connect(scene);
   });
   progress.step("shaders", [&] { compiled.get(); });
-  auto picture =
-      progress.step("render", [&] { return render_volume(renderer, acquisition.volume); });
+  GlStreamRenderer passes(renderer);
+  render::Picture picture;
+  auto acquisition = progress.step("stream", [&] {
+    return board.acquire(
+        source, passes, [&](const ShownPicture& shown) { picture = shown.picture; });
+  });
   std::optional<render::Picture> uncorrected;
   if (correction) {
     uncorrected = picture;

@@ -25,7 +25,7 @@
 #include "bench/report/stream/stream_sink.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
-#include "bench/studies/latency/virtual_stream.h"
+#include "bench/studies/latency/card_times.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 
@@ -138,7 +138,7 @@ int verdict(const StreamReport& report, const Arguments& arguments) {
 }
 
 StreamResult stream_to(StreamSink& sink,
-                       hw::Board& board,
+                       const StreamSource& source,
                        render::Renderer& renderer,
                        const Scene& scene,
                        const Arguments& arguments,
@@ -156,28 +156,30 @@ StreamResult stream_to(StreamSink& sink,
                                 .volumes = volumes,
                                 .mid_volume = scene.render.pipeline.mid_volume};
     GlStreamRenderer passes(renderer);
-    return run_stream(board, scene.plan(), passes, options, arguments.board, show, stop_requested);
+    return run_stream(source, passes, options, show, stop_requested);
   });
 }
 
-/// By the card's model: from a volume's last stick until its interrupt. None: another board, or one
-/// that does not keep time.
-std::optional<double> announced_after_ms(const Arguments& arguments, const Scene& scene) {
+/// By the card's model, of whole volumes. None: another board, or one that does not keep time.
+std::optional<CardDelays> card_delays_of(const Arguments& arguments, const Scene& scene) {
   const BoardArguments board = parse_board(arguments.board);
-  if (!is_simulated(board)) return {};
+  if (!is_simulated(board) || scene.render.pipeline.mid_volume) return {};
   const auto options = read_link_options<sim::SimLinkOptions>(board);
   if (options.pace != hw::Pace::realtime) return {};
-  const auto plan = scene.plan();
-  const double last_fired_s = (plan.sticks_per_volume() - 1) * plan.stick_period_s();
-  return 1e3 * (frame_announcements_s(plan, options.card).back() - last_fired_s);
+  return card_delays(scene.plan(), options.card);
 }
 
-StreamSummary summary_of(const StreamReport& report, bool in_real_time, const Scene& scene) {
+StreamSummary summary_of(const StreamReport& report,
+                         bool in_real_time,
+                         const Scene& scene,
+                         const Arguments& arguments) {
   const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
   const auto volumes = std::max<std::uint64_t>(report.result.reader.volumes, 1);
   const double simulated_ms = report.simulated ? report.simulated->volume_ms : 0;
-  return summarize(
-      report.result, in_real_time ? sound_ms : 0, simulated_ms / static_cast<double>(volumes));
+  return summarize(report.result,
+                   in_real_time ? sound_ms : 0,
+                   simulated_ms / static_cast<double>(volumes),
+                   card_delays_of(arguments, scene));
 }
 
 std::vector<VolumeError> errors_of(const StreamSink& sink,
@@ -232,16 +234,15 @@ int stream(const Arguments& arguments) {
   progress.step("shaders", [&] { renderer.compile(); });
   const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
   stop_in_order();
-  hw::Board& board = *progress.step("scene", [&] {
-    return subject ? &connection.connect(scene, *subject, maps) : &connection.connect();
+  const StreamSource source = progress.step("scene", [&] {
+    return subject ? connection.connect(scene, *subject, maps) : connection.connect(scene);
   });
 
-  report.result = stream_to(sink, board, renderer, scene, arguments, progress);
+  report.result = stream_to(sink, source, renderer, scene, arguments, progress);
   if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
   report.simulated = connection.simulated();
-  report.summary =
-      summary_of(report, !report.result.link.waits_for_reader || board.epoch().has_value(), scene);
-  report.summary.fired_to_announced_ms = announced_after_ms(arguments, scene);
+  const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
+  report.summary = summary_of(report, in_real_time, scene, arguments);
   report.errors = errors_of(sink, subject, scene, maps, progress);
   if (report.errors.empty()) {
     report.why_no_errors = why_no_errors(arguments, scene, subject.has_value());

@@ -1,10 +1,10 @@
 #include "bench/pipeline/acquire.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/pipeline/whole_volume.h"
 #include "bench/scene/adopt_plan.h"
 #include "bench/scene/subject_hash.h"
 
@@ -24,9 +24,8 @@ void check_balance(const hw::BoardAccount& account) {
 }
 
 /// Over which linear envelopes are displayed: the scene's choice, or else the stream's.
-double dynamic_range_db(const Scene& scene, const hw::Configuration& configuration) {
+double dynamic_range_db(const Scene& scene, const hw::DisplayScale& scale) {
   const bool is_chosen = scene.given.contains("simulation.dynamic_range_db");
-  const hw::DisplayScale& scale = configuration.display_scale;
   return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
 }
 
@@ -39,24 +38,17 @@ BoardConnection::BoardConnection(const BoardArguments& arguments, const hw::Boar
 
 void BoardConnection::open() {
   board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}), options_);
-  assembly_.emplace(*board_);
 }
 
 hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
   if (is_simulated(arguments_)) return hw::StreamOrigin::simulated;
-  board_->start();
-  if (!assembly_->wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
-    throw std::runtime_error("--board " + arguments_.text + ": no configuration came; " + ending());
-  }
-  // Sticks that a source at its own pace sends until acquire() are missed, and counted.
-  board_->stop();
+  configuration_ = first_configuration(*board_, arguments_.text);
   const std::string board = "--board " + arguments_.text;
-  const hw::Configuration& configuration = *assembly_->configuration();
-  bench::adopt_plan(scene, configuration.plan, board);
-  if (configuration.source == hw::StreamOrigin::simulated) {
-    refuse_other_subject(scene, configuration.subject, /*placed=*/false, board);
+  bench::adopt_plan(scene, configuration_->plan, board);
+  if (configuration_->source == hw::StreamOrigin::simulated) {
+    refuse_other_subject(scene, configuration_->subject, /*placed=*/false, board);
   }
-  return configuration.source;
+  return configuration_->source;
 }
 
 sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
@@ -70,47 +62,59 @@ sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
   return simulator;
 }
 
-hw::Board& BoardConnection::connect(const Scene& scene,
-                                    const phantoms::PlacedPhantom& subject,
-                                    const sim::TissueMapSource& maps) {
+StreamSource BoardConnection::connect(const Scene& scene,
+                                      const phantoms::PlacedPhantom& subject,
+                                      const sim::TissueMapSource& maps) {
   if (!is_simulated(arguments_)) {
-    if (assembly_->configuration()) {
-      const std::string source = "--board " + arguments_.text;
-      refuse_other_subject(scene, assembly_->configuration()->subject, /*placed=*/true, source);
+    if (configuration_) {
+      const std::string board = "--board " + arguments_.text;
+      refuse_other_subject(scene, configuration_->subject, /*placed=*/true, board);
     }
-    return connect();
+    return connect(scene);
   }
   sim::ProbeSimulator made = simulator(scene, subject, maps);
   // The link computes its volumes from here on.
   connected_ = hw::HostClock::now();
   const auto sticks = [&] { return sim::stick_source(std::move(made), subject_hash(scene)); };
   board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_), options_);
-  assembly_.emplace(*board_);
-  return *board_;
+  return source(scene);
 }
 
-hw::Board& BoardConnection::connect() {
+StreamSource BoardConnection::connect(const Scene& scene) {
   connected_ = hw::HostClock::now();
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
   if (board_->state() == hw::BoardState::lost) open();
-  return *board_;
+  return source(scene);
+}
+
+StreamSource BoardConnection::source(const Scene& scene) {
+  return {.board = *board_,
+          .plan = scene.plan(),
+          .name = arguments_.text,
+          .configuration = configuration_,
+          .dynamic_range_db = [scene](const hw::DisplayScale& scale) {
+            return dynamic_range_db(scene, scale);
+          }};
+}
+
+void BoardConnection::check_one_volume(const Scene& scene) const {
+  if (!is_simulated(arguments_) || scene.acquisition.volumes == 1) return;
+  throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
+                  ": must be 1; this command renders one volume");
 }
 
 Acquisition BoardConnection::acquire(const Scene& scene,
                                      const phantoms::PlacedPhantom& subject,
                                      const sim::TissueMapSource& maps) {
-  if (is_simulated(arguments_) && scene.acquisition.volumes != 1) {
-    throw UserError("acquisition.volumes = " + std::to_string(scene.acquisition.volumes) +
-                    ": must be 1; this command renders one volume");
-  }
-  connect(scene, subject, maps);
-  return receive(scene);
+  check_one_volume(scene);
+  NoRenderer none;
+  return acquire(connect(scene, subject, maps), none, [](const ShownPicture&) {});
 }
 
 Acquisition BoardConnection::acquire(const Scene& scene) {
-  connect();
-  return receive(scene);
+  NoRenderer none;
+  return acquire(connect(scene), none, [](const ShownPicture&) {});
 }
 
 std::optional<SimulatedVolume> BoardConnection::simulated() const {
@@ -123,34 +127,27 @@ std::optional<SimulatedVolume> BoardConnection::simulated() const {
   return simulated;
 }
 
-Acquisition BoardConnection::receive(const Scene& scene) {
-  board_->start();
-  hw::PolarVolume volume = whole_volume(*board_, *assembly_, arguments_.text);
-  const auto delivered = hw::HostClock::now();
-  const hw::Configuration configuration = *assembly_->configuration();
-  const ReceivedSamples samples = make_displayable(
-      volume, configuration.source, dynamic_range_db(scene, configuration), arguments_.text);
-  Acquisition acquisition{.volume = std::move(volume),
-                          .samples = samples,
-                          .account = {},
-                          .damage = {},
-                          .link = board_->capabilities(),
-                          .source = configuration.source,
-                          .subject = configuration.subject,
-                          .display_scale = configuration.display_scale,
-                          .simulated = {},
-                          .ending = assembly_->ended() ? ending() : ""};
-  board_->stop();
-  acquisition.account = board_->account();
-  acquisition.damage = board_->damage();
-  check_balance(acquisition.account);
-  acquisition.simulated = simulated();
-  acquisition.transport_ms = milliseconds(delivered - connected_) - figures_->volume_ms;
-  return acquisition;
-}
-
-std::string BoardConnection::ending() {
-  return ending_of(*board_, *assembly_);
+Acquisition BoardConnection::acquire(const StreamSource& source,
+                                     StreamRenderer& renderer,
+                                     const PictureSink& sink) {
+  StreamResult result = stream_one_volume(source, renderer, sink);
+  check_balance(result.account);
+  KeptVolume& kept = *result.kept;
+  const hw::HostTime delivered = result.records.back().last.acquired;
+  // The volume may have been computed before the stream began.
+  const double transport_ms = std::min(milliseconds(delivered - connected_) - figures_->volume_ms,
+                                       milliseconds(delivered - result.begin));
+  return {.volume = std::move(kept.volume),
+          .samples = kept.samples,
+          .account = result.account,
+          .damage = result.damage,
+          .link = result.link,
+          .source = kept.configuration.source,
+          .subject = kept.configuration.subject,
+          .display_scale = kept.configuration.display_scale,
+          .simulated = simulated(),
+          .transport_ms = transport_ms,
+          .ending = result.reader.ending};
 }
 
 }  // namespace wobblebench::bench

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "bench/pipeline/board_link.h"
-#include "bench/pipeline/display_samples.h"
+#include "bench/pipeline/stream/one_volume.h"
 #include "bench/scene/scene.h"
 #include "hw/board/board.h"
-#include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
 #include "phantoms/phantom.h"
 #include "sim/fidelity.h"
@@ -45,34 +44,38 @@ struct Acquisition {
   std::string ending;  ///< why the stream broke off; empty: it did not
 };
 
-/// One board for one volume.
+/// One board: of --board, or of the scene's simulator.
 class BoardConnection {
  public:
-  /// Opens a recording or a card; a simulator is made by acquire(). Throws UserError.
+  /// Opens a recording or a card; a simulator is made by connect(). Throws UserError.
   explicit BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options = {});
 
   /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
   /// Returns where the samples come from. Throws UserError where the scene was given other values
-  /// or is of another subject, std::runtime_error if no configuration comes.
+  /// or is of another subject, NothingCame if no configuration comes.
   hw::StreamOrigin adopt_plan(Scene& scene);
 
-  /// The first volume whose beginning was not missed. `maps`: as sim::ProbeSimulator takes them.
-  /// Throws UserError for a simulated scene of several volumes, a recording of a subject at another
-  /// place, and samples that cannot be displayed (make_displayable()); std::runtime_error if no
-  /// volume comes.
+  /// A simulator makes all of the scene's volumes, from now on. `maps`: as sim::ProbeSimulator
+  /// takes them. The result is valid as long as this. Throws UserError for a recording of a subject
+  /// at another place.
+  StreamSource connect(const Scene& scene,
+                       const phantoms::PlacedPhantom& subject,
+                       const sim::TissueMapSource& maps = {});
+  /// The same, of a recording or a card whose subject is not known.
+  StreamSource connect(const Scene& scene);
+
+  /// stream_one_volume() of what connect() returned.
+  [[nodiscard]] Acquisition acquire(const StreamSource& source,
+                                    StreamRenderer& renderer,
+                                    const PictureSink& sink);
+  /// The same, without a picture. Throws UserError for a simulated scene of several volumes.
   [[nodiscard]] Acquisition acquire(const Scene& scene,
                                     const phantoms::PlacedPhantom& subject,
                                     const sim::TissueMapSource& maps = {});
-  /// The same, of a recording or a card whose subject is not known.
   [[nodiscard]] Acquisition acquire(const Scene& scene);
 
-  /// For a stream: the board, of a simulator that makes all of the scene's volumes. Valid as long
-  /// as this. Throws UserError for a recording of a subject at another place.
-  hw::Board& connect(const Scene& scene,
-                     const phantoms::PlacedPhantom& subject,
-                     const sim::TissueMapSource& maps = {});
-  /// The same, of a recording or a card whose subject is not known.
-  hw::Board& connect();
+  /// Throws UserError for a simulated scene of several volumes.
+  void check_one_volume(const Scene& scene) const;
   /// The simulator's report on the volumes so far, times as sums; none: sticks come from elsewhere.
   std::optional<SimulatedVolume> simulated() const;
 
@@ -81,14 +84,13 @@ class BoardConnection {
   sim::ProbeSimulator simulator(const Scene& scene,
                                 const phantoms::PlacedPhantom& subject,
                                 const sim::TissueMapSource& maps);
-  Acquisition receive(const Scene& scene);
-  std::string ending();
+  StreamSource source(const Scene& scene);
 
   BoardArguments arguments_;
   hw::BoardOptions options_;
   std::unique_ptr<hw::Board> board_;
-  std::optional<hw::VolumeAssembly> assembly_;
-  hw::HostTime connected_;  ///< from then on sticks may be made
+  std::optional<hw::Configuration> configuration_;  ///< of a recording or a card
+  hw::HostTime connected_;                          ///< from then on sticks may be made
   std::optional<SimulatedVolume> simulated_;
   std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();
 };

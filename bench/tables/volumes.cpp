@@ -4,8 +4,7 @@
 #include <stdexcept>
 
 #include "base/user_error.h"
-#include "bench/pipeline/display_samples.h"
-#include "bench/pipeline/whole_volume.h"
+#include "bench/pipeline/stream/one_volume.h"
 #include "bench/tables/paper.h"
 
 namespace wobblebench::bench {
@@ -32,16 +31,20 @@ hw::Stick stick_of(const hw::PolarFrame& from, std::uint32_t frame, std::uint32_
 
 hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& board_text) {
   hw::Board board(std::move(link));
-  hw::VolumeAssembly assembly(board);
-  board.start();
-  hw::PolarVolume volume = whole_volume(board, assembly, board_text);
-  make_displayable(volume, assembly.configuration()->source, std::nullopt, board_text);
-  if (assembly.ended() && volume.missing_sticks() > 0) {
-    throw UserError("--board = " + board_text + ": " + ending_of(board, assembly) + ": " +
-                    std::to_string(volume.missing_sticks()) + " sticks of the volume are missing");
+  const hw::Configuration configuration = first_configuration(board, board_text);
+  const StreamSource source{.board = board,
+                            .plan = configuration.plan,
+                            .name = board_text,
+                            .configuration = configuration,
+                            .dynamic_range_db = {}};
+  NoRenderer none;
+  const StreamResult result = stream_one_volume(source, none);
+  const int missing = result.kept->volume.missing_sticks();
+  if (!result.reader.ending.empty() && missing > 0) {
+    throw UserError("--board = " + board_text + ": " + result.reader.ending + ": " +
+                    std::to_string(missing) + " sticks of the volume are missing");
   }
-  board.stop();
-  return volume;
+  return result.kept->volume;
 }
 
 std::string note_of(const hw::PolarVolume& volume) {
@@ -82,7 +85,7 @@ TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string&
   const hw::PolarVolume volume = [&] {
     try {
       return take_volume(std::move(link), board);
-    } catch (const NoVolume& error) {
+    } catch (const NothingCame& error) {
       throw UserError(error.what());
     }
   }();

@@ -54,13 +54,16 @@ void describe(O& o, Visitor& v) {
 /// @endcode
 class StickSlot {
  public:
-  StickSlot(std::shared_ptr<StickRing> ring, Stick* stick)
-      : ring_(std::move(ring)), stick_(stick) {}
+  StickSlot(std::shared_ptr<StickRing> ring, Stick* stick, HostTime received = {})
+      : ring_(std::move(ring)), stick_(stick), received_(received) {}
   StickSlot(StickSlot&& other) noexcept
-      : ring_(std::move(other.ring_)), stick_(std::exchange(other.stick_, nullptr)) {}
+      : ring_(std::move(other.ring_)),
+        stick_(std::exchange(other.stick_, nullptr)),
+        received_(other.received_) {}
   StickSlot& operator=(StickSlot&& other) noexcept {
     std::swap(ring_, other.ring_);
     std::swap(stick_, other.stick_);
+    std::swap(received_, other.received_);
     return *this;
   }
   ~StickSlot() {
@@ -69,12 +72,15 @@ class StickSlot {
 
   const Stick& operator*() const { return *stick_; }
   const Stick* operator->() const { return stick_; }
+  /// When the link's read() returned that brought the stick's last byte.
+  HostTime received() const { return received_; }
 
  private:
   void release();
 
   std::shared_ptr<StickRing> ring_;
   Stick* stick_;
+  HostTime received_;
 };
 
 struct VolumeEnd {

@@ -91,6 +91,7 @@ class Board::Impl {
   std::vector<std::byte> incoming_;
   Decoder decoder_;
   std::optional<Packet> pending_;  ///< decoded, not yet enqueued
+  HostTime received_{};            ///< the end of the last read that brought bytes
   bool packet_was_cut_ = false;    ///< by the end of the stream
   WireDamage known_damage_;        ///< as in damage_
   bool unnotified_ = false;        ///< an event was enqueued since notify_program()

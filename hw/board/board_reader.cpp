@@ -49,6 +49,7 @@ bool Board::Impl::read_link(const std::stop_token& stop, HostTime deadline) {
   incoming_.resize(kReadBytes);
   const ReadResult result = link_->read(incoming_, deadline);
   progressed_ = progressed_ || result.bytes > 0;
+  if (result.bytes > 0) received_ = HostClock::now();
   decoder_.feed(std::span(incoming_).first(result.bytes));
   switch (result.status) {
     case ReadStatus::ok:
@@ -120,7 +121,7 @@ bool Board::Impl::enqueue(StickPacket& packet, const std::stop_token& stop) {
   } else {
     std::swap(*slot, packet.stick);
     audit_.deliver();
-    push(StickSlot(ring_, slot));
+    push(StickSlot(ring_, slot, received_));
   }
   return true;
 }

@@ -34,6 +34,8 @@ class CardModel {
 
   /// Time of the interrupt that announces the oldest unread bytes; none if it is not known yet.
   std::optional<hw::DeviceTime> next_interrupt() const;
+  /// When the last byte of the packets so far has come over the PCIe link: their DMA is complete.
+  hw::DeviceTime transfer_end() const { return transfer_end_; }
   /// Whether read() would copy bytes.
   bool readable(hw::DeviceTime now) const;
 

@@ -4,9 +4,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <utility>
-
-#include "base/user_error.h"
-#include "bench/pipeline/display_samples.h"
+#include <variant>
 
 namespace wobblebench::bench {
 
@@ -21,17 +19,22 @@ double milliseconds(hw::HostClock::duration time) {
 
 }  // namespace
 
-FrameReader::FrameReader(hw::Board& board,
-                         const hw::AcquisitionPlan& plan,
+FrameReader::FrameReader(const StreamSource& source,
                          VolumeQueue& queue,
-                         std::string source)
-    : board_(board), plan_(plan), queue_(queue), source_(std::move(source)) {
-  statistics_.least_free_slots = board.ring_slots();
+                         std::uint64_t volumes,
+                         bool keep_volume)
+    : source_(source),
+      plan_(source.plan),
+      queue_(queue),
+      volumes_(volumes),
+      keeps_volume_(keep_volume),
+      configuration_(source.configuration) {
+  statistics_.least_free_slots = source.board.ring_slots();
 }
 
-void FrameReader::run(std::uint64_t volumes) {
+void FrameReader::run() {
   try {
-    read(volumes);
+    read();
   } catch (...) {
     leave_volume();
     queue_.close();
@@ -41,107 +44,153 @@ void FrameReader::run(std::uint64_t volumes) {
   queue_.close();
 }
 
-void FrameReader::read(std::uint64_t volumes) {
+void FrameReader::read() {
   double waited_ms = 0;
   const auto start = hw::HostClock::now();
-  for (bool more = true; more && (volumes == 0 || statistics_.volumes < volumes);) {
+  for (bool more = true; more;) {
     const auto asked = hw::HostClock::now();
-    hw::Event event = board_.next(asked + kLongestWait);
+    hw::Event event = source_.board.next(asked + kLongestWait);
     waited_ms += milliseconds(hw::HostClock::now() - asked);
-    statistics_.least_free_slots = std::min(statistics_.least_free_slots, board_.free_slots());
-    more = take(event);
+    statistics_.least_free_slots =
+        std::min(statistics_.least_free_slots, source_.board.free_slots());
+    more = has_all() ? take_behind_last(event) : take(event);
     statistics_.busy_ms =
         milliseconds(hw::HostClock::now() - start) - waited_ms - queue_.statistics().blocked_ms;
   }
 }
 
 bool FrameReader::take(hw::Event& event) {
-  if (const auto* slot = std::get_if<hw::StickSlot>(&event)) return take_stick(**slot);
-  if (std::holds_alternative<hw::VolumeEnd>(event)) return end_volume();
+  if (const auto* slot = std::get_if<hw::StickSlot>(&event)) return take_stick(*slot);
+  if (std::holds_alternative<hw::VolumeEnd>(event)) return end_volume() && !has_all();
   if (const auto* configuration = std::get_if<hw::Configuration>(&event)) {
-    const bool same = configuration->plan.probe() == plan_.probe() &&
-                      configuration->plan.acquisition() == hw::with_one_zone(plan_.acquisition());
-    if (!same) throw std::runtime_error("--board = " + source_ + ": the acquisition changes");
-    return end_volume();
+    return end_volume() && !has_all() && take_configuration(*configuration);
   }
-  if (const auto* lost = std::get_if<hw::DeviceLost>(&event)) {
-    end_volume();
-    throw std::runtime_error("--board = " + source_ + ": " + lost->reason);
-  }
-  if (std::holds_alternative<hw::EndOfStream>(event)) {
-    end_volume();
-    return false;
+  if (const std::string why = ending_of(event); !why.empty()) {
+    end_stream(why);
+    if (!std::holds_alternative<hw::DeviceLost>(event)) return false;
+    throw std::runtime_error("--board = " + source_.name + ": " + why);
   }
   return std::holds_alternative<hw::Gap>(event) || std::holds_alternative<hw::TimedOut>(event);
 }
 
-bool FrameReader::take_stick(const hw::Stick& stick) {
-  ++statistics_.sticks;
-  if (volume_ && volume_->volume_index() != stick.index.volume && !end_volume()) return false;
-  if (!volume_ && !begin_volume(stick)) return true;
-  const int place_of_stick = place(static_cast<int>(stick.index.frame), stick.index.volume);
-  while (next_ < place_of_stick) {
-    if (!push_frame(false)) return false;
+/// The event behind the last volume tells whether the stream went on.
+bool FrameReader::take_behind_last(const hw::Event& event) {
+  if (std::holds_alternative<hw::StickSlot>(event)) {
+    ++statistics_.sticks;
+    ++statistics_.left_sticks;
   }
-  frame_.last.acquired = hw::HostClock::now();
-  if (frame_.sticks++ == 0) frame_.first.acquired = frame_.last.acquired;
-  volume_->place(stick);
-  const bool is_last =
-      static_cast<int>(stick.index.line) + 1 == plan_.acquisition().sticks_per_frame;
-  return !is_last || push_frame(next_ + 1 == plan_.acquisition().frames_per_volume);
+  statistics_.ending = ending_of(event);
+  return std::holds_alternative<hw::Gap>(event);
 }
 
-/// False: the stick belongs to a volume that is left out.
-bool FrameReader::begin_volume(const hw::Stick& stick) {
-  const bool is_first_volume = statistics_.volumes == 0 && !missed_;
-  if (is_first_volume && stick.sequence != plan_.first_sequence(stick.index.volume)) {
-    missed_ = stick.index.volume;
+bool FrameReader::take_configuration(const hw::Configuration& configuration) {
+  const bool same = configuration.plan.probe() == plan_.probe() &&
+                    configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());
+  if (!same) throw std::runtime_error("--board = " + source_.name + ": the acquisition changes");
+  configuration_ = configuration;
+  return true;
+}
+
+bool FrameReader::take_stick(const hw::StickSlot& slot) {
+  const hw::Stick& stick = *slot;
+  ++statistics_.sticks;
+  const auto is_of_another = [&] {
+    return volume_ && volume_->volume_index() != stick.index.volume;
+  };
+  if (is_of_another() && !end_volume()) return false;
+  if (is_of_another()) leave_volume();
+  if (!volume_) begin_volume(stick);
+  const int place_of_stick = place(static_cast<int>(stick.index.frame), stick.index.volume);
+  while (next_ < place_of_stick) {
+    if (!finish_frame()) return false;
   }
-  if (missed_ == stick.index.volume) {
-    ++statistics_.left_sticks;
-    return false;
-  }
-  if (stick.scale != hw::SampleScale::log_compressed) {
-    throw UserError("--board = " + source_ +
-                    ": its samples are linear envelopes; a stream must be log-compressed "
-                    "(simulation.output = \"log\")");
-  }
-  volume_.emplace(plan_, stick.index.volume);
+  frame_.last.received = slot.received();
+  frame_.last.acquired = hw::HostClock::now();
+  volume_->place(stick);
+  frame_.last.placed = hw::HostClock::now();
+  if (frame_.sticks++ == 0) frame_.first = frame_.last;
+  const bool is_last =
+      static_cast<int>(stick.index.line) + 1 == plan_.acquisition().sticks_per_frame;
+  return !is_last || finish_frame();
+}
+
+void FrameReader::begin_volume(const hw::Stick& stick) {
+  is_first_stick_missed_ =
+      !has_begun_ && stick.sequence != plan_.first_sequence(stick.index.volume);
+  has_begun_ = true;
+  volume_.emplace(configuration_.value().plan, stick.index.volume);
   next_ = 0;
   frame_ = {.volume = stick.index.volume, .samples = {}, .first = {}, .last = {}};
-  return true;
 }
 
 /// Pushes the frames that did not come.
 bool FrameReader::end_volume() {
-  const int frames = plan_.acquisition().frames_per_volume;
-  while (volume_) {
-    if (!push_frame(next_ + 1 == frames)) return false;
+  while (volume_ && next_ < plan_.acquisition().frames_per_volume) {
+    if (!finish_frame()) return false;
   }
   return true;
 }
 
-bool FrameReader::push_frame(bool ends_volume) {
-  frame_.frame = place(next_++, frame_.volume);
-  frame_.samples = volume_->frame(frame_.frame);
-  frame_.ends_volume = ends_volume;
-  set_schedule();
-  if (frame_.sticks == 0) frame_.first.acquired = frame_.last.acquired = hw::HostClock::now();
-  StreamFrame following{.volume = frame_.volume, .samples = {}, .first = {}, .last = {}};
-  StreamFrame done = std::exchange(frame_, std::move(following));
-  if (ends_volume) {
-    if (!std::exchange(checked_, true)) {
-      make_displayable(*volume_, hw::StreamOrigin::simulated, {}, source_);
-    }
-    volume_.reset();
-    ++statistics_.volumes;
-  }
-  return queue_.push(std::move(done));
+/// No other volume follows the one under way.
+void FrameReader::end_stream(const std::string& why) {
+  is_first_stick_missed_ = false;
+  statistics_.ending = why;
+  end_volume();
+  if (!finished_.empty()) push_frames();
 }
 
-/// When the frame's first and last stick were due, whether they arrived or not.
-void FrameReader::set_schedule() {
-  const auto epoch = board_.epoch();
+bool FrameReader::finish_frame() {
+  frame_.frame = place(next_++, frame_.volume);
+  frame_.ends_volume = next_ == plan_.acquisition().frames_per_volume;
+  set_times();
+  StreamFrame following{.volume = frame_.volume, .samples = {}, .first = {}, .last = {}};
+  finished_.push_back(std::exchange(frame_, std::move(following)));
+  const bool is_linear = volume_->scale() == hw::SampleScale::linear_envelope;
+  const bool waits = is_first_stick_missed_ || (is_linear && !finished_.back().ends_volume);
+  return waits || push_frames();
+}
+
+bool FrameReader::push_frames() {
+  const bool ends_volume = finished_.back().ends_volume;
+  if (ends_volume) check_samples();
+  for (StreamFrame& frame : finished_) frame.samples = volume_->frame(frame.frame);
+  if (ends_volume) finish_volume();
+  bool is_open = true;
+  for (StreamFrame& frame : std::exchange(finished_, {})) {
+    is_open = queue_.push(std::move(frame)) && is_open;
+  }
+  return is_open;
+}
+
+/// Of the first volume, and of those that are kept; log-compresses linear ones.
+void FrameReader::check_samples() {
+  const bool is_linear = volume_->scale() == hw::SampleScale::linear_envelope;
+  if (std::exchange(is_checked_, true) && !keeps_volume_ && !is_linear) return;
+  std::optional<double> range_db;
+  if (source_.dynamic_range_db) {
+    range_db = source_.dynamic_range_db(configuration_->display_scale);
+  }
+  samples_ = make_displayable(*volume_, configuration_->source, range_db, source_.name);
+}
+
+void FrameReader::finish_volume() {
+  if (keeps_volume_) kept_ = KeptVolume{std::move(*volume_), samples_, *configuration_};
+  volume_.reset();
+  ++statistics_.volumes;
+}
+
+/// When the frame's first and last stick were due, whether they arrived or not, and what of their
+/// times is their own.
+void FrameReader::set_times() {
+  const auto now = frame_.complete = hw::HostClock::now();
+  if (frame_.sticks == 0) {
+    frame_.last = {.fired = {}, .received = now, .acquired = now, .placed = now};
+    frame_.first = frame_.last;
+  }
+  const auto& arrived = volume_->frame(frame_.frame).arrived;
+  frame_.first.arrived = arrived.front() != 0;
+  frame_.last.arrived = arrived.back() != 0;
+  const auto epoch = source_.board.epoch();
   if (!epoch) return;
   const auto lines = static_cast<std::uint64_t>(plan_.acquisition().sticks_per_frame);
   const auto first = plan_.sequence({frame_.volume, static_cast<std::uint32_t>(frame_.frame), 0});
@@ -154,9 +203,15 @@ int FrameReader::place(int frame, std::uint32_t volume) const {
                                            : plan_.acquisition().frames_per_volume - 1 - frame;
 }
 
-/// What the frame under way holds will not be shown.
+/// What it holds will not be shown.
 void FrameReader::leave_volume() {
-  if (volume_) statistics_.left_sticks += static_cast<std::uint64_t>(frame_.sticks);
+  if (!volume_) return;
+  statistics_.left_sticks += static_cast<std::uint64_t>(frame_.sticks);
+  for (const StreamFrame& frame : finished_) {
+    statistics_.left_sticks += static_cast<std::uint64_t>(frame.sticks);
+  }
+  finished_.clear();
+  volume_.reset();
 }
 
 }  // namespace wobblebench::bench

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "bench/pipeline/stream/display_samples.h"
 #include "bench/pipeline/stream/stream_frame.h"
+#include "bench/pipeline/stream/stream_source.h"
 #include "bench/pipeline/stream/volume_queue.h"
-#include "hw/board/board.h"
 #include "hw/probe/polar_volume.h"
 
 namespace wobblebench::bench {
@@ -18,50 +20,75 @@ struct ReaderStatistics {
   std::uint64_t volumes = 0;      ///< whose last frame was pushed
   double busy_ms = 0;             ///< neither waiting for the board nor for the queue
   int least_free_slots = 0;       ///< of the board's ring
+  std::string ending;             ///< why nothing more came; empty: it was not read to its end
+};
+
+/// A volume as the renderer got it, and what it came as.
+struct KeptVolume {
+  hw::PolarVolume volume;
+  ReceivedSamples samples;
+  hw::Configuration configuration;
 };
 
 /// Takes the events of a board and pushes each frame as soon as its last line is here, or a later
 /// stick is. Frames of which no stick arrived are pushed, too, so that each volume has them all. A
-/// volume whose first stick was missed is left out. Used by one thread, the only one that calls
-/// board.next().
+/// first volume whose first stick was missed is left out, unless the stream ends with it. Frames of
+/// linear envelopes wait for the end of their volume, and are log-compressed. Used by one thread,
+/// the only one that calls board.next().
 class FrameReader {
  public:
-  /// `board` and `queue` must outlive it. `source`: --board, for refusals.
-  FrameReader(hw::Board& board,
-              const hw::AcquisitionPlan& plan,
+  /// `source` and `queue` must outlive it. `volumes`: how many are wanted; 0: any number.
+  /// `keep_volume`: kept() is the last one.
+  FrameReader(const StreamSource& source,
               VolumeQueue& queue,
-              std::string source);
+              std::uint64_t volumes,
+              bool keep_volume);
 
-  /// Reads until the stream is over, cancelled or stopped, `volumes` volumes were read (0: any
-  /// number), or the queue was stopped; closes the queue. Throws UserError for samples that cannot
-  /// be displayed, std::runtime_error for a plan that changes and for a device that is lost.
-  void run(std::uint64_t volumes);
+  /// Reads until the stream is over, cancelled or stopped, all wanted volumes were read and the
+  /// event behind them, or the queue was stopped; closes the queue. Throws UserError for samples
+  /// that cannot be displayed, std::runtime_error for a plan that changes and for a device that is
+  /// lost.
+  void run();
 
   const ReaderStatistics& statistics() const { return statistics_; }
+  std::optional<KeptVolume>& kept() { return kept_; }
 
  private:
-  void read(std::uint64_t volumes);
+  void read();
+  bool has_all() const { return volumes_ > 0 && statistics_.volumes >= volumes_; }
   /// False: nothing more is wanted, or can come.
   bool take(hw::Event& event);
-  bool take_stick(const hw::Stick& stick);
-  bool begin_volume(const hw::Stick& stick);
+  bool take_behind_last(const hw::Event& event);
+  bool take_configuration(const hw::Configuration& configuration);
+  bool take_stick(const hw::StickSlot& slot);
+  void begin_volume(const hw::Stick& stick);
   bool end_volume();
-  bool push_frame(bool ends_volume);
-  void set_schedule();
+  void end_stream(const std::string& why);
+  bool finish_frame();
+  bool push_frames();
+  void check_samples();
+  void finish_volume();
+  void set_times();
   /// Place of a frame in the order of acquisition, and back.
   int place(int frame, std::uint32_t volume) const;
   void leave_volume();
 
-  hw::Board& board_;
-  const hw::AcquisitionPlan plan_;
+  const StreamSource& source_;
+  const hw::AcquisitionPlan& plan_;
   VolumeQueue& queue_;
-  const std::string source_;
+  const std::uint64_t volumes_;
+  const bool keeps_volume_;
   ReaderStatistics statistics_;
+  std::optional<hw::Configuration> configuration_;
   std::optional<hw::PolarVolume> volume_;  ///< under way
-  std::optional<std::uint32_t> missed_;    ///< the first volume, where its beginning was missed
-  int next_ = 0;                           ///< place of the frame that is pushed next
+  std::vector<StreamFrame> finished_;      ///< of it, not pushed yet; without their samples
+  int next_ = 0;                           ///< place of the frame under way
   StreamFrame frame_;                      ///< that frame, without its samples
-  bool checked_ = false;                   ///< the samples of the first whole volume
+  bool has_begun_ = false;                 ///< a volume did
+  bool is_first_stick_missed_ = false;     ///< of the volume under way, the first of the stream
+  bool is_checked_ = false;                ///< the samples of the first whole volume
+  ReceivedSamples samples_;                ///< of the last volume that was checked
+  std::optional<KeptVolume> kept_;
 };
 
 }  // namespace wobblebench::bench

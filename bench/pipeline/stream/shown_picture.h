@@ -19,6 +19,9 @@ struct PictureTimes {
   hw::HostTime begun;        ///< pass 1 of the volume's first frame begins
   double update_ms = 0;      ///< pass 1 of the frames since the last picture
   double waited_ms = 0;      ///< since the last picture, for frames
+  hw::HostTime complete;     ///< the newest frame was
+  hw::HostTime taken;        ///< the newest frame, from the queue
+  double pass_1_ms = 0;      ///< of the newest frame
   hw::HostTime uploaded;     ///< pass 1 of the newest frame is done; pass 2 begins
   std::vector<render::PassTime> passes;  ///< 2 to 4
   hw::HostTime ready;

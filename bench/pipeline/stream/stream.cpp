@@ -39,23 +39,20 @@ class Spans {
 /// The threads of one stream, and what they share.
 class Running {
  public:
-  Running(hw::Board& board,
-          const hw::AcquisitionPlan& plan,
+  Running(const StreamSource& source,
           StreamRenderer& renderer,
           const StreamOptions& options,
-          const std::string& source,
           const PictureSink& sink,
           const std::function<bool()>& stopped)
-      : board_(board),
-        plan_(plan),
+      : board_(source.board),
+        plan_(source.plan),
         renderer_(renderer),
         mid_volume_(options.mid_volume),
-        volumes_(options.volumes),
         sink_(sink),
         stopped_(stopped),
         frames_(options.queue),
         pictures_(options.queue.policy),
-        reader_(board, plan, frames_, source) {}
+        reader_(source, frames_, options.volumes, options.keep_volume) {}
 
   StreamResult run();
 
@@ -64,6 +61,7 @@ class Running {
   void watch(const std::stop_token& done);
   void render();
   void take_frame(StreamFrame frame);
+  void add_acquisition(const StreamFrame& frame);
   void render_picture(const StreamFrame& newest);
   void drop(const PictureTimes& times, hw::HostTime ready);
   void write();
@@ -71,10 +69,9 @@ class Running {
   void collect();
 
   hw::Board& board_;
-  const hw::AcquisitionPlan plan_;
+  const hw::AcquisitionPlan& plan_;
   StreamRenderer& renderer_;
   const bool mid_volume_;
-  const std::uint64_t volumes_;
   const PictureSink& sink_;
   const std::function<bool()>& stopped_;
   VolumeQueue frames_;
@@ -109,7 +106,8 @@ void Running::end(std::exception_ptr failure) {
 
 void Running::read() {
   try {
-    reader_.run(volumes_);
+    reader_.run();
+    board_.cancel();  // more sticks would only be counted
   } catch (const UserError&) {
     end(std::current_exception());
   } catch (const std::exception& error) {
@@ -142,21 +140,16 @@ void Running::render() {
 }
 
 void Running::take_frame(StreamFrame frame) {
-  const auto begin = hw::HostClock::now();
+  const auto begin = current_.taken = hw::HostClock::now();
   if (volume_frames_ == 0) {
     current_.begun = begin;
     current_.first = frame.first;
   }
-  if (frame.sticks > 0) {
-    render_spans_.add({StreamSpan::Kind::frame_acquired,
-                       frame.volume,
-                       frame.frame,
-                       frame.first.acquired,
-                       frame.last.acquired});
-  }
+  add_acquisition(frame);
   ++volume_frames_;
   volume_sticks_ += static_cast<std::uint64_t>(frame.sticks);
-  current_.update_ms += renderer_.add_frame(frame.frame, frame.samples);
+  current_.pass_1_ms = renderer_.add_frame(frame.frame, frame.samples);
+  current_.update_ms += current_.pass_1_ms;
   frame.samples = {};
   const auto uploaded = hw::HostClock::now();
   render_spans_.add({StreamSpan::Kind::frame_uploaded, frame.volume, frame.frame, begin, uploaded});
@@ -166,6 +159,17 @@ void Running::take_frame(StreamFrame frame) {
   volume_frames_ = 0;
 }
 
+void Running::add_acquisition(const StreamFrame& frame) {
+  const auto add = [&](StreamSpan::Kind kind, hw::HostTime begin, hw::HostTime end) {
+    render_spans_.add({kind, frame.volume, frame.frame, begin, end});
+  };
+  if (frame.sticks == 0) return;
+  add(StreamSpan::Kind::frame_acquired, frame.first.acquired, frame.last.placed);
+  add(StreamSpan::Kind::stick_acquired, frame.first.acquired, frame.first.placed);
+  if (frame.sticks == 1) return;
+  add(StreamSpan::Kind::stick_acquired, frame.last.acquired, frame.last.placed);
+}
+
 void Running::render_picture(const StreamFrame& newest) {
   const int lines = plan_.acquisition().sticks_per_frame;
   current_.volume = newest.volume;
@@ -173,6 +177,7 @@ void Running::render_picture(const StreamFrame& newest) {
   current_.sticks = static_cast<int>(volume_sticks_);
   current_.lost = volume_frames_ * lines - current_.sticks;
   current_.last = newest.last;
+  current_.complete = newest.complete;
   current_.uploaded = hw::HostClock::now();
   ShownPicture shown{.times = {}, .picture = renderer_.render()};
   current_.ready = current_.written = hw::HostClock::now();
@@ -184,13 +189,9 @@ void Running::render_picture(const StreamFrame& newest) {
                      current_.ready});
   ++result_.pictures;
   shown.times = current_;
-  current_ = {.first = current_.first,
-              .last = {},
-              .begun = current_.begun,
-              .uploaded = {},
-              .passes = {},
-              .ready = {},
-              .written = {}};
+  current_ = PictureTimes{};
+  current_.first = shown.times.first;
+  current_.begun = shown.times.begun;
   const hw::HostTime ready = shown.times.ready;
   const auto dropped = pictures_.push(std::move(shown));
   if (dropped && dropped->times.whole) drop(dropped->times, ready);
@@ -230,6 +231,7 @@ void Running::write() {
 
 void Running::collect() {
   result_.reader = reader_.statistics();
+  result_.kept = std::move(reader_.kept());
   result_.queue = frames_.statistics();
   result_.shown = written_;
   result_.sink_busy_ms = write_ms_;
@@ -257,6 +259,7 @@ StreamResult Running::run() {
   frames_.stop();  // counts what is left of a volume that did not end
   board_.stop();
   result_.account = board_.account();
+  result_.damage = board_.damage();
   result_.link = board_.capabilities();
   if (failure_) std::rethrow_exception(failure_);
   collect();
@@ -266,14 +269,12 @@ StreamResult Running::run() {
 
 }  // namespace
 
-StreamResult run_stream(hw::Board& board,
-                        const hw::AcquisitionPlan& plan,
+StreamResult run_stream(const StreamSource& source,
                         StreamRenderer& renderer,
                         const StreamOptions& options,
-                        const std::string& source,
                         const PictureSink& sink,
                         const std::function<bool()>& stopped) {
-  Running running(board, plan, renderer, options, source, sink, stopped);
+  Running running(source, renderer, options, sink, stopped);
   return running.run();
 }
 

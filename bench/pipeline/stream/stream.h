@@ -4,31 +4,40 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/pipeline/stream/frame_reader.h"
 #include "bench/pipeline/stream/shown_picture.h"
+#include "bench/pipeline/stream/stream_source.h"
 #include "bench/pipeline/stream/volume_queue.h"
-#include "hw/board/board.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {
 
 /// Records kept of the last pictures, so that memory stays flat.
 inline constexpr std::size_t kMostRecords = 100000;
-/// Frames and pictures from the beginning on whose spans are kept, for a trace.
+/// Spans that each thread keeps for a trace, from the beginning on.
 inline constexpr std::size_t kMostSpans = 20000;
 
 struct StreamOptions {
   QueueOptions queue;
   std::uint64_t volumes = 0;  ///< 0: to the end of the stream, or until it is stopped
   bool mid_volume = false;    ///< also a picture whenever no frame waits (PipelineOptions)
+  bool keep_volume = false;   ///< StreamResult::kept
 };
 
-/// What one thread did from when to when.
+/// What one thread did from when to when. Of sticks the first and the last of each frame that
+/// arrived.
 struct StreamSpan {
-  enum class Kind { frame_acquired, frame_uploaded, picture_rendered, picture_written };
+  enum class Kind {
+    stick_acquired,
+    frame_acquired,
+    frame_uploaded,
+    picture_rendered,
+    picture_written
+  };
   Kind kind;
   std::uint32_t volume = 0;
   int frame = 0;  ///< of a picture: the newest
@@ -38,6 +47,7 @@ struct StreamSpan {
 struct StreamResult {
   hw::HostTime begin, end;  ///< the board was started; the last thread ended
   hw::BoardAccount account;
+  hw::WireDamage damage;
   hw::LinkCapabilities link;
   ReaderStatistics reader;
   QueueStatistics queue;
@@ -49,6 +59,7 @@ struct StreamResult {
   std::deque<PictureTimes> records;  ///< of the last kMostRecords pictures
   std::vector<StreamSpan> spans;     ///< in no order
   std::string failure;               ///< why the stream broke off; empty: it did not
+  std::optional<KeptVolume> kept;    ///< the last volume, with StreamOptions::keep_volume
   /// Sticks that the reader took: each was shown, superseded or left.
   bool balanced() const {
     return reader.sticks == shown.sticks + queue.superseded.sticks + superseded_pictures.sticks +
@@ -70,15 +81,12 @@ class StreamRenderer {
 using PictureSink = std::function<void(const ShownPicture&)>;
 
 /// Runs until the board's stream is over, `options.volumes` volumes have come, or `stopped` returns
-/// true, which is asked every 20 ms. `plan`: the board's, which is not running. Rendering is done
-/// on the calling thread. A failure of the board ends the stream, and is told in the result;
-/// UserError and failures of the sink and of the renderer are thrown. `source`: --board, for
-/// refusals.
-StreamResult run_stream(hw::Board& board,
-                        const hw::AcquisitionPlan& plan,
+/// true, which is asked every 20 ms. Rendering is done on the calling thread. A failure of the
+/// board ends the stream, and is told in the result; UserError and failures of the sink and of the
+/// renderer are thrown.
+StreamResult run_stream(const StreamSource& source,
                         StreamRenderer& renderer,
                         const StreamOptions& options,
-                        const std::string& source,
                         const PictureSink& sink,
                         const std::function<bool()>& stopped);
 

@@ -13,7 +13,10 @@ namespace wobblebench::bench {
 /// a clock of its own.
 struct StickTimes {
   std::optional<hw::HostTime> fired;
+  hw::HostTime received;  ///< by the board, which the device notified (StickSlot::received())
   hw::HostTime acquired;  ///< taken from the board
+  hw::HostTime placed;    ///< copied into its frame
+  bool arrived = true;    ///< false: all times but `fired` are those of the nearest that did
 };
 
 struct StreamFrame {
@@ -21,9 +24,9 @@ struct StreamFrame {
   int frame = 0;
   hw::PolarFrame samples;
   int sticks = 0;  ///< that arrived
-  /// Fired: the first and the last line. Acquired: of those that arrived; none did: when that was
-  /// known.
+  /// Of the first and the last line. Where no line arrived, their times are when that was known.
   StickTimes first, last;
+  hw::HostTime complete;     ///< its last line was placed, or was known not to come
   bool ends_volume = false;  ///< the last that the volume will get
 };
 

@@ -6,8 +6,6 @@
 #include <functional>
 #include <limits>
 
-#include "base/statistics.h"
-
 namespace wobblebench::bench {
 
 namespace {
@@ -82,16 +80,10 @@ std::vector<StageLoad> loads_of(const StreamResult& result, double sound_ms, dou
 
 }  // namespace
 
-Percentiles percentiles_of(const std::vector<double>& values_ms) {
-  return {quantile_upper(values_ms, 0.5),
-          quantile_upper(values_ms, 0.9),
-          quantile_upper(values_ms, 0.99),
-          quantile_upper(values_ms, 0.999),
-          quantile_upper(values_ms, 1),
-          values_ms.size()};
-}
-
-StreamSummary summarize(const StreamResult& result, double sound_ms, double simulator_ms) {
+StreamSummary summarize(const StreamResult& result,
+                        double sound_ms,
+                        double simulator_ms,
+                        const std::optional<CardDelays>& card) {
   StreamSummary summary;
   const bool scheduled = summary.scheduled = is_scheduled(result);
   const auto of = [&](const OfPicture& value) { return percentiles_of(values_of(result, value)); };
@@ -101,15 +93,7 @@ StreamSummary summarize(const StreamResult& result, double sound_ms, double simu
   summary.age_newest = of([scheduled](const PictureTimes& times) {
     return milliseconds(times.ready - start_of(times.last, scheduled));
   });
-  if (scheduled) {
-    summary.fired_to_acquired = of([](const PictureTimes& times) {
-      return milliseconds(times.last.acquired - *times.last.fired);
-    });
-  }
-  summary.acquired_to_rendering = of(
-      [](const PictureTimes& times) { return milliseconds(times.uploaded - times.last.acquired); });
-  summary.rendering =
-      of([](const PictureTimes& times) { return milliseconds(times.ready - times.uploaded); });
+  summary.spans = latency_spans(result, card);
   summary.ready_to_written =
       of([](const PictureTimes& times) { return milliseconds(times.written - times.ready); });
   summarize_rates(result, summary);

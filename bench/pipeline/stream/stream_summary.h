@@ -5,17 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/pipeline/stream/latency_spans.h"
 #include "bench/pipeline/stream/stream.h"
 
 namespace wobblebench::bench {
-
-/// Observed values (quantile_upper of base/statistics.h), ms.
-struct Percentiles {
-  double p50 = 0, p90 = 0, p99 = 0, p999 = 0, max = 0;
-  std::size_t n = 0;
-};
-/// NaN without values.
-Percentiles percentiles_of(const std::vector<double>& values_ms);
 
 /// How long one stage works for each volume; stages work at the same time.
 struct StageLoad {
@@ -29,13 +22,7 @@ struct StreamSummary {
   bool scheduled = false;
   /// From the first and from the last stick of a picture's volume until the picture is ready.
   Percentiles age_oldest, age_newest;
-  /// The parts of age_newest, in order. The first is none unless `scheduled`.
-  std::optional<Percentiles> fired_to_acquired;
-  /// Of it, by the simulator's model of the card: until the interrupt that announces a volume's
-  /// last stick, the same in each volume.
-  std::optional<double> fired_to_announced_ms;
-  Percentiles acquired_to_rendering;  ///< pass 1 is done, pass 2 begins
-  Percentiles rendering;              ///< passes 2 to 4, with reading back
+  LatencySpans spans;  ///< of both
   Percentiles ready_to_written;
   double seconds = 0;        ///< from the first picture to the last
   double volumes_per_s = 0;  ///< shown
@@ -46,8 +33,11 @@ struct StreamSummary {
 };
 
 /// `sound_ms`: one volume of the schedule, in real time; 0: the source goes as fast as it can.
-/// `simulator_ms`: computing one volume; 0: none is.
-StreamSummary summarize(const StreamResult& result, double sound_ms, double simulator_ms);
+/// `simulator_ms`: computing one volume; 0: none is. `card`: as latency_spans() takes it.
+StreamSummary summarize(const StreamResult& result,
+                        double sound_ms,
+                        double simulator_ms,
+                        const std::optional<CardDelays>& card = {});
 
 /// The heaviest stage, and how many times the next one's time it takes.
 struct Bottleneck {

@@ -2,6 +2,7 @@
 
 #include "bench/report/latency/latency_report.h"
 #include "bench/report/report_parts.h"
+#include "bench/report/stream/latency_spans_report.h"
 
 namespace wobblebench::bench {
 
@@ -55,6 +56,7 @@ Json array_of(const Items& items, const ToJson& to_json) {
 Json latency_study_json(const LatencyStudy& study) {
   return {{"clock", "wall and virtual"},
           {"volumes_each", study.volumes},
+          {"spans", latency_spans_json(study.summary.spans)},
           {"checks", array_of(study.checks, check_json)},
           {"stalls", array_of(study.stalls, stall_json)},
           {"crossovers", array_of(study.crossovers, curve_json)},

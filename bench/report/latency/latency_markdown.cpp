@@ -4,6 +4,7 @@
 
 #include "base/number_text.h"
 #include "bench/report/latency/latency_report.h"
+#include "bench/report/stream/latency_spans_report.h"
 
 namespace wobblebench::bench {
 
@@ -37,6 +38,15 @@ void write_head(const LatencyStudy& study,
     text << " " << load.stage << " " << ms(load.ms_per_volume) << " ms";
   }
   text << " a volume.\n";
+}
+
+void write_spans(const LatencyStudy& study, std::ostream& text) {
+  text << "\n## From the echo to the picture\n\nThe scene's stream on the wall clock. Emission is "
+          "as "
+          "scheduled, of a volume's first and last stick. Until the interrupt by the model of the "
+          "card, on the device's clock; from there on by the host's clock, on which the link's "
+          "epoch lays the interrupt. From the last pass to ready: reading back.\n\n"
+       << latency_spans_markdown(study.summary.spans);
 }
 
 void write_checks(const LatencyStudy& study, std::ostream& text) {
@@ -120,6 +130,7 @@ std::string latency_markdown(const LatencyStudy& study,
                              const Scene& scene) {
   std::ostringstream text;
   write_head(study, provenance, scene, text);
+  write_spans(study, text);
   write_checks(study, text);
   write_stalls(study, text);
   write_crossovers(study, scene, text);

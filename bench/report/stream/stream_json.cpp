@@ -4,20 +4,12 @@
 #include "bench/report/commands/board_report.h"
 #include "bench/report/commands/simulation_report.h"
 #include "bench/report/report.h"
+#include "bench/report/stream/latency_spans_report.h"
 #include "bench/report/stream/stream_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-Json percentiles_json(const Percentiles& of) {
-  return {{"p50", number(of.p50)},
-          {"p90", number(of.p90)},
-          {"p99", number(of.p99)},
-          {"p999", number(of.p999)},
-          {"max", number(of.max)},
-          {"n", of.n}};
-}
 
 /// Volumes and sticks that were not shown, by cause.
 Json dropped_json(const StreamResult& result) {
@@ -43,12 +35,7 @@ Json latency_json(const StreamReport& report) {
       {"ages_from", summary.scheduled ? "scheduled emission" : "acquisition"},
       {"age_oldest_ms", percentiles_json(summary.age_oldest)},
       {"age_newest_ms", percentiles_json(summary.age_newest)},
-      {"fired_to_acquired_ms",
-       summary.fired_to_acquired ? percentiles_json(*summary.fired_to_acquired) : Json(nullptr)},
-      {"fired_to_announced_ms",
-       summary.fired_to_announced_ms ? Json(*summary.fired_to_announced_ms) : Json(nullptr)},
-      {"acquired_to_rendering_ms", percentiles_json(summary.acquired_to_rendering)},
-      {"rendering_ms", percentiles_json(summary.rendering)},
+      {"spans", latency_spans_json(summary.spans)},
       {"ready_to_written_ms", percentiles_json(summary.ready_to_written)},
       {"seconds", summary.seconds},
       {"volumes_per_s", summary.volumes_per_s},

@@ -4,41 +4,29 @@
 #include "base/statistics.h"
 #include "base/units.h"
 #include "bench/report/commands/board_report.h"
+#include "bench/report/stream/latency_spans_report.h"
 #include "bench/report/stream/stream_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-std::string of_ms(const Percentiles& of) {
-  if (of.n == 0) return "none";
-  return fixed(of.p50, 1) + " | " + fixed(of.p90, 1) + " | " + fixed(of.p99, 1) + " | " +
-         fixed(of.p999, 1) + " | " + fixed(of.max, 1) + " ms, n = " + std::to_string(of.n);
-}
-
 std::string rates_text(const StreamSummary& summary) {
   if (summary.interval.n == 0) return "rate        none: fewer than two pictures\n";
   return "rate        " + fixed(summary.volumes_per_s, 2) + " volumes/s, " +
          fixed(summary.pictures_per_s, 2) + " pictures/s over " + fixed(summary.seconds, 1) +
-         " s; between pictures " + of_ms(summary.interval) + "; deviation " +
+         " s; between pictures " + percentiles_text(summary.interval) + "; deviation " +
          fixed(summary.jitter_ms, 1) + " ms\n";
 }
 
 std::string ages_text(const StreamSummary& summary) {
   const std::string from = summary.scheduled ? "scheduled emission" : "acquisition";
   std::string text = "            P50 | P90 | P99 | P99.9 | max, wall clock, from " + from + "\n";
-  text += "oldest echo " + of_ms(summary.age_oldest) + "\n";
-  text += "newest echo " + of_ms(summary.age_newest) + "\n";
-  if (summary.fired_to_acquired) {
-    text += "  fired to acquired      " + of_ms(*summary.fired_to_acquired);
-    if (const auto& announced_ms = summary.fired_to_announced_ms) {
-      text += "; the card's interrupt after " + fixed(*announced_ms, 2) + " ms (modelled)";
-    }
-    text += "\n";
-  }
-  text += "  acquired to pass 2     " + of_ms(summary.acquired_to_rendering) + "\n";
-  text += "  passes 2 to 4          " + of_ms(summary.rendering) + "\n";
-  return text + "  ready to written       " + of_ms(summary.ready_to_written) + "\n";
+  text += "oldest echo " + percentiles_text(summary.age_oldest) + "\n";
+  text += "newest echo " + percentiles_text(summary.age_newest) + "\n";
+  text += latency_spans_text(summary.spans);
+  return text + "  ready to written                   " +
+         percentiles_text(summary.ready_to_written) + "\n";
 }
 
 std::string loads_text(const StreamSummary& summary) {

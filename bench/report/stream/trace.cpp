@@ -2,6 +2,7 @@
 #include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "bench/report/stream/stream_report.h"
 
@@ -20,6 +21,8 @@ int track_of(Kind kind) {
 
 const char* track_name(Kind kind) {
   switch (kind) {
+    case Kind::stick_acquired:
+      return "board: first and last stick of a frame";
     case Kind::frame_acquired:
       return "board: sticks of a frame";
     case Kind::frame_uploaded:
@@ -33,7 +36,7 @@ const char* track_name(Kind kind) {
 }
 
 std::string span_name(const StreamSpan& span) {
-  const bool is_frame = span.kind == Kind::frame_acquired || span.kind == Kind::frame_uploaded;
+  const bool is_frame = span.kind < Kind::picture_rendered;
   const std::string volume = "volume " + std::to_string(span.volume);
   return is_frame ? volume + " frame " + std::to_string(span.frame) : volume;
 }
@@ -58,13 +61,20 @@ class Trace {
                        {"ts", microseconds(span.begin)},
                        {"dur", microseconds(span.end) - microseconds(span.begin)}});
   }
-  /// An arrow between two spans, which it binds to by a time inside them.
-  void add_arrow(const StreamSpan& from, const StreamSpan& to) {
-    const int id = ++arrows_;
-    events_.push_back(arrow_end("s", id, from.kind, middle(from)));
-    Json end = arrow_end("f", id, to.kind, middle(to));
-    end["bp"] = "e";
-    events_.push_back(std::move(end));
+  /// An arrow from span to span, each of which it binds to by a time inside it.
+  void add_arrow(const char* name, const std::vector<const StreamSpan*>& spans) {
+    ++arrows_;
+    for (const StreamSpan* span : spans) {
+      const char* phase = span == spans.front() ? "s" : span == spans.back() ? "f" : "t";
+      events_.push_back({{"ph", phase},
+                         {"pid", kProcess},
+                         {"tid", track_of(span->kind)},
+                         {"id", arrows_},
+                         {"name", name},
+                         {"cat", "echo"},
+                         {"bp", "e"},
+                         {"ts", middle(*span)}});
+    }
   }
   std::string text() const {
     return Json{{"displayTimeUnit", "ms"}, {"traceEvents", events_}}.dump() + "\n";
@@ -77,51 +87,69 @@ class Trace {
   double middle(const StreamSpan& span) const {
     return 0.5 * (microseconds(span.begin) + microseconds(span.end));
   }
-  static Json arrow_end(const char* phase, int id, Kind kind, double at_us) {
-    return {{"ph", phase},
-            {"pid", kProcess},
-            {"tid", track_of(kind)},
-            {"id", id},
-            {"name", "shown in"},
-            {"cat", "echo"},
-            {"ts", at_us}};
-  }
 
   hw::HostTime begin_;
   Json events_ = Json::array();
   int arrows_ = 0;
 };
 
+/// The spans of one stream by what they are of, each kind in the order of time.
+class SpansByKind {
+ public:
+  explicit SpansByKind(const std::vector<StreamSpan>& spans) {
+    for (const StreamSpan& span : spans) {
+      if (span.kind == Kind::frame_uploaded) uploads_[{span.volume, span.frame}] = &span;
+      if (span.kind == Kind::picture_rendered) pictures_.push_back(&span);
+    }
+  }
+  const StreamSpan* upload_of(const StreamSpan& stick) const {
+    const auto upload = uploads_.find({stick.volume, stick.frame});
+    return upload == uploads_.end() ? nullptr : upload->second;
+  }
+  /// The first picture that shows the frame.
+  const StreamSpan* picture_after(const StreamSpan& upload) const {
+    const auto picture = std::ranges::lower_bound(
+        pictures_, upload.end, {}, [](const StreamSpan* of) { return of->begin; });
+    return picture == pictures_.end() ? nullptr : *picture;
+  }
+  /// The picture that the sink took: the newest of the volume.
+  const StreamSpan* picture_before(const StreamSpan& written) const {
+    const auto after = std::ranges::upper_bound(
+        pictures_, written.begin, {}, [](const StreamSpan* of) { return of->end; });
+    for (auto picture = after; picture != pictures_.begin();) {
+      if ((*--picture)->volume == written.volume) return *picture;
+    }
+    return nullptr;
+  }
+
+ private:
+  std::map<std::pair<std::uint32_t, int>, const StreamSpan*> uploads_;
+  std::vector<const StreamSpan*> pictures_;
+};
+
 }  // namespace
 
 std::string stream_trace(const StreamResult& result) {
   Trace trace(result.begin);
-  for (const Kind kind : {Kind::frame_acquired,
+  for (const Kind kind : {Kind::stick_acquired,
+                          Kind::frame_acquired,
                           Kind::frame_uploaded,
                           Kind::picture_rendered,
                           Kind::picture_written}) {
     trace.name_track(kind);
   }
   std::vector<StreamSpan> spans = result.spans;
-  std::ranges::sort(spans, {}, &StreamSpan::begin);
-  std::map<std::pair<std::uint32_t, int>, StreamSpan> uploads;
-  std::map<std::uint32_t, StreamSpan> pictures;  ///< the first that shows all of the volume
+  std::ranges::stable_sort(spans, {}, &StreamSpan::begin);
+  const SpansByKind by_kind(spans);
   for (const StreamSpan& span : spans) {
     trace.add_span(span);
-    if (span.kind == Kind::frame_uploaded) uploads.insert({{span.volume, span.frame}, span});
-    if (span.kind == Kind::picture_rendered) pictures.insert_or_assign(span.volume, span);
-  }
-  for (const StreamSpan& span : spans) {
-    if (span.kind == Kind::frame_acquired) {
-      const auto upload = uploads.find({span.volume, span.frame});
-      if (upload != uploads.end()) trace.add_arrow(span, upload->second);
-    }
-    const auto picture = pictures.find(span.volume);
-    if (picture == pictures.end()) continue;
-    if (span.kind == Kind::frame_uploaded && span.end <= picture->second.begin) {
-      trace.add_arrow(span, picture->second);
-    } else if (span.kind == Kind::picture_written && span.begin >= picture->second.end) {
-      trace.add_arrow(picture->second, span);
+    if (span.kind == Kind::stick_acquired) {
+      const StreamSpan* upload = by_kind.upload_of(span);
+      const StreamSpan* picture = upload == nullptr ? nullptr : by_kind.picture_after(*upload);
+      if (picture != nullptr) trace.add_arrow("shown in", {&span, upload, picture});
+    } else if (span.kind == Kind::picture_written) {
+      const StreamSpan* picture = by_kind.picture_before(span);
+      if (picture != nullptr) trace.add_arrow("written", {picture, &span});
     }
   }
   return trace.text();

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "bench/studies/latency/card_times.h"
 #include "bench/studies/latency/line_rate.h"
 #include "bench/studies/latency/virtual_stream.h"
 #include "bench/studies/latency/wall_stream.h"
@@ -206,8 +207,10 @@ LatencyStudy Study::run() {
   }
   const auto plan = scene_.plan();
   result_.times = times_[0];
-  result_.summary =
-      summarize(walls[0], hw::to_milliseconds(plan.volume_duration()), /*simulator_ms=*/0);
+  result_.summary = summarize(walls[0],
+                              hw::to_milliseconds(plan.volume_duration()),
+                              /*simulator_ms=*/0,
+                              card_delays(plan, card_));
   for (const double stall_ms : kStalls_ms) {
     result_.stalls.push_back(recover(stall_ms));
     parts_.finish_one();

@@ -66,6 +66,7 @@ ServiceTimes measured_times(const StreamResult& result,
       case StreamSpan::Kind::picture_written:
         times.written.values.push_back(took);
         break;
+      case StreamSpan::Kind::stick_acquired:
       case StreamSpan::Kind::frame_acquired:
         break;
     }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hw/wire/packet.h"
-#include "sim/card/card_model.h"
+#include "bench/studies/latency/card_times.h"
 
 namespace wobblebench::bench {
 
@@ -155,37 +154,14 @@ VirtualResult VirtualStream::run() {
 }  // namespace
 
 std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
-                                          const sim::CardOptions& card_options) {
-  sim::CardModel card(card_options);
-  hw::Stick stick;
-  stick.samples.resize(static_cast<std::size_t>(plan.acquisition().samples_per_stick));
-  std::vector<std::byte> packet, read(1 << 16);
-  hw::encode(stick, packet);
-  const int lines = plan.acquisition().sticks_per_frame;
-  const int sticks = plan.sticks_per_volume();
-  std::size_t read_bytes = 0;
-  int announced = 0;
-  std::vector<double> times_s;
-  const auto take = [&](hw::DeviceTime until) {
-    while (const auto interrupt = card.next_interrupt()) {
-      if (*interrupt > until) return;
-      read_bytes += card.read(read, *interrupt);
-      for (; announced < sticks &&
-             read_bytes >= static_cast<std::size_t>(announced + 1) * packet.size();
-           ++announced) {
-        if ((announced + 1) % lines == 0) times_s.push_back(seconds(*interrupt));
-      }
-    }
-  };
-  for (int sequence = 0; sequence < sticks; ++sequence) {
-    const auto next = static_cast<std::uint64_t>(sequence + 1);
-    const hw::DeviceTime end(
-        hw::DeviceDuration(std::llround(static_cast<double>(next) * plan.stick_period_s() * 1e9)));
-    card.push(packet, end, sequence + 1 == sticks);
-    take(end);
+                                          const sim::CardOptions& card) {
+  const auto times = card_times(plan, card);
+  const auto lines = static_cast<std::size_t>(plan.acquisition().sticks_per_frame);
+  std::vector<double> frames_s;
+  for (std::size_t end = lines; end <= times.size(); end += lines) {
+    frames_s.push_back(times[end - 1].interrupt_s);
   }
-  take(hw::DeviceTime::max());
-  return times_s;
+  return frames_s;
 }
 
 VirtualResult run_virtual_stream(const VirtualSetting& setting) {

@@ -22,24 +22,16 @@ StreamResult run_wall_stream(const WallSetting& setting,
                              render::GlContext& context,
                              PhantomCache& cache) {
   Scene scene = setting.scene;
-  const std::string text = board_text(setting);
-  BoardConnection connection(parse_board(text));
+  BoardConnection connection(parse_board(board_text(setting)));
   const auto phantom = cache.phantom(scene.phantom);
   complete_from_phantom(scene, phantom);
   const auto subject = scene.place(phantom);
-  const auto plan = scene.plan();
-  render::Renderer renderer(context, plan, scene.render);
+  render::Renderer renderer(context, scene.plan(), scene.render);
   renderer.compile();
-  hw::Board& board = connection.connect(scene, subject, kept_maps(cache.tissue_maps()));
+  const StreamSource source = connection.connect(scene, subject, kept_maps(cache.tissue_maps()));
   GlStreamRenderer passes(renderer);
   StreamResult result = run_stream(
-      board,
-      plan,
-      passes,
-      {.queue = setting.queue},
-      text,
-      [](const ShownPicture&) {},
-      [] { return false; });
+      source, passes, {.queue = setting.queue}, [](const ShownPicture&) {}, [] { return false; });
   if (!result.failure.empty()) throw std::runtime_error(result.failure);
   std::erase_if(result.records,
                 [](const PictureTimes& times) { return times.volume < kWarmUpVolumes; });

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/studies/latency/card_times.h"
 #include "bench/studies/latency/latency_study.h"
 #include "bench/studies/latency/line_rate.h"
+#include "hw/wire/packet.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -115,6 +117,39 @@ TEST(VirtualStream, ACardAnnouncesEachFrameAfterItsLastEcho) {
     // The volume's end flushes: what is left takes less than a buffer's time on the bus.
     EXPECT_LE(times.back(), 37 * frame_s + buffers * 8192 / 900e6 + 1e-6);
   }
+}
+
+/// 2112 bytes a stick at 1 MB/s: 2.112 ms of transfer for each 5 ms stick; the configuration and
+/// the volume's end go before and behind.
+TEST(CardTimes, DmaAndInterruptOfEachStickFollowFromRateBufferAndLatency) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.frames_per_volume = 2;
+  acquisition.sticks_per_frame = 3;
+  acquisition.samples_per_stick = 512;
+  acquisition.dead_time_s = 5e-3;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  const double period_s = plan.stick_period_s();
+  std::vector<std::byte> packet, end;
+  hw::Stick stick;
+  stick.samples.resize(512);
+  hw::encode(stick, packet);
+  hw::encode(hw::VolumeEndPacket{}, end);
+  const double stick_s = static_cast<double>(packet.size()) / 1e6;
+  const double end_s = static_cast<double>(end.size()) / 1e6;
+  // No buffer is full before the end, whose interrupt announces all sticks.
+  const sim::CardOptions card{
+      .buffer_bytes = 1 << 20, .payload_rate_mb_s = 1, .interrupt_latency_s = 30e-6};
+  const auto times = card_times(plan, card);
+  ASSERT_EQ(times.size(), 6u);
+  const double interrupt_s = 6 * period_s + stick_s + end_s + 30e-6;
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(times[i].dma_complete_s, static_cast<double>(i + 1) * period_s + stick_s, 1e-8);
+    EXPECT_NEAR(times[i].interrupt_s, interrupt_s, 1e-8);
+  }
+  const CardDelays delays = card_delays(plan, card);
+  EXPECT_NEAR(delays.first.interrupt_ms, 1e3 * interrupt_s, 1e-5);
+  EXPECT_NEAR(delays.last.dma_complete_ms, 1e3 * (period_s + stick_s), 1e-5);
+  EXPECT_NEAR(delays.last.interrupt_ms, 1e3 * (period_s + stick_s + end_s + 30e-6), 1e-5);
 }
 
 TEST(Latency, ThePapersRendererIsSlowerThanSoundOnlyBelowFourFrames) {

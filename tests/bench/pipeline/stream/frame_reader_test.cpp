@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -18,12 +19,19 @@ struct Read {
   hw::BoardAccount account;
 };
 
-Read read(const hw::AcquisitionPlan& plan, const std::vector<hw::Bytes>& packets) {
+Read read(const hw::AcquisitionPlan& plan,
+          const std::vector<hw::Bytes>& packets,
+          std::uint64_t volumes = 0) {
   hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(packets)));
   board.start();
   VolumeQueue queue({.policy = StreamPolicy::every, .volumes = 64});
-  FrameReader reader(board, plan, queue, "test");
-  reader.run(0);
+  const StreamSource source{.board = board,
+                            .plan = plan,
+                            .name = "test",
+                            .configuration = {},
+                            .dynamic_range_db = [](const hw::DisplayScale&) { return 60.0; }};
+  FrameReader reader(source, queue, volumes, /*keep_volume=*/false);
+  reader.run();
   Read result{.frames = {}, .statistics = reader.statistics(), .account = board.account()};
   while (auto frame = queue.pop()) result.frames.push_back(std::move(*frame));
   return result;
@@ -94,6 +102,50 @@ TEST(FrameReader, AVolumeWhoseBeginningWasMissedIsLeft) {
   ASSERT_EQ(got.frames.size(), 3u);
   EXPECT_EQ(got.frames.front().volume, 1u);
   EXPECT_EQ(got.statistics.left_sticks, static_cast<std::uint64_t>(plan.sticks_per_volume() - 1));
+}
+
+TEST(FrameReader, TheSameVolumeIsNotLeftWhereTheStreamEndsWithIt) {
+  const auto plan = hw::small_plan(1);
+  auto packets = hw::packets_of(plan);
+  packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 0)));
+  const Read got = read(plan, packets);
+  ASSERT_EQ(got.frames.size(), 3u);
+  EXPECT_TRUE(got.frames.back().ends_volume);
+  EXPECT_EQ(got.frames.front().samples.arrived.front(), 0);
+  EXPECT_EQ(got.statistics.left_sticks, 0u);
+  EXPECT_EQ(got.statistics.volumes, 1u);
+}
+
+/// Behind the last volume that is wanted lies its end, or, where that was lost, another's stick.
+TEST(FrameReader, ReadsNoFurtherThanTheEventBehindTheLastVolume) {
+  const auto plan = hw::small_plan(3);
+  auto packets = hw::packets_of(plan);
+  EXPECT_EQ(read(plan, packets, 2).statistics.left_sticks, 0u);
+  const auto end_of_second =
+      static_cast<std::ptrdiff_t>(hw::packet_index(plan, plan.first_sequence(2) - 1) + 1);
+  packets.erase(packets.begin() + end_of_second);
+  const Read got = read(plan, packets, 2);
+  EXPECT_EQ(got.frames.size(), 6u);
+  EXPECT_EQ(got.statistics.left_sticks, 1u);
+  EXPECT_EQ(got.statistics.ending, "");
+}
+
+/// 1 + 20 log10(s) / 60, by hand: 0.1 is a third below full scale.
+TEST(FrameReader, LinearEnvelopesAreLogCompressed) {
+  const auto plan = hw::small_plan(2);
+  std::vector<hw::Bytes> packets;
+  hw::encode(hw::configuration_of(plan, 0), packets.emplace_back());
+  for (std::uint64_t sequence = 0; sequence < plan.first_sequence(2); ++sequence) {
+    hw::Stick stick = hw::test_stick(plan, sequence);
+    stick.scale = hw::SampleScale::linear_envelope;
+    std::ranges::fill(stick.samples, 0.1f);
+    hw::encode(stick, packets.emplace_back());
+  }
+  const Read got = read(plan, packets);
+  ASSERT_EQ(got.frames.size(), 6u);
+  for (const StreamFrame& frame : got.frames) {
+    for (const float sample : frame.samples.samples) EXPECT_NEAR(sample, 2.0 / 3, 1e-6);
+  }
 }
 
 TEST(FrameReader, AnAcquisitionThatChangesEndsTheStream) {

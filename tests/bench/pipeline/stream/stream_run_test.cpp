@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "bench/pipeline/stream/stream.h"
+#include "bench/pipeline/stream/one_volume.h"
 #include "hw/link/fault_link.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
@@ -52,6 +52,11 @@ float sum_of(const hw::AcquisitionPlan& plan, std::uint32_t volume) {
   return expected.render().depth_m.at(0, 0);
 }
 
+StreamSource source_of(hw::Board& board, const hw::AcquisitionPlan& plan) {
+  return {
+      .board = board, .plan = plan, .name = "test", .configuration = {}, .dynamic_range_db = {}};
+}
+
 struct Setting {
   StreamPolicy policy = StreamPolicy::every;
   milliseconds rendering{0}, writing{0};
@@ -84,7 +89,8 @@ Streamed stream(const hw::AcquisitionPlan& plan, const Setting& setting) {
   const StreamOptions options{.queue = {.policy = setting.policy},
                               .volumes = setting.volumes,
                               .mid_volume = setting.mid_volume};
-  streamed.result = run_stream(board, plan, renderer, options, "test", sink, [] { return false; });
+  streamed.result =
+      run_stream(source_of(board, plan), renderer, options, sink, [] { return false; });
   EXPECT_TRUE(streamed.result.balanced());
   EXPECT_TRUE(streamed.result.account.balanced());
   return streamed;
@@ -158,13 +164,17 @@ TEST(Stream, StopsWithinASecondAtAnyMoment) {
     const auto stopped = [&] { return hw::HostClock::now() - start > milliseconds(after_ms); };
     const auto policy = after_ms % 2 == 0 ? StreamPolicy::every : StreamPolicy::newest;
     const StreamResult got = run_stream(
-        board, plan, renderer, {.queue = {.policy = policy}}, "test", [](const auto&) {}, stopped);
+        source_of(board, plan),
+        renderer,
+        {.queue = {.policy = policy}},
+        [](const auto&) {},
+        stopped);
     EXPECT_TRUE(got.balanced());
     EXPECT_LT(hw::HostClock::now() - start, milliseconds(after_ms) + std::chrono::seconds(1));
   }
 }
 
-/// What came before is shown, and the sticks are accounted for.
+/// What came before is shown, of the second volume too, and the sticks are accounted for.
 TEST(Stream, AnAcquisitionThatChangesInAVolumeEndsIt) {
   const auto plan = hw::small_plan(2);
   auto packets = hw::packets_of(plan);
@@ -175,15 +185,14 @@ TEST(Stream, AnAcquisitionThatChangesInAVolumeEndsIt) {
   hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(packets)));
   SummingRenderer renderer(plan, milliseconds(0));
   const StreamResult got = run_stream(
-      board,
-      plan,
+      source_of(board, plan),
       renderer,
       {.queue = {.policy = StreamPolicy::every}},
-      "test",
       [](const auto&) {},
       [] { return false; });
   EXPECT_NE(got.failure.find("changes"), std::string::npos) << got.failure;
-  EXPECT_EQ(got.shown.volumes, 1u);
+  EXPECT_EQ(got.shown.volumes, 2u);
+  EXPECT_EQ(got.shown.sticks, 18u);
   EXPECT_TRUE(got.balanced());
 }
 
@@ -193,14 +202,59 @@ TEST(Stream, AFailingSinkEndsItWithItsMessage) {
     hw::Board board(std::make_unique<hw::MemoryLink>(hw::stream_of(plan)));
     SummingRenderer renderer(plan, milliseconds(1));
     const PictureSink sink = [](const ShownPicture&) { throw std::runtime_error("disk full"); };
-    EXPECT_THROW(run_stream(board,
-                            plan,
+    EXPECT_THROW(run_stream(source_of(board, plan),
                             renderer,
                             {.queue = {.policy = policy}},
-                            "test",
                             sink,
                             [] { return false; }),
                  std::runtime_error);
+  }
+}
+
+/// The way of the command `run` and of the studies: a board of its own for each stream.
+StreamResult one_volume_of(const std::vector<hw::Bytes>& packets, const hw::AcquisitionPlan& plan) {
+  hw::Board board(std::make_unique<hw::MemoryLink>(hw::join(packets)));
+  NoRenderer none;
+  return stream_one_volume(source_of(board, plan), none);
+}
+
+TEST(OneVolume, IsTheFirstWholeOneAndTellsWhetherTheStreamEnded) {
+  const auto plan = hw::small_plan(3);
+  const auto all = hw::packets_of(plan);
+  const StreamResult whole = one_volume_of(all, plan);
+  EXPECT_EQ(whole.kept->volume.volume_index(), 0u);
+  EXPECT_EQ(whole.kept->volume.missing_sticks(), 0);
+  EXPECT_EQ(whole.kept->samples.count,
+            static_cast<std::uint64_t>(plan.sticks_per_volume()) *
+                static_cast<std::uint64_t>(plan.acquisition().samples_per_stick));
+  EXPECT_EQ(whole.reader.ending, "");
+
+  auto packets = all;
+  packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 0)));
+  EXPECT_EQ(one_volume_of(packets, plan).kept->volume.volume_index(), 1u);
+}
+
+TEST(OneVolume, IsTheIncompleteOneWhereTheStreamEndsWithIt) {
+  const auto plan = hw::small_plan(1);
+  const auto all = hw::packets_of(plan);
+  const int sticks = plan.sticks_per_volume();
+  auto headless = all;
+  headless.erase(headless.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 0)));
+  const StreamResult without_first = one_volume_of(headless, plan);
+  EXPECT_EQ(without_first.kept->volume.missing_sticks(), 1);
+  EXPECT_EQ(without_first.reader.ending, "the stream is over");
+  EXPECT_EQ(without_first.shown.sticks, static_cast<std::uint64_t>(sticks - 1));
+
+  // The configuration and three sticks.
+  const StreamResult cut = one_volume_of({all.begin(), all.begin() + 4}, plan);
+  EXPECT_EQ(cut.kept->volume.missing_sticks(), sticks - 3);
+  EXPECT_EQ(cut.reader.ending, "the stream is cut short");
+
+  try {
+    one_volume_of({all.begin(), all.begin() + 1}, plan);
+    ADD_FAILURE() << "no stick came";
+  } catch (const NothingCame& error) {
+    EXPECT_STREQ(error.what(), "--board test: no volume came; the stream is over");
   }
 }
 

@@ -1,0 +1,22 @@
+// The parts of an echo's age, as the reports of `stream` and `latency` give them.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "bench/pipeline/stream/latency_spans.h"
+
+namespace wobblebench::bench {
+
+nlohmann::ordered_json percentiles_json(const Percentiles& of);
+/// "P50 | P90 | P99 | P99.9 | max ms, n = …".
+std::string percentiles_text(const Percentiles& of);
+
+/// "oldest_echo" and "newest_echo": from, to, clock, ms; null where the link does not tell.
+nlohmann::ordered_json latency_spans_json(const LatencySpans& spans);
+/// A line a span of the newest echo.
+std::string latency_spans_text(const LatencySpans& spans);
+/// A table of both echoes.
+std::string latency_spans_markdown(const LatencySpans& spans);
+
+}  // namespace wobblebench::bench
