@@ -40,8 +40,19 @@ void check_thickness(const PhantomOptions& options) {
   check_voxel(options, options.thickness_m / 2);
 }
 
+void check_mouth(const PhantomOptions& options) {
+  // Voxels do not resolve a smaller gap.
+  constexpr double kSmallest = 2e-3;
+  if (options.mouth_open_m == 0) return;
+  if (options.mouth_open_m < kSmallest) {
+    throw refusal("mouth_open_mm", options.mouth_open_m * 1e3, "must be 0 or at least 2");
+  }
+  check_voxel(options, options.mouth_open_m / 4);
+}
+
 void check_fetal_face(const PhantomOptions& options) {
   check_voxel(options, 2e-3);
+  check_mouth(options);
   // Voxels do not resolve thinner tissues.
   constexpr double kThinnest = 6e-3;
   if (options.maternal_layer_m == 0 || options.maternal_layer_m >= kThinnest) return;

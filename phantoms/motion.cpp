@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
+#include <sstream>
 
 #include "base/units.h"
 #include "phantoms/phantom.h"
@@ -13,6 +14,9 @@
 namespace wobblebench::phantoms {
 namespace {
 
+// Of the jaw's reach: tissue is then stretched by at most 1.5 (measured), as the search for
+// scatterers in the beam assumes of tissue that deforms (sim/scatterers/cells/block_search.cpp).
+constexpr double kMostRise = 1.0 / 3;
 constexpr double kBeatShare = 0.3;  // of the heartbeat's period; no displacement in the rest of it
 
 double sine(double time_s, double period_s) {
@@ -24,6 +28,11 @@ double beat(double time_s, double period_s) {
   const double share = cycles - std::floor(cycles);
   if (share >= kBeatShare) return 0;
   const double root = std::sin(kPi * share / kBeatShare);
+  return root * root;
+}
+
+double raised(double time_s, double period_s) {
+  const double root = std::sin(kPi * time_s / period_s);
   return root * root;
 }
 
@@ -75,25 +84,27 @@ glm::dvec3 Deformation::head_turned(const glm::dvec3& position_m, double angle_r
 }
 
 glm::dvec3 Deformation::from_rest(const glm::dvec3& rest_m) const {
-  const glm::dvec3 pulsed = head_turned(rest_m, head_angle_rad_) + pulse_m_;
+  const glm::dvec3 pulsed = head_turned(jaw_.from_rest(rest_m), head_angle_rad_) + pulse_m_;
   return (turns_ ? turn_ * pulsed : pulsed) + path_m_;
 }
 
 glm::dvec3 Deformation::to_rest(const glm::dvec3& now_m) const {
   const glm::dvec3 on_path = now_m - path_m_;
   const glm::dvec3 pulsed = turns_ ? glm::transpose(turn_) * on_path : on_path;
-  return head_turned(pulsed - pulse_m_, -head_angle_rad_);
+  return jaw_.to_rest(head_turned(pulsed - pulse_m_, -head_angle_rad_));
 }
 
 double Deformation::rigid_radius_m(const glm::dvec3& rest_m) const {
-  if (head_angle_rad_ == 0) return std::numeric_limits<double>::infinity();
+  const double from_jaw_m = jaw_.clearance_m(rest_m);
+  if (head_angle_rad_ == 0) return from_jaw_m;
   const double from_center_m = glm::length(rest_m - joint_.center_m);
-  return std::max({0.0, from_center_m - joint_.outer_m, joint_.inner_m - from_center_m});
+  return std::min(from_jaw_m,
+                  std::max({0.0, from_center_m - joint_.outer_m, joint_.inner_m - from_center_m}));
 }
 
 Deformation::Turn Deformation::turn_within(const glm::dvec3& rest_m, double radius_m) const {
-  if (head_angle_rad_ == 0) return Turn::none;
   if (rigid_radius_m(rest_m) < radius_m) return Turn::partial;
+  if (head_angle_rad_ == 0) return Turn::none;
   return glm::length(rest_m - joint_.center_m) < joint_.outer_m ? Turn::full : Turn::none;
 }
 
@@ -104,8 +115,15 @@ Deformation::Tangent Deformation::moved(const Tangent& turned) const {
 }
 
 Deformation::Tangent Deformation::tangent(const glm::dvec3& rest_m) const {
-  if (head_angle_rad_ == 0) return moved({rest_m, glm::dmat3(1.0)});
-  const glm::dvec3 arm = rest_m - joint_.center_m;
+  if (jaw_.none()) return moved(head_tangent(rest_m));
+  Tangent head = head_tangent(jaw_.from_rest(rest_m));
+  head.jacobian = head.jacobian * jaw_.jacobian(rest_m);
+  return moved(head);
+}
+
+Deformation::Tangent Deformation::head_tangent(const glm::dvec3& position_m) const {
+  if (head_angle_rad_ == 0) return {position_m, glm::dmat3(1.0)};
+  const glm::dvec3 arm = position_m - joint_.center_m;
   const double from_center_m = glm::length(arm);
   const double angle_rad = turn_fraction(joint_, from_center_m) * head_angle_rad_;
   glm::dmat3 turn = turn_about(head_axis_, angle_rad);
@@ -118,7 +136,7 @@ Deformation::Tangent Deformation::tangent(const glm::dvec3& rest_m) const {
     const glm::dvec3 across = glm::cross(axis, now) * (head_angle_rad_ * slope);
     turn += glm::outerProduct(across, arm / from_center_m);
   }
-  return moved({joint_.center_m + now, turn});
+  return {joint_.center_m + now, turn};
 }
 
 Deformation::Tangent Deformation::tangent_of(Turn turn) const {
@@ -135,10 +153,25 @@ Motion::Motion(const MotionOptions& options, const std::optional<Joint>& joint)
                   options.head_turn_rad * 180 / kPi,
                   "this phantom has no head that turns; it must be 0");
   }
+  if (mouth_moves()) check_mouth();
+}
+
+void Motion::check_mouth() const {
+  const double close_mm = options_.mouth_close_m / kMillimetre;
+  if (!joint_ || !joint_->mouth) {
+    throw refusal("mouth_close_mm", close_mm, "this phantom has no open mouth; it must be 0");
+  }
+  const Mouth& mouth = *joint_->mouth;
+  const double most_mm =
+      std::min(kMostClosed * mouth.opening_m, kMostRise * mouth.reach_m) / kMillimetre;
+  if (close_mm <= most_mm * (1 + 1e-12)) return;
+  std::ostringstream allowed;
+  allowed << "must be at most " << most_mm << " for this mouth";
+  throw refusal("mouth_close_mm", close_mm, allowed.str());
 }
 
 bool Motion::rigid() const {
-  return options_.head_turn_rad == 0;
+  return !head_turns() && !mouth_moves();
 }
 
 bool Motion::still() const {
@@ -147,10 +180,27 @@ bool Motion::still() const {
          options_.heartbeat_amplitude_m == 0;
 }
 
+Motion::MouthBounds Motion::mouth_bounds() const {
+  if (!mouth_moves()) return {};
+  const double close_m = options_.mouth_close_m;
+  const double least_left = 1 - close_m / joint_->mouth->opening_m;  // of a height, anywhere
+  const double fastest_m_s = kPi * close_m / options_.mouth_period_s;
+  return {close_m, fastest_m_s / least_left, JawRise(*joint_->mouth, close_m).most_stretch()};
+}
+
+Motion Motion::without_mouth() const {
+  Motion result = *this;
+  result.options_.mouth_close_m = 0;
+  return result;
+}
+
 Deformation Motion::at(double time_s) const {
   const MotionOptions& o = options_;
   Deformation result;
-  if (!rigid()) {
+  if (mouth_moves()) {
+    result.jaw_ = JawRise(*joint_->mouth, o.mouth_close_m * raised(time_s, o.mouth_period_s));
+  }
+  if (head_turns()) {
     result.joint_ = *joint_;
     result.head_axis_ = static_cast<int>(o.head_axis);
     result.head_angle_rad_ = o.head_turn_rad * sine(time_s, o.head_turn_period_s);

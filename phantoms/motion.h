@@ -8,6 +8,7 @@
 
 #include "base/options.h"
 #include "base/units.h"
+#include "phantoms/mouth.h"
 
 namespace wobblebench::phantoms {
 
@@ -19,6 +20,7 @@ struct Joint {
   glm::dvec3 center_m{0};
   double inner_m = 0;
   double outer_m = 0;
+  std::optional<Mouth> mouth;  ///< of a head: moves in it, before it turns
 };
 
 enum class HeadAxis {
@@ -28,13 +30,15 @@ enum class HeadAxis {
 };
 
 /// The components of the motion as functions of time t. Components of amplitude zero are absent.
+///   mouth      the jaw rises by close sin^2(pi t / period), as JawRise says
 ///   head       angle = head_turn sin(2 pi t / period) about the joint, right-handed
 ///   breath     y += amplitude sin(2 pi t / period)
 ///   heartbeat  z += amplitude sin^2(pi s / 0.3) while s < 0.3, s = the fraction of the period: a
 ///              beat of 0.3 periods, then rest; smooth (C1), 0 at t = 0
 ///   turning    p = R p, R turns by turn_rate t about the phantom's origin, about x, then y, then z
 ///   path       p += velocity t
-/// A position at rest is mapped by them in this order: head, breath and heartbeat, turning, path.
+/// A position at rest is mapped by them in this order: mouth, head, breath and heartbeat, turning,
+/// path.
 struct MotionOptions {
   glm::dvec3 velocity_m_s{0, 0, 0};     ///< of the whole phantom, from time 0
   glm::dvec3 turn_rate_rad_s{0, 0, 0};  ///< about the phantom's origin, x then y then z
@@ -45,6 +49,8 @@ struct MotionOptions {
   double head_turn_rad = 0;  ///< peak angle of the head, a sine; needs a phantom with a joint
   double head_turn_period_s = 2;
   HeadAxis head_axis = HeadAxis::shake;
+  double mouth_close_m = 0;  ///< peak rise of the jaw; needs a phantom whose mouth is open
+  double mouth_period_s = 2;
 };
 
 template <OptionsOf<MotionOptions> O, class Visitor>
@@ -60,6 +66,8 @@ void describe(O& o, Visitor& v) {
   v.choice("head_axis",
            o.head_axis,
            {{"nod", HeadAxis::nod}, {"shake", HeadAxis::shake}, {"tilt", HeadAxis::tilt}});
+  v.real("mouth_close_mm", o.mouth_close_m, kMillimetre, 0, 8.5);
+  v.real("mouth_period_s", o.mouth_period_s, 1, 0.1, 60);
 }
 
 /// Throws InvalidPhantom "KEY = VALUE: what is allowed".
@@ -85,7 +93,7 @@ class Deformation {
   enum class Turn {
     none,     ///< it does not turn with the head
     full,     ///< it turns rigidly with the head
-    partial,  ///< it deforms, or reaches across a limit of the joint
+    partial,  ///< it deforms, or reaches across a limit of the joint or of the jaw's movement
   };
   /// Of a ball about a position at rest.
   Turn turn_within(const glm::dvec3& rest_m, double radius_m) const;
@@ -106,8 +114,10 @@ class Deformation {
   friend class Motion;
   Deformation() = default;
   glm::dvec3 head_turned(const glm::dvec3& position_m, double angle_rad) const;
+  Tangent head_tangent(const glm::dvec3& position_m) const;
   Tangent moved(const Tangent& turned) const;
 
+  JawRise jaw_;
   Joint joint_;
   int head_axis_ = 0;
   double head_angle_rad_ = 0;
@@ -132,13 +142,24 @@ class Motion {
  public:
   /// Nothing moves.
   Motion() = default;
-  /// Throws as validate() does, and if the options have a head turn but there is no joint.
+  /// Throws as validate() does, if the options have a head turn but there is no joint, and if they
+  /// close a mouth that is not there or not open so far.
   Motion(const MotionOptions& options, const std::optional<Joint>& joint);
 
   /// Nothing moves at any time.
   bool still() const;
-  /// No head turn: straight lines remain straight.
+  /// Neither head nor mouth moves: straight lines remain straight.
   bool rigid() const;
+
+  /// What the mouth adds to the rest of the motion, at most, at any time.
+  struct MouthBounds {
+    double shift_m = 0;    ///< of a position at rest
+    double speed_m_s = 0;  ///< of the position at rest of a point that is fixed in the head
+    double stretch = 1;    ///< distance at rest of two points over their distance now
+  };
+  MouthBounds mouth_bounds() const;
+  /// The same with the mouth as at rest.
+  Motion without_mouth() const;
 
   Deformation at(double time_s) const;
   /// Exact inverses of each other.
@@ -150,6 +171,10 @@ class Motion {
   }
 
  private:
+  bool head_turns() const { return options_.head_turn_rad != 0; }
+  void check_mouth() const;
+  bool mouth_moves() const { return options_.mouth_close_m != 0; }
+
   MotionOptions options_;
   std::optional<Joint> joint_;
 };

@@ -35,6 +35,8 @@ struct PhantomOptions {
   /// fetal_face: thickness of the mother's skin, fat and muscle between the probe's face and the
   /// uterine wall, on the axis of the probe. 0: the uterine wall reaches the probe.
   double maternal_layer_m = 18e-3;
+  /// fetal_face: gap between the lips at rest. 0: closed, and cannot move.
+  double mouth_open_m = 0;
   double radius_m = 20e-3;  ///< sphere, cyst
   /// steps: height of each tread above the one to its left.
   std::vector<double> step_heights_m = {1e-3, 2e-3, 3e-3, 5e-3, 8e-3};
@@ -64,6 +66,7 @@ void describe(O& o, Visitor& v) {
   v.real("voxel_mm", o.voxel_m, kMillimetre, 0.1, 5);
   v.real("gestational_age_weeks", o.gestational_age_weeks, 1, 20, 30);
   v.real("maternal_layer_mm", o.maternal_layer_m, kMillimetre, 0, 60);
+  v.real("mouth_open_mm", o.mouth_open_m, kMillimetre, 0, 10);
   v.real("radius_mm", o.radius_m, kMillimetre, 1, 100);
   v.reals("step_heights_mm", o.step_heights_m, kMillimetre, 0.1, 20);
   v.real("thickness_mm", o.thickness_m, kMillimetre, 0.5, 20);

@@ -40,12 +40,11 @@ double stretch_at(const phantoms::Deformation& moment,
   return stretch;
 }
 
-}  // namespace
-
-MotionBounds motion_bounds(const phantoms::Motion& motion,
-                           const phantoms::Box& box,
-                           double begin_s,
-                           double end_s) {
+/// Of a motion without a mouth, which is smooth enough to be sampled.
+MotionBounds sampled_bounds(const phantoms::Motion& motion,
+                            const phantoms::Box& box,
+                            double begin_s,
+                            double end_s) {
   MotionBounds bounds{0, 1, box};
   if (motion.still()) return bounds;
   const std::vector<glm::dvec3> points = grid_points(box);
@@ -72,6 +71,22 @@ MotionBounds motion_bounds(const phantoms::Motion& motion,
   if (motion.rigid()) return bounds;
   bounds.stretch *= kStretchMargin;
   bounds.at_rest = {bounds.at_rest.low - kBend_m, bounds.at_rest.high + kBend_m};
+  return bounds;
+}
+
+}  // namespace
+
+MotionBounds motion_bounds(const phantoms::Motion& motion,
+                           const phantoms::Box& box,
+                           double begin_s,
+                           double end_s) {
+  MotionBounds bounds = sampled_bounds(motion.without_mouth(), box, begin_s, end_s);
+  // The mouth is smaller than the samples' spacing: its bounds are in closed form.
+  const phantoms::Motion::MouthBounds mouth = motion.mouth_bounds();
+  bounds.speed_m_s = mouth.stretch * bounds.speed_m_s + mouth.speed_m_s;
+  bounds.stretch *= mouth.stretch;
+  bounds.at_rest.low -= mouth.shift_m;
+  bounds.at_rest.high += mouth.shift_m;
   return bounds;
 }
 

@@ -6,7 +6,8 @@
 
 namespace wobblebench::bench {
 
-/// Sampled in space and time, with a margin for motion between the samples.
+/// Sampled in space and time, with a margin for motion between the samples; of a mouth in closed
+/// form.
 struct MotionBounds {
   double speed_m_s = 0;   ///< of the position at rest of a fixed point
   double stretch = 1;     ///< distance at rest over the distance now of two points

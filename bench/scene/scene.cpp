@@ -40,8 +40,10 @@ phantoms::Placement to_placement(const PlacementOptions& options) {
 }
 
 bool Scene::moves() const {
-  // As if the phantom had a joint: whether it does is not known yet.
-  return !phantoms::Motion(motion, phantoms::Joint{}).still();
+  // As if the phantom had a joint and a mouth of any size: whether it does is not known yet.
+  phantoms::Joint joint;
+  joint.mouth = phantoms::Mouth{.opening_m = 1, .reach_m = 1};
+  return !phantoms::Motion(motion, joint).still();
 }
 
 phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {

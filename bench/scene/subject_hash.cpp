@@ -41,10 +41,17 @@ std::uint32_t stated(std::uint32_t crc) {
   return crc == 0 ? 1 : crc;
 }
 
+/// Leaves out keys that are younger than the first recordings where they have no effect, so that
+/// those recordings keep their subject.
+void drop_neutral(nlohmann::ordered_json& section, const char* key, double neutral) {
+  if (section.at(key) == neutral) section.erase(key);
+}
+
 /// With the bytes of its files in the place of their names.
 std::uint32_t phantom_hash(nlohmann::ordered_json section,
                            const phantoms::PhantomOptions& phantom) {
   section.erase("file");
+  drop_neutral(section, "mouth_open_mm", 0);
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
   const auto add = [&](const char* key, const std::string& path) {
@@ -58,7 +65,9 @@ std::uint32_t phantom_hash(nlohmann::ordered_json section,
 }  // namespace
 
 hw::SubjectHash subject_hash(const Scene& scene) {
-  const auto settings = resolved(scene);
+  auto settings = resolved(scene);
+  drop_neutral(settings["motion"], "mouth_close_mm", 0);
+  drop_neutral(settings["motion"], "mouth_period_s", phantoms::MotionOptions{}.mouth_period_s);
   return {.phantom = stated(phantom_hash(settings["phantom"], scene.phantom)),
           .placement = stated(text_hash(settings["placement"])),
           .motion = stated(text_hash(settings["motion"]))};

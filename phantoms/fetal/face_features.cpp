@@ -30,7 +30,8 @@ class Placer {
 
 std::vector<Feature> face_features(const FetalHead& head,
                                    const FetalBiometry& biometry,
-                                   double scale) {
+                                   double scale,
+                                   double mouth_open_m) {
   const FetalLandmarks& face = head.landmarks;
   const Placer place(face, scale);
   const double mouth = face.mouth_m.y, base = face.subnasale_m.y;
@@ -38,8 +39,9 @@ std::vector<Feature> face_features(const FetalHead& head,
       "nose",
       {place.ball(face.nose_tip_m, place.mm(5.5)), place.ball(place.at(0, 2, 2.2), place.mm(4.5))}};
   place.pair({place.mm(3.6), base - place.mm(2.1), 0}, place.mm(4), nose.balls);
-  Feature lips{"lips", {place.ball(face.mouth_m, place.mm(5.5))}};
-  place.pair({place.mm(4.8), mouth, place.mm(1.2)}, place.mm(4.5), lips.balls);
+  const double lip = 0.5 * mouth_open_m;
+  Feature lips{"lips", {place.ball(face.mouth_m, place.mm(5.5) + lip)}};
+  place.pair({place.mm(4.8), mouth, place.mm(1.2)}, place.mm(4.5) + lip, lips.balls);
   Feature eyelids{"eyelids", {}};
   place.pair(face.eye_center_m, head.eyes[1].radii_m.x + place.mm(3), eyelids.balls);
   Feature ears{"ears", {}};
@@ -47,7 +49,7 @@ std::vector<Feature> face_features(const FetalHead& head,
              place.mm(9),
              ears.balls);
   Feature cheeks{"cheeks", {}};
-  place.pair({place.mm(15), mouth - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
+  place.pair({place.mm(15), mouth - lip - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
   Feature forehead{"forehead", {place.ball(place.at(0, -17, 4), place.mm(11))}};
   place.pair(place.at(13, -16, 9), place.mm(10), forehead.balls);
   return {nose, lips, eyelids, ears, cheeks, forehead};

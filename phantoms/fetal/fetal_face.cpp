@@ -5,6 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/parallel.h"
@@ -22,14 +23,16 @@ namespace {
 
 constexpr double kFaceOfProbe_m = 40 * kMillimetre;    // z in the default probe's frame
 constexpr double kThinnestUterus_m = 5 * kMillimetre;  // of its wall on the axis; assumed
+// At 21 weeks, to the sides: short of the hand. Assumed.
+constexpr double kJawReach_m = 16 * kMillimetre;
 
 double face_scale(const FetalBiometry& biometry) {
   return biometry.binocular_m / fetal_biometry(21).binocular_m;
 }
 
-FetalHead posed_head(double weeks) {
+FetalHead posed_head(double weeks, double mouth_open_m) {
   const FetalBiometry biometry = fetal_biometry(weeks);
-  FetalHead head = make_head(biometry);
+  FetalHead head = make_head(biometry, mouth_open_m);
   // Slightly turned: a fetus seldom faces the probe squarely.
   head.landmarks.head_to_phantom =
       rotation_xyz({glm::radians(-4.0), glm::radians(8.0), glm::radians(-5.0)});
@@ -64,7 +67,8 @@ class FetalScene {
   explicit FetalScene(const PhantomOptions& options)
       : biometry_(fetal_biometry(options.gestational_age_weeks)),
         scale_(face_scale(biometry_)),
-        head_(posed_head(options.gestational_age_weeks)),
+        head_(posed_head(options.gestational_age_weeks, options.mouth_open_m)),
+        mouth_open_m_(options.mouth_open_m),
         to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
         body_(make_body(scale_)),
         hand_(make_hand(scale_)),
@@ -129,19 +133,31 @@ class FetalScene {
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
-  std::vector<Feature> features() const { return face_features(head_, biometry_, scale_); }
+  std::vector<Feature> features() const {
+    return face_features(head_, biometry_, scale_, mouth_open_m_);
+  }
   /// Inner radius: the smallest ball that contains the skull (measured on the grids, 20 to 30
-  /// weeks). Outer radius: short of the cavity's wall; the hand moves little.
+  /// weeks; the jaw of an open mouth leaves it). Outer radius: short of the cavity's wall; the hand
+  /// moves little.
   Joint joint() const {
     const glm::dvec3 in_head{
         0, -0.065 * biometry_.biparietal_m, 0.48 * biometry_.occipitofrontal_m};
     const FetalLandmarks& pose = head_.landmarks;
     return {pose.head_to_phantom * in_head + pose.head_position_m,
             0.612 * biometry_.occipitofrontal_m,
-            50 * kMillimetre * scale_};
+            50 * kMillimetre * scale_,
+            mouth()};
   }
 
  private:
+  std::optional<Mouth> mouth() const {
+    if (mouth_open_m_ == 0) return std::nullopt;
+    const FetalLandmarks& pose = head_.landmarks;
+    return Mouth{pose.head_to_phantom,
+                 pose.head_to_phantom * pose.mouth_m + pose.head_position_m,
+                 mouth_open_m_,
+                 kJawReach_m * scale_};
+  }
   glm::dvec3 in_head(const glm::dvec3& p) const {
     return to_head_ * (p - head_.landmarks.head_position_m);
   }
@@ -150,6 +166,7 @@ class FetalScene {
   FetalBiometry biometry_;
   double scale_;  // of the face, relative to 21 weeks
   FetalHead head_;
+  double mouth_open_m_;
   glm::dmat3 to_head_;
   CsgBody body_, hand_;
   UmbilicalCord cord_;
@@ -180,8 +197,8 @@ constexpr Part kFetalParts[] = {
 
 }  // namespace
 
-FetalLandmarks fetal_landmarks(double gestational_age_weeks) {
-  return posed_head(gestational_age_weeks).landmarks;
+FetalLandmarks fetal_landmarks(double gestational_age_weeks, double mouth_open_m) {
+  return posed_head(gestational_age_weeks, mouth_open_m).landmarks;
 }
 
 Phantom make_fetal_face(const PhantomOptions& options) {

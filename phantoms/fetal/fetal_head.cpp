@@ -16,9 +16,10 @@ constexpr double kSkullThicknessM =
 // The lips of the 21-week face, below the tip of the upper lip.
 constexpr double kMouthM = 2.1 * kMillimetre, kLowerLipM = 4.4 * kMillimetre;
 
-// Heights of the mid-line features, metres below the origin.
+// Heights of the mid-line features, metres below the origin; `mouth`: of the upper lip's edge.
 struct FaceHeights {
   double subnasale, upper_lip, mouth, lower_lip, menton;
+  double open;  // gap between the lips, by which lower lip and chin are lowered
 };
 
 // Builds the head from shapes in millimetres of the 21-week face, scaled to the age.
@@ -58,6 +59,7 @@ class HeadBuilder {
   void subtract_lid_slit();
   void add_nose();
   void add_lips();
+  void subtract_mouth();
   void add_ears();
   void add_skull();
 
@@ -81,14 +83,17 @@ void HeadBuilder::add_cranium() {
 
 void HeadBuilder::add_face() {
   CsgBody& skin = head_.skin;
-  const double chin = height(heights_.menton), mouth = height(heights_.mouth);
+  const double chin = height(heights_.menton), mouth = height(heights_.mouth),
+               open = height(heights_.open);
   skin.unite(ellipsoid({0, 9, 22}, {20.5, 20, 20}), mm(8));
-  skin.unite_pair(Tube{{ball(16, 9, 30, 8), ball(10.5, chin - 13, 17, 7)}}, mm(7));
-  skin.unite_pair(Tube{{ball(10.5, chin - 13, 17, 7), ball(5, chin - 8.5, 9, 5.5)}}, mm(6));
+  // An open jaw is lowered about its hinge: less, farther back.
+  const double back = chin - 0.5 * open, middle = chin - 0.2 * open;
+  skin.unite_pair(Tube{{ball(16, 9, 30, 8), ball(10.5, back - 13, 17, 7)}}, mm(7));
+  skin.unite_pair(Tube{{ball(10.5, back - 13, 17, 7), ball(5, middle - 8.5, 9, 5.5)}}, mm(6));
   skin.unite_pair(ellipsoid({18.5, -2, 19}, {3.5, 5, 7}), mm(6));
   skin.unite_pair(ellipsoid({13.6, mouth - 6, 11.6}, {9.8, 9.4, 9.4}), mm(7));
   // Muzzle: the rounded base that carries the lips.
-  skin.unite(ellipsoid({0, mouth - 1.5, 8}, {9.5, 8.5, 8}), mm(6));
+  skin.unite(ellipsoid({0, mouth - 1.5 + 0.5 * open, 8}, {9.5, 8.5 + 0.5 * open, 8}), mm(6));
   skin.unite(ellipsoid({0, chin - 4.7, 3.4}, {6.8, 4.7, 4.4}), mm(5));
 }
 
@@ -136,7 +141,8 @@ void HeadBuilder::add_nose() {
 void HeadBuilder::add_lips() {
   CsgBody& skin = head_.skin;
   const double upper = height(heights_.upper_lip), mouth = height(heights_.mouth),
-               lower = height(heights_.lower_lip), base = height(heights_.subnasale);
+               lower = height(heights_.lower_lip), base = height(heights_.subnasale),
+               open = height(heights_.open);
   skin.subtract(Tube{{ball(0, base + 0.8, -0.4, 1.2), ball(0, upper - 0.7, -2.1, 1.5)}}, mm(1.4));
   // Cupid's bow: the upper lip dips in the middle and falls towards the corners.
   const std::vector<TubePoint> bow = {ball(7.4, mouth + 0.3, 3.4, 1.0),
@@ -144,17 +150,24 @@ void HeadBuilder::add_lips() {
                                       ball(2.1, upper - 0.4, -0.4, 1.9),
                                       ball(0, upper + 0.3, -0.5, 1.7)};
   skin.unite_pair(smooth_tube(bow, 8), mm(1.1));
-  const std::vector<TubePoint> roll = {ball(7.2, mouth + 1.1, 3.4, 1.0),
-                                       ball(4.6, lower - 0.3, 0.8, 2.0),
+  const std::vector<TubePoint> roll = {ball(7.2, mouth + 1.1 + 0.35 * open, 3.4, 1.0),
+                                       ball(4.6, lower - 0.3 - 0.15 * open, 0.8, 2.0),
                                        ball(0, lower + 0.1, -0.3, 2.4)};
   skin.unite_pair(smooth_tube(roll, 8), mm(1.0));
   const std::vector<TubePoint> line = {ball(7.8, mouth + 0.7, 2.5, 0.6),
                                        ball(5.2, mouth + 0.2, 0.1, 0.6),
                                        ball(2.2, mouth - 0.2, -1.2, 0.6),
                                        ball(0, mouth + 0.3, -1.4, 0.6)};
-  skin.subtract_pair(smooth_tube(line, 8), mm(0.8));
+  if (open == 0) skin.subtract_pair(smooth_tube(line, 8), mm(0.8));
   // Makes the fold under the lower lip shallow.
   skin.unite(ellipsoid({0, lower + 4.0, 5.6}, {6.5, 3.6, 4.4}), mm(2));
+  if (open > 0) subtract_mouth();
+}
+
+// The oral cavity: its front leaves an almond between the lips, its back lies short of the bone.
+void HeadBuilder::subtract_mouth() {
+  const double mouth = height(heights_.mouth), open = height(heights_.open);
+  head_.skin.subtract(ellipsoid({0, mouth + 0.5 * open, 1}, {7, 0.5 * open, 8}), mm(0.5));
 }
 
 void HeadBuilder::add_ears() {
@@ -174,11 +187,12 @@ void HeadBuilder::add_ears() {
 void HeadBuilder::add_skull() {
   CsgBody& skull = head_.skull;
   skull.unite(cranium_, 0);
-  const double chin = height(heights_.menton);
+  const double chin = height(heights_.menton), open = height(heights_.open);
+  const double back = chin - 0.5 * open, front = chin - 0.1 * open;
   // The facial bones meet the braincase below the BPD/OFD plane.
   skull.unite(ellipsoid({0, 9, 21}, {17, 14, 15}), mm(3));
-  skull.unite_pair(Tube{{ball(15, 8, 30, 3), ball(9, chin - 11, 15, 3)}}, mm(3));
-  skull.unite_pair(Tube{{ball(9, chin - 11, 15, 3), ball(0, chin - 6, 8, 2.6)}}, mm(3));
+  skull.unite_pair(Tube{{ball(15, 8, 30, 3), ball(9, back - 11, 15, 3)}}, mm(3));
+  skull.unite_pair(Tube{{ball(9, back - 11, 15, 3), ball(0, front - 6, 8, 2.6)}}, mm(3));
   Ellipsoid within = cranium_;
   within.radii_m -= kSkullThicknessM;
   head_.brain.unite(within, 0);
@@ -243,17 +257,33 @@ void find_landmarks(const CsgBody& skin, const FaceHeights& heights, FetalLandma
   const Profile profile(skin);
   found.nose_tip_m = profile.extreme(0, heights.subnasale, -1);
   found.subnasale_m = profile.extreme(found.nose_tip_m.y, heights.upper_lip, +1);
-  found.mouth_m = profile.extreme(heights.upper_lip, heights.lower_lip, +1);
+  found.mouth_m = profile.extreme(heights.upper_lip, heights.lower_lip - heights.open, +1);
   found.upper_lip_m = profile.extreme(found.subnasale_m.y, found.mouth_m.y, -1);
   const double fold = 0.5 * (heights.lower_lip + heights.menton);
-  found.lower_lip_m = profile.extreme(found.mouth_m.y, fold, -1);
+  found.lower_lip_m = profile.extreme(found.mouth_m.y + heights.open, fold, -1);
   const glm::dvec3 chin = profile.extreme(fold, heights.menton - 2 * kMillimetre, -1);
   found.menton_m = profile.lowest(chin, 7 * kMillimetre);
 }
 
+// The same face with its lower jaw lowered.
+FetalHead opened(const FetalBiometry& biometry,
+                 FaceHeights heights,
+                 double open_m,
+                 const FetalLandmarks& closed) {
+  heights.open = open_m;
+  heights.lower_lip += open_m;
+  heights.menton += open_m;
+  FetalHead head = HeadBuilder(biometry, heights).build();
+  FetalLandmarks& found = head.landmarks;
+  find_landmarks(head.skin, heights, found);
+  found.upper_lip_m = closed.upper_lip_m;
+  found.mouth_m = closed.mouth_m + glm::dvec3(0, 0.5 * open_m, 0);
+  return head;
+}
+
 }  // namespace
 
-FetalHead make_head(const FetalBiometry& biometry) {
+FetalHead make_head(const FetalBiometry& biometry, double mouth_open_m) {
   const double scale = biometry.binocular_m / fetal_biometry(21).binocular_m;
   FaceHeights heights{};
   heights.subnasale = 11.6 * kMillimetre * scale;
@@ -268,7 +298,9 @@ FetalHead make_head(const FetalBiometry& biometry) {
     FetalHead head = HeadBuilder(biometry, heights).build();
     FetalLandmarks& found = head.landmarks;
     find_landmarks(head.skin, heights, found);
-    if (round == kRounds) return head;
+    if (round == kRounds) {
+      return mouth_open_m == 0 ? head : opened(biometry, heights, mouth_open_m, found);
+    }
     heights.upper_lip += biometry.philtrum_m - glm::distance(found.subnasale_m, found.upper_lip_m);
     heights.menton += biometry.chin_m - glm::distance(found.lower_lip_m, found.menton_m);
   }

@@ -18,6 +18,8 @@ struct FetalHead {
 
 /// The head of the given biometry. Lip and chin heights are solved for iteratively, so that the
 /// extremes of the finished profile are apart by the philtrum and chin length of `biometry`.
-FetalHead make_head(const FetalBiometry& biometry);
+/// `mouth_open_m`: gap between the lips; the lower jaw of the closed mouth's head is that much
+/// lower.
+FetalHead make_head(const FetalBiometry& biometry, double mouth_open_m);
 
 }  // namespace wobblebench::phantoms

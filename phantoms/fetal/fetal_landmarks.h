@@ -18,12 +18,12 @@ struct FetalLandmarks {
   glm::dvec3 nose_tip_m{0};
   glm::dvec3 subnasale_m{0};  ///< deepest point of the profile between nose and lip
   glm::dvec3 upper_lip_m{0};  ///< its most prominent point
-  glm::dvec3 mouth_m{0};      ///< where the lips meet
+  glm::dvec3 mouth_m{0};      ///< where the lips meet; open: middle of the gap
   glm::dvec3 lower_lip_m{0};  ///< its most prominent point
   glm::dvec3 menton_m{0};     ///< lowest point of the chin
 };
 
 /// Landmarks of the fetal_face phantom of this age.
-FetalLandmarks fetal_landmarks(double gestational_age_weeks);
+FetalLandmarks fetal_landmarks(double gestational_age_weeks, double mouth_open_m = 0);
 
 }  // namespace wobblebench::phantoms

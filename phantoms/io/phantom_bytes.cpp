@@ -91,9 +91,29 @@ std::vector<Material> read_materials(ByteReader& from) {
   return materials;
 }
 
+void write(ByteWriter& to, const Mouth& mouth) {
+  for (int axis = 0; axis < 3; ++axis) write(to, mouth.axes[axis]);
+  write(to, mouth.center_m);
+  to.value(mouth.opening_m);
+  to.value(mouth.reach_m);
+}
+
+std::optional<Mouth> read_mouth(ByteReader& from) {
+  if (below(from, 2) == 0) return std::nullopt;
+  Mouth mouth;
+  for (int axis = 0; axis < 3; ++axis) mouth.axes[axis] = vector(from);
+  mouth.center_m = vector(from);
+  mouth.opening_m = number(from);
+  mouth.reach_m = number(from);
+  expect_bytes(is_possible(mouth), "a mouth cannot move");
+  return mouth;
+}
+
 std::optional<Joint> read_joint(ByteReader& from) {
   if (below(from, 2) == 0) return std::nullopt;
-  Joint joint{vector(from), number(from), number(from)};
+  const glm::dvec3 center_m = vector(from);
+  const double inner_m = number(from), outer_m = number(from);
+  const Joint joint{center_m, inner_m, outer_m, read_mouth(from)};
   expect_bytes(joint.inner_m >= 0 && joint.inner_m < joint.outer_m, "a joint is no shell");
   return joint;
 }
@@ -144,6 +164,8 @@ std::optional<std::string> to_bytes(const Phantom& phantom) {
     write(to, joint->center_m);
     to.value(joint->inner_m);
     to.value(joint->outer_m);
+    to.value(std::uint32_t{joint->mouth ? 1U : 0U});
+    if (joint->mouth) write(to, *joint->mouth);
   }
   to.value(static_cast<std::uint32_t>(phantom.surfaces().size()));
   for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {

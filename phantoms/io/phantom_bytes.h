@@ -10,7 +10,7 @@
 namespace wobblebench::phantoms {
 
 /// Raised by whoever changes the form of the bytes, or what a phantom is.
-inline constexpr int kPhantomBytesVersion = 3;
+inline constexpr int kPhantomBytesVersion = 4;
 
 /// nullopt where a grid is not as phantoms/io/grid_bytes.h asks for.
 [[nodiscard]] std::optional<std::string> to_bytes(const Phantom& phantom);

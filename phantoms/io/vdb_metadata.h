@@ -13,6 +13,12 @@ inline constexpr const char* kJointCenterKey = "joint_center_m";
 inline constexpr const char* kJointInnerKey = "joint_inner_m";
 inline constexpr const char* kJointOuterKey = "joint_outer_m";
 
+// Of a joint with a mouth: all of them or none.
+inline constexpr const char* kMouthCenterKey = "mouth_center_m";
+inline constexpr const char* kMouthAxisKeys[] = {"mouth_right", "mouth_down", "mouth_back"};
+inline constexpr const char* kMouthOpeningKey = "mouth_opening_m";
+inline constexpr const char* kMouthReachKey = "mouth_reach_m";
+
 /// Point scatterers, as scatterers_to_csv() writes them; missing: there are none.
 inline constexpr const char* kScatterersKey = "scatterers";
 

@@ -68,10 +68,24 @@ std::vector<Material> read_materials(const Metadata& meta) {
   return materials;
 }
 
+std::optional<Mouth> read_mouth(const openvdb::MetaMap& file_meta, const Metadata& meta) {
+  if (file_meta[kMouthCenterKey] == nullptr) return std::nullopt;
+  Mouth mouth;
+  for (int axis = 0; axis < 3; ++axis) mouth.axes[axis] = meta.vector(kMouthAxisKeys[axis]);
+  mouth.center_m = meta.vector(kMouthCenterKey);
+  mouth.opening_m = meta.number(kMouthOpeningKey);
+  mouth.reach_m = meta.number(kMouthReachKey);
+  if (is_possible(mouth)) return mouth;
+  throw std::invalid_argument("metadata \"" + std::string(kMouthOpeningKey) +
+                              "\", axes and reach are not those of a mouth");
+}
+
 std::optional<Joint> read_joint(const openvdb::MetaMap& file_meta, const Metadata& meta) {
   if (file_meta[kJointCenterKey] == nullptr) return std::nullopt;
-  const Joint joint{
-      meta.vector(kJointCenterKey), meta.number(kJointInnerKey), meta.number(kJointOuterKey)};
+  const Joint joint{meta.vector(kJointCenterKey),
+                    meta.number(kJointInnerKey),
+                    meta.number(kJointOuterKey),
+                    read_mouth(file_meta, meta)};
   if (joint.inner_m >= 0 && joint.inner_m < joint.outer_m) return joint;
   throw std::invalid_argument("metadata \"" + std::string(kJointOuterKey) +
                               "\" must be larger than \"" + kJointInnerKey + "\"");

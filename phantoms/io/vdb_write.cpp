@@ -66,6 +66,15 @@ openvdb::MetaMap metadata_of(const Phantom& phantom) {
     number(kJointInnerKey, joint->inner_m);
     number(kJointOuterKey, joint->outer_m);
   }
+  if (phantom.joint() && phantom.joint()->mouth) {
+    const Mouth& mouth = *phantom.joint()->mouth;
+    for (int axis = 0; axis < 3; ++axis) {
+      meta.insertMeta(kMouthAxisKeys[axis], openvdb::Vec3DMetadata(to_vdb(mouth.axes[axis])));
+    }
+    meta.insertMeta(kMouthCenterKey, openvdb::Vec3DMetadata(to_vdb(mouth.center_m)));
+    number(kMouthOpeningKey, mouth.opening_m);
+    number(kMouthReachKey, mouth.reach_m);
+  }
   if (!phantom.scatterers().empty()) text(kScatterersKey, scatterers_to_csv(phantom.scatterers()));
   integer("surfaces", int(phantom.surfaces().size()));
   for (int i = 0; i < int(phantom.surfaces().size()); ++i) {

@@ -294,6 +294,35 @@ TEST_P(FetalScene, HeadTurnMovesTheRestLittle) {
   EXPECT_LT(moves({26, 40, 40}), 0.1e-3);
 }
 
+// By calipers on the grid: up and down from the middle of the mouth, in the head's median plane.
+TEST(OpenMouth, IsAsHighAsItsOptionSaysAndDarkBehindTheLips) {
+  for (const double weeks : {21.0, 27.0}) {
+    const Phantom phantom = make_phantom({.gestational_age_weeks = weeks, .mouth_open_m = 6e-3});
+    const Mouth& mouth = phantom.joint()->mouth.value();
+    const auto fluid_along = [&](const glm::dvec3& step, double behind_m = 0) {
+      const glm::dvec3 from = mouth.center_m + behind_m * mouth.axes[2];
+      double length = 0;
+      while (length < 20e-3 && material_at(phantom, from + length * step) == "amniotic_fluid") {
+        length += 0.1e-3;
+      }
+      return length;
+    };
+    const double height_m = fluid_along(mouth.axes[1]) + fluid_along(-mouth.axes[1]);
+    EXPECT_NEAR(height_m, 6e-3, 1e-3) << weeks;
+    EXPECT_GT(fluid_along(mouth.axes[2]), 5e-3) << "the oral cavity";
+    EXPECT_LT(fluid_along(mouth.axes[0], 4e-3), 10e-3) << "it ends at the corners";
+    EXPECT_LT(fluid_along(-mouth.axes[0], 4e-3), 10e-3);
+  }
+  EXPECT_FALSE(make_phantom({.voxel_m = 2e-3}).joint()->mouth);
+}
+
+TEST(OpenMouth, RefusalsStateWhatIsAllowed) {
+  EXPECT_EQ(refusal({.mouth_open_m = 1e-3}), "mouth_open_mm = 1: must be 0 or at least 2");
+  EXPECT_EQ(refusal({.voxel_m = 1e-3, .mouth_open_m = 2e-3}),
+            "voxel_mm = 1: must be at most 0.5 for the phantom fetal_face");
+  EXPECT_EQ(refusal({.mouth_open_m = 11e-3}), "mouth_open_mm = 11: must be within 0 and 10");
+}
+
 INSTANTIATE_TEST_SUITE_P(Weeks, FetalScene, testing::Values(20.0, 21.0, 25.5, 30.0));
 
 }  // namespace

@@ -67,7 +67,8 @@ Json joint_json(const std::optional<phantoms::Joint>& joint) {
   if (!joint) return nullptr;
   return {{"center_mm", in_mm(joint->center_m)},
           {"inner_mm", in_mm(joint->inner_m)},
-          {"outer_mm", in_mm(joint->outer_m)}};
+          {"outer_mm", in_mm(joint->outer_m)},
+          {"mouth_open_mm", joint->mouth ? in_mm(joint->mouth->opening_m) : 0}};
 }
 
 /// Of all keys of all tracks.

@@ -99,6 +99,13 @@ TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
   EXPECT_GT(keys, 80);
 }
 
+// Of a recording that an earlier commit (9cc7aa2) made of the default scene.
+TEST(SubjectHash, OfTheDefaultsIsThatOfOlderRecordings) {
+  const hw::SubjectHash hash = subject_hash(Scene());
+  EXPECT_EQ(hash.phantom, 2644393823U);
+  EXPECT_EQ(hash.motion, 3743475150U);
+}
+
 class ImportedSubject : public testing_support::FolderTest {
  protected:
   Scene scene_of(const std::string& name, const std::string& contents) {

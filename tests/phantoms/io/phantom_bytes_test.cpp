@@ -71,6 +71,16 @@ TEST_P(PhantomBytes, HoldEveryVoxelAndAllElse) {
   }
 }
 
+TEST(PhantomBytesOfAMouth, HoldIt) {
+  const Phantom made = make_phantom({.voxel_m = 1.5e-3, .mouth_open_m = 6e-3});
+  const Phantom read = phantom_from_bytes(to_bytes(made).value());
+  ASSERT_TRUE(read.joint()->mouth);
+  const Mouth &a = *made.joint()->mouth, &b = *read.joint()->mouth;
+  EXPECT_EQ(a.axes, b.axes);
+  EXPECT_EQ(std::tie(a.center_m, a.opening_m, a.reach_m),
+            std::tie(b.center_m, b.opening_m, b.reach_m));
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, PhantomBytes, testing::ValuesIn(phantom_names()));
 
 Phantom ball() {

@@ -113,6 +113,23 @@ TEST_F(VdbFile, RoundTrip) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1) << "no temporary is left";
 }
 
+TEST_F(VdbFile, KeepsAMouth) {
+  const Phantom written = make_phantom({.voxel_m = 1.5e-3, .mouth_open_m = 6e-3});
+  write_phantom(written, file());
+  const std::optional<Mouth> read = read_phantom(file()).joint()->mouth;
+  ASSERT_TRUE(read);
+  const Mouth& mouth = *written.joint()->mouth;
+  EXPECT_EQ(read->axes, mouth.axes);
+  EXPECT_EQ(std::tie(read->center_m, read->opening_m, read->reach_m),
+            std::tie(mouth.center_m, mouth.opening_m, mouth.reach_m));
+  rewrite([](auto&, auto& meta) {
+    meta.insertMeta("mouth_opening_m", openvdb::DoubleMetadata(-0.01));
+  });
+  expect_refusal("metadata \"mouth_opening_m\", axes and reach are not those of a mouth");
+  rewrite([](auto&, auto& meta) { meta.removeMeta("mouth_opening_m"); });
+  expect_refusal("has no metadata \"mouth_opening_m\"");
+}
+
 TEST_F(VdbFile, IsReadByName) {
   write_phantom(small_phantom(), file());
   PhantomOptions options;

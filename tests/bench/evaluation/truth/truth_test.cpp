@@ -277,10 +277,14 @@ std::optional<double> march_finely(const hw::Ray& ray,
   return std::nullopt;
 }
 
-class TruthOfMovingFace : public testing::TestWithParam<std::string> {};
+using Settings = std::vector<std::string>;
+
+class TruthOfMovingFace : public testing::TestWithParam<Settings> {};
 
 TEST_P(TruthOfMovingFace, IsThatOfAFineRayMarch) {
-  const Stage s = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0", GetParam()});
+  Settings settings = {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"};
+  settings.insert(settings.end(), GetParam().begin(), GetParam().end());
+  const Stage s = stage(settings);
   const Truth truth = truth_of(s);
   const render::Camera camera = render::make_camera(s.scene.render);
   const phantoms::SurfaceFinder finder(s.subject.phantom);
@@ -306,12 +310,16 @@ TEST_P(TruthOfMovingFace, IsThatOfAFineRayMarch) {
 
 INSTANTIATE_TEST_SUITE_P(Motions,
                          TruthOfMovingFace,
-                         testing::Values("motion.velocity_mm_s=[0,0,1e-6]",
-                                         "motion.velocity_mm_s=[20,10,-30]",
-                                         "motion.turn_rate_deg_s=[0,40,0]",
-                                         "motion.breath_amplitude_mm=10",
-                                         "motion.velocity_mm_s=[0,-200,-60]",
-                                         "motion.head_turn_deg=40"));
+                         testing::Values(Settings{"motion.velocity_mm_s=[0,0,1e-6]"},
+                                         Settings{"motion.velocity_mm_s=[20,10,-30]"},
+                                         Settings{"motion.turn_rate_deg_s=[0,40,0]"},
+                                         Settings{"motion.breath_amplitude_mm=10"},
+                                         Settings{"motion.velocity_mm_s=[0,-200,-60]"},
+                                         Settings{"motion.head_turn_deg=40"},
+                                         Settings{"phantom.mouth_open_mm=6",
+                                                  "motion.mouth_close_mm=5.1",
+                                                  "motion.mouth_period_s=0.5",
+                                                  "motion.head_turn_deg=20"}));
 
 TEST(Truth, RayMarchingAgreesWithOpenVdbForNegligibleMotion) {
   const Stage still = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"});
