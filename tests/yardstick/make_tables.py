@@ -118,23 +118,32 @@ def half_plane(edge, depth_mm):
     return [(x * 1e3, decibel(p) / 2, rise * 1e3) for x, p in zip(crossings, power)]
 
 
-def random_points(place):
+def random_points(place, lateral, elevation, draw):
     """Axial, lateral, elevation in mm and amplitude, rounded as the table has them."""
     depth = PLACES[place][1]
-    draw = random.Random(f"yardstick {place}")
-    return [(round(depth + draw.uniform(-1.5, 1.5), 3), round(draw.uniform(-6, 6), 3),
-             round(draw.uniform(-5, 5), 3), round(draw.uniform(0.2, 1) * draw.choice((-1, 1)), 3))
+    draw = random.Random(f"{draw} {place}")
+    return [(round(depth + draw.uniform(-1.5, 1.5), 3), round(draw.uniform(-lateral, lateral), 3),
+             round(draw.uniform(-elevation, elevation), 3),
+             round(draw.uniform(0.2, 1) * draw.choice((-1, 1)), 3))
             for _ in range(POINTS_PER_PLACE)]
 
 
 def echo_points(place, fraction, depth_mm):
-    return random_points(place)
+    return random_points(place, 6, 5, "yardstick")
 
 
-def echo_envelope(place, fraction, depth_mm):
+def main_lobe_points(place, fraction, depth_mm):
+    """In the rectangle within the ellipse whose half axes are 0.8 of the ways to the first zeros of the
+    focused beam, range times wavelength over aperture."""
+    probe = es.PRESETS["standard"]
+    inside = 0.8 / math.sqrt(2) * probe.wavelength * 1e3
+    return random_points(place, inside * probe.f_number, inside * depth_mm * 1e-3 / probe.height, "main lobe")
+
+
+def echo_envelope(points_of, place, fraction, depth_mm):
     probe = es.PRESETS["standard"]
     theta, depth = stick_angle("standard", fraction), depth_mm * 1e-3
-    axial, lateral, elevation, amplitude = np.array(random_points(place)).T
+    axial, lateral, elevation, amplitude = np.array(points_of(place, fraction, depth_mm)).T
     points = es.stick_points(probe, theta, axial * 1e-3, lateral * 1e-3, elevation * 1e-3)
     band = es.pulse_band(probe, 80)
     gates = depth + np.linspace(-2.5e-3, 2.5e-3, 64)
@@ -143,6 +152,24 @@ def echo_envelope(place, fraction, depth_mm):
     envelope = np.abs(amplitude @ es.echoes(probe, band, response, active, theta, gates))
     one = PointSpread(probe, 0.0, depth, band=band).peak()
     return [(f"{g * 1e3:.4f}", e / one) for g, e in zip(gates, envelope)]
+
+
+def echo_point_table(which, points_of):
+    return Table(
+        f"Standard probe: {which}, in their stick's coordinates: axial: range from the face "
+        "along the stick, lateral: across it towards larger stick angles, elevation: towards +y of the "
+        "probe frame (smaller motor angles), straight lengths; amplitude: echo factor of a point",
+        ("place", "sector_fraction", "depth_mm"), ("axial_mm", "lateral_mm", "elevation_mm", "amplitude"),
+        [(i, *place) for i, place in enumerate(PLACES)], points_of)
+
+
+def echo_table(points_of):
+    return Table(
+        "Standard probe: envelope of the summed echo of a place's points on the stick at sector_fraction x "
+        "38.5 deg, motor at rest, re the envelope's peak for one point of amplitude 1 on the middle "
+        "stick's axis at depth_mm",
+        ("place", "sector_fraction", "depth_mm"), ("range_mm", "envelope"),
+        [(i, *place) for i, place in enumerate(PLACES)], functools.partial(echo_envelope, points_of))
 
 
 TABLES = {
@@ -182,18 +209,13 @@ TABLES = {
         "the stick's axis meets the plane, from its edge; rise: 10-90 % of amplitude, same for the block",
         ("edge", "depth_mm"), ("crossing_mm", "power_db", "rise_mm"),
         [(edge, depth) for edge in ("lateral", "elevation") for depth in (65, 80, 100, 130)], half_plane),
-    "echo_points": Table(
-        "Standard probe: points of echoes.csv in their stick's coordinates: axial: range from the face "
-        "along the stick, lateral: across it towards larger stick angles, elevation: towards +y of the "
-        "probe frame (smaller motor angles), straight lengths; amplitude: echo factor of a point",
-        ("place", "sector_fraction", "depth_mm"), ("axial_mm", "lateral_mm", "elevation_mm", "amplitude"),
-        [(i, *place) for i, place in enumerate(PLACES)], echo_points),
-    "echoes": Table(
-        "Standard probe: envelope of the summed echo of a place's points on the stick at sector_fraction x "
-        "38.5 deg, motor at rest, re the envelope's peak for one point of amplitude 1 on the middle "
-        "stick's axis at depth_mm",
-        ("place", "sector_fraction", "depth_mm"), ("range_mm", "envelope"),
-        [(i, *place) for i, place in enumerate(PLACES)], echo_envelope),
+    "echo_points": echo_point_table(
+        "points of echoes.csv, within 6 mm across the stick and 5 mm across the image plane", echo_points),
+    "echoes": echo_table(echo_points),
+    "main_lobe_points": echo_point_table(
+        "points of main_lobe_echoes.csv, within 0.57 of the ways to the first zeros of the focused beam",
+        main_lobe_points),
+    "main_lobe_echoes": echo_table(main_lobe_points),
 }
 
 

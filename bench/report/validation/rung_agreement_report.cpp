@@ -16,10 +16,14 @@ constexpr double kLevelBar_db = 0.5;
 struct Variant {
   const char* name;
   PointRung rung;
+  std::vector<EchoPlace> (*places)();
+  bool checked;
 };
-constexpr Variant kVariants[] = {{"main_lobe", {sim::Rung::scatterers, false}},
-                                 {"side_lobes", {sim::Rung::scatterers, true}},
-                                 {"reference", {sim::Rung::reference, false}}};
+constexpr Variant kVariants[] = {
+    {"main_lobe", {sim::Rung::scatterers, false}, main_lobe_places, true},
+    {"main_lobe_hears_all", {sim::Rung::scatterers, false}, echo_places, false},
+    {"side_lobes", {sim::Rung::scatterers, true}, echo_places, true},
+    {"reference", {sim::Rung::reference, false}, echo_places, true}};
 
 std::string place_text(const EchoAgreement& place) {
   const std::string mm = std::to_string(std::lround(place.range_m * 1e3)) + " mm";
@@ -102,9 +106,17 @@ StudyReport rung_agreement_report() {
       << " points of either sign, within 6 mm across the stick, 5 mm across the image plane and "
          "1.5 mm along the stick (`tests/yardstick/echo_points.csv`): the envelope of their summed "
          "echo on one stick of the standard preset, against that of the yardstick's sum over "
-         "elements (`echoes.csv`). `scatterers` looks up the beam in a table, its main lobe alone "
-         "or with side lobes; `reference` sums over the elements itself. In the table: correlation "
-         "and, in brackets, level in dB, by part of the half sector and depth.\n\n| rung | angle";
+         "elements (`echoes.csv`). `scatterers` with side lobes looks up the beam in a table; "
+         "`reference` sums over the elements itself. Without `simulation.side_lobes` it hears the "
+         "main lobe alone. It is checked (`main_lobe`) where that is all there is to hear: as many "
+         "points within 0.57 of the ways to the first zeros of the focused beam "
+         "(`main_lobe_points.csv`, `main_lobe_echoes.csv`). What leaving side lobes out costs "
+         "where "
+         "points lie there, too (`main_lobe_hears_all`, the first points), has no bar: the element "
+         "sum itself, of the points within 3 mm of the stick alone, correlates with that of all to "
+         "0.92 where it is lowest (decision 27), so that no model of the main lobe can reach 0.95. "
+         "In the table: correlation and, in brackets, level in dB, by part of the half sector and "
+         "depth.\n\n| rung | angle";
   for (const EchoPlace& place : places) {
     if (place.sector_fraction == places.front().sector_fraction) {
       text << " | " << std::lround(place.range_m * 1e3) << " mm";
@@ -112,9 +124,11 @@ StudyReport rung_agreement_report() {
   }
   text << " |\n| --- | --- | --- | --- | --- | --- | --- |";
   for (const Variant& variant : kVariants) {
-    const auto found = measure_agreement(variant.rung, places);
-    add_checks(variant, found, true, report);
-    add_checks(variant, found, false, report);
+    const auto found = measure_agreement(variant.rung, variant.places());
+    if (variant.checked) {
+      add_checks(variant, found, true, report);
+      add_checks(variant, found, false, report);
+    }
     add_points(variant, found, report);
     write_table(variant, found, text);
   }

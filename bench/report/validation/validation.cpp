@@ -126,7 +126,7 @@ const std::vector<NamedStudy>& validation_studies() {
       {"density", 4, [] { return scatterer_density_report(); }},
       {"points", 12, [] { return point_target_report(); }},
       {"agreement", 2, [] { return rung_agreement_report(); }},
-      {"speckle_size", 70, [] { return speckle_size_report(); }},
+      {"speckle_size", 130, [] { return speckle_size_report(); }},
       {"speckle_motion", 0.3, [] { return speckle_motion_report(); }},
       {"attenuation", 2.6, [] { return attenuation_report(); }},
       {"losses", 6, [] { return losses_report(); }},

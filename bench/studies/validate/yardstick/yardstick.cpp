@@ -134,7 +134,9 @@ std::vector<NeighbourRow> neighbour_rows() {
   return rows;
 }
 
-std::vector<EchoPlace> echo_places() {
+namespace {
+
+std::vector<EchoPlace> read_places(std::string_view points_file, std::string_view echoes_file) {
   std::vector<EchoPlace> places;
   const auto place_of = [&](const CsvTable& csv, std::size_t i) -> EchoPlace& {
     const auto number = static_cast<std::size_t>(csv.number(i, "place"));
@@ -143,20 +145,30 @@ std::vector<EchoPlace> echo_places() {
     places[number].range_m = csv.number(i, "depth_mm") * 1e-3;
     return places[number];
   };
-  const CsvTable points = table("echo_points.csv");
+  const CsvTable points = table(points_file);
   for (std::size_t i = 0; i < points.rows(); ++i) {
     place_of(points, i).points.push_back({points.number(i, "axial_mm") * 1e-3,
                                           points.number(i, "lateral_mm") * 1e-3,
                                           points.number(i, "elevation_mm") * 1e-3,
                                           points.number(i, "amplitude")});
   }
-  const CsvTable echoes = table("echoes.csv");
+  const CsvTable echoes = table(echoes_file);
   for (std::size_t i = 0; i < echoes.rows(); ++i) {
     EchoPlace& place = place_of(echoes, i);
     place.ranges_m.push_back(echoes.number(i, "range_mm") * 1e-3);
     place.envelope.push_back(echoes.number(i, "envelope"));
   }
   return places;
+}
+
+}  // namespace
+
+std::vector<EchoPlace> echo_places() {
+  return read_places("echo_points.csv", "echoes.csv");
+}
+
+std::vector<EchoPlace> main_lobe_places() {
+  return read_places("main_lobe_points.csv", "main_lobe_echoes.csv");
 }
 
 }  // namespace wobblebench::bench

@@ -67,7 +67,7 @@ struct ShadowRow {
 };
 std::vector<ShadowRow> shadow_rows();
 
-/// Points about one place of a stick, and the envelope of their echo: echo_points.csv, echoes.csv.
+/// Points about one place of a stick, and the envelope of their echo.
 struct EchoPlace {
   double sector_fraction = 0;
   double range_m = 0;
@@ -82,6 +82,9 @@ struct EchoPlace {
   /// Re the peak for one point of amplitude 1 on the middle stick at the place's range.
   std::vector<double> envelope;
 };
+/// Points as far aside as side lobes reach: echo_points.csv, echoes.csv.
 std::vector<EchoPlace> echo_places();
+/// Points well within the focused beam's main lobe: main_lobe_points.csv, main_lobe_echoes.csv.
+std::vector<EchoPlace> main_lobe_places();
 
 }  // namespace wobblebench::bench
