@@ -78,6 +78,7 @@ TEST(FrameReader, LostSticksLeaveNoFrameOut) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (!lost.contains(i)) packets.push_back(all[i]);
     }
+    const auto before = hw::HostClock::now();
     const Read got = read(plan, packets);
     std::uint64_t came = 0;
     for (const StreamFrame& frame : got.frames) came += static_cast<std::uint64_t>(frame.sticks);
@@ -87,6 +88,12 @@ TEST(FrameReader, LostSticksLeaveNoFrameOut) {
     EXPECT_EQ(got.frames.size() % 3, 0u) << seed;
     // Times go forward, of frames without sticks too.
     for (std::size_t i = 0; i < got.frames.size(); ++i) {
+      for (const StickTimes& stick : {got.frames[i].first, got.frames[i].last}) {
+        EXPECT_LE(before, stick.received) << seed;
+        EXPECT_LE(stick.received, stick.acquired) << seed;
+        EXPECT_LE(stick.acquired, stick.placed) << seed;
+        EXPECT_LE(stick.placed, got.frames[i].complete) << seed;
+      }
       EXPECT_LE(got.frames[i].first.acquired, got.frames[i].last.acquired) << seed;
       if (i == 0) continue;
       EXPECT_LE(got.frames[i - 1].last.acquired, got.frames[i].first.acquired) << seed;
