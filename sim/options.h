@@ -43,8 +43,9 @@ struct SimulationOptions {
   /// Losses of all ways between the aperture and an echo, instead of those on the stick's axis.
   bool aperture_losses = true;
   bool interface_echo = true;
-  /// The beam of a rectangular aperture with its side lobes, instead of the main lobe alone. From
-  /// `scatterers` on.
+  /// The beam with its side lobes, instead of the main lobe alone. From `scatterers` on. Without
+  /// them speckle at the foci is 10 to 20 % finer, and bright tissue beside a stick adds no
+  /// clutter.
   bool side_lobes = false;
   /// Sound travels at each material's own speed, while the scanner assumes one speed.
   bool tissue_sound_speed = false;
