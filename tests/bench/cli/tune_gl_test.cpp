@@ -95,5 +95,37 @@ TEST_F(Tune, RefusesWhatItCannotSearch) {
   refused({"--limit", "p95_mm<=2"}, "phantom.name = \"cube\"");
 }
 
+/// Each is drawn above the errors of a point of the trade, on other seeds: some hold, some may not.
+TEST_F(Tune, JudgesManyRequestsOnSeedsThatChoseNothing) {
+  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
+  const auto result = tune(
+      {"--trade", "traded", "--requests", "3", "--evaluations", "2", "--json", "--out", "judged"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto requests = nlohmann::json::parse(result.out).at("requests");
+  ASSERT_EQ(requests.size(), 3U);
+  for (const auto& request : requests) {
+    const auto& answers = request.at("answers");
+    EXPECT_EQ(answers.at("trade").at("measured_points"), 0);
+    EXPECT_LE(answers.at("random").at("measured_points"), 2);
+    for (const auto& answer : answers) {
+      if (answer.at("judged").is_null()) continue;
+      const bool within = answer.at("judged").at("p95_mm") <= request.at("limits").at("p95_mm") &&
+                          answer.at("judged").at("missed_or_false_percent") <=
+                              request.at("limits").at("missed_or_false_percent");
+      EXPECT_EQ(answer.at("held"), within);
+    }
+  }
+  EXPECT_TRUE(fs::exists(folder_.path() / "judged/requests.md"));
+}
+
+TEST_F(Tune, RefusesRequestsWithoutATradeOrWithALimit) {
+  const auto without = tune({"--requests", "3"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("--requests: needs --trade"), std::string::npos) << without.err;
+  const auto both = tune({"--requests", "3", "--trade", "x", "--limit", "p95_mm<=2"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_NE(both.err.find("leave --limit out"), std::string::npos) << both.err;
+}
+
 }  // namespace
 }  // namespace wobblebench::bench
