@@ -137,8 +137,8 @@ Json requests_json(const RequestStudy& study) {
   for (const RequestOutcome& outcome : study.outcomes) {
     Json limits = Json::object(), answers = Json::object();
     for (const TuneLimit& limit : outcome.request.limits) limits[limit.name] = limit.most;
-    for (std::size_t i = 0; i < outcome.answers.size(); ++i) {
-      answers[kMethodNames[i]] = answer_json(outcome.answers[i]);
+    for (std::size_t i = 0; i < std::size(kMethodNames); ++i) {
+      answers[kMethodNames[i]] = answer_json(outcome.answers.at(i));
     }
     requests.push_back(
         {{"least", outcome.request.least}, {"limits", limits}, {"answers", answers}});

@@ -18,7 +18,8 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kLeast_mm = 0.01, kMost_mm = 100;
-constexpr double kAgreement = 0.25;  // of the tolerance
+constexpr double kAgreement = 0.25;           // of the tolerance
+constexpr std::size_t kMostCoarserRungs = 2;  // geometry and field
 
 /// Without the rung, which is chosen apart.
 std::string text_of(const TradeWork& work, const TradePoint& point) {
@@ -47,8 +48,7 @@ class Measured {
       : work_(std::move(work)),
         records_(std::move(records)),
         measurement_(work_, context, cache, 2 * work_.plan.seeds.size()),
-        parts_(work_.plan.seeds.size() * (settings() + work_.points.size() / settings() - 1),
-               done) {}
+        parts_(work_.plan.seeds.size() * (settings() + kMostCoarserRungs), done) {}
 
   /// None where the scene refuses the point.
   std::optional<TradeScore> score(std::size_t number) {
