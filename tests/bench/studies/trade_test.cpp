@@ -103,11 +103,13 @@ TEST(TradeEffects, AreThoseThatTheResponseWasMadeWith) {
   EXPECT_NEAR(effects[5].effect.mean, 0, 2 * effects[5].effect.half);
 }
 
-TEST(TradePlanOfTheDocs, IsValidInEveryLevelOfEveryAxis) {
-  TradeWork work;
-  work.plan =
-      load_trade_plan(std::filesystem::path(WOBBLEBENCH_SOURCE_DIR) / "docs/scenes/trade.toml");
-  EXPECT_NO_THROW(check_trade(work));
+TEST(TradePlansOfTheDocs, AreValidInEveryLevelOfEveryAxis) {
+  for (const char* name : {"trade.toml", "trade_scan.toml", "trade_requests.toml"}) {
+    TradeWork work;
+    work.plan =
+        load_trade_plan(std::filesystem::path(WOBBLEBENCH_SOURCE_DIR) / "docs/scenes" / name);
+    EXPECT_NO_THROW(check_trade(work)) << name;
+  }
 }
 
 TEST(TradeShards, AreAllOfTheWorkAndNothingTwice) {
