@@ -28,6 +28,14 @@ inline constexpr double kMostClosed = 0.85;
 /// and v in the mouth's axes. w = 1 at the lips. g rises from 0 in the upper lip to 1 in the lower
 /// one, linearly within the gap, and falls from 1 to 0 down the neck. All are twice continuously
 /// differentiable. Fluid and tissue between the lips are compressed, the neck is stretched.
+///
+/// @code
+/// #include <cstdio>
+/// const phantoms::Mouth mouth{.opening_m = 6e-3, .reach_m = 16e-3};
+/// const phantoms::JawRise jaw(mouth, 3e-3);
+/// const glm::dvec3 lip_m = jaw.from_rest({0, 3e-3, 0});  // the lower lip, raised by up to 3 mm
+/// std::printf("%g mm\n", lip_m.y / kMillimetre);
+/// @endcode
 class JawRise {
  public:
   JawRise() = default;  ///< nothing moves
