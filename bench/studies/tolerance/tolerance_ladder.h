@@ -6,9 +6,9 @@
 
 namespace wobblebench::bench {
 
-/// Keys of a scene, and for each setting their values as in TOML: from the fastest to the most
-/// accurate where they were measured (docs/decisions/0036-tolerance.md). None of them changes what
-/// a picture shows or how large it is.
+/// Keys of a scene, and for each setting their values as in TOML, the fastest first where they were
+/// measured (docs/decisions/0036-tolerance.md). None of them changes what a picture shows or how
+/// large it is.
 struct ToleranceLadder {
   std::vector<std::string> keys;
   std::vector<std::vector<std::string>> settings;
