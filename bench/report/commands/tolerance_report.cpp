@@ -84,7 +84,7 @@ std::string broken_promise(const ToleranceResult& result) {
     return asked + "no setting keeps it on this scene; the least bound is " +
            in_mm(upper_quantity(choice.setting().score, kToleranceMeasure)) + ", with " +
            significant(upper_quantity(choice.setting().score, kWrongMeasure), 3) +
-           " % missed or false (at most 5 % are allowed)";
+           " % missed or false (at most " + significant(kMostWrongPercent, 3) + " % are allowed)";
   }
   if (result.outcome.held) return "";
   return asked + "this picture reached " + in_mm(result.outcome.reached_mm) + " with " +

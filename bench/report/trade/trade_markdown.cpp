@@ -108,7 +108,7 @@ void write_knees(const TradeResults& results,
                  const TradeResults::Part& part,
                  std::ostream& markdown) {
   const TradeScore* before = nullptr;
-  markdown << "\nKnees, of the points with at most " << fixed(kMostWrongOfKnees, 0)
+  markdown << "\nKnees, of the points with at most " << fixed(kMostWrongPercent, 0)
            << " % missed or false:\n\n";
   for (const TradeKnee& knee : part.knees) {
     const TradeScore& score = part.scores[knee.score];

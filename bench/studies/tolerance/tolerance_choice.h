@@ -19,7 +19,6 @@ namespace wobblebench::bench {
 /// kMostWrongPercent of the picture missed or false.
 inline constexpr const char* kToleranceMeasure = "outside_p95_mm";
 inline constexpr const char* kWrongMeasure = "missed_or_false_percent";
-inline constexpr double kMostWrongPercent = 5;
 
 /// "0.5mm" in mm. Throws UserError "--tolerance = TEXT: what is allowed".
 double parse_tolerance_mm(const std::string& text);

@@ -46,11 +46,12 @@ struct TradeKnee {
   double gain_before = 0, gain_after = 0;
 };
 
-/// Of points that miss or find falsely at most so much of the picture, percent: with more, a level
-/// that finds the easy places alone has the least P95.
-inline constexpr double kMostWrongOfKnees = 5;
+/// The most of a picture that may be missed or false, percent, where settings are compared by P95:
+/// with more, a level that finds the easy places alone has the least.
+inline constexpr double kMostWrongPercent = 5;
 
-/// By time; the ends of the hull are left out. `front`: of trade_front().
+/// Of points within kMostWrongPercent, by time; the ends of the hull are left out. `front`: of
+/// trade_front().
 std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front);
 

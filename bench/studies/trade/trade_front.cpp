@@ -143,7 +143,7 @@ std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front) {
   std::vector<std::size_t> whole;
   std::ranges::copy_if(front, std::back_inserter(whole), [&](std::size_t i) {
-    return scores[i].wrong_percent() <= kMostWrongOfKnees;
+    return scores[i].wrong_percent() <= kMostWrongPercent;
   });
   const std::vector<std::size_t> hull = lower_hull(scores, whole);
   std::vector<TradeKnee> knees;
