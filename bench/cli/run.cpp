@@ -70,12 +70,6 @@ std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
   return request;
 }
 
-std::string machine_text(const render::GlContext& context) {
-  const Provenance machine = provenance_of_this_machine();
-  return machine.cpu + ", " + std::to_string(machine.threads) + " threads, " +
-         context.renderer_string();
-}
-
 /// The scene by the settings that keep the tolerance.
 Scene scene_of(const Arguments& arguments, const std::optional<ToleranceChoice>& choice) {
   std::vector<std::string> settings = arguments.scene.settings;
@@ -126,7 +120,7 @@ int run(const Arguments& arguments) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   std::optional<ToleranceChoice> choice;
   if (request) {
-    request->machine = machine_text(*context);
+    request->machine = machine_text(provenance_of_simulation(*context, scene.simulation.seed));
     choice = progress.step("choose", [&](const PartDone& done) {
       return choose_for_tolerance(*request, *context, cache, done);
     });

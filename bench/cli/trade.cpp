@@ -57,8 +57,7 @@ TradeWork work_of(const Arguments& arguments) {
 
 std::string machine_of(const render::GlContext& context, const TradeWork& work) {
   const Provenance provenance = provenance_of_simulation(context, work.plan.seeds.front());
-  return "commit " + provenance.commit + ", " + provenance.cpu + ", " +
-         std::to_string(provenance.threads) + " threads, " + provenance.gl_renderer;
+  return "commit " + provenance.commit + ", " + machine_text(provenance);
 }
 
 void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& journal) {

@@ -56,9 +56,8 @@ TradeRecords known_records(const Arguments& arguments, TradeWork& work) {
   return std::move(content.records);
 }
 
-std::string machine_text(const Provenance& provenance) {
-  return "commit " + provenance.commit + ", " + provenance.cpu + ", " +
-         std::to_string(provenance.threads) + " threads, " + provenance.gl_renderer;
+std::string measured_by(const Provenance& provenance) {
+  return "commit " + provenance.commit + ", " + machine_text(provenance);
 }
 
 int write(const Arguments& arguments,
@@ -71,7 +70,7 @@ int write(const Arguments& arguments,
   report["tune"] = tune_json(results);
   report["wall_ms"] = wall_json(times);
   const std::string text = report_text(report);
-  const std::string markdown = tune_markdown(results, machine_text(provenance));
+  const std::string markdown = tune_markdown(results, measured_by(provenance));
   out.write_text("tune.md", markdown);
   if (results.chosen() != nullptr) out.write_text("tuned.toml", tuned_scene(results));
   out.write_text("report.json", text);
@@ -90,7 +89,7 @@ int write_study(const Arguments& arguments,
   report["requests"] = requests_json(study);
   report["wall_ms"] = wall_json(times);
   const std::string text = report_text(report);
-  const std::string markdown = requests_markdown(study, machine_text(provenance));
+  const std::string markdown = requests_markdown(study, measured_by(provenance));
   out.write_text("requests.md", markdown);
   out.write_text("report.json", text);
   out.commit();

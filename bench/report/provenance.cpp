@@ -48,6 +48,11 @@ Provenance provenance_of_simulation(const render::GlContext& context, std::uint6
   return result;
 }
 
+std::string machine_text(const Provenance& provenance) {
+  return provenance.cpu + ", " + std::to_string(provenance.threads) + " threads, " +
+         provenance.gl_renderer;
+}
+
 std::string version_line(const std::string& program) {
   return program + " " + kBuildVersion + ", commit " + kBuildCommit;
 }

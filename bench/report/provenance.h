@@ -28,6 +28,9 @@ Provenance provenance_of_this_machine();
 /// All of it, of sticks simulated from this seed and rendered in this context.
 Provenance provenance_of_simulation(const render::GlContext& context, std::uint64_t seed);
 
+/// "CPU, 2 threads, GL_RENDERER": what times depend on, beside the program.
+std::string machine_text(const Provenance& provenance);
+
 /// "PROGRAM 0.1.0, commit 0123456789ab".
 std::string version_line(const std::string& program);
 
