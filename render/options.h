@@ -28,6 +28,8 @@ struct PipelineOptions {
   /// true: a picture shows frames as they arrive, beside those of the previous volume; false: it
   /// shows the last complete volume.
   bool mid_volume = false;
+
+  bool operator==(const PipelineOptions&) const = default;
 };
 
 template <OptionsOf<PipelineOptions> O, class Visitor>
@@ -55,6 +57,8 @@ struct ReconstructionOptions {
   double edge_level = 0.5;
   /// aligned: edges of neighbouring sticks lie on one surface unless its slope exceeds this angle.
   double steepest_rad = 65 * kDegree;
+
+  bool operator==(const ReconstructionOptions&) const = default;
 };
 
 template <OptionsOf<ReconstructionOptions> O, class Visitor>
@@ -74,6 +78,8 @@ struct ScanConversionOptions {
   int slice_size = 512;  ///< pixels per side of a slice
   int filter_size = 3;   ///< box filter, pixels, odd; 1: none
   TextureFormat format = TextureFormat::r16;
+
+  bool operator==(const ScanConversionOptions&) const = default;
 };
 
 template <OptionsOf<ScanConversionOptions> O, class Visitor>
@@ -105,6 +111,8 @@ enum class KernelSpace { slice, ray };
 struct VolumeOfInterest {
   glm::dvec3 center_m{0, 0, 0.120};
   glm::dvec3 size_m{0.100, 0.100, 0.080};
+
+  bool operator==(const VolumeOfInterest&) const = default;
 };
 
 template <OptionsOf<VolumeOfInterest> O, class Visitor>
@@ -121,6 +129,8 @@ struct ViewOptions {
   double roll_rad = 0;   ///< in the plane of the picture
   Projection projection = Projection::parallel;
   double eye_distance_m = 0.4;  ///< perspective: eye to centre of the volume of interest
+
+  bool operator==(const ViewOptions&) const = default;
 };
 
 template <OptionsOf<ViewOptions> O, class Visitor>
@@ -174,6 +184,8 @@ struct RayCastingOptions {
   std::vector<double> transfer_values = {0.0, 0.2, 0.5, 1.0};
   std::vector<double> transfer_opacity_per_mm = {0.0, 0.0, 0.25, 0.6};
   std::vector<double> transfer_grey = {0.0, 0.2, 0.6, 1.0};
+
+  bool operator==(const RayCastingOptions&) const = default;
 };
 
 template <OptionsOf<RayCastingOptions> O, class Visitor>
@@ -232,6 +244,8 @@ struct ShadingOptions {
   bool shadows = true;
   double shadow_coefficient = 0.35;  ///< factor on a shadowed pixel
   double shadow_bias_m = 0.8e-3;     ///< least height of the map above a ray that it occludes
+
+  bool operator==(const ShadingOptions&) const = default;
 };
 
 template <OptionsOf<ShadingOptions> O, class Visitor>
@@ -264,6 +278,8 @@ struct SmoothingOptions {
   /// Contrast that separates noise from edges. bilateral: standard deviation of the range weights;
   /// guided: standard deviation of a window at which half of its contrast is kept.
   double range_sigma = 0.1;
+
+  bool operator==(const SmoothingOptions&) const = default;
 };
 
 template <OptionsOf<SmoothingOptions> O, class Visitor>
@@ -301,6 +317,8 @@ struct RenderOptions {
   RayCastingOptions ray_casting;
   ShadingOptions shading;
   SmoothingOptions smoothing;
+
+  bool operator==(const RenderOptions&) const = default;
 };
 
 /// Throws InvalidOption with the section in its key: "ray_casting.kernel_3d = 4: must be odd".

@@ -4,6 +4,7 @@
 #include <exception>
 #include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "hw/probe/polar_volume.h"
@@ -77,7 +78,9 @@ struct Renderer::Pipeline {
     if (!frames.volume_complete()) return;
     frames.begin_volume();
     reconstruction.begin_volume();
-    if (complete) std::swap(incoming, complete);
+    if (!complete) return;
+    std::swap(incoming, complete);
+    std::swap(incoming_levels, complete_levels);
   }
 
   /// Before pass 1: levels of fluid and tissue and, if asked for, sticks between the sticks. False:
@@ -86,11 +89,11 @@ struct Renderer::Pipeline {
     const bool whole = reconstruction.volume_complete();
     if (reconstruction.aligns() && !whole) return false;
     if (!needs_levels(options) || (!whole && !options.pipeline.mid_volume)) return true;
-    const EchoLevels levels = reconstruction.levels();
-    incoming->set_level(detection_level(levels, options.ray_casting));
+    incoming_levels = reconstruction.levels();
+    incoming->set_level(detection_level(*incoming_levels, options.ray_casting));
     if (!reconstruction.aligns()) return true;
     int index = 0;
-    for (auto& samples : reconstruction.aligned_frames(levels)) {
+    for (auto& samples : reconstruction.aligned_frames(*incoming_levels)) {
       frames.put(index++, std::move(samples));
     }
     return true;
@@ -130,6 +133,33 @@ struct Renderer::Pipeline {
 
   RayCaster make_ray_caster() const { return {factory.geometry(), options, *incoming}; }
 
+  /// Passes 2 to 4 for other settings, with the slices that are there.
+  void set_options(const RenderOptions& given) {
+    RayCaster new_ray_caster(factory.geometry(), given, *incoming);
+    IncidenceCorrection new_incidence(factory.geometry(), given);
+    SurfaceShader new_shader(given);
+    Smoother new_smoother(given.smoothing, given.ray_casting.image_size, given.pipeline.mode);
+    options = given;
+    ray_caster = std::move(new_ray_caster);
+    incidence = std::move(new_incidence);
+    surface_shader = std::move(new_shader);
+    smoother = std::move(new_smoother);
+    set_options_of(*incoming, incoming_levels);
+    if (complete) set_options_of(*complete, complete_levels);
+  }
+
+  void set_options_of(SliceVolume& volume, const std::optional<EchoLevels>& levels) const {
+    volume.set_options(options);
+    if (levels) volume.set_level(detection_level(*levels, options.ray_casting));
+  }
+
+  void set_view() {
+    incoming->set_view(options);
+    if (complete) complete->set_view(options);
+    incidence.set_view(options);
+    ray_caster.set_view(options);  // the light turns with the viewer: pass 3 does not change
+  }
+
   /// Pass 1 for the new frames.
   PassTime update() {
     if (!std::exchange(has_new_frames, false)) return {kScanConversion, 0, 0};
@@ -158,6 +188,7 @@ struct Renderer::Pipeline {
   FrameStore frames;
   std::unique_ptr<SliceVolume> incoming;  ///< the volume that new frames belong to
   std::unique_ptr<SliceVolume> complete;  ///< the last complete one; null: `incoming` is shown
+  std::optional<EchoLevels> incoming_levels, complete_levels;  ///< none: not measured
   RayCaster ray_caster;
   IncidenceCorrection incidence;
   const Texture* depth = nullptr;  ///< z of pass 2, corrected
@@ -242,26 +273,35 @@ Picture Renderer::render() {
   return picture;
 }
 
-void Renderer::set_view(const ViewOptions& view) {
+bool Renderer::keeps_slices(const RenderOptions& options) const {
+  return same_slices(options, pipeline_->options);
+}
+
+void Renderer::set_options(const RenderOptions& options) {
   Pipeline& p = *pipeline_;
-  RenderOptions options = p.options;
-  options.view = view;
   validate(options);
+  if (!keeps_slices(options)) {
+    throw std::invalid_argument("Renderer::set_options: pass 1 would not make the same slices");
+  }
+  if (options == p.options) return;
   p.context.make_current();
   const HostState host;
-  const bool same_projection = view.projection == p.options.view.projection &&
-                               view.eye_distance_m == p.options.view.eye_distance_m;
-  p.options = options;
-  p.incoming->set_view(options);
-  if (p.complete) p.complete->set_view(options);
-  if (same_projection) {
-    p.incidence.set_view(options);
-    p.ray_caster.set_view(options);  // the light turns with the viewer: pass 3 does not change
-    return;
+  RenderOptions turned = p.options;
+  turned.view.yaw_rad = options.view.yaw_rad;
+  turned.view.pitch_rad = options.view.pitch_rad;
+  turned.view.roll_rad = options.view.roll_rad;
+  if (options == turned) {
+    p.options = options;
+    p.set_view();
+  } else {
+    p.set_options(options);
   }
-  p.ray_caster = p.make_ray_caster();
-  p.incidence = IncidenceCorrection(p.factory.geometry(), options);
-  p.surface_shader = SurfaceShader(options);
+}
+
+void Renderer::set_view(const ViewOptions& view) {
+  RenderOptions options = pipeline_->options;
+  options.view = view;
+  set_options(options);
 }
 
 Picture render_volume(GlContext& context,

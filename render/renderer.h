@@ -83,7 +83,15 @@ class Renderer {
   /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture.
   Picture render();
 
-  /// Sets the view of the following pictures. Throws InvalidOption.
+  /// Whether set_options() takes these: pass 1, with the reconstruction before it, makes the same
+  /// by them. True of whatever concerns passes 2 to 4 only, but for a detector that needs the
+  /// levels of echoes where the one before did not, or a kernel that reads beyond the slices.
+  bool keeps_slices(const RenderOptions& options) const;
+  /// Settings of the following pictures; the volumes that are there stay. Throws InvalidOption,
+  /// std::invalid_argument without keeps_slices(), std::runtime_error beyond the driver's limits;
+  /// then all is as it was.
+  void set_options(const RenderOptions& options);
+  /// The same for the view alone, which takes next to no time.
   void set_view(const ViewOptions& view);
 
  private:

@@ -48,12 +48,6 @@ std::string key_of(const render::RenderOptions& options) {
   return resolved(scene).dump();
 }
 
-std::string key_of(const render::ViewOptions& view) {
-  render::RenderOptions options;
-  options.view = view;
-  return key_of(options);
-}
-
 /// What the true surface of a pixel depends on.
 render::RenderOptions view_of(const render::RenderOptions& options) {
   render::RenderOptions view;
@@ -144,24 +138,33 @@ const Image<glm::vec3>* Evaluator::shaded_truth(const render::RenderOptions& opt
   return &shaded_.emplace(key, shade_truth(truth(options).truth, options, {})).first->second;
 }
 
+/// One with these settings; else, of two with the same slices, the one whose last use is longer ago
+/// (the other may be what settings are compared with); else a new one.
+Evaluator::LivingRenderer& Evaluator::living_renderer(const render::RenderOptions& options) {
+  const auto last = [&](auto found) -> LivingRenderer& {
+    renderers_.splice(renderers_.end(), renderers_, found);
+    return renderers_.back();
+  };
+  const auto same = [&](const LivingRenderer& living) { return living.options == options; };
+  const auto keeps = [&](const LivingRenderer& living) {
+    return living.renderer->keeps_slices(options);
+  };
+  const auto found = std::find_if(renderers_.begin(), renderers_.end(), same);
+  if (found != renderers_.end()) return last(found);
+  const auto kept = std::find_if(renderers_.begin(), renderers_.end(), keeps);
+  const bool is_spare = std::count_if(renderers_.begin(), renderers_.end(), keeps) > 1;
+  if (kept != renderers_.end() && (is_spare || most_renderers_ == 1)) {
+    kept->renderer->set_options(options);
+    kept->options = options;
+    return last(kept);
+  }
+  if (renderers_.size() >= most_renderers_) renderers_.pop_front();
+  renderers_.push_back({std::make_unique<render::Renderer>(context_, plan_, options), options});
+  return renderers_.back();
+}
+
 render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
-  render::RenderOptions frontal = options;
-  frontal.view = {};
-  const std::string key = key_of(frontal), view = key_of(options.view);
-  if (renderers_.size() >= most_renderers_ && !renderers_.contains(key)) {
-    renderers_.erase(
-        std::min_element(renderers_.begin(), renderers_.end(), [](const auto& a, const auto& b) {
-          return a.second.last_use < b.second.last_use;
-        }));
-  }
-  LivingRenderer& living = renderers_[key];
-  if (!living.renderer) {
-    living.renderer = std::make_unique<render::Renderer>(context_, plan_, options);
-  } else if (living.view != view) {
-    living.renderer->set_view(options.view);
-  }
-  living.view = view;
-  living.last_use = ++evaluations_;
+  LivingRenderer& living = living_renderer(options);
   if (std::exchange(living.scan, scans_) != scans_) living.renderer->add_volume(sticks());
   return *living.renderer;
 }

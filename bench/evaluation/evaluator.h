@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,7 +21,7 @@ namespace wobblebench::bench {
 
 /// Wall times of the parts of one evaluation; 0: the part was there already, or not asked for.
 struct EvaluationTimes {
-  double renderer_ms = 0;  ///< making the renderer, and giving it the sticks
+  double renderer_ms = 0;  ///< making the renderer and giving it the sticks, or other settings
   double render_ms = 0;    ///< the picture, with pass 1 where the sticks are new
   double truth_ms = 0;     ///< with its shading
   double measure_ms = 0;
@@ -86,11 +87,11 @@ class Evaluator {
  private:
   struct LivingRenderer {
     std::unique_ptr<render::Renderer> renderer;
-    std::string view;
-    std::uint64_t scan = 0;      ///< whose sticks it has; 0: none
-    std::uint64_t last_use = 0;  ///< number of the evaluation
+    render::RenderOptions options;
+    std::uint64_t scan = 0;  ///< whose sticks it has; 0: none
   };
 
+  LivingRenderer& living_renderer(const render::RenderOptions& options);
   render::Renderer& renderer_of(const render::RenderOptions& options);
   const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
   const StickReach& reach();
@@ -104,11 +105,10 @@ class Evaluator {
   std::optional<hw::PolarVolume> sticks_;
   sim::Rung rung_ = sim::Rung::automatic;
   std::uint64_t scans_ = 0;
-  std::uint64_t evaluations_ = 0;
   std::map<sim::Rung, StickReach> reach_;
-  std::map<std::string, TrueView> truths_;           ///< by what they depend on
-  std::map<std::string, Image<glm::vec3>> shaded_;   ///< likewise
-  std::map<std::string, LivingRenderer> renderers_;  ///< by all settings but the view
+  std::map<std::string, TrueView> truths_;          ///< by what they depend on
+  std::map<std::string, Image<glm::vec3>> shaded_;  ///< likewise
+  std::list<LivingRenderer> renderers_;             ///< in the order of their last use
 };
 
 }  // namespace wobblebench::bench

@@ -96,6 +96,10 @@ std::unique_ptr<GlContext> make_first_context() {
 
 }  // namespace
 
+std::shared_ptr<ProgramPool> current_program_pool() {
+  return !has_ended && current.driver ? current.driver->programs : nullptr;
+}
+
 GlContext::GlContext(std::shared_ptr<DriverContext> driver) : driver_(std::move(driver)) {}
 
 GlContext::~GlContext() {

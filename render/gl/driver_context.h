@@ -2,7 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <string>
+
+#include "render/gl/program_pool.h"
 
 namespace wobblebench::render {
 
@@ -25,6 +28,7 @@ class DriverContext {
   virtual std::string backend() const = 0;
 
   std::atomic<bool> is_current{false};  ///< on some thread
+  const std::shared_ptr<ProgramPool> programs = std::make_shared<ProgramPool>();
 };
 
 }  // namespace wobblebench::render

@@ -31,6 +31,8 @@ class GlName {
 
   unsigned id() const { return id_; }
   explicit operator bool() const { return id_ != 0; }
+  /// Gives the name up without deleting it.
+  unsigned release() { return std::exchange(id_, 0); }
   void reset() {
     if (id_ != 0) destroy(std::exchange(id_, 0));
   }

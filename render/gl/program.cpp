@@ -67,6 +67,48 @@ std::string joined(std::initializer_list<std::string_view> files) {
   return names;
 }
 
+GlName<delete_program> link(std::initializer_list<std::string_view> files,
+                            const std::string& source,
+                            FragmentProgram::Layers layers) {
+  GlName<delete_program> program(glCreateProgram());
+  std::vector<Shader> shaders;
+  const auto add = [&](GLenum stage, std::string_view file) {
+    const std::string text =
+        assemble({file}, Defines().add("MAX_LAYERS", kMaxLayersPerDraw).text());
+    shaders.push_back(compile(stage, text, std::string(file)));
+  };
+  if (layers == FragmentProgram::Layers::several) {
+    add(GL_VERTEX_SHADER, "layers.vert.glsl");
+    add(GL_GEOMETRY_SHADER, "layers.geom.glsl");
+  } else {
+    add(GL_VERTEX_SHADER, "fullscreen.vert.glsl");
+  }
+  shaders.push_back(compile(GL_FRAGMENT_SHADER, source, joined(files)));
+  for (const Shader& shader : shaders) glAttachShader(program.id(), shader.id());
+  glLinkProgram(program.id());
+  for (const Shader& shader : shaders) glDetachShader(program.id(), shader.id());
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program.id(), GL_LINK_STATUS, &linked);
+  if (linked != GL_TRUE) {
+    throw std::runtime_error("shader " + joined(files) + " does not link:\n" +
+                             read_log(program.id(), glGetProgramiv, glGetProgramInfoLog));
+  }
+  return program;
+}
+
+/// Of the context's pool, or linked anew. A fragment shader's source says which vertex shader it
+/// goes with: only one for layers reads `source_layer`.
+PooledProgram pooled_program(std::initializer_list<std::string_view> files,
+                             const std::string& defines,
+                             FragmentProgram::Layers layers) {
+  std::string source =
+      FetchCounter::current() ? assemble_counting(files, defines) : assemble(files, defines);
+  const std::shared_ptr<ProgramPool> pool = current_program_pool();
+  GlName<delete_program> program = pool ? pool->take(source) : GlName<delete_program>();
+  if (!program) program = link(files, source, layers);
+  return {pool, std::move(source), std::move(program)};
+}
+
 }  // namespace
 
 DrawsOfOnePixel::DrawsOfOnePixel() {
@@ -85,38 +127,13 @@ Defines& Defines::add(const std::string& name, int value) {
 FragmentProgram::FragmentProgram(std::initializer_list<std::string_view> files,
                                  const Defines& defines,
                                  Layers layers)
-    : program_(glCreateProgram()),
+    : program_(pooled_program(files, defines.text(), layers)),
       no_vertices_(make_vertex_array()),
-      source_(FetchCounter::current() ? assemble_counting(files, defines.text())
-                                      : assemble(files, defines.text())),
-      counter_(FetchCounter::current()) {
-  std::vector<Shader> shaders;
-  const auto add = [&](GLenum stage, std::string_view file) {
-    const std::string text =
-        assemble({file}, Defines().add("MAX_LAYERS", kMaxLayersPerDraw).text());
-    shaders.push_back(compile(stage, text, std::string(file)));
-  };
-  if (layers == Layers::several) {
-    add(GL_VERTEX_SHADER, "layers.vert.glsl");
-    add(GL_GEOMETRY_SHADER, "layers.geom.glsl");
-  } else {
-    add(GL_VERTEX_SHADER, "fullscreen.vert.glsl");
-  }
-  shaders.push_back(compile(GL_FRAGMENT_SHADER, source_, joined(files)));
-  for (const Shader& shader : shaders) glAttachShader(program_.id(), shader.id());
-  glLinkProgram(program_.id());
-  for (const Shader& shader : shaders) glDetachShader(program_.id(), shader.id());
-  GLint linked = GL_FALSE;
-  glGetProgramiv(program_.id(), GL_LINK_STATUS, &linked);
-  if (linked != GL_TRUE) {
-    throw std::runtime_error("shader " + joined(files) + " does not link:\n" +
-                             read_log(program_.id(), glGetProgramiv, glGetProgramInfoLog));
-  }
-}
+      counter_(FetchCounter::current()) {}
 
 int FragmentProgram::location(const std::string& name) const {
   const GLint found = glGetUniformLocation(program_.id(), name.c_str());
-  if (found < 0 && source_.find(name) == std::string::npos) {
+  if (found < 0 && program_.source().find(name) == std::string::npos) {
     throw std::logic_error("no uniform " + name + " in the shader's text");
   }
   return found;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/gl/objects.h"
+#include "render/gl/program_pool.h"
 #include "render/gl/region.h"
 
 namespace wobblebench::render {
@@ -59,8 +60,9 @@ class FragmentProgram {
   /// `several`: draws by draw_layers(), and the fragment shader declares `flat in int
   /// source_layer`.
   enum class Layers { one, several };
-  /// Compiles the files, concatenated, as one fragment shader. Throws std::runtime_error with
-  /// the file names and the driver's log.
+  /// Compiles the files, concatenated, as one fragment shader, unless the context has the program
+  /// (render/gl/program_pool.h): all uniforms are to be set. Throws std::runtime_error with the
+  /// file names and the driver's log.
   FragmentProgram(std::initializer_list<std::string_view> files,
                   const Defines& defines,
                   Layers layers = Layers::one);
@@ -91,9 +93,8 @@ class FragmentProgram {
             const Region& region) const;
   void count_fetches(const Framebuffer& target, std::initializer_list<Binding> bindings) const;
 
-  GlName<delete_program> program_;
+  PooledProgram program_;
   VertexArray no_vertices_;
-  std::string source_;
   FetchCounter* counter_ = nullptr;  ///< null: fetches are not counted
 };
 

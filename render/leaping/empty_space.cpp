@@ -52,6 +52,12 @@ void EmptySpace::update_bounds(const Texture& slices, int index, const LayerGrou
   changed_ = true;
 }
 
+void EmptySpace::set_cells(SkippableCells cells) {
+  cells_ = std::move(cells);
+  outdated_.assign(outdated_.size(), true);
+  changed_ = true;
+}
+
 void EmptySpace::set_view(const RenderOptions& options) {
   cells_.set_view(options);
   changed_ = true;

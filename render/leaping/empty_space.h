@@ -18,6 +18,8 @@ class EmptySpace {
 
   /// Computes the bounds of layers that have changed; arguments as GroupCallback.
   void update_bounds(const Texture& slices, int index, const LayerGroup& layers);
+  /// Cells of the same slices for other settings of rays.
+  void set_cells(SkippableCells cells);
   void set_view(const RenderOptions& options);
   void set_level(double level);
 

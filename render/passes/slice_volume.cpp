@@ -1,11 +1,14 @@
 #include "render/passes/slice_volume.h"
 
 #include <optional>
+#include <utility>
 
+#include "render/geometry/ray_sampling.h"
 #include "render/geometry/slice_kernel.h"
 #include "render/leaping/empty_space.h"
 #include "render/passes/fast_scan_converter.h"
 #include "render/passes/scan_converter.h"
+#include "render/reconstruction/reconstruction.h"
 
 namespace wobblebench::render {
 namespace {
@@ -36,6 +39,8 @@ class FastVolume : public SliceVolume {
              const RenderOptions& options,
              FragmentProgram& bounds_program)
       : converter_(converter),
+        geometry_(geometry),
+        plan_(plan),
         slices_(geometry, options),
         empty_space_(SkippableCells(plan, geometry, options, slices_.region()), bounds_program) {}
 
@@ -50,6 +55,9 @@ class FastVolume : public SliceVolume {
   const SkippableCells* cells() const override { return &empty_space_.cells(); }
   const Texture* distances() override { return &empty_space_.distances(); }
   void set_view(const RenderOptions& options) override { empty_space_.set_view(options); }
+  void set_options(const RenderOptions& options) override {
+    empty_space_.set_cells({plan_, geometry_, options, slices_.region()});
+  }
   void set_level(double new_level) override {
     SliceVolume::set_level(new_level);
     empty_space_.set_level(new_level);
@@ -57,11 +65,28 @@ class FastVolume : public SliceVolume {
 
  private:
   FastScanConverter& converter_;
+  const SliceGeometry& geometry_;
+  const hw::AcquisitionPlan& plan_;
   SlicePairs slices_;
   EmptySpace empty_space_;
 };
 
 }  // namespace
+
+bool same_slices(const RenderOptions& one, const RenderOptions& other) {
+  const auto same = [&](const auto& value_of) { return value_of(one) == value_of(other); };
+  const auto region = [](const RenderOptions& o) {
+    return std::pair(o.ray_casting.stop_at_box, o.ray_casting.stop_at_box ? kernel_radius_m(o) : 0);
+  };
+  const auto aligned_edge = [](const RenderOptions& o) {
+    return o.reconstruction.sticks == Sticks::aligned ? o.ray_casting.edge : EdgeSign::rising;
+  };
+  return one.pipeline == other.pipeline && one.reconstruction == other.reconstruction &&
+         one.scan_conversion == other.scan_conversion &&
+         one.volume_of_interest == other.volume_of_interest && same(slice_weights) &&
+         same([](const RenderOptions& o) { return frame_weights(o.ray_casting); }) &&
+         same(needs_levels) && same(region) && same(aligned_edge);
+}
 
 struct SliceVolumeFactory::Shared {
   Shared(const hw::AcquisitionPlan& acquisition_plan, const RenderOptions& render_options)

@@ -30,8 +30,10 @@ class SliceVolume {
   /// null.
   virtual const SkippableCells* cells() const { return nullptr; }
   virtual const Texture* distances() { return nullptr; }
-  /// Which cells are skippable depends on the view.
+  /// Which cells are skippable depends on the view …
   virtual void set_view(const RenderOptions&) {}
+  /// … and on the settings of pass 2. Only for settings with same_slices().
+  virtual void set_options(const RenderOptions&) {}
 
   /// The level of an iso-surface; of a rise for Detector::floor.
   virtual void set_level(double new_level) { level_ = new_level; }
@@ -42,6 +44,10 @@ class SliceVolume {
  private:
   double level_ = std::numeric_limits<double>::infinity();
 };
+
+/// Whether pass 1, with the reconstruction before it, makes the same of a scan by both settings,
+/// and measures the levels of its echoes by both or by neither.
+bool same_slices(const RenderOptions& one, const RenderOptions& other);
 
 /// Makes the volumes of one plan, which share its scan converter and must not outlive it.
 class SliceVolumeFactory {

@@ -1,0 +1,193 @@
+// Settings of a living renderer: its pictures are those of a new one in a new context.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <initializer_list>
+#include <random>
+
+#include "render/gl/program.h"
+#include "render/renderer.h"
+#include "tests/render/support/gl_fixture.h"
+#include "tests/render/support/synthetic.h"
+
+namespace wobblebench::render {
+namespace {
+
+using testing::gl_context;
+
+bool same_bits(const Image<float>& a, const Image<float>& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
+}
+
+void expect_same(const Picture& got, const Picture& expected) {
+  EXPECT_TRUE(same_bits(got.depth_m, expected.depth_m));
+  EXPECT_TRUE(same_bits(got.filtered_depth_m, expected.filtered_depth_m));
+  EXPECT_EQ(got.surface.pixels, expected.surface.pixels);
+  EXPECT_EQ(got.volume.pixels, expected.volume.pixels);
+}
+
+/// No program and no texture of the tests' other pictures.
+Picture in_a_new_context(const RenderOptions& options) {
+  const std::string backend = gl_context().backend();
+  Picture picture;
+  {
+    const auto context = make_context(backend);
+    picture = render_volume(*context, testing::noisy_scene(), options);
+  }
+  gl_context().make_current();
+  return picture;
+}
+
+class RandomSettings {
+ public:
+  explicit RandomSettings(unsigned seed) : random_(seed) {}
+
+  /// Other settings of passes 2 to 4.
+  RenderOptions changed(RenderOptions o) {
+    o.view.yaw_rad = real(-40, 40) * kDegree;
+    o.view.projection = pick({Projection::parallel, Projection::perspective});
+    RayCastingOptions& r = o.ray_casting;
+    r.mode = pick({RenderMode::surface, RenderMode::volume, RenderMode::both});
+    r.image_size = pick({24, 40});
+    r.steps = pick({64, 150});
+    if (r.detector != Detector::paper) r.detector = pick({Detector::iso, Detector::floor});
+    r.iso_level = real(0.3, 0.8);
+    r.incidence_correction_m = pick({0.0, 0.5e-3});
+    r.buffer_length = pick({4, 8, 12});
+    r.threshold = real(0.1, 0.9);
+    r.refine_crossing = pick({true, false});
+    r.stop_on_leaving_cone = pick({true, false});
+    r.opacity_limit = real(0.3, 1.1);
+    r.transfer_values[1] = real(0.1, 0.4);
+    o.shading.depth_filter_size = pick({1, 5});
+    o.shading.light = pick({Light::point, Light::directional});
+    o.shading.ambient = real(0, 0.3);
+    o.shading.shadows = pick({true, false});
+    o.smoothing.filter =
+        pick({SmoothingFilter::box, SmoothingFilter::bilateral, SmoothingFilter::guided});
+    o.smoothing.filter_size = pick({1, 3, 5});
+    return o;
+  }
+
+ private:
+  double real(double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random_);
+  }
+  template <class T>
+  T pick(std::initializer_list<T> values) {
+    return *(values.begin() + random_() % values.size());
+  }
+
+  std::mt19937 random_;
+};
+
+struct Slices {
+  const char* name;
+  PipelineMode mode;
+  Detector detector;
+  Sticks sticks;
+};
+class SetOptions : public ::testing::TestWithParam<Slices> {};
+
+RenderOptions options_of(const Slices& slices) {
+  RenderOptions options = testing::small_options();
+  options.pipeline.mode = slices.mode;
+  options.ray_casting.detector = slices.detector;
+  options.reconstruction.sticks = slices.sticks;
+  return options;
+}
+
+TEST_P(SetOptions, GivesThePictureOfANewRenderer) {
+  const RenderOptions first = options_of(GetParam());
+  RandomSettings random(7);
+  Renderer renderer(gl_context(), testing::noisy_scene().plan(), first);
+  renderer.add_volume(testing::noisy_scene());
+  renderer.render();
+  for (int i = 0; i < 6; ++i) {
+    const RenderOptions options = random.changed(first);
+    ASSERT_TRUE(renderer.keeps_slices(options));
+    renderer.set_options(options);
+    expect_same(renderer.render(), in_a_new_context(options));
+  }
+}
+
+TEST_P(SetOptions, HoldsForVolumesThatFollow) {
+  const RenderOptions first = options_of(GetParam());
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  const hw::PolarVolume blank =
+      testing::sample_field(testing::small_plan(), [](const glm::dvec3&) { return 0.0; });
+  const RenderOptions options = RandomSettings(3).changed(first);
+  Renderer renderer(gl_context(), scene.plan(), first);
+  renderer.add_volume(blank);
+  renderer.render();
+  for (int frame = 0; frame < 10; ++frame) renderer.add_frame(frame, scene.frame(frame));
+  renderer.set_options(options);
+  EXPECT_EQ(testing::hits(renderer.render().depth_m),
+            0);  // of the blank volume, the last whole one
+  for (int frame = 10; frame < 21; ++frame) renderer.add_frame(frame, scene.frame(frame));
+  expect_same(renderer.render(), in_a_new_context(options));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each,
+    SetOptions,
+    ::testing::Values(Slices{"fast_paper", PipelineMode::fast, Detector::paper, Sticks::plain},
+                      Slices{"fast_iso", PipelineMode::fast, Detector::iso, Sticks::plain},
+                      Slices{"fast_aligned", PipelineMode::fast, Detector::floor, Sticks::aligned},
+                      Slices{"plain_iso", PipelineMode::plain, Detector::iso, Sticks::plain}),
+    [](const auto& param_info) { return param_info.param.name; });
+
+TEST(SetOptions, RefusesWhatPassOneWouldMakeAnew) {
+  const RenderOptions first = testing::small_options();
+  Renderer renderer(gl_context(), testing::noisy_scene().plan(), first);
+  renderer.add_volume(testing::noisy_scene());
+  const Picture before = renderer.render();
+  const auto refused = [&](const auto& change) {
+    RenderOptions options = first;
+    change(options);
+    EXPECT_FALSE(renderer.keeps_slices(options));
+    EXPECT_THROW(renderer.set_options(options), std::invalid_argument);
+  };
+  refused([](RenderOptions& o) { o.pipeline.mode = PipelineMode::plain; });
+  refused([](RenderOptions& o) { o.reconstruction.sticks = Sticks::aligned; });
+  refused([](RenderOptions& o) { o.scan_conversion.slice_size *= 2; });
+  refused([](RenderOptions& o) { o.scan_conversion.filter_size = 5; });
+  refused([](RenderOptions& o) { o.scan_conversion.format = TextureFormat::r8; });
+  refused([](RenderOptions& o) { o.volume_of_interest.center_m.x += 1e-3; });
+  refused([](RenderOptions& o) { o.ray_casting.kernel_3d = 5; });
+  refused([](RenderOptions& o) { o.ray_casting.kernel_space = KernelSpace::ray; });
+  refused([](RenderOptions& o) { o.ray_casting.window_2d = 3; });
+  refused([](RenderOptions& o) { o.ray_casting.stop_at_box = false; });
+  refused([](RenderOptions& o) { o.ray_casting.detector = Detector::iso; });
+  expect_same(renderer.render(), before);
+  RenderOptions bad = first;
+  bad.ray_casting.kernel_3d = 2;
+  EXPECT_THROW(renderer.set_options(bad), InvalidOption);
+  expect_same(renderer.render(), before);
+}
+
+/// More programs than a pool keeps; what is taken once is not given again.
+TEST(ProgramPool, GivesEachProgramOnce) {
+  gl_context().make_current();
+  const auto make = [&](int i) {
+    return FragmentProgram({"smooth.frag.glsl"},
+                           Defines()
+                               .add("NUMBER", i)
+                               .add("BIND_PICTURE", 0)
+                               .add("BIND_SOURCE", 1)
+                               .add("HALF_FILTER", 1)
+                               .add("BILATERAL", 0));
+  };
+  const Texture texture("target", TexelFormat::rgba32f, {2, 2}, TextureFilter::nearest);
+  const Framebuffer target({&texture});
+  for (int i = 0; i < 150; ++i) make(i);
+  FragmentProgram one = make(149), other = make(149);
+  one = std::move(other);
+  EXPECT_NO_THROW(one.draw(target, {{0, &texture}}));
+  EXPECT_NO_THROW(make(0).draw(target, {{0, &texture}}));
+  check_gl("programs of the pool");
+}
+
+}  // namespace
+}  // namespace wobblebench::render
