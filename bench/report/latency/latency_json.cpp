@@ -56,6 +56,7 @@ Json array_of(const Items& items, const ToJson& to_json) {
 Json latency_study_json(const LatencyStudy& study) {
   return {{"clock", "wall and virtual"},
           {"volumes_each", study.volumes},
+          {"rounds", study.rounds},
           {"spans", latency_spans_json(study.summary.spans)},
           {"checks", array_of(study.checks, check_json)},
           {"stalls", array_of(study.stalls, stall_json)},

@@ -30,7 +30,8 @@ void write_head(const LatencyStudy& study,
        << " mm; pictures of " << scene.render.ray_casting.image_size
        << "² pixels; simulated sticks, seed " << scene.simulation.seed
        << ", sent in real time; policy " << to_string(study.policy)
-       << ". Wall clock: " << study.volumes << " volumes a stream, the first two left out.\n";
+       << ". Wall clock: " << study.rounds << " streams of each setting, all settings in turn, of "
+       << study.volumes << " volumes, the first two left out.\n";
   const Bottleneck bottleneck = bottleneck_of(study.summary);
   text << "\nThe bottleneck of the scene is " << bottleneck.stage << ", "
        << significant(bottleneck.times_the_next, 3) << " times the next:";
@@ -41,7 +42,8 @@ void write_head(const LatencyStudy& study,
 }
 
 void write_spans(const LatencyStudy& study, std::ostream& text) {
-  text << "\n## From the echo to the picture\n\nThe scene's stream on the wall clock. Emission is "
+  text << "\n## From the echo to the picture\n\nThe scene's first stream on the wall clock. "
+          "Emission is "
           "as "
           "scheduled, of a volume's first and last stick. Until the interrupt by the model of the "
           "card, on the device's clock; from there on by the host's clock, on which the link's "

@@ -16,6 +16,9 @@ namespace {
 
 /// So many more volumes in virtual time than on the wall, so that its percentiles are smooth.
 constexpr int kVirtualVolumes = 4000;
+/// Each setting is streamed so many times, all in turn: a machine whose speed drifts within minutes
+/// is as fast for those that the model is made on as for those that it is held against.
+constexpr int kRounds = 3;
 constexpr double kStalls_ms[] = {10, 100, 500};
 constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 
@@ -53,6 +56,16 @@ std::vector<Aged> wall_ages(const StreamResult& result, const hw::AcquisitionPla
   return ages;
 }
 
+std::vector<Aged> wall_ages(const std::vector<StreamResult>& rounds,
+                            const hw::AcquisitionPlan& plan) {
+  std::vector<Aged> ages;
+  for (const StreamResult& round : rounds) {
+    const auto of_round = wall_ages(round, plan);
+    ages.insert(ages.end(), of_round.begin(), of_round.end());
+  }
+  return ages;
+}
+
 std::vector<Aged> virtual_ages(const VirtualResult& result) {
   std::vector<Aged> ages;
   for (const VirtualPicture& picture : result.pictures) {
@@ -70,6 +83,13 @@ Percentiles age_percentiles(const std::vector<Aged>& ages) {
 double rate_of(const std::vector<Aged>& ages) {
   if (ages.size() < 2) return kNever;
   return static_cast<double>(ages.size() - 1) / (ages.back().ready_s - ages.front().ready_s);
+}
+
+/// Mean over the rounds.
+double wall_rate(const std::vector<StreamResult>& rounds, const hw::AcquisitionPlan& plan) {
+  double sum = 0;
+  for (const StreamResult& round : rounds) sum += rate_of(wall_ages(round, plan));
+  return sum / static_cast<double>(rounds.size());
 }
 
 struct Recovery {
@@ -105,9 +125,10 @@ class Study {
       : scene_(scene),
         context_(context),
         cache_(cache),
-        parts_(variants().size() + std::size(kStalls_ms) + 1, done) {
+        parts_(kRounds * variants().size() + std::size(kStalls_ms) + 1, done) {
     scene_.acquisition.volumes = volumes;
     result_.volumes = volumes;
+    result_.rounds = kRounds;
     result_.policy = policy;
   }
 
@@ -116,7 +137,9 @@ class Study {
  private:
   Scene scene_of(const Variant& variant) const;
   VirtualSetting virtual_setting(const hw::AcquisitionPlan& plan) const;
-  LatencyCheck check(const Variant& variant, const StreamResult& wall, const Scene& scene) const;
+  using Rounds = std::vector<StreamResult>;
+  std::vector<Rounds> stream(const std::vector<Variant>& all);
+  LatencyCheck check(const Variant& variant, const Rounds& wall, const Scene& scene) const;
   StallRecovery recover(double stall_ms);
 
   Scene scene_;
@@ -145,9 +168,21 @@ VirtualSetting Study::virtual_setting(const hw::AcquisitionPlan& plan) const {
           .volumes = kVirtualVolumes};
 }
 
-LatencyCheck Study::check(const Variant& variant,
-                          const StreamResult& wall,
-                          const Scene& scene) const {
+/// For each variant its rounds.
+std::vector<Study::Rounds> Study::stream(const std::vector<Variant>& all) {
+  std::vector<Rounds> walls(all.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Scene scene = scene_of(all[i]);
+      walls[i].push_back(
+          run_wall_stream({scene, {.policy = result_.policy}, ""}, context_, cache_));
+      parts_.finish_one();
+    }
+  }
+  return walls;
+}
+
+LatencyCheck Study::check(const Variant& variant, const Rounds& wall, const Scene& scene) const {
   const auto plan = scene.plan();
   const auto ages = wall_ages(wall, plan);
   const VirtualSetting setting = virtual_setting(plan);
@@ -158,7 +193,7 @@ LatencyCheck Study::check(const Variant& variant,
           .sound_ms = hw::to_milliseconds(plan.volume_duration()),
           .wall = age_percentiles(ages),
           .predicted = age_percentiles(predicted),
-          .wall_volumes_per_s = rate_of(ages),
+          .wall_volumes_per_s = wall_rate(wall, plan),
           .predicted_volumes_per_s = rate_of(predicted),
           .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
           .predicted_renderer_ms = 1e3 * setting.times.renderer_s(frames)};
@@ -191,15 +226,11 @@ StallRecovery Study::recover(double stall_ms) {
 
 LatencyStudy Study::run() {
   const auto all = variants();
-  std::vector<StreamResult> walls;
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  const std::vector<Rounds> walls = stream(all);
+  for (std::size_t i = 0; i < kCalibrations; ++i) {
     const Scene scene = scene_of(all[i]);
-    walls.push_back(run_wall_stream({scene, {.policy = result_.policy}, ""}, context_, cache_));
-    if (i < kCalibrations) {
-      times_[i] = measured_times(walls[i], scene.plan(), card_);
-      frames_[i] = scene.acquisition.frames_per_volume;
-    }
-    parts_.finish_one();
+    times_[i] = measured_times(walls[i], scene.plan(), card_);
+    frames_[i] = scene.acquisition.frames_per_volume;
   }
   for (std::size_t i = 0; i < all.size(); ++i) {
     result_.checks.push_back(check(all[i], walls[i], scene_of(all[i])));
@@ -207,7 +238,7 @@ LatencyStudy Study::run() {
   }
   const auto plan = scene_.plan();
   result_.times = times_[0];
-  result_.summary = summarize(walls[0],
+  result_.summary = summarize(walls[0].front(),
                               hw::to_milliseconds(plan.volume_duration()),
                               /*simulator_ms=*/0,
                               card_delays(plan, card_));

@@ -49,9 +49,10 @@ struct LineRate {
 
 struct LatencyStudy {
   int volumes = 0;  ///< of each wall-clock stream, warm-up included
+  int rounds = 0;   ///< streams of each setting
   StreamPolicy policy = StreamPolicy::newest;
-  ServiceTimes times;  ///< of the scene's own setting
-  StreamSummary summary;
+  ServiceTimes times;     ///< of the scene's own setting
+  StreamSummary summary;  ///< of the scene's first stream
   std::vector<LatencyCheck> checks;
   std::vector<StallRecovery> stalls;
   std::vector<CrossoverCurve> crossovers;
@@ -61,7 +62,8 @@ struct LatencyStudy {
 
 /// Streams the scene in real time, and with half its frames: service times follow. Then streams
 /// with three quarters of the frames, half as many lines again and three quarters of the depth, and
-/// with stalls, on both clocks. Throws InvalidOption for what the changed scenes cannot be.
+/// with stalls, on both clocks. All but those with stalls are streamed three times, in turn. Throws
+/// InvalidOption for what the changed scenes cannot be.
 LatencyStudy study_latency(const Scene& scene,
                            int volumes,
                            StreamPolicy policy,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 
 #include "bench/studies/latency/virtual_stream.h"
@@ -23,6 +24,35 @@ TimePool both(const TimePool& one, const TimePool& other) {
   TimePool pool = one;
   append(pool, other);
   return pool;
+}
+
+/// Linear in `share`, 0 to 1 from the first value to the second; not negative beyond.
+double between(double one, double other, double share) {
+  return std::max(std::lerp(one, other, share), 0.0);
+}
+
+TimePool with_mean(const TimePool& pool, double mean) {
+  return pool.mean() > 0 ? pool.scaled(mean / pool.mean()) : pool;
+}
+
+void add_span(ServiceTimes& times, const StreamSpan& span, const hw::AcquisitionPlan& plan) {
+  const bool back = plan.sweep_direction(span.volume) < 0;
+  const bool is_last = span.frame == (back ? 0 : plan.acquisition().frames_per_volume - 1);
+  const double took = seconds(span.end - span.begin);
+  switch (span.kind) {
+    case StreamSpan::Kind::frame_uploaded:
+      (is_last ? times.last_frame : times.frame).values.push_back(took);
+      break;
+    case StreamSpan::Kind::picture_rendered:
+      times.picture.values.push_back(took);
+      break;
+    case StreamSpan::Kind::picture_written:
+      times.written.values.push_back(took);
+      break;
+    case StreamSpan::Kind::stick_acquired:
+    case StreamSpan::Kind::frame_acquired:
+      break;
+  }
 }
 
 }  // namespace
@@ -47,36 +77,19 @@ double ServiceTimes::renderer_s(int frames) const {
   return (frames - 1) * frame.mean() + last_frame.mean() + picture.mean();
 }
 
-ServiceTimes measured_times(const StreamResult& result,
+ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
                             const hw::AcquisitionPlan& plan,
                             const sim::CardOptions& card) {
-  ServiceTimes times;
-  const int frames = plan.acquisition().frames_per_volume;
-  for (const StreamSpan& span : result.spans) {
-    const double took = seconds(span.end - span.begin);
-    const bool back = plan.sweep_direction(span.volume) < 0;
-    const bool is_last = span.frame == (back ? 0 : frames - 1);
-    switch (span.kind) {
-      case StreamSpan::Kind::frame_uploaded:
-        (is_last ? times.last_frame : times.frame).values.push_back(took);
-        break;
-      case StreamSpan::Kind::picture_rendered:
-        times.picture.values.push_back(took);
-        break;
-      case StreamSpan::Kind::picture_written:
-        times.written.values.push_back(took);
-        break;
-      case StreamSpan::Kind::stick_acquired:
-      case StreamSpan::Kind::frame_acquired:
-        break;
-    }
-  }
   const double announced_s = frame_announcements_s(plan, card).back();
   const double last_fired_s = (plan.sticks_per_volume() - 1) * plan.stick_period_s();
-  for (const PictureTimes& picture : result.records) {
-    if (!picture.last.fired) continue;
-    const double took = seconds(picture.last.acquired - *picture.last.fired);
-    times.wake.values.push_back(std::max(took - (announced_s - last_fired_s), 0.0));
+  ServiceTimes times;
+  for (const StreamResult& result : rounds) {
+    for (const StreamSpan& span : result.spans) add_span(times, span, plan);
+    for (const PictureTimes& picture : result.records) {
+      if (!picture.last.fired) continue;
+      const double took = seconds(picture.last.acquired - *picture.last.fired);
+      times.wake.values.push_back(std::max(took - (announced_s - last_fired_s), 0.0));
+    }
   }
   return times;
 }
@@ -95,17 +108,15 @@ ServiceTimes times_at(const ServiceTimes& one,
                       const ServiceTimes& other,
                       int frames_of_other,
                       int frames) {
-  // Pass 1 of a volume but for its last frame, in all.
-  const double all_of_one = (frames_of_one - 1) * one.frame.mean();
-  const double all_of_other = (frames_of_other - 1) * other.frame.mean();
   const double share =
       static_cast<double>(frames - frames_of_one) / (frames_of_other - frames_of_one);
-  const double all = std::max(all_of_one + share * (all_of_other - all_of_one), 0.0);
-  const double of_frame = frames > 1 ? all / (frames - 1) : 0;
-  const double mean = one.frame.mean();
+  // Pass 1 of a volume but for its last frame, in all.
+  const double all = between(
+      (frames_of_one - 1) * one.frame.mean(), (frames_of_other - 1) * other.frame.mean(), share);
+  const double last = between(one.last_frame.mean(), other.last_frame.mean(), share);
   return {.wake = both(one.wake, other.wake),
-          .frame = one.frame.scaled(mean > 0 ? of_frame / mean : 0),
-          .last_frame = both(one.last_frame, other.last_frame),
+          .frame = with_mean(one.frame, frames > 1 ? all / (frames - 1) : 0),
+          .last_frame = with_mean(one.last_frame, last),
           .picture = both(one.picture, other.picture),
           .written = both(one.written, other.written)};
 }

@@ -31,8 +31,8 @@ struct ServiceTimes {
   double renderer_s(int frames) const;
 };
 
-/// Those of a stream in real time. `card`: of its link.
-ServiceTimes measured_times(const StreamResult& result,
+/// Those of streams of one setting in real time. `card`: of their link.
+ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
                             const hw::AcquisitionPlan& plan,
                             const sim::CardOptions& card);
 
@@ -40,7 +40,8 @@ ServiceTimes measured_times(const StreamResult& result,
 /// [1]); neither sink nor wake-up is known, and both take no time.
 ServiceTimes paper_times();
 
-/// Pass 1 depends on the number of frames: between and beyond two measurements linearly.
+/// Pass 1, for all frames but the last and for the last, depends on their number: between and
+/// beyond two measurements linearly.
 ServiceTimes times_at(const ServiceTimes& one,
                       int frames_of_one,
                       const ServiceTimes& other,
