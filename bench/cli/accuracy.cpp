@@ -102,6 +102,7 @@ int accuracy(const Arguments& arguments) {
   progress.step("write", [&] {
     out.write_text("accuracy.csv", accuracy_csv(results));
     out.write_text("accuracy.md", markdown);
+    write_png(out.stage(kAccuracySheet), accuracy_sheet(results));
     for (const AccuracyPicture& picture : results.pictures) {
       write_png(out.stage(accuracy_picture_file(picture)), picture.surface, Values::light);
     }

@@ -35,6 +35,7 @@ Json accuracy_json(const AccuracyResults& results) {
     if (!summary.differences.empty()) {
       json["differences"] = intervals_json(summary.differences);
     }
+    if (summary.group == "picture") json["render_ms"] = number(summary.render_ms.mean);
     summaries.push_back(std::move(json));
   }
   const EvaluationTimes& times = results.times;

@@ -86,11 +86,13 @@ void write_cells(const std::vector<MeanInterval>& intervals,
 }
 
 void write_pictures(const AccuracyResults& results, std::ostream& markdown) {
-  markdown << "\n## Whole pictures\n\n";
-  write_heading({"scene", "rung", "setting"}, picture_columns(), markdown);
+  markdown << "\n## Whole pictures\n\nms: of a new volume, all passes, each setting in turn for "
+              "each seed; and over that of the first setting, seed by seed.\n\n";
+  write_heading({"scene", "rung", "setting", "ms", "times the first"}, picture_columns(), markdown);
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture") continue;
-    markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " ";
+    markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " | "
+             << text_of(s.render_ms, 0) << " | " << text_of(s.render_ratio, 2) << " ";
     write_cells(s.means, picture_columns(), text_of, markdown);
   }
 }
@@ -174,12 +176,11 @@ void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
   }
 }
 
-void write_images(const AccuracyResults& results, std::ostream& markdown) {
-  markdown << "\n## Pictures of seed " << results.seeds.front() << "\n\n";
-  for (const AccuracyPicture& picture : results.pictures) {
-    const std::string name = picture.scene + ", " + picture.rung + ", " + picture.setting;
-    markdown << "![" << name << "](" << accuracy_picture_file(picture) << ")\n";
-  }
+void write_sheet(const AccuracyResults& results, std::ostream& markdown) {
+  markdown << "\n## Pictures of seed " << results.seeds.front()
+           << "\n\nEach also as a file of its own, `accuracy_SCENE_RUNG_SETTING.png`.\n\n"
+           << "![Every scene and rung, by each setting, and the true surface shaded alike.]("
+           << kAccuracySheet << ")\n";
 }
 
 }  // namespace
@@ -200,7 +201,7 @@ std::string accuracy_markdown(const AccuracyResults& results, const Provenance& 
   write_regions(results, "range", "By range, mm", markdown);
   write_regions(results, "feature", "By feature", markdown);
   write_regions(results, "unseen", "What the probe cannot see", markdown);
-  write_images(results, markdown);
+  write_sheet(results, markdown);
   return markdown.str();
 }
 

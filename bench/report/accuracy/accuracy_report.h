@@ -22,4 +22,9 @@ nlohmann::ordered_json accuracy_json(const AccuracyResults& results);
 /// File of a picture.
 std::string accuracy_picture_file(const AccuracyPicture& picture);
 
+/// All pictures in one, for the display: a row for each scene and rung, a column for each setting
+/// and for the truth.
+Image<glm::vec3> accuracy_sheet(const AccuracyResults& results);
+inline constexpr const char* kAccuracySheet = "accuracy_pictures.png";
+
 }  // namespace wobblebench::bench

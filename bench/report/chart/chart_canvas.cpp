@@ -203,15 +203,26 @@ void Canvas::text(Point2 position, const std::string& text, const TextStyle& sty
   cv::add(ink, paper, target);
 }
 
-void Canvas::picture(const Box2& box, const Image<float>& values) {
-  cv::Mat grey(values.height, values.width, CV_32F);
-  std::copy(values.pixels.begin(), values.pixels.end(), grey.begin<float>());
-  cv::Mat bytes, rgb;
-  grey.convertTo(bytes, CV_8U, 255);
+void Canvas::picture(const Box2& box, const Image<glm::vec3>& values) {
+  cv::Mat rgb(values.height, values.width, CV_32FC3);
+  std::transform(values.pixels.begin(),
+                 values.pixels.end(),
+                 rgb.begin<cv::Vec3f>(),
+                 [](const glm::vec3& pixel) { return cv::Vec3f(pixel.r, pixel.g, pixel.b); });
+  cv::Mat bytes;
+  rgb.convertTo(bytes, CV_8U, 255);
   const cv::Rect target = sheet_->rect(box);
-  cv::resize(bytes, bytes, target.size(), 0, 0, cv::INTER_LINEAR);
-  cv::cvtColor(bytes, rgb, cv::COLOR_GRAY2RGB);
-  rgb.copyTo(sheet_->whole(target));
+  const bool shrinks = target.width < bytes.cols;
+  cv::resize(bytes, bytes, target.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+  bytes.copyTo(sheet_->whole(target));
+}
+
+void Canvas::picture(const Box2& box, const Image<float>& grey) {
+  Image<glm::vec3> rgb(grey.width, grey.height);
+  std::transform(grey.pixels.begin(), grey.pixels.end(), rgb.pixels.begin(), [](float value) {
+    return glm::vec3(value);
+  });
+  picture(box, rgb);
 }
 
 double Canvas::text_width(const std::string& text, double size) {

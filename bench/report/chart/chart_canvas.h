@@ -1,4 +1,4 @@
-// Drawing of lines, marks, text and grey pictures on white, supersampled for anti-aliasing. OpenCV
+// Drawing of lines, marks, text and pictures on white, supersampled for anti-aliasing. OpenCV
 // stays in the .cpp.
 #pragma once
 
@@ -58,8 +58,9 @@ class Canvas {
   void fill(const Box2& box, Colour colour);
   void mark(Point2 position, Mark mark, Colour colour, double size);
   void text(Point2 position, const std::string& text, const TextStyle& style = {});
-  /// Grey values in [0, 1], stretched over the box.
-  void picture(const Box2& box, const Image<float>& values);
+  /// Values in [0, 1], stretched over the box.
+  void picture(const Box2& box, const Image<glm::vec3>& values);
+  void picture(const Box2& box, const Image<float>& grey);
 
   /// Length of a text, pixels.
   static double text_width(const std::string& text, double size);

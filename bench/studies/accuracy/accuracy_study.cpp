@@ -69,7 +69,8 @@ class Study {
     if (note_) note_(planned.name + " " + rung + " " + setting.name);
     const render::RenderOptions options = evaluator.render_options(setting.scene);
     Evaluation evaluation = evaluator.evaluate(options);
-    add_rows({planned.name, rung, setting.name, seed, {}, 0}, evaluation);
+    const double render_ms = evaluator.time_picture(options).volume_ms;
+    add_rows({planned.name, rung, setting.name, seed, {}, render_ms}, evaluation);
     add_times(evaluation.times);
     parts_.finish_one();
     if (seed != planned.seeds.front()) return;
@@ -85,8 +86,6 @@ class Study {
   }
 
   void add_rows(AccuracyRow row, const Evaluation& evaluation) {
-    row.render_ms = 0;
-    for (const auto& pass : evaluation.picture.passes) row.render_ms += pass.ms;
     for (MeasureRow& measures : measure_rows(evaluation.measures)) {
       row.measures = std::move(measures);
       results.rows.push_back(row);
@@ -130,6 +129,25 @@ Place place_of(const AccuracyRow& row) {
 /// For each seed the values of the measures.
 using BySeed = std::map<std::uint64_t, std::vector<double>>;
 
+/// For each seed the time of the picture.
+using TimeBySeed = std::map<std::uint64_t, double>;
+
+/// Over those of another setting, rendered in turn: seed by seed.
+MeanInterval mean_ratio(const TimeBySeed& times, const TimeBySeed& references) {
+  std::vector<double> ratios;
+  for (const auto& [seed, ms] : times) {
+    const auto other = references.find(seed);
+    if (other != references.end()) ratios.push_back(ms / other->second);
+  }
+  return mean_interval(ratios);
+}
+
+MeanInterval mean_time(const TimeBySeed& times) {
+  std::vector<double> values;
+  for (const auto& [seed, ms] : times) values.push_back(ms);
+  return mean_interval(values);
+}
+
 std::vector<double> column(const BySeed& values, std::size_t measure) {
   std::vector<double> result;
   for (const auto& [seed, row] : values) result.push_back(row[measure]);
@@ -165,16 +183,19 @@ std::size_t accuracy_parts(const std::vector<AccuracyScene>& scenes) {
 std::vector<AccuracySummary> summarise(const std::vector<AccuracyRow>& rows,
                                        const std::string& reference) {
   std::map<std::pair<Place, std::string>, BySeed> values;
+  std::map<std::pair<Place, std::string>, TimeBySeed> times_ms;
   std::vector<std::pair<Place, std::string>> order;
   for (const AccuracyRow& row : rows) {
     const std::pair key{place_of(row), row.setting};
     if (!values.contains(key)) order.push_back(key);
     values[key][row.seed] = row.measures.values;
+    times_ms[key][row.seed] = row.render_ms;
   }
   std::vector<AccuracySummary> summaries;
   for (const auto& key : order) {
     const auto& [scene, rung, group, region] = key.first;
-    AccuracySummary summary{scene, rung, key.second, group, region, {}, {}};
+    AccuracySummary summary{scene, rung, key.second, group, region, {}, {}, {}, {}};
+    summary.render_ms = mean_time(times_ms.at(key));
     const BySeed& mine = values.at(key);
     for (std::size_t i = 0; i < measure_names().size(); ++i) {
       summary.means.push_back(mean_interval(column(mine, i)));
@@ -182,6 +203,7 @@ std::vector<AccuracySummary> summarise(const std::vector<AccuracyRow>& rows,
     const auto other = values.find({key.first, reference});
     if (key.second != reference && other != values.end()) {
       summary.differences = differences(mine, other->second);
+      summary.render_ratio = mean_ratio(times_ms.at(key), times_ms.at(other->first));
     }
     summaries.push_back(std::move(summary));
   }

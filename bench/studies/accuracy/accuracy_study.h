@@ -35,7 +35,8 @@ struct AccuracyRow {
   std::string setting;
   std::uint64_t seed = 0;
   MeasureRow measures;
-  double render_ms = 0;  ///< of the whole picture alone, pass 1 included; elsewhere NaN
+  /// Of the whole picture, all passes of a new volume, rendered once more; of regions NaN.
+  double render_ms = 0;
 };
 
 /// Over the seeds of one scene, rung, setting and region.
@@ -43,6 +44,7 @@ struct AccuracySummary {
   std::string scene, rung, setting, group, region;
   std::vector<MeanInterval> means;        ///< of each of measure_names()
   std::vector<MeanInterval> differences;  ///< to the first setting, paired; empty: it is the first
+  MeanInterval render_ms, render_ratio;   ///< to the first setting's; of regions none
 };
 
 /// What a perfect detector could reach in a scene's first view, outside the band at silhouettes

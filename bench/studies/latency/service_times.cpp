@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "bench/studies/latency/virtual_stream.h"
-#include "sim/math/random.h"
 
 namespace wobblebench::bench {
 
@@ -14,16 +13,6 @@ namespace {
 
 double seconds(hw::HostClock::duration time) {
   return std::chrono::duration<double>(time).count();
-}
-
-void append(TimePool& to, const TimePool& from) {
-  to.values.insert(to.values.end(), from.values.begin(), from.values.end());
-}
-
-TimePool both(const TimePool& one, const TimePool& other) {
-  TimePool pool = one;
-  append(pool, other);
-  return pool;
 }
 
 /// Linear in `share`, 0 to 1 from the first value to the second; not negative beyond.
@@ -62,9 +51,10 @@ double TimePool::mean() const {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double TimePool::draw(std::uint64_t seed, std::uint64_t index) const {
+double TimePool::at(double share, std::uint64_t behind) const {
   if (values.empty()) return 0;
-  return values[sim::mix(sim::mix(seed) + index) % values.size()];
+  const auto first = static_cast<std::uint64_t>(share * static_cast<double>(values.size()));
+  return values[(first + behind) % values.size()];
 }
 
 TimePool TimePool::scaled(double factor) const {
@@ -113,12 +103,14 @@ ServiceTimes times_at(const ServiceTimes& one,
   // Pass 1 of a volume but for its last frame, in all.
   const double all = between(
       (frames_of_one - 1) * one.frame.mean(), (frames_of_other - 1) * other.frame.mean(), share);
-  const double last = between(one.last_frame.mean(), other.last_frame.mean(), share);
-  return {.wake = both(one.wake, other.wake),
+  const auto linear = [&](const TimePool& of_one, const TimePool& of_other) {
+    return with_mean(of_one, between(of_one.mean(), of_other.mean(), share));
+  };
+  return {.wake = one.wake,
           .frame = with_mean(one.frame, frames > 1 ? all / (frames - 1) : 0),
-          .last_frame = with_mean(one.last_frame, last),
-          .picture = both(one.picture, other.picture),
-          .written = both(one.written, other.written)};
+          .last_frame = linear(one.last_frame, other.last_frame),
+          .picture = linear(one.picture, other.picture),
+          .written = one.written};
 }
 
 }  // namespace wobblebench::bench

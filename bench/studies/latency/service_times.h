@@ -10,13 +10,14 @@
 
 namespace wobblebench::bench {
 
-/// Observed times, seconds; a model draws from them.
+/// Observed times in the order in which they were observed, seconds; a model draws from them.
 struct TimePool {
   std::vector<double> values;
 
   double mean() const;
-  /// One of them, by a hash of seed and index; 0 if there is none.
-  double draw(std::uint64_t seed, std::uint64_t index) const;
+  /// So many behind the place that is this share of all, 0 to 1, and from the beginning on behind
+  /// the last; 0 if there is none.
+  double at(double share, std::uint64_t behind) const;
   TimePool scaled(double factor) const;
 };
 
@@ -40,8 +41,9 @@ ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
 /// [1]); neither sink nor wake-up is known, and both take no time.
 ServiceTimes paper_times();
 
-/// Pass 1, for all frames but the last and for the last, depends on their number: between and
-/// beyond two measurements linearly.
+/// Those of the first, in their order, with means that depend on the number of frames linearly
+/// between two measurements and beyond: of pass 1 for all frames but the last, of pass 1 for the
+/// last, and of the picture.
 ServiceTimes times_at(const ServiceTimes& one,
                       int frames_of_one,
                       const ServiceTimes& other,

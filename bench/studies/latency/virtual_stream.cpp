@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/studies/latency/card_times.h"
+#include "sim/math/random.h"
 
 namespace wobblebench::bench {
 
@@ -13,8 +14,9 @@ double seconds(hw::DeviceTime time) {
   return 1e-9 * static_cast<double>(time.time_since_epoch().count());
 }
 
-/// Draws of one seed for each purpose.
-enum class Purpose : std::uint64_t { wake, frame, last_frame, picture, written };
+/// Volumes whose service times follow each other as they were measured: a machine is slow for
+/// seconds at a time, and in all stages (a moving-block bootstrap, docs/references.md [25]).
+constexpr std::uint64_t kRun = 16;
 
 class VirtualStream {
  public:
@@ -27,8 +29,13 @@ class VirtualStream {
   VirtualResult run();
 
  private:
-  double draw(const TimePool& pool, Purpose purpose, std::uint64_t index) const {
-    return pool.draw(setting_.seed * 16 + static_cast<std::uint64_t>(purpose), index);
+  /// `each`: how many the pool has of a volume, of which this is number `which`.
+  double draw(const TimePool& pool, std::uint64_t volume, int each = 1, int which = 0) const {
+    const std::uint64_t hash = sim::mix(sim::mix(setting_.seed) + volume / kRun);
+    const double share = static_cast<double>(hash >> 11) * 0x1p-53;
+    return pool.at(
+        share,
+        volume % kRun * static_cast<std::uint64_t>(each) + static_cast<std::uint64_t>(which));
   }
   double begin_s(int volume) const {
     return seconds(
@@ -64,10 +71,7 @@ void VirtualStream::acquire(int volume) {
   const std::size_t before = acquired_s_.size() - 1;
   const bool waits = setting_.queue.policy == StreamPolicy::every;
   for (int place = 0; place < frames_; ++place) {
-    const auto index = static_cast<std::uint64_t>(before) * static_cast<std::uint64_t>(frames_) +
-                       static_cast<std::uint64_t>(place);
-    const double came_s =
-        announced_s(volume, place) + draw(setting_.times.wake, Purpose::wake, index);
+    const double came_s = announced_s(volume, place) + draw(setting_.times.wake, before);
     double pushed_s = std::max(came_s, reader_free_s_);
     const auto room_after = static_cast<std::ptrdiff_t>(before) - setting_.queue.volumes;
     if (waits && place == 0 && room_after >= 0) {
@@ -95,18 +99,16 @@ int VirtualStream::volume_to_begin(int last) const {
 
 void VirtualStream::render(int volume) {
   const auto& acquired = acquired_s_[static_cast<std::size_t>(volume)];
+  const auto number = static_cast<std::uint64_t>(volume);
   double free_s = renderer_free_s_;
   for (int place = 0; place < frames_; ++place) {
     const bool is_last = place + 1 == frames_;
-    const auto index = static_cast<std::uint64_t>(volume) * static_cast<std::uint64_t>(frames_) +
-                       static_cast<std::uint64_t>(place);
     const double popped_s = std::max(free_s, acquired[static_cast<std::size_t>(place)]);
     if (is_last) popped_s_.push_back(popped_s);
-    free_s = popped_s + (is_last ? draw(setting_.times.last_frame, Purpose::last_frame, index)
-                                 : draw(setting_.times.frame, Purpose::frame, index));
+    free_s = popped_s + (is_last ? draw(setting_.times.last_frame, number)
+                                 : draw(setting_.times.frame, number, frames_ - 1, place));
   }
-  const double picture_s =
-      draw(setting_.times.picture, Purpose::picture, static_cast<std::uint64_t>(volume));
+  const double picture_s = draw(setting_.times.picture, number);
   const double begin = begin_s(volume);
   hand_over({.volume = static_cast<std::uint32_t>(volume),
              .first_fired_s = begin,
@@ -132,7 +134,7 @@ void VirtualStream::hand_over(const VirtualPicture& picture) {
     }
   }
   taken_s_ = std::max(renderer_free_s_, written_s_);
-  written_s_ = taken_s_ + draw(setting_.times.written, Purpose::written, picture.volume);
+  written_s_ = taken_s_ + draw(setting_.times.written, picture.volume);
   result_.pictures.push_back(picture);
 }
 

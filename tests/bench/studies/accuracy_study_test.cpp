@@ -27,7 +27,8 @@ AccuracyRow row(const std::string& setting,
   std::vector<double> values(measure_names().size(), kNone);
   values.at(index_of("p95_mm")) = p95_mm;
   const std::string group = region == "all" ? "picture" : "incidence";
-  return {"ball", "field", setting, seed, {group, region, values}, 1.5};
+  const double render_ms = region == "all" ? (setting == "paper" ? 1.5 : 4.5) : kNone;
+  return {"ball", "field", setting, seed, {group, region, values}, render_ms};
 }
 
 AccuracyResults made_up() {
@@ -56,6 +57,9 @@ TEST(AccuracySummary, IsMeanAndPairedDifferenceOverSeeds) {
   // t(0.975, 2) = 4.3027; the standard deviation of 0.1, 0.2, 0.3 is 0.1.
   EXPECT_NEAR(longer.differences[p95].half, 4.3027 * 0.1 / std::sqrt(3), 1e-4);
   EXPECT_EQ(longer.means[index_of("ssim")].n, 0);
+  EXPECT_DOUBLE_EQ(longer.render_ms.mean, 4.5);
+  EXPECT_DOUBLE_EQ(longer.render_ratio.mean, 3);
+  EXPECT_EQ(results.summaries[2].render_ms.n, 0);  // of a region
 }
 
 TEST(AccuracySummary, ComparesTheSeedsThatBothHave) {
