@@ -6,6 +6,8 @@ RenderOptions render_preset(RenderPreset preset) {
   RenderOptions options;
   if (preset == RenderPreset::paper) return options;
   options.reconstruction.sticks = Sticks::aligned;
+  options.reconstruction.spacing_m = 1.5e-3;
+  options.ray_casting.steps = 256;
   options.ray_casting.detector = Detector::iso;
   options.ray_casting.iso_level = 0.72;
   options.ray_casting.incidence_correction_m = 1.2e-3;
