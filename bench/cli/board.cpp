@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/report/commands/board_speed_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "bench/cli/program.h"
+#include "bench/cli/shared/program.h"
 
 namespace wobblebench::bench {
 

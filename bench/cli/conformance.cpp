@@ -5,7 +5,7 @@
 #include "bench/checks/conformance/board_fixture.h"
 #include "bench/checks/conformance/findings.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/report/commands/conformance_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/report/extremes/extremes_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

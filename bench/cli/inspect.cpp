@@ -5,7 +5,7 @@
 
 #include "base/user_error.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/report/commands/inspection_report.h"
 #include "bench/report/output/output_folder.h"

@@ -6,7 +6,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/report/commands/modes_report.h"
 #include "bench/report/output/output_folder.h"

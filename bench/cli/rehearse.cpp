@@ -5,7 +5,7 @@
 
 #include "bench/checks/fault_simulation/seed_range.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/report/commands/fault_simulation_report.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

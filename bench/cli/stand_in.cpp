@@ -7,7 +7,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "bench/report/output/progress.h"

@@ -5,8 +5,8 @@
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
-#include "bench/cli/table_options.h"
+#include "bench/cli/shared/common_options.h"
+#include "bench/cli/shared/table_options.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/report/output/image_io.h"
 #include "bench/report/output/output_folder.h"

@@ -7,7 +7,7 @@
 
 #include "base/user_error.h"
 #include "bench/cli/commands.h"
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 #include "bench/report/output/image_io.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

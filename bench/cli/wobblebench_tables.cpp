@@ -1,4 +1,4 @@
-#include "bench/cli/tables_program.h"
+#include "bench/cli/shared/tables_program.h"
 
 int main(int argc, char** argv) {
   using namespace wobblebench::bench;

@@ -58,7 +58,7 @@ TEST(IncludeOrder, WhatTheScannerIsNeedsNothingOfItsLinks) {
 
 TEST(IncludeOrder, TheTablesProgramReachesNoSimulator) {
   auto files = graph().files_below("bench/tables");
-  files.push_back("bench/cli/tables_program.cpp");
+  files.push_back("bench/cli/shared/tables_program.cpp");
   for (const auto& file : files) expect_reaches_only(file, {"base", "hw", "render", "bench"});
 }
 

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "bench/cli/commands.h"
-#include "bench/cli/tables_program.h"
+#include "bench/cli/shared/tables_program.h"
 #include "tests/bench/cli/bad_lines.h"
 #include "tests/support/process.h"
 

@@ -1,8 +1,8 @@
-#include "bench/cli/table_options.h"
+#include "bench/cli/shared/table_options.h"
 
 #include <CLI/CLI.hpp>
 
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-#include "bench/cli/recording_folder.h"
+#include "bench/cli/shared/recording_folder.h"
 
 #include "base/user_error.h"
 #include "bench/report/commands/record_report.h"

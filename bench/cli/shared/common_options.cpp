@@ -1,4 +1,4 @@
-#include "bench/cli/common_options.h"
+#include "bench/cli/shared/common_options.h"
 
 #include <CLI/CLI.hpp>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "bench/cli/program.h"
+#include "bench/cli/shared/program.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "bench/cli/stop_signals.h"
+#include "bench/cli/shared/stop_signals.h"
 
 #include <csignal>
 #include <initializer_list>

@@ -1,4 +1,4 @@
-#include "bench/cli/tables_program.h"
+#include "bench/cli/shared/tables_program.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "bench/cli/common_options.h"
-#include "bench/cli/table_options.h"
+#include "bench/cli/shared/common_options.h"
+#include "bench/cli/shared/table_options.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/report/output/output_folder.h"
 #include "bench/report/output/progress.h"

@@ -1,4 +1,4 @@
-#include "bench/cli/place_subject.h"
+#include "bench/cli/shared/place_subject.h"
 
 namespace wobblebench::bench {
 

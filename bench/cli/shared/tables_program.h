@@ -1,7 +1,7 @@
 // wobblebench-tables: Tables I to IV from a recording, on a machine that has a GPU and little else.
 #pragma once
 
-#include "bench/cli/program.h"
+#include "bench/cli/shared/program.h"
 
 namespace wobblebench::bench {
 
