@@ -14,18 +14,25 @@ Json ages_json(const Percentiles& of) {
   return {{"p50", number(of.p50)}, {"p99", number(of.p99)}, {"max", number(of.max)}, {"n", of.n}};
 }
 
+Json drawn_json(const Drawn& of) {
+  return {{"median", number(of.median)}, {"low", number(of.low)}, {"high", number(of.high)}};
+}
+
 Json check_json(const LatencyCheck& check) {
-  return {
-      {"setting", check.name},
-      {"calibrated_on", check.calibrated_on},
-      {"sound_ms", check.sound_ms},
-      {"age_newest_ms", {{"wall", ages_json(check.wall)}, {"virtual", ages_json(check.predicted)}}},
-      {"volumes_per_s",
-       {{"wall", number(check.wall_volumes_per_s)},
-        {"virtual", number(check.predicted_volumes_per_s)}}},
-      {"rendering_ms",
-       {{"wall", number(check.wall_renderer_ms)},
-        {"virtual", number(check.predicted_renderer_ms)}}}};
+  return {{"setting", check.name},
+          {"calibrated_on", check.calibrated_on},
+          {"sound_ms", check.sound_ms},
+          {"age_newest_ms",
+           {{"wall", ages_json(check.wall)},
+            {"virtual",
+             {{"p50", drawn_json(check.predicted_p50_ms)},
+              {"p99", drawn_json(check.predicted_p99_ms)}}}}},
+          {"volumes_per_s",
+           {{"wall", number(check.wall_volumes_per_s)},
+            {"virtual", number(check.predicted_volumes_per_s)}}},
+          {"rendering_ms",
+           {{"wall", number(check.wall_renderer_ms)},
+            {"virtual", number(check.predicted_renderer_ms)}}}};
 }
 
 Json stall_json(const StallRecovery& stall) {

@@ -14,8 +14,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// So many more volumes in virtual time than on the wall, so that its percentiles are smooth.
-constexpr int kVirtualVolumes = 4000;
+constexpr int kDraws = 200;  ///< of virtual streams, for one prediction
 /// Each setting is streamed so many times, all in turn: a machine whose speed drifts within minutes
 /// is as fast for those that the model is made on as for those that it is held against.
 constexpr int kRounds = 3;
@@ -137,6 +136,7 @@ class Study {
  private:
   Scene scene_of(const Variant& variant) const;
   VirtualSetting virtual_setting(const hw::AcquisitionPlan& plan) const;
+  void predict(const VirtualSetting& setting, LatencyCheck& check) const;
   using Rounds = std::vector<StreamResult>;
   std::vector<Rounds> stream(const std::vector<Variant>& all);
   LatencyCheck check(const Variant& variant, const Rounds& wall, const Scene& scene) const;
@@ -165,7 +165,28 @@ VirtualSetting Study::virtual_setting(const hw::AcquisitionPlan& plan) const {
           .times = times_at(
               times_[0], frames_[0], times_[1], frames_[1], plan.acquisition().frames_per_volume),
           .queue = {.policy = result_.policy},
-          .volumes = kVirtualVolumes};
+          .volumes = kRounds * result_.volumes};
+}
+
+void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
+  std::vector<double> p50, p99, rate;
+  VirtualSetting drawn = setting;
+  for (int seed = 1; seed <= kDraws; ++seed) {
+    drawn.seed = static_cast<std::uint64_t>(seed);
+    const auto ages = virtual_ages(run_virtual_stream(drawn));
+    const Percentiles percentiles = age_percentiles(ages);
+    p50.push_back(percentiles.p50);
+    p99.push_back(percentiles.p99);
+    rate.push_back(rate_of(ages));
+  }
+  const auto of = [](const std::vector<double>& values) {
+    return Drawn{quantile_linear(values, 0.5),
+                 quantile_linear(values, 0.025),
+                 quantile_linear(values, 0.975)};
+  };
+  check.predicted_p50_ms = of(p50);
+  check.predicted_p99_ms = of(p99);
+  check.predicted_volumes_per_s = quantile_linear(rate, 0.5);
 }
 
 /// For each variant its rounds.
@@ -184,19 +205,19 @@ std::vector<Study::Rounds> Study::stream(const std::vector<Variant>& all) {
 
 LatencyCheck Study::check(const Variant& variant, const Rounds& wall, const Scene& scene) const {
   const auto plan = scene.plan();
-  const auto ages = wall_ages(wall, plan);
   const VirtualSetting setting = virtual_setting(plan);
-  const auto predicted = virtual_ages(run_virtual_stream(setting));
   const int frames = plan.acquisition().frames_per_volume;
-  return {.name = variant.name,
-          .calibrated_on = false,
-          .sound_ms = hw::to_milliseconds(plan.volume_duration()),
-          .wall = age_percentiles(ages),
-          .predicted = age_percentiles(predicted),
-          .wall_volumes_per_s = wall_rate(wall, plan),
-          .predicted_volumes_per_s = rate_of(predicted),
-          .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
-          .predicted_renderer_ms = 1e3 * setting.times.renderer_s(frames)};
+  LatencyCheck check{.name = variant.name,
+                     .calibrated_on = false,
+                     .sound_ms = hw::to_milliseconds(plan.volume_duration()),
+                     .wall = age_percentiles(wall_ages(wall, plan)),
+                     .predicted_p50_ms = {},
+                     .predicted_p99_ms = {},
+                     .wall_volumes_per_s = wall_rate(wall, plan),
+                     .wall_renderer_ms = 1e3 * measured_times(wall, plan, card_).renderer_s(frames),
+                     .predicted_renderer_ms = 1e3 * setting.times.renderer_s(frames)};
+  predict(setting, check);
+  return check;
 }
 
 /// The stall begins with the first stick of the volume in the middle.

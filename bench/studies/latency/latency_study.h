@@ -15,13 +15,20 @@
 
 namespace wobblebench::bench {
 
+/// What draws of service times make of a figure: 95 % of them lie between low and high.
+struct Drawn {
+  double median = 0, low = 0, high = 0;
+};
+
 /// One setting on both clocks. Ages are of the newest echo, from its scheduled emission until the
 /// picture is ready.
 struct LatencyCheck {
   std::string name;
   bool calibrated_on = false;  ///< the service times were measured at this setting
   double sound_ms = 0;         ///< one volume
-  Percentiles wall, predicted;
+  Percentiles wall;
+  /// Of virtual streams as long as those on the wall: P99 of so few pictures is a matter of chance.
+  Drawn predicted_p50_ms, predicted_p99_ms;
   double wall_volumes_per_s = 0, predicted_volumes_per_s = 0;
   double wall_renderer_ms = 0, predicted_renderer_ms = 0;  ///< one volume, mean
 };
