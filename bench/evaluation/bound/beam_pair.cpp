@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kBin_m = 20e-6;
 constexpr double kReachSigmas = 4.5;  ///< of the pulse, as the rung has it
-constexpr std::size_t kMostNodes = sim::PulseBand::kMostNodes;
+constexpr std::size_t kNodes = sim::PulseBand::kNodes;
 
 /// Response of a place across the stick, and by how much later than the axis it meets the surface.
 struct Part {
@@ -77,7 +77,7 @@ class Across {
 };
 
 /// Products of the responses at two nodes, [node * nodes + other node].
-using Products = std::array<std::complex<double>, kMostNodes * kMostNodes>;
+using Products = std::array<std::complex<double>, kNodes * kNodes>;
 
 std::complex<double> weighted(const Products& a, const Products& b, std::size_t nodes) {
   std::complex<double> sum = 0;

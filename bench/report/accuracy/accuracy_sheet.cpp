@@ -11,7 +11,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kSide = 200, kGap = 8, kTop = 26, kLeft = 120;
+constexpr int kSide = 150, kGap = 6, kTop = 26, kLeft = 120;
 constexpr double kText = 13;
 
 /// In the order of their first picture, the truth last.

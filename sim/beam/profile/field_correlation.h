@@ -69,7 +69,7 @@ class FieldCorrelation {
   const BeamAtRange::Plane& plane_;
   const Turn& turn_;
   const PulseBand& band_;
-  std::array<double, PulseBand::kMostNodes> shares_ = {}, wavenumber_per_m_ = {};
+  std::array<double, PulseBand::kNodes> shares_ = {}, wavenumber_per_m_ = {};
   double power_ = 0;
 };
 

@@ -147,7 +147,7 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
       lanes.axial_m[i] = static_cast<float>(point.axial_m);
       lanes.offset_m[i] = static_cast<float>(point.offset_m);
     }
-    OneWay sent[PulseBand::kMostNodes] = {}, received[PulseBand::kMostNodes] = {};
+    OneWay sent[PulseBand::kNodes] = {}, received[PulseBand::kNodes] = {};
     Seen seen;
     for (const Source& source : sources_) {
       see({source.axial_m,

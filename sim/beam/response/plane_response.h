@@ -36,8 +36,8 @@ class PlaneResponse {
  private:
   /// Weight and delay of a source as phasors at the nodes.
   struct Phasors {
-    float re[PulseBand::kMostNodes];
-    float im[PulseBand::kMostNodes];
+    float re[PulseBand::kNodes];
+    float im[PulseBand::kNodes];
   };
   struct Source {
     float axial_m;

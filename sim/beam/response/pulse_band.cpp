@@ -10,15 +10,17 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kHighest = 7;      // where the spectrum is 2e-11 of its peak
+constexpr double kHighest = 7;  // where the spectrum is 2e-11 of its peak
+constexpr double kOutermostNode =
+    2.9307;                         // of the Gauss-Hermite rule with eight: largest zero of H8
 constexpr double kSampling = 0.05;  // of the spectrum: repeats the pulse after 126 sigmas
 constexpr int kHalf = 20;           // out of focus an echo is late by a few sigmas
 constexpr double kStep_sigmas = 0.25;
 
 }  // namespace
 
-PulseBand::Rule::Rule(double lowest, int nodes)
-    : low(lowest), high(kHighest), gauss(lowest, kHighest, nodes) {
+PulseBand::Rule::Rule(double lowest)
+    : low(lowest), high(kHighest), gauss(lowest, kHighest, kNodes) {
   const int count = static_cast<int>(std::ceil((high - low) / kSampling));
   double sum = 0;
   for (int i = 0; i < count; ++i) {
@@ -26,7 +28,7 @@ PulseBand::Rule::Rule(double lowest, int nodes)
     sample.x = low + (i + 0.5) * (high - low) / count;
     const double spectrum = std::exp(-0.5 * sample.x * sample.x);
     sample.share = {};
-    for (int node = 0; node < nodes; ++node) {
+    for (int node = 0; node < kNodes; ++node) {
       sample.share[static_cast<std::size_t>(node)] = spectrum * gauss.lagrange(node, sample.x);
     }
     sum += spectrum;
@@ -50,11 +52,9 @@ PulseBand::PulseBand(const hw::AcquisitionPlan& plan)
     : sigma_m_(sigma_of_fwhm(axial_fwhm_m(plan))),
       center_per_m_(2 * kPi * plan.probe().center_frequency_hz /
                     plan.acquisition().sound_speed_m_s) {
-  const bool narrow = plan.probe().fractional_bandwidth <= kNarrow;
-  // Of a narrow band there is nothing at the lowest frequency.
+  // Cut where the band ends, unless all nodes of the whole rule lie within it.
   const double lowest = -(1 - kLowest) * center_per_m_ * 2 * sigma_m_;
-  rule_ = std::make_shared<const Rule>(narrow ? -kHighest : std::max(lowest, -kHighest),
-                                       narrow ? kNarrowNodes : kMostNodes);
+  rule_ = std::make_shared<const Rule>(lowest <= -kOutermostNode ? -kHighest : lowest);
 }
 
 int PulseBand::below_center() const {
@@ -73,7 +73,7 @@ std::complex<double> PulseBand::pulse(int node, double offset_m) const {
 }
 
 double PulseBand::peak(const Values& response) const {
-  const auto count = static_cast<std::size_t>(nodes());
+  constexpr auto count = static_cast<std::size_t>(kNodes);
   double largest = 0;
   for (const Values& at : rule_->pulses) {
     double re = 0, im = 0;

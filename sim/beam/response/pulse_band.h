@@ -27,22 +27,20 @@ struct alignas(32) BandValues {
 /// Cheap to copy.
 class PulseBand {
  public:
-  /// A wide band needs twice as many nodes as a narrow one: out of focus its response varies more.
-  static constexpr int kNarrowNodes = BandValues::kNodes;
-  static constexpr int kMostNodes = 2 * kNarrowNodes;
-  static constexpr double kNarrow = 0.7;  ///< fractional bandwidth
+  /// Out of focus the response varies by several periods over the band.
+  static constexpr int kNodes = 2 * BandValues::kNodes;
   /// No transducer sends lower frequencies, over the centre's; a wide Gaussian band would.
   static constexpr double kLowest = 0.2;
-  /// Those beyond nodes() are 0.
-  using Values = std::array<std::complex<double>, kMostNodes>;
+  using Values = std::array<std::complex<double>, kNodes>;
 
   explicit PulseBand(const hw::AcquisitionPlan& plan);
 
-  int nodes() const { return static_cast<int>(rule_->gauss.nodes().size()); }
+  static constexpr int nodes() { return kNodes; }
   /// Of BandValues.
-  int groups() const { return nodes() / BandValues::kNodes; }
-  /// Nodes lie symmetrically about the centre: their pulses come in conjugate pairs.
-  bool symmetric() const { return nodes() == kNarrowNodes; }
+  static constexpr int groups() { return kNodes / BandValues::kNodes; }
+  /// Not of a band that is cut at kLowest: nodes lie symmetrically about the centre: their pulses
+  /// come in conjugate pairs.
+  bool symmetric() const { return rule_->low == -rule_->high; }
   /// The last node below the centre.
   int below_center() const;
 
@@ -71,14 +69,14 @@ class PulseBand {
     GaussRule gauss;
     std::vector<Values> pulses;  ///< phi_i at ranges about the echo's
 
-    Rule(double lowest, int nodes);
+    explicit Rule(double lowest);
     /// phi of all nodes, `x` sigmas of the pulse behind the echo's range.
     Values pulses_at(double x) const;
 
    private:
     struct Sample {
       double x;
-      std::array<double, kMostNodes> share;  ///< of the spectrum, times the Lagrange polynomials
+      std::array<double, kNodes> share;  ///< of the spectrum, times the Lagrange polynomials
     };
     std::vector<Sample> samples_;
   };

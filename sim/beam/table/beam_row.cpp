@@ -89,22 +89,4 @@ AlignedRow aligned(const SampledRow& row, const PulseBand& band, double scale) {
   return result;
 }
 
-AlignedRow half_way(const AlignedRow& a, const AlignedRow& b) {
-  AlignedRow result{0.5 * (a.reach_m + b.reach_m), {}, a.values};
-  // The same place on the row is another offset in each.
-  const auto term = [&](double of_a, double of_b, int power) {
-    return 0.5 * (of_a * std::pow(a.reach_m, power) + of_b * std::pow(b.reach_m, power)) /
-           std::pow(result.reach_m, power);
-  };
-  result.delay = {term(a.delay.delay_m, b.delay.delay_m, 0),
-                  term(a.delay.tilt, b.delay.tilt, 1),
-                  term(a.delay.curvature_per_m, b.delay.curvature_per_m, 2)};
-  for (std::size_t c = 0; c < a.values.size(); ++c) {
-    for (std::size_t n = 0; n < a.values[c].size(); ++n) {
-      result.values[c][n] = 0.5 * (a.values[c][n] + b.values[c][n]);
-    }
-  }
-  return result;
-}
-
 }  // namespace wobblebench::sim

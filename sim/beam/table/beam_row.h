@@ -50,7 +50,5 @@ struct AlignedRow {
   std::vector<PulseBand::Values> values;
 };
 AlignedRow aligned(const SampledRow& row, const PulseBand& band, double scale);
-/// The row half way between two, column by column.
-AlignedRow half_way(const AlignedRow& a, const AlignedRow& b);
 
 }  // namespace wobblebench::sim

@@ -23,35 +23,31 @@ constexpr double kPowerBeyondSideLobes = 5e-5;
 /// Least angle between the sticks that have lateral tables.
 constexpr double kAngleStep_rad = 0.3 * kDegree;
 
-/// Writes a direction: even rows are summed over the sources, odd ones lie half way between.
+/// Writes a direction.
 class DirectionWriter {
  public:
   DirectionWriter(const PulseBand& band, int rows, int columns, double rows_per_m)
       : band_(band), rows_(rows), columns_(columns), rows_per_m_(rows_per_m) {}
 
   const PulseBand& band() const { return band_; }
-  int summed_rows() const { return rows_ / 2 + 1; }
-  double range_m(int summed) const { return (2 * summed + 0.5) / rows_per_m_; }
+  int rows() const { return rows_; }
+  double range_m(int row) const { return (row + 0.5) / rows_per_m_; }
   std::vector<SampledRow> sample(const BeamPlane& plane) const {
-    const auto reaches = plane.reaches_m(range_m(0), 2 / rows_per_m_, summed_rows());
+    const auto reaches = plane.reaches_m(range_m(0), 1 / rows_per_m_, rows_);
     std::vector<SampledRow> sampled;
-    for (int i = 0; i < summed_rows(); ++i) {
-      sampled.push_back(plane.sample(range_m(i), reaches[static_cast<std::size_t>(i)], columns_));
+    for (int row = 0; row < rows_; ++row) {
+      const double reach_m = reaches[static_cast<std::size_t>(row)];
+      sampled.push_back(plane.sample(range_m(row), reach_m, columns_));
     }
     return sampled;
   }
 
-  /// `scale`: of each summed row.
+  /// `scale`: of each row.
   BeamTable::Direction write(const std::vector<SampledRow>& sampled,
                              const std::vector<double>& scale) const {
     BeamTable::Direction direction;
-    std::vector<AlignedRow> summed;
-    for (std::size_t i = 0; i < sampled.size(); ++i) {
-      summed.push_back(aligned(sampled[i], band_, scale[i]));
-    }
-    for (int row = 0; row < rows_; ++row) {
-      const auto at = static_cast<std::size_t>(row / 2);
-      append(row % 2 == 0 ? summed[at] : half_way(summed[at], summed[at + 1]), direction);
+    for (std::size_t row = 0; row < sampled.size(); ++row) {
+      append(aligned(sampled[row], band_, scale[row]), direction);
     }
     return direction;
   }
@@ -92,7 +88,7 @@ double largest_amplitude(const SampledRow& row, const PulseBand& band) {
   return std::sqrt(largest);
 }
 
-/// The middle stick's summed rows, and what is the same for all sticks.
+/// The middle stick's rows, and what is the same for all sticks.
 struct MiddleStick {
   std::vector<SampledRow> lateral, elevation;
   std::vector<double> elevation_scale;
@@ -102,7 +98,7 @@ struct MiddleStick {
 
   MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
       : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
-    for (int i = 0; i < writer.summed_rows(); ++i) {
+    for (int i = 0; i < writer.rows(); ++i) {
       const double range_m = writer.range_m(i);
       scale(writer.band(),
             static_cast<std::size_t>(i),
@@ -136,19 +132,6 @@ struct MiddleStick {
     normalisation.push_back(at);
   }
 };
-
-BeamTable::Normalisation half_way(const BeamTable::Normalisation& a,
-                                  const BeamTable::Normalisation& b) {
-  BeamTable::Normalisation result{0.5 * (a.lateral_scale + b.lateral_scale),
-                                  0.5 * (a.elevation_scale + b.elevation_scale),
-                                  {},
-                                  {}};
-  for (std::size_t i = 0; i < result.lateral_power_m.size(); ++i) {
-    result.lateral_power_m[i] = 0.5 * (a.lateral_power_m[i] + b.lateral_power_m[i]);
-    result.elevation_power_m[i] = 0.5 * (a.elevation_power_m[i] + b.elevation_power_m[i]);
-  }
-  return result;
-}
 
 /// Angles of the sticks on one side of the sector: first, and spacing.
 struct StickAngles {
@@ -187,12 +170,8 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
   };
   const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band, beyond));
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
-  for (int row = 0; row < count; ++row) {
-    const auto at = static_cast<std::size_t>(row / 2);
-    const std::size_t next = row % 2 == 0 ? at : at + 1;
-    area_m2_.push_back(0.5 * (middle.area_m2[at] + middle.area_m2[next]));
-    normalisation_.push_back(half_way(middle.normalisation[at], middle.normalisation[next]));
-  }
+  area_m2_ = middle.area_m2;
+  normalisation_ = middle.normalisation;
   lateral_.resize(static_cast<std::size_t>(angles.count));
   lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
   parallel_ranges(angles.count - 1, threads, [&](int first, int last) {

@@ -75,7 +75,7 @@ class BeamTable {
     /// By which sums over the sources are multiplied.
     double lateral_scale = 1, elevation_scale = 1;
     /// Integrals of the power at each node, so multiplied, over the offset.
-    std::array<double, PulseBand::kMostNodes> lateral_power_m = {}, elevation_power_m = {};
+    std::array<double, PulseBand::kNodes> lateral_power_m = {}, elevation_power_m = {};
   };
   const Normalisation& normalisation(int row) const {
     return normalisation_[static_cast<std::size_t>(row)];

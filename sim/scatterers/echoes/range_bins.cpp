@@ -7,15 +7,14 @@ namespace wobblebench::sim {
 
 namespace {
 
-// Where the pulses of four nodes are below 0.5 % of their peaks, and of eight.
-constexpr double kPulseSigmas = 4, kWidePulseSigmas = 5.5;
+// Where the nodes' pulses are below 0.5 % of their peaks.
+constexpr double kPulseSigmas = 5.5;
 
 }  // namespace
 
 PulseTaps::PulseTaps(const PulseBand& band, double spacing_m)
     : spacing_m_(spacing_m),
-      half_length_(static_cast<int>(std::ceil((band.symmetric() ? kPulseSigmas : kWidePulseSigmas) *
-                                              band.sigma_m() / spacing_m))),
+      half_length_(static_cast<int>(std::ceil(kPulseSigmas * band.sigma_m() / spacing_m))),
       groups_(band.groups()) {
   const int last = band.nodes() - 1;
   for (int high = band.symmetric() ? band.nodes() / 2 : 0; high <= last; ++high) {

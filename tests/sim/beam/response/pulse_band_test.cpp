@@ -83,8 +83,9 @@ TEST(PulseBand, AFlatResponseEchoesThePulse) {
 }
 
 TEST(PulseBand, ADelayMovesThePulse) {
-  // The cubic over the band holds for delays of a fraction of the pulse.
-  for (double shift : {-0.6, -0.2, 0.3, 0.6}) {
+  // Out of focus the ways of an echo differ by as much as this; with four nodes the echo of a delay
+  // of 1.8 sigmas is wrong by 0.29 of its peak.
+  for (double shift : {-1.8, -0.9, 0.6, 1.8}) {
     const auto response = delay(band(), shift * band().sigma_m());
     for (double sigmas = -3; sigmas <= 3; sigmas += 0.25) {
       const auto found = echo(band(), response, sigmas * band().sigma_m());
@@ -93,9 +94,7 @@ TEST(PulseBand, ADelayMovesThePulse) {
   }
 }
 
-TEST(PulseBand, AWideBandHoldsLongerDelays) {
-  // Out of focus the ways of a wide band's echo differ by as much as this; with four nodes the echo
-  // of a delay of 1.8 sigmas is wrong by 0.29 of its peak.
+TEST(PulseBand, ADelayMovesAWideBandsPulse) {
   for (double shift : {-1.8, -0.9, 0.6, 1.8}) {
     const auto response = delay(wide_band(), shift * wide_band().sigma_m());
     for (double sigmas = -3; sigmas <= 3; sigmas += 0.25) {
@@ -124,14 +123,12 @@ TEST(PulseBand, NodesAreAGaussHermiteRule) {
 }
 
 TEST(PulseBand, ANarrowBandIsSymmetric) {
-  EXPECT_EQ(band().nodes(), 4);
   EXPECT_TRUE(band().symmetric());
   for (int node = 0; node < band().nodes(); ++node) {
-    EXPECT_NEAR(band().offset_per_m(node), -band().offset_per_m(3 - node), 1e-6);
-    const auto pulse = band().pulse(node, 1e-4), other = band().pulse(3 - node, 1e-4);
+    EXPECT_NEAR(band().offset_per_m(node), -band().offset_per_m(7 - node), 1e-6);
+    const auto pulse = band().pulse(node, 1e-4), other = band().pulse(7 - node, 1e-4);
     EXPECT_NEAR(std::abs(pulse - std::conj(other)), 0, 1e-9);
   }
-  EXPECT_EQ(wide_band().nodes(), 8);
   EXPECT_FALSE(wide_band().symmetric());
 }
 
