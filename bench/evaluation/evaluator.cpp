@@ -159,8 +159,11 @@ Evaluator::LivingRenderer& Evaluator::living_renderer(const render::RenderOption
     return last(kept);
   }
   if (renderers_.size() >= most_renderers_) renderers_.pop_front();
-  renderers_.push_back({std::make_unique<render::Renderer>(context_, plan_, options), options});
-  return renderers_.back();
+  auto renderer = std::make_unique<render::Renderer>(context_, plan_, options);
+  LivingRenderer& living = renderers_.emplace_back();
+  living.renderer = std::move(renderer);
+  living.options = options;
+  return living;
 }
 
 render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
