@@ -11,8 +11,8 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kHighest = 7;  // where the spectrum is 2e-11 of its peak
-constexpr double kOutermostNode =
-    2.9307;                         // of the Gauss-Hermite rule with eight: largest zero of H8
+/// Of the Gauss-Hermite rule with eight nodes: the largest zero of H8.
+constexpr double kOutermostNode = 2.9307;
 constexpr double kSampling = 0.05;  // of the spectrum: repeats the pulse after 126 sigmas
 constexpr int kHalf = 20;           // out of focus an echo is late by a few sigmas
 constexpr double kStep_sigmas = 0.25;
