@@ -52,14 +52,6 @@ TableVolumes play(Scene& scene,
   return volumes;
 }
 
-Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
-  Provenance provenance = provenance_of_this_machine();
-  provenance.gl_backend = context.backend();
-  provenance.gl_renderer = context.renderer_string();
-  provenance.board = volumes.board;
-  return provenance;
-}
-
 Json tables_report(const TableVolumes& volumes,
                    const TableResults& results,
                    const TableRun& run,

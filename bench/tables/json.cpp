@@ -81,6 +81,14 @@ Json floors_json(const TableResults& results) {
 
 }  // namespace
 
+Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = context.backend();
+  provenance.gl_renderer = context.renderer_string();
+  provenance.board = volumes.board;
+  return provenance;
+}
+
 void add_tables(Json& report,
                 const TableResults& results,
                 const TableRun& run,

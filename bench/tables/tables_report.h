@@ -6,8 +6,13 @@
 
 #include "bench/report/provenance.h"
 #include "bench/tables/measure.h"
+#include "bench/tables/volumes.h"
+#include "render/gl/context.h"
 
 namespace wobblebench::bench {
+
+/// Of this machine, the context and the board that the volumes came from.
+Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes);
 
 /// A few sentences: how the run differs from the paper's, and what was measured.
 std::string describe_run(const TableRun& run);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "render/camera.h"
@@ -18,11 +17,7 @@ namespace {
 
 using testing::gl_context;
 using testing::hits;
-
-bool same_bits(const Image<float>& a, const Image<float>& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
-}
+using testing::same_bits;
 
 TEST(Renderer, RepeatsBitForBit) {
   const RenderOptions options = testing::small_options();

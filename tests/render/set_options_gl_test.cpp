@@ -1,7 +1,6 @@
 // Settings of a living renderer: its pictures are those of a new one in a new context.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <initializer_list>
 #include <random>
 
@@ -14,11 +13,7 @@ namespace wobblebench::render {
 namespace {
 
 using testing::gl_context;
-
-bool same_bits(const Image<float>& a, const Image<float>& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(float)) == 0;
-}
+using testing::same_bits;
 
 void expect_same(const Picture& got, const Picture& expected) {
   EXPECT_TRUE(same_bits(got.depth_m, expected.depth_m));

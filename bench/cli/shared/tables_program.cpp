@@ -37,14 +37,6 @@ void add_options(CLI::App& app, Arguments& arguments) {
   add_output_options(app, arguments.output);
 }
 
-Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes) {
-  Provenance provenance = provenance_of_this_machine();
-  provenance.gl_backend = context.backend();
-  provenance.gl_renderer = context.renderer_string();
-  provenance.board = volumes.board;
-  return provenance;
-}
-
 nlohmann::ordered_json report_of(const Provenance& provenance,
                                  const TableVolumes& volumes,
                                  const TableResults& results,

@@ -45,18 +45,11 @@ std::string refusal(const std::string& backend) {
   return {};
 }
 
-/// Bitwise, so that NaN (no surface) equals itself.
-template <class Pixel>
-bool same_bits(const Image<Pixel>& a, const Image<Pixel>& b) {
-  return a.pixels.size() == b.pixels.size() && !a.pixels.empty() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Pixel)) == 0;
-}
-
 void expect_same(const Picture& a, const Picture& b) {
-  EXPECT_TRUE(same_bits(a.surface, b.surface));
-  EXPECT_TRUE(same_bits(a.volume, b.volume));
-  EXPECT_TRUE(same_bits(a.depth_m, b.depth_m));
-  EXPECT_TRUE(same_bits(a.filtered_depth_m, b.filtered_depth_m));
+  EXPECT_TRUE(testing::same_bits(a.surface, b.surface));
+  EXPECT_TRUE(testing::same_bits(a.volume, b.volume));
+  EXPECT_TRUE(testing::same_bits(a.depth_m, b.depth_m));
+  EXPECT_TRUE(testing::same_bits(a.filtered_depth_m, b.filtered_depth_m));
 }
 
 bool is_llvmpipe(const GlContext& context) {

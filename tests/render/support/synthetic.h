@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <string>
@@ -66,6 +67,13 @@ struct ColorDifference {
   double failing_share = 0;
 };
 ColorDifference compare(const Image<glm::vec3>& a, const Image<glm::vec3>& b, double tolerance);
+
+/// Bitwise, so that NaN (no surface) equals itself.
+template <class Pixel>
+bool same_bits(const Image<Pixel>& a, const Image<Pixel>& b) {
+  return a.pixels.size() == b.pixels.size() && !a.pixels.empty() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Pixel)) == 0;
+}
 
 /// Pixels with a surface.
 int hits(const Image<float>& depth_m);
