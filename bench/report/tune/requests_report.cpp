@@ -21,7 +21,7 @@ constexpr const char* kMethodNames[] = {"nsga2", "random", "trade"};
 struct MethodSummary {
   std::size_t answered = 0, held = 0;
   std::vector<double> time;               ///< judged volume_ratio
-  std::vector<double> of_ratio, of_time;  ///< judged time over that of the search
+  std::vector<double> of_ratio, of_time;  ///< judged time over the predicted one
 
   explicit MethodSummary(const RequestStudy& study, std::size_t method) {
     for (const RequestOutcome& outcome : study.outcomes) {
@@ -30,8 +30,8 @@ struct MethodSummary {
       ++answered;
       held += answer.held ? 1 : 0;
       time.push_back(answer.judged->volume_ratio);
-      of_ratio.push_back(answer.judged->volume_ratio / answer.searched->volume_ratio);
-      of_time.push_back(answer.judged->volume_ms / answer.searched->volume_ms);
+      of_ratio.push_back(answer.judged->volume_ratio / answer.confirmed->volume_ratio);
+      of_time.push_back(answer.judged->volume_ms / answer.confirmed->volume_ms);
     }
   }
   static std::size_t within(const std::vector<double>& ratios) {
@@ -75,12 +75,13 @@ void write_summary(const RequestStudy& study, std::ostream& markdown) {
 
 void write_requests(const RequestStudy& study, std::ostream& markdown) {
   markdown << "\n## Each request\n\nJudged time of a volume, as a ratio to the reference; in "
-              "brackets P95 in mm and missed or false in percent on the judging seeds.\n\n| "
-              "request |";
+              "brackets P95 in mm and missed or false in percent on the judging seeds.\n\n| scene "
+              "| request |";
   for (const char* name : kMethodNames) markdown << " " << name << " |";
-  markdown << "\n| --- | ---: | ---: | ---: |\n";
+  markdown << "\n| --- | --- | ---: | ---: | ---: |\n";
   for (const RequestOutcome& outcome : study.outcomes) {
-    markdown << "| " << request_text(outcome.request);
+    markdown << "| " << study.work.plan.scenes[outcome.scene].name << " | "
+             << request_text(outcome.request);
     for (const RequestAnswer& answer : outcome.answers) {
       markdown << " | ";
       if (!answer.judged) {
@@ -106,7 +107,7 @@ Json answer_json(const RequestAnswer& answer) {
   };
   return {{"measured_points", answer.evaluated},
           {"candidates", answer.candidates},
-          {"searched", score(answer.searched)},
+          {"confirmed", score(answer.confirmed)},
           {"judged", score(answer.judged)},
           {"held", answer.held}};
 }
@@ -119,14 +120,16 @@ std::string requests_markdown(const RequestStudy& study, const std::string& mach
   markdown
       << "# " << study.outcomes.size()
       << " requests\n\nMade by `wobblebench tune --requests`: " << machine
-      << ". Each asks for the least time of a volume with limits on P95 and on what is "
-      << "missed or false, drawn 0 to 30 % above those of a random point of the trade's front "
-         "(request seed "
+      << ". Each asks for the least time of a volume of one scene with limits on P95 and on what "
+         "is "
+      << "missed or false, drawn 0 to 30 % above those of a random point of that scene's front in "
+         "the trade (request seed "
       << options.seed << "). Answered by NSGA-II and by a random search with "
       << options.evaluations << " evaluations each, and by the trade's points alone; confirmed on "
       << options.fresh_seeds << " fresh seeds, then judged on " << options.judging_seeds
       << " further ones that chose nothing. A request is held if the means over the judging seeds "
-         "are within its limits. All sticks are simulated.\n";
+         "are within its limits; a time is predicted by the confirming seeds. All sticks are "
+         "simulated.\n";
   write_summary(study, markdown);
   write_requests(study, markdown);
   return markdown.str();
@@ -140,8 +143,10 @@ Json requests_json(const RequestStudy& study) {
     for (std::size_t i = 0; i < std::size(kMethodNames); ++i) {
       answers[kMethodNames[i]] = answer_json(outcome.answers.at(i));
     }
-    requests.push_back(
-        {{"least", outcome.request.least}, {"limits", limits}, {"answers", answers}});
+    requests.push_back({{"scene", study.work.plan.scenes[outcome.scene].name},
+                        {"least", outcome.request.least},
+                        {"limits", limits},
+                        {"answers", answers}});
   }
   return requests;
 }

@@ -1,9 +1,10 @@
 #include "bench/studies/tune/request_study.h"
 
 #include <algorithm>
-#include <numeric>
+#include <iterator>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 namespace wobblebench::bench {
 
@@ -12,13 +13,32 @@ namespace {
 constexpr double kMostAbove = 0.3;
 constexpr const char* kLimited[] = {"p95_mm", "missed_or_false_percent"};
 
-std::vector<TradeScore> front_of(const TradeWork& work, const TradeRecords& known) {
-  std::vector<std::size_t> scenes(work.plan.scenes.size());
-  std::iota(scenes.begin(), scenes.end(), std::size_t{0});
-  const auto scores = trade_scores(work, known, scenes);
+/// One scene of a plan, with what is known of it.
+struct SceneTrade {
+  TradeWork work;
+  TradeRecords known;
   std::vector<TradeScore> front;
-  for (const std::size_t i : trade_front(scores)) front.push_back(scores[i]);
-  return front;
+};
+
+SceneTrade trade_of_scene(const TradeWork& work, const TradeRecords& known, std::size_t scene) {
+  SceneTrade trade{work, {}, {}};
+  trade.work.plan.scenes = {work.plan.scenes[scene]};
+  trade.work.plan.unseen.clear();
+  for (const auto& [unit, record] : known) {
+    if (unit.scene != scene) continue;
+    TradeRecord own = record;
+    own.unit.scene = 0;
+    trade.known.emplace(own.unit, own);
+  }
+  const auto scores = trade_scores(trade.work, trade.known, {0});
+  for (const std::size_t i : trade_front(scores)) trade.front.push_back(scores[i]);
+  if (trade.front.empty()) throw std::invalid_argument("requests need a trade with a front");
+  std::vector<TradeScore> usual;
+  std::ranges::copy_if(trade.front, std::back_inserter(usual), [](const TradeScore& score) {
+    return score.wrong_percent() <= kMostWrongPercent;
+  });
+  if (!usual.empty()) trade.front = std::move(usual);
+  return trade;
 }
 
 double share(std::mt19937_64& random) {
@@ -53,7 +73,7 @@ RequestAnswer answer_of(const TuneResults& results) {
   answer.evaluated = results.evaluated;
   answer.candidates = results.candidates.size();
   if (results.chosen() == nullptr) return answer;
-  answer.searched = results.chosen()->searched;
+  answer.confirmed = results.chosen()->fresh;
   answer.judged = results.judged;
   answer.held = results.judged && excess_of(results.options.request, *results.judged) == 0;
   return answer;
@@ -67,18 +87,22 @@ RequestStudy study_requests(const TradeWork& work,
                             render::GlContext& context,
                             PhantomCache& cache,
                             const PartDone& done) {
-  const auto front = front_of(work, known);
-  if (front.empty()) throw std::invalid_argument("requests need a trade with a front");
+  std::vector<SceneTrade> trades;
+  for (std::size_t scene = 0; scene < work.plan.scenes.size(); ++scene) {
+    trades.push_back(trade_of_scene(work, known, scene));
+  }
   RequestStudy study{work, options, {}};
-  study.work.plan.unseen.clear();
   std::mt19937_64 random(options.seed);
   PartCount parts(static_cast<std::size_t>(options.requests) * std::size(kRequestMethods), done);
   for (int i = 0; i < options.requests; ++i) {
-    RequestOutcome outcome{draw_request(front, random), {}};
+    const std::size_t scene = static_cast<std::size_t>(i) % trades.size();
+    const SceneTrade& trade = trades[scene];
+    RequestOutcome outcome{scene, draw_request(trade.front, random), {}};
     const std::uint64_t seed = random() >> 33;
     for (const RequestMethod method : kRequestMethods) {
       const TuneOptions chosen = tune_options(outcome.request, method, options, seed);
-      outcome.answers.push_back(answer_of(tune(study.work, chosen, known, context, cache, {})));
+      outcome.answers.push_back(
+          answer_of(tune(trade.work, chosen, trade.known, context, cache, {})));
       parts.finish_one();
     }
     study.outcomes.push_back(std::move(outcome));

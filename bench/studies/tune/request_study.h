@@ -16,14 +16,17 @@ inline constexpr RequestMethod kRequestMethods[] = {
     RequestMethod::nsga2, RequestMethod::random, RequestMethod::trade};
 
 struct RequestAnswer {
-  std::size_t evaluated = 0;           ///< points that were measured beside the trade's
-  std::size_t candidates = 0;          ///< tried on fresh seeds
-  std::optional<TradeScore> searched;  ///< of the chosen setting; none: nothing held
-  std::optional<TradeScore> judged;    ///< likewise, on the judging seeds
-  bool held = false;                   ///< each limit, for the means of `judged`
+  std::size_t evaluated = 0;   ///< points that were measured beside the trade's
+  std::size_t candidates = 0;  ///< tried on fresh seeds
+  /// Of the chosen setting, on the seeds that confirmed it: its times are what `tune` predicts.
+  /// Those of the search are the least of many, and so too small on average. None: nothing held.
+  std::optional<TradeScore> confirmed;
+  std::optional<TradeScore> judged;  ///< likewise, on the judging seeds
+  bool held = false;                 ///< each limit, for the means of `judged`
 };
 
 struct RequestOutcome {
+  std::size_t scene = 0;  ///< of the plan: whose front it was drawn about, and which answers it
   TuneRequest request;
   std::vector<RequestAnswer> answers;  ///< of kRequestMethods
 };
@@ -41,9 +44,10 @@ struct RequestStudy {
   std::vector<RequestOutcome> outcomes;
 };
 
-/// The least volume_ratio with limits on P95 and on what is missed or false. Each request is drawn
-/// about a random point of the trade's front, 0 to 30 % above its errors: it can be met, but not by
-/// much. Throws std::runtime_error, and std::invalid_argument for a trade without a front.
+/// The least volume_ratio with limits on P95 and on what is missed or false. Each request is of one
+/// scene of the plan, in turn, and drawn about a random point of that scene's front (of those
+/// within kMostWrongPercent, if there are any), 0 to 30 % above its errors: it can be met, but not
+/// by much. Throws std::runtime_error, and std::invalid_argument for a trade without a front.
 RequestStudy study_requests(const TradeWork& work,
                             const RequestStudyOptions& options,
                             const TradeRecords& known,
