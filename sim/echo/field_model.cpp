@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/echo/geometry_model.h"
+#include "sim/echo/mean_frequency.h"
 #include "sim/math/simd.h"
 
 namespace wobblebench::sim {
@@ -66,7 +67,8 @@ FieldModel::FieldModel(const ScannedTissue& tissue,
                   tissue_.map->reach_m()),
       has_speckle_(options.speckle) {
   if (tissue_.has_points()) {
-    echoing_ = ScattererField(tissue_, plan, options);
+    const auto settings = ScattererSettings::of(options, mean_frequency(tissue_, plan, options));
+    echoing_ = ScattererField(tissue_, plan, options, settings);
     points_ = PointsInBeam(tissue_, echoing_->beam());
   }
   if (has_speckle_) speckle_ = homogeneous_speckle(plan, options);

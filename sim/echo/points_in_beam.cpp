@@ -68,14 +68,12 @@ PointsInBeam::PointsInBeam(const ScannedTissue& tissue, const BeamTable& beam)
 
 std::span<const PointEcho> PointsInBeam::find(const StickPath& path) {
   if (path.remaining.empty()) return {};
-  const auto lowest = std::ranges::min_element(path.frequency_ratio);
-  const bool falls = lowest != path.frequency_ratio.end();
-  return find(path.line, echo_range_m(path), falls ? 1 / static_cast<double>(*lowest) : 1);
+  return find(path.line, echo_range_m(path));
 }
 
-std::span<const PointEcho> PointsInBeam::find(const TimedRay& line, double to_m, double wider) {
+std::span<const PointEcho> PointsInBeam::find(const TimedRay& line, double to_m) {
   found_.clear();
-  const Stick stick{line.ray, across_stick(line.ray), to_m, wider, tissue_.motion.at(line.time_s)};
+  const Stick stick{line.ray, across_stick(line.ray), to_m, tissue_.motion.at(line.time_s)};
   if (!fixed_.empty()) find_fixed(stick);
   for (const std::uint32_t i : moving_) add_if_near(tissue_.points->at(i, line.time_s), stick);
   return found_;
@@ -91,7 +89,7 @@ void PointsInBeam::find_fixed(const Stick& stick) {
     find_near({glm::vec3(from),
                glm::vec3(glm::normalize(to_rest(stick.ray.at(1)) - from)),
                static_cast<float>(stick.to_m + kRounding_m),
-               static_cast<float>(stick.wider * widest_m_ + kRounding_m)},
+               static_cast<float>(widest_m_ + kRounding_m)},
               x_m_.data(),
               y_m_.data(),
               z_m_.data(),
@@ -112,8 +110,8 @@ void PointsInBeam::add_if_near(const phantoms::PointScatterer& point, const Stic
   if (range_m <= 0 || range_m >= stick.to_m) return;
   const auto last = static_cast<double>(reaches_.size() - 1);
   const Reach& reach = reaches_[static_cast<std::size_t>(std::min(range_m * rows_per_m_, last))];
-  const double u = glm::dot(from_face, stick.across.lateral) / (stick.wider * reach.lateral_m);
-  const double v = glm::dot(from_face, stick.across.elevation) / (stick.wider * reach.elevation_m);
+  const double u = glm::dot(from_face, stick.across.lateral) / reach.lateral_m;
+  const double v = glm::dot(from_face, stick.across.elevation) / reach.elevation_m;
   if (u * u + v * v < 1) found_.push_back({now_m, static_cast<float>(point.amplitude)});
 }
 

@@ -22,9 +22,9 @@ class PointsInBeam {
   PointsInBeam(const ScannedTissue& tissue, const BeamTable& beam);
 
   /// Those within the beam's reach of the stick's axis, an ellipse at each range, where they are at
-  /// the stick's time, up to a true range. `wider`: factor on the reach.
-  std::span<const PointEcho> find(const TimedRay& line, double to_m, double wider = 1);
-  /// The same as far as sound remains. A pulse that has lost its high frequencies has a wider beam.
+  /// the stick's time, up to a true range.
+  std::span<const PointEcho> find(const TimedRay& line, double to_m);
+  /// The same as far as sound remains.
   std::span<const PointEcho> find(const StickPath& path);
 
  private:
@@ -37,7 +37,6 @@ class PointsInBeam {
     hw::Ray ray;
     AcrossStick across;
     double to_m;
-    double wider;
     phantoms::Deformation now;
   };
 

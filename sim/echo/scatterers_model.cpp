@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/echo/field_model.h"
+#include "sim/echo/mean_frequency.h"
 
 namespace wobblebench::sim {
 
@@ -34,7 +35,10 @@ ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
     : IqModel(plan, options),
       tissue_(tissue),
       propagation_(tissue_, plan, options, Surfaces::crossed),
-      scatterers_(tissue_, plan, options),
+      scatterers_(tissue_,
+                  plan,
+                  options,
+                  ScattererSettings::of(options, mean_frequency(tissue_, plan, options))),
       points_(tissue_, scatterers_.beam()) {}
 
 IqMaker ScatterersModel::iq_maker() const {

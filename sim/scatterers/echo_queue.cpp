@@ -51,7 +51,7 @@ void EchoQueue::commit(int count) {
 
 std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq, std::span<const float> factor) {
   make_echoes();
-  bins_.finish(scene_->taps, path_->remaining, factor, iq);
+  bins_.finish(scene_->taps, {path_->remaining, path_->frequency_ratio, factor}, iq);
   return total_;
 }
 

@@ -35,7 +35,7 @@ class EchoQueue {
   /// there are enough.
   void commit(int count);
   /// Adds all echoes to `iq`, scaled by a factor for each sample (empty: 1). Returns how many there
-  /// were. Tissue echoes in proportion to the beam's width: its factor is the frequency ratio.
+  /// were.
   std::uint64_t finish(std::span<std::complex<float>> iq, std::span<const float> factor = {});
 
  private:

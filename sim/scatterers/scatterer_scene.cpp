@@ -10,6 +10,8 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
+/// Of the logarithm of the density along the stick: tissue that moves along it keeps its scatterers.
+constexpr double kMostChange_per_m = 30;
 
 /// Smallest and largest resolution cell at any range.
 struct ResolutionCells {
@@ -70,9 +72,9 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
                                const SimulationOptions& options,
                                const ScattererSettings& settings)
     : tissue(scanned),
-      table(plan, settings.beam, options.apodisation, options.threads),
-      lower(plan, table),
+      table(plan, settings.beam, options.apodisation, options.threads, settings.course),
       profile(plan, options),
+      course(settings.course),
       per_m3(options.scatterers_per_cell /
              ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3),
       pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
@@ -86,7 +88,7 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
       taps(band, plan.sample_spacing_m() / iq_oversampling(plan)) {
   const double per_cell = settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell;
   compute_octave_gains(per_cell);
-  compute_thinned(per_cell);
+  compute_tissue_gain();
   for (int i = 0; i < kBinPlaces; ++i) {
     const double from_middle_m = ((i + 0.5) / kBinPlaces - 0.5) * taps.spacing_m();
     for (int node = 0; node < band.nodes(); ++node) {
@@ -106,8 +108,21 @@ int ScattererScene::window() const {
   return static_cast<int>(std::ceil(half_diagonal(cells.block_m) * table.rows_per_m())) + 1;
 }
 
-double ScattererScene::needed_per_m3(int row, double per_cell) const {
-  return per_cell / profile.resolution_cell_m3((row + 0.5) / table.rows_per_m());
+std::vector<double> ScattererScene::needed_per_m3(double per_cell) const {
+  std::vector<double> needed;
+  for (int row = 0; row < table.rows(); ++row) {
+    const double range_m = (row + 0.5) / table.rows_per_m();
+    const double narrower = course.at(range_m);  // in both directions
+    needed.push_back(narrower * narrower * per_cell / profile.resolution_cell_m3(range_m));
+  }
+  const double fade = std::exp(-kMostChange_per_m / table.rows_per_m());
+  for (std::size_t i = 1; i < needed.size(); ++i) {
+    needed[i] = std::max(needed[i], fade * needed[i - 1]);
+  }
+  for (std::size_t i = needed.size() - 1; i > 0; --i) {
+    needed[i - 1] = std::max(needed[i - 1], fade * needed[i]);
+  }
+  return needed;
 }
 
 std::vector<OctaveAtRow> ScattererScene::octaves_at(int row, double needed_per_m3) const {
@@ -127,8 +142,10 @@ std::vector<OctaveAtRow> ScattererScene::octaves_at(int row, double needed_per_m
 void ScattererScene::compute_octave_gains(double per_cell) {
   gains.resize(cells.octaves.size());
   for (auto& gain : gains) gain.contributes.assign(static_cast<std::size_t>(table.rows()), 0);
+  const std::vector<double> needed = needed_per_m3(per_cell);
   for (int row = 0; row < table.rows(); ++row) {
-    const std::vector<OctaveAtRow> octaves = octaves_at(row, needed_per_m3(row, per_cell));
+    const std::vector<OctaveAtRow> octaves =
+        octaves_at(row, needed[static_cast<std::size_t>(row)]);
     for (std::size_t i = 0; i < gains.size(); ++i) {
       OctaveGain& gain = gains[i];
       gain.rows.push_back(octaves[i]);
@@ -144,14 +161,13 @@ void ScattererScene::compute_octave_gains(double per_cell) {
   }
 }
 
-void ScattererScene::compute_thinned(double per_cell) {
-  for (int step = 0; step < kThinningLevels; ++step) {
-    const double ratio = 1 - step / static_cast<double>(kThinningLevels);
-    auto& level = thinned.emplace_back(gains.size());
-    for (int row = 0; row < table.rows(); ++row) {
-      // The beam is wider in both directions; the pulse keeps its length.
-      const auto octaves = octaves_at(row, ratio * ratio * needed_per_m3(row, per_cell));
-      for (std::size_t i = 0; i < gains.size(); ++i) level[i].push_back(octaves[i]);
+void ScattererScene::compute_tissue_gain() {
+  for (int row = 0; row < table.rows(); ++row) {
+    const double sent_m2 = table.area_m2(row);
+    auto& gains_at = tissue_gain.emplace_back();
+    for (int level = 0; level < PulseTaps::kLevels; ++level) {
+      const double area_m2 = table.area_m2(row, PulseTaps::frequency_ratio(level));
+      gains_at[static_cast<std::size_t>(level)] = static_cast<float>(std::sqrt(sent_m2 / area_m2));
     }
   }
 }
@@ -192,7 +208,7 @@ std::vector<BeamAtRow> ScattererScene::rows_of(const BeamTable::Direction& later
                     curvature.slope_per_m,
                     elevation.at_face,
                     elevation.slope_per_m,
-                    first_table_index(row, row, table.columns())});
+                    first_table_index(row, table.columns())});
   }
   return rows;
 }

@@ -8,7 +8,6 @@
 #include "hw/probe/probe.h"
 #include "sim/beam/profile/beam_profile.h"
 #include "sim/beam/table/beam_bounds.h"
-#include "sim/beam/table/lower_frequency.h"
 #include "sim/scatterers/cells/block_search.h"
 #include "sim/scatterers/cells/cell_search.h"
 #include "sim/scatterers/cells/scatterer_cells.h"
@@ -47,17 +46,16 @@ struct ScattererScene {
 
   ScannedTissue tissue;
   BeamTable table;
-  LowerFrequency lower;
   BeamProfile profile;
-  double per_m3;   ///< density of the scatterers of all octaves
-  double pulse_m;  ///< integral of the pulse's power over range: its equivalent length
+  FrequencyCourse course;  ///< which the table and the density follow
+  double per_m3;           ///< density of the scatterers of all octaves
+  double pulse_m;          ///< integral of the pulse's power over range: its equivalent length
   ScattererCells cells;
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
-  /// By level, octave and row of the beam's table, where the pulse has lost its high frequencies:
-  /// the beam is wider and needs fewer scatterers. Levels are even steps of the frequency.
-  static constexpr int kThinningLevels = 50;
-  std::vector<std::vector<std::vector<OctaveAtRow>>> thinned;
+  /// [row][level of PulseTaps]: the factor on even tissue for which it echoes at a lower frequency,
+  /// whose beam is wider, as at the one sent.
+  std::vector<std::array<float, PulseTaps::kLevels>> tissue_gain;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;
   BeamRim rim;
@@ -67,10 +65,10 @@ struct ScattererScene {
 
   const StickBeam& beam(const hw::Ray& stick) const;
   EchoConstants echo_constants(const StickBeam& beam, std::int32_t last_bin) const;
-  /// The octave is null for project_point(), and left to the caller otherwise.
-  BeamProjection projection(const StickBeam& beam) const {
+  /// For the scatterers of an octave; of no octave: for project_point().
+  BeamProjection projection(const StickBeam& beam, const OctaveGain* octave = nullptr) const {
     return {beam.rows.data(),
-            nullptr,
+            octave == nullptr ? nullptr : octave->rows.data(),
             table.columns(),
             table.rows() - 1,
             static_cast<float>(table.rows_per_m()),
@@ -85,10 +83,11 @@ struct ScattererScene {
  private:
   /// `per_cell`: least number of scatterers in each resolution cell.
   void compute_octave_gains(double per_cell);
-  void compute_thinned(double per_cell);
+  void compute_tissue_gain();
   /// The octaves at a row, where a density is needed.
   std::vector<OctaveAtRow> octaves_at(int row, double needed_per_m3) const;
-  double needed_per_m3(int row, double per_cell) const;
+  /// By row.
+  std::vector<double> needed_per_m3(double per_cell) const;
   void add_beam(std::size_t angle, double depth_m);
   std::vector<BeamAtRow> rows_of(const BeamTable::Direction& lateral, bool mirrored) const;
 };

@@ -1,6 +1,8 @@
 // Choices within the scatterer rungs.
 #pragma once
 
+#include <utility>
+
 #include "sim/beam/table/beam_table.h"
 #include "sim/options.h"
 
@@ -12,8 +14,13 @@ struct ScattererSettings {
   bool all_octaves =
       false;  ///< full density at every range (sim/scatterers/cells/scatterer_cells.h)
 
-  static ScattererSettings of(const SimulationOptions& options) {
-    return {options.side_lobes ? BeamShape::side_lobes : BeamShape::main_lobe, false};
+  FrequencyCourse course = {};  ///< of the pulses that are to be heard: where they are lower the
+                                ///< beam is wider, and its scatterers as much sparser
+
+  static ScattererSettings of(const SimulationOptions& options, FrequencyCourse course = {}) {
+    return {options.side_lobes ? BeamShape::side_lobes : BeamShape::main_lobe,
+            false,
+            std::move(course)};
   }
 };
 

@@ -41,19 +41,19 @@ StickScan::StickScan(const ScattererScene& scene, const StickPath& path, ScanBuf
     : scene_(scene),
       path_(path),
       buffers_(buffers),
-      beam_(scene, scene.beam(path.line.ray), path.frequency_ratio, path.spacing_m),
+      beam_(scene.beam(path.line.ray)),
       transform_(scene.tissue, path.line),
       end_m_(EchoRange(scene, path).true_m) {}
 
 std::uint64_t StickScan::run(std::span<std::complex<float>> iq) {
-  find_touched_blocks(transform_, beam_.bounds(), scene_.block_grid(), end_m_, buffers_.blocks);
+  find_touched_blocks(transform_, beam_.bounds, scene_.block_grid(), end_m_, buffers_.blocks);
   for (const TouchedBlock& touched : buffers_.blocks) {
     const TissueBlocks::Block tissue = scene_.blocks.block(touched.index);
     if (!scene_.blocks.anechoic(tissue)) scan(touched, tissue);
   }
   if (!begun_) return 0;
   project_pending();
-  return buffers_.echoes.finish(iq, path_.frequency_ratio);
+  return buffers_.echoes.finish(iq, tissue_gain());
 }
 
 std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::complex<float>> iq) {
@@ -66,9 +66,20 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
                         glm::dot(from_face, across.lateral),
                         glm::dot(from_face, across.elevation));
     const PointScatterer scatterer{to_float(at), point.amplitude, scene_.table.row(at.x)};
-    echoes.commit(project_point(scatterer, beam_.projection(), echoes.reserve(1)));
+    echoes.commit(project_point(scatterer, scene_.projection(beam_), echoes.reserve(1)));
   }
   return echoes.finish(iq);
+}
+
+std::span<const float> StickScan::tissue_gain() const {
+  buffers_.gain.clear();
+  for (std::size_t i = 0; i < path_.frequency_ratio.size(); ++i) {
+    const int row = scene_.table.row((static_cast<double>(i) + 0.5) * path_.spacing_m);
+    const int level = PulseTaps::level(path_.frequency_ratio[i]);
+    buffers_.gain.push_back(
+        scene_.tissue_gain[static_cast<std::size_t>(row)][static_cast<std::size_t>(level)]);
+  }
+  return buffers_.gain;
 }
 
 void StickScan::begin() {
@@ -92,9 +103,9 @@ void StickScan::scan(const TouchedBlock& touched, const TissueBlocks::Block& tis
   std::vector<OctaveCells>& octaves = locate_block(center, block);
   block.beam_corner = to_float(block.map(block.corner));
   const auto row = static_cast<std::size_t>(scene_.table.row(touched.center.x));
-  block.reach = beam_.reach(row);
+  block.reach = beam_.reaches[row];
   for (std::size_t i = 0; i < scene_.cells.octaves.size(); ++i) {
-    if (!beam_.contributes(i, row)) continue;
+    if (!scene_.gains[i].contributes[row]) continue;
     scan_octave(block, octaves[i], static_cast<int>(i));
   }
 }
@@ -256,7 +267,7 @@ void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, 
   echoes.commit(project_scatterers(queue.cells(),
                                    static_cast<int>(queue.count),
                                    axes,
-                                   beam_.projection(static_cast<std::size_t>(octave)),
+                                   scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
                                    echoes.reserve(queue.count * kScatterersInCell)));
   queue.count = 0;
 }
@@ -275,7 +286,7 @@ void StickScan::project_mixed(HashCellQueue& queue,
   const int count = project_scatterers(queue.cells(),
                                        static_cast<int>(queue.count),
                                        axes,
-                                       beam_.projection(static_cast<std::size_t>(octave)),
+                                       scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
                                        projected,
                                        &mixed);
   for (int i = 0; i < mixed.hit_count; ++i) {

@@ -11,7 +11,6 @@
 #include "sim/scatterers/echoes/stream_compaction.h"
 #include "sim/scatterers/scatterer_scene.h"
 #include "sim/scatterers/stick_path.h"
-#include "sim/scatterers/widened_beam.h"
 
 namespace wobblebench::sim {
 
@@ -28,6 +27,7 @@ struct ScanBuffers {
   std::int32_t list[kFlags];  ///< numbers of the cells in hand
   std::vector<InterfaceHit> hits;
   EchoQueue echoes;
+  std::vector<float> gain;  ///< of tissue, at each sample
 };
 
 class StickScan {
@@ -53,6 +53,8 @@ class StickScan {
     std::uint32_t key = 0;  ///< of the octave in hand
   };
 
+  /// Of tissue at each sample; empty where nothing absorbs.
+  std::span<const float> tissue_gain() const;
   /// Prepares the buffers, when the first block has been found.
   void begin();
   void fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octaves) const;
@@ -88,7 +90,7 @@ class StickScan {
   const ScattererScene& scene_;
   const StickPath& path_;
   ScanBuffers& buffers_;
-  WidenedBeam beam_;
+  const StickBeam& beam_;
   StickTransform transform_;
   double end_m_;            ///< true range of the farthest echo
   glm::vec3 direction_[2];  ///< of the sound, at rest, as ScanBuffers::rigid

@@ -93,7 +93,7 @@ def neighbours(depth_mm):
 
 def attenuation(alpha, depth_mm):
     probe, depth = es.PRESETS["standard"], depth_mm * 1e-3
-    band = es.Band(probe, 90, 3.3, lowest=0.08)  # the echo's centre falls far
+    band = es.Band(probe, 90, 3.3)  # wider than others: the echo's centre falls far
 
     def loss(f, r):
         return 10 ** (-2 * alpha * f * 1e-6 * r * 1e2 / 20)
@@ -198,8 +198,7 @@ TABLES = {
         [(depth,) for depth in DEPTHS_MM], neighbours),
     "attenuation": Table(
         "Standard probe, axis, all tissue attenuating: echo of a point re none, closed form of the loss at "
-        "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv; "
-        "no frequency below 0.28 MHz, which alpha 1 meets beyond 110 mm",
+        "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv",
         ("alpha_db_cm_mhz", "depth_mm"),
         ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
         [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),

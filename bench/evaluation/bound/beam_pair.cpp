@@ -134,11 +134,11 @@ struct PulsePairs {
     for (std::ptrdiff_t k = -half; k <= half; ++k) {
       const double middle_m = static_cast<double>(k) * kBin_m;
       Products& at = product.emplace_back();
+      const sim::PulseBand::Values before = band.pulses(middle_m - 0.5 * distance_m);
+      const sim::PulseBand::Values behind = band.pulses(middle_m + 0.5 * distance_m);
       for (std::size_t i = 0; i < nodes; ++i) {
-        const auto near = band.pulse(static_cast<int>(i), middle_m - 0.5 * distance_m);
         for (std::size_t j = 0; j < nodes; ++j) {
-          at[i * nodes + j] =
-              near * std::conj(band.pulse(static_cast<int>(j), middle_m + 0.5 * distance_m));
+          at[i * nodes + j] = before[i] * std::conj(behind[j]);
         }
       }
       integrate();

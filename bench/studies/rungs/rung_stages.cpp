@@ -8,6 +8,7 @@
 #include "sim/aperture/aperture_losses.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/field_model.h"
+#include "sim/echo/mean_frequency.h"
 #include "sim/echo/scatterers_model.h"
 #include "sim/echo/stick_propagation.h"
 #include "sim/probe_simulator.h"
@@ -148,7 +149,11 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   std::unique_ptr<const sim::IqModel> model;
   timed(result.once_ms, [&] { model = make_model(scene, subject, options); });
   std::optional<sim::ScattererField> scatterers;
-  if (rung == sim::Rung::scatterers) scatterers.emplace(subject, scene.plan, options);
+  if (rung == sim::Rung::scatterers) {
+    const auto course = sim::mean_frequency(subject, scene.plan, options);
+    scatterers.emplace(
+        subject, scene.plan, options, sim::ScattererSettings::of(options, course));
+  }
 
   Worker worker(scene, subject, options);
   const sim::IqMaker make = model->iq_maker();

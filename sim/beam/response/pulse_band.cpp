@@ -19,15 +19,14 @@ constexpr double kStep_sigmas = 0.25;
 
 }  // namespace
 
-PulseBand::Rule::Rule(double lowest)
-    : low(lowest), high(kHighest), gauss(lowest, kHighest, kNodes) {
+PulseBand::Rule::Rule(double lowest, double cut_at)
+    : low(lowest), high(kHighest), cut(cut_at), gauss(lowest, kHighest, kNodes) {
   const int count = static_cast<int>(std::ceil((high - low) / kSampling));
   double sum = 0;
   for (int i = 0; i < count; ++i) {
     Sample& sample = samples_.emplace_back();
     sample.x = low + (i + 0.5) * (high - low) / count;
     const double spectrum = std::exp(-0.5 * sample.x * sample.x);
-    sample.share = {};
     for (int node = 0; node < kNodes; ++node) {
       sample.share[static_cast<std::size_t>(node)] = spectrum * gauss.lagrange(node, sample.x);
     }
@@ -36,14 +35,22 @@ PulseBand::Rule::Rule(double lowest)
   for (Sample& sample : samples_) {
     for (double& share : sample.share) share /= sum;
   }
-  for (int i = -kHalf; i <= kHalf; ++i) pulses.push_back(pulses_at(i * kStep_sigmas));
+  for (int i = -kHalf; i <= kHalf; ++i) pulses.push_back(pulses_at(i * kStep_sigmas, 0));
 }
 
-PulseBand::Values PulseBand::Rule::pulses_at(double x) const {
+PulseBand::Values PulseBand::Rule::pulses_at(double x, double down) const {
   Values sum = {};
+  const double lowest = down > 0 ? cut : low;
+  std::complex<double> phasor = std::polar(1.0, samples_.front().x * x);
+  const std::complex<double> step = std::polar(1.0, (samples_[1].x - samples_[0].x) * x);
   for (const Sample& sample : samples_) {
-    const std::complex<double> phasor = std::polar(1.0, sample.x * x);
-    for (std::size_t node = 0; node < sum.size(); ++node) sum[node] += sample.share[node] * phasor;
+    if (sample.x >= lowest) {
+      const double left = down > 0 ? std::exp(-down * (sample.x + 0.5 * down)) : 1;
+      for (std::size_t node = 0; node < sum.size(); ++node) {
+        sum[node] += left * sample.share[node] * phasor;
+      }
+    }
+    phasor *= step;
   }
   return sum;
 }
@@ -54,7 +61,7 @@ PulseBand::PulseBand(const hw::AcquisitionPlan& plan)
                     plan.acquisition().sound_speed_m_s) {
   // Cut where the band ends, unless all nodes of the whole rule lie within it.
   const double lowest = -(1 - kLowest) * center_per_m_ * 2 * sigma_m_;
-  rule_ = std::make_shared<const Rule>(lowest <= -kOutermostNode ? -kHighest : lowest);
+  rule_ = std::make_shared<const Rule>(lowest <= -kOutermostNode ? -kHighest : lowest, lowest);
 }
 
 int PulseBand::below_center() const {
@@ -68,8 +75,25 @@ double PulseBand::offset_per_m(int node) const {
   return rule_->gauss.nodes()[static_cast<std::size_t>(node)] * 0.5 / sigma_m_;
 }
 
-std::complex<double> PulseBand::pulse(int node, double offset_m) const {
-  return rule_->pulses_at(offset_m / sigma_m_)[static_cast<std::size_t>(node)];
+PulseBand::Values PulseBand::pulses(double offset_m, double frequency_ratio) const {
+  return rule_->pulses_at(offset_m / sigma_m_, down(frequency_ratio));
+}
+
+std::array<double, PulseBand::kNodes> PulseBand::weights(double frequency_ratio) const {
+  std::array<double, kNodes> weights = {};
+  std::ranges::copy(rule_->gauss.weights(), weights.begin());
+  if (frequency_ratio == 1) return weights;
+  double sum = 0;
+  for (std::size_t node = 0; node < weights.size(); ++node) {
+    weights[node] *= std::exp(-2 * down(frequency_ratio) * rule_->gauss.nodes()[node]);
+    sum += weights[node];
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double PulseBand::weight(int node, double frequency_ratio) const {
+  return weights(frequency_ratio)[static_cast<std::size_t>(node)];
 }
 
 double PulseBand::peak(const Values& response) const {
@@ -86,10 +110,11 @@ double PulseBand::peak(const Values& response) const {
   return std::sqrt(largest);
 }
 
-double PulseBand::power(const Values& response) const {
+double PulseBand::power(const Values& response, double frequency_ratio) const {
+  const auto share = weights(frequency_ratio);
   double sum = 0;
-  for (int node = 0; node < nodes(); ++node) {
-    sum += weight(node) * std::norm(response[static_cast<std::size_t>(node)]);
+  for (std::size_t node = 0; node < share.size(); ++node) {
+    sum += share[node] * std::norm(response[node]);
   }
   return sum;
 }

@@ -5,6 +5,9 @@
 // rule whose weight is the pulse's power spectrum. The echo of unit pulse is then sum over nodes of
 // H(k_i) phi_i(r), where phi_i is the transform of the node's Lagrange polynomial times the pulse's
 // spectrum.
+//
+// Absorption that grows with frequency moves the spectrum down (sim/receive/band_loss.h): H stays,
+// and its polynomial is multiplied by the spectrum that is left.
 #pragma once
 
 #include <array>
@@ -38,9 +41,6 @@ class PulseBand {
   static constexpr int nodes() { return kNodes; }
   /// Of BandValues.
   static constexpr int groups() { return kNodes / BandValues::kNodes; }
-  /// Not of a band that is cut at kLowest: nodes lie symmetrically about the centre: their pulses
-  /// come in conjugate pairs.
-  bool symmetric() const { return rule_->low == -rule_->high; }
   /// The last node below the centre.
   int below_center() const;
 
@@ -52,34 +52,45 @@ class PulseBand {
   double wavenumber_per_m(int node) const { return center_per_m_ + offset_per_m(node); }
   /// Distance of a node from the centre of the band.
   double offset_per_m(int node) const;
-  /// Share of a node in a mean over the pulse's power spectrum.
-  double weight(int node) const { return rule_->gauss.weights()[static_cast<std::size_t>(node)]; }
+  /// Share of a node in a mean over the pulse's power spectrum, its centre at `frequency_ratio` of
+  /// the one sent.
+  double weight(int node, double frequency_ratio = 1) const;
 
-  /// phi_i at a distance behind the echo's range, demodulated by the centre.
-  std::complex<double> pulse(int node, double offset_m) const;
+  /// phi of all nodes at a distance behind the echo's range, demodulated by the centre sent. Of a
+  /// flat response they make a peak of 1; at a lower centre of 1 less what lies below kLowest.
+  Values pulses(double offset_m, double frequency_ratio = 1) const;
   /// Largest magnitude of the echo, and its energy over that of the pulse.
   double peak(const Values& response) const;
-  double power(const Values& response) const;
+  double power(const Values& response, double frequency_ratio = 1) const;
 
  private:
   /// Over the band in units in which the pulse's amplitude spectrum is exp(-x^2 / 2).
   struct Rule {
     double low;
     double high;
+    double cut;
     GaussRule gauss;
     std::vector<Values> pulses;  ///< phi_i at ranges about the echo's
 
-    explicit Rule(double lowest);
-    /// phi of all nodes, `x` sigmas of the pulse behind the echo's range.
-    Values pulses_at(double x) const;
+    /// `cut`: where the band ends, below which a spectrum that has fallen has nothing.
+    Rule(double lowest, double cut);
+    /// phi of all nodes, `x` sigmas of the pulse behind the echo's range, of a spectrum whose centre
+    /// is `down` lower.
+    Values pulses_at(double x, double down) const;
 
    private:
     struct Sample {
       double x;
       std::array<double, kNodes> share;  ///< of the spectrum, times the Lagrange polynomials
     };
-    std::vector<Sample> samples_;
+    std::vector<Sample> samples_;  ///< evenly spaced
   };
+
+  /// How far the spectrum's centre has fallen, in units of the rule.
+  double down(double frequency_ratio) const {
+    return (1 - frequency_ratio) * center_per_m_ * 2 * sigma_m_;
+  }
+  std::array<double, kNodes> weights(double frequency_ratio) const;
 
   double sigma_m_;
   double center_per_m_;

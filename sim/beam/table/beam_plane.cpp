@@ -18,19 +18,19 @@ constexpr double kLobes = 6;       // searched: the main lobe and side lobes
 
 BeamPlane::BeamPlane(const hw::AcquisitionPlan& plan,
                      const PulseBand& band,
-                     double beyond,
+                     const BeamReach& reach,
                      bool both_sides)
     : wavelength_m_(plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz),
       band_(band),
-      beyond_(beyond),
+      reach_(reach),
       both_sides_(both_sides) {}
 
 BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
                              const PulseBand& band,
                              Apodisation apodisation,
                              double theta_rad,
-                             double beyond) {
-  BeamPlane plane(plan, band, beyond, true);
+                             const BeamReach& reach) {
+  BeamPlane plane(plan, band, reach, true);
   const StickAperture aperture(plan, apodisation, theta_rad);
   plane.response_ = [&plan, band, aperture](double range_m) {
     return PlaneResponse::lateral(aperture, plan, band, range_m);
@@ -45,8 +45,8 @@ BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
 
 BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan,
                                const PulseBand& band,
-                               double beyond) {
-  BeamPlane plane(plan, band, beyond, false);
+                               const BeamReach& reach) {
+  BeamPlane plane(plan, band, reach, false);
   PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), band);
   const double height_m = plan.probe().element_height_m;
   const double focus_m = plan.probe().elevation_focus_m;
@@ -58,7 +58,8 @@ BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan,
 
 double BeamPlane::reach_m(double range_m) const {
   const double widest_m = kLobes * lobe_m(range_m) + 0.5 * shadow_m_(range_m);
-  return std::max(power_reach_m(sample(range_m, widest_m, kSearchColumns), band_, beyond_),
+  const SampledRow row = sample(range_m, widest_m, kSearchColumns);
+  return std::max(power_reach_m(row, band_, reach_.course.at(range_m), reach_.beyond),
                   kMainLobe * lobe_m(range_m));
 }
 

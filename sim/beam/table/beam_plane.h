@@ -5,20 +5,29 @@
 #include <vector>
 
 #include "sim/beam/table/beam_row.h"
+#include "sim/beam/table/frequency_course.h"
 
 namespace wobblebench::sim {
+
+/// Where a beam is taken to end.
+struct BeamReach {
+  double beyond = 0;       ///< share of its power that is left out
+  FrequencyCourse course;  ///< of the pulses that it is to hold: lower ones have wider beams
+};
 
 /// One direction across one stick's beam.
 class BeamPlane {
  public:
-  /// In the image plane, for a stick at an angle; and across it. `plan` must outlive it. `beyond`:
-  /// share of the beam's power that its reach leaves out.
+  /// In the image plane, for a stick at an angle; and across it. `plan` must outlive it. The others
+  /// decide how far the beam reaches.
   static BeamPlane lateral(const hw::AcquisitionPlan& plan,
                            const PulseBand& band,
                            Apodisation apodisation,
                            double theta_rad,
-                           double beyond);
-  static BeamPlane elevation(const hw::AcquisitionPlan& plan, const PulseBand& band, double beyond);
+                           const BeamReach& reach);
+  static BeamPlane elevation(const hw::AcquisitionPlan& plan,
+                             const PulseBand& band,
+                             const BeamReach& reach);
 
   /// Largest offset at a range: where the given share of the power lies beyond, but at least most
   /// of the focused beam's main lobe.
@@ -33,16 +42,21 @@ class BeamPlane {
  private:
   using OfRange = std::function<double(double range_m)>;
 
-  BeamPlane(const hw::AcquisitionPlan& plan, const PulseBand& band, double beyond, bool both_sides);
+  BeamPlane(const hw::AcquisitionPlan& plan,
+            const PulseBand& band,
+            const BeamReach& reach,
+            bool both_sides);
   /// From the axis to the first zero of the focused beam.
-  double lobe_m(double range_m) const { return wavelength_m_ * range_m / aperture_m_(range_m); }
+  double lobe_m(double range_m) const {
+    return wavelength_m_ / reach_.course.at(range_m) * range_m / aperture_m_(range_m);
+  }
 
   std::function<PlaneResponse(double range_m)> response_;
   OfRange aperture_m_;  ///< on receive
   OfRange shadow_m_;    ///< width of the transmitted beam by geometry
   double wavelength_m_;
   PulseBand band_;
-  double beyond_;
+  BeamReach reach_;
   bool both_sides_;
 };
 

@@ -45,12 +45,15 @@ SampledRow sample_row(
   return row;
 }
 
-double power_reach_m(const SampledRow& row, const PulseBand& band, double beyond) {
+double power_reach_m(const SampledRow& row,
+                     const PulseBand& band,
+                     double frequency_ratio,
+                     double beyond) {
   const std::size_t count = row.values.size(), side = row.both_sides ? count / 2 : count;
   std::vector<double> power(side);  // by distance from the axis
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t away = !row.both_sides ? i : i >= side ? i - side : side - 1 - i;
-    power[away] += band.power(row.values[i]);
+    power[away] += band.power(row.values[i], frequency_ratio);
   }
   double outside = beyond * std::accumulate(power.begin(), power.end(), 0.0);
   std::size_t last = side - 1;

@@ -26,8 +26,12 @@ struct SampledRow {
 SampledRow sample_row(
     const PlaneResponse& response, double range_m, double reach_m, bool both_sides, int columns);
 
-/// The offset beyond which, on both sides together, the share `beyond` of the row's power lies.
-double power_reach_m(const SampledRow& row, const PulseBand& band, double beyond);
+/// The offset beyond which, on both sides together, the share `beyond` of the row's power lies, for
+/// a pulse whose centre is at `frequency_ratio` of the one sent.
+double power_reach_m(const SampledRow& row,
+                     const PulseBand& band,
+                     double frequency_ratio,
+                     double beyond);
 
 /// The delay that varies as a parabola over the row.
 struct RowDelay {

@@ -93,8 +93,7 @@ struct MiddleStick {
   std::vector<SampledRow> lateral, elevation;
   std::vector<double> elevation_scale;
   std::vector<double> lateral_scale;  ///< makes the peak of an echo on the axis 1
-  std::vector<double> area_m2;
-  std::vector<BeamTable::Normalisation> normalisation;
+  std::vector<std::array<double, PulseBand::kNodes>> power_m2;  ///< at each node, across the beam
 
   MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
       : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
@@ -119,17 +118,11 @@ struct MiddleStick {
       on_axis[i] = elevation_scale[row] * elevation_axis[i] * lateral_axis[i];
     }
     lateral_scale.push_back(1 / band.peak(on_axis));
-    BeamTable::Normalisation at{lateral_scale[row], elevation_scale[row], {}, {}};
-    double area = 0;
-    for (int node = 0; node < band.nodes(); ++node) {
-      const auto i = static_cast<std::size_t>(node);
-      at.lateral_power_m[i] = at.lateral_scale * at.lateral_scale * power_m(lateral[row], i);
-      at.elevation_power_m[i] =
-          at.elevation_scale * at.elevation_scale * power_m(elevation[row], i);
-      area += band.weight(node) * at.elevation_power_m[i] * at.lateral_power_m[i];
+    auto& power = power_m2.emplace_back();
+    for (std::size_t i = 0; i < power.size(); ++i) {
+      power[i] = elevation_scale[row] * elevation_scale[row] * power_m(elevation[row], i) *
+                 lateral_scale[row] * lateral_scale[row] * power_m(lateral[row], i);
     }
-    area_m2.push_back(area);
-    normalisation.push_back(at);
   }
 };
 
@@ -153,25 +146,25 @@ struct StickAngles {
 BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
                      BeamShape shape,
                      Apodisation apodisation,
-                     int threads)
-    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns) {
+                     int threads,
+                     const FrequencyCourse& course)
+    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns), band_(plan) {
   const double depth_m = plan.acquisition().depth_m;
   const int count = std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kMinRows, kMaxRows);
   rows_per_m_ = count / depth_m;
   const StickAngles angles(plan);
   first_angle_rad_ = angles.first_rad;
   angle_step_rad_ = angles.step_rad;
-  const double beyond = shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond;
-  const PulseBand band(plan);
-  const DirectionWriter writer(band, count, columns_, rows_per_m_);
+  const BeamReach reach{
+      shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond, course};
+  const DirectionWriter writer(band_, count, columns_, rows_per_m_);
   const auto in_plane = [&](int angle) {
     return BeamPlane::lateral(
-        plan, band, apodisation, angles.first_rad + angle * angles.step_rad, beyond);
+        plan, band_, apodisation, angles.first_rad + angle * angles.step_rad, reach);
   };
-  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band, beyond));
+  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band_, reach));
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
-  area_m2_ = middle.area_m2;
-  normalisation_ = middle.normalisation;
+  power_m2_ = middle.power_m2;
   lateral_.resize(static_cast<std::size_t>(angles.count));
   lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
   parallel_ranges(angles.count - 1, threads, [&](int first, int last) {
@@ -184,6 +177,15 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
 
 int BeamTable::row(double range_m) const {
   return std::clamp(static_cast<int>(range_m * rows_per_m_), 0, rows() - 1);
+}
+
+double BeamTable::area_m2(int row, double frequency_ratio) const {
+  const auto& power_m2 = power_m2_[static_cast<std::size_t>(row)];
+  double area = 0;
+  for (int node = 0; node < band_.nodes(); ++node) {
+    area += band_.weight(node, frequency_ratio) * power_m2[static_cast<std::size_t>(node)];
+  }
+  return area;
 }
 
 double BeamTable::lateral_reach_m(int row) const {

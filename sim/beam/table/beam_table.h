@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/beam/response/pulse_band.h"
+#include "sim/beam/table/frequency_course.h"
 #include "sim/options.h"
 
 namespace wobblebench::sim {
@@ -32,11 +33,13 @@ class BeamTable {
   /// Upper bound of the entries in one direction: their index fits 16 bits.
   static constexpr int kMaxEntries = 1 << 16;
 
-  /// Results do not depend on `threads` (0: all that the machine has).
+  /// `course`: of the pulses that are to be heard, which the beam's reach follows; what is in the
+  /// table does not depend on it. Results do not depend on `threads` (0: all that the machine has).
   BeamTable(const hw::AcquisitionPlan& plan,
             BeamShape shape,
             Apodisation apodisation = Apodisation::rectangular,
-            int threads = 0);
+            int threads = 0,
+            const FrequencyCourse& course = {});
 
   /// Columns on one side of the axis.
   int columns() const { return columns_; }
@@ -68,18 +71,8 @@ class BeamTable {
 
   /// Equivalent area of the middle stick's beam: the integral of the echo power over the
   /// cross-section, over that of a scatterer whose echo has a peak of 1.
-  double area_m2(int row) const { return area_m2_[static_cast<std::size_t>(row)]; }
-
-  /// How the middle stick's responses are normalised.
-  struct Normalisation {
-    /// By which sums over the sources are multiplied.
-    double lateral_scale = 1, elevation_scale = 1;
-    /// Integrals of the power at each node, so multiplied, over the offset.
-    std::array<double, PulseBand::kNodes> lateral_power_m = {}, elevation_power_m = {};
-  };
-  const Normalisation& normalisation(int row) const {
-    return normalisation_[static_cast<std::size_t>(row)];
-  }
+  /// At a lower frequency of the pulse, likewise.
+  double area_m2(int row, double frequency_ratio = 1) const;
 
  private:
   int columns_;
@@ -88,8 +81,9 @@ class BeamTable {
   double angle_step_rad_;
   std::vector<Direction> lateral_;
   Direction elevation_;
-  std::vector<double> area_m2_;
-  std::vector<Normalisation> normalisation_;
+  PulseBand band_;
+  /// Of each row of the middle stick: the power at each node, integrated across the beam.
+  std::vector<std::array<double, PulseBand::kNodes>> power_m2_;
 };
 
 }  // namespace wobblebench::sim

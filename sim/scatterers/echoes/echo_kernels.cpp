@@ -114,12 +114,29 @@ void add_echoes(const ProjectedScatterers& scatterers,
   sum_echoes(lanes, scatterers.table_index, count, constants, bins);
 }
 
-WOBBLEBENCH_SIMD void convolve(
-    const float* values, const float* taps, int tap_count, int count, float* __restrict sums) {
-  for (int t = 0; t < tap_count; ++t) {
-    const float tap = taps[t];
-    const float* from = values + t;
-    for (int m = 0; m < count; ++m) sums[m] += tap * from[m];
+WOBBLEBENCH_SIMD void convolve_bins(const BinSeries& bins,
+                                    const float* taps,
+                                    int first,
+                                    float* __restrict re,
+                                    float* __restrict im) {
+  float sum_re[kConvolved] = {}, sum_im[kConvolved] = {};
+  const auto length = static_cast<std::size_t>(bins.tap_count);
+  for (int node = 0; node < bins.nodes; ++node) {
+    const auto series = 2 * static_cast<std::size_t>(node);
+    const float* from_re = bins.values + series * bins.room + first;
+    const float* from_im = from_re + bins.room;
+    const float* taps_re = taps + series * length;
+    for (std::size_t t = 0; t < length; ++t) {
+      const float tap_re = taps_re[t], tap_im = taps_re[length + t];
+      for (std::size_t m = 0; m < kConvolved; ++m) {
+        sum_re[m] += tap_re * from_re[t + m] - tap_im * from_im[t + m];
+        sum_im[m] += tap_re * from_im[t + m] + tap_im * from_re[t + m];
+      }
+    }
+  }
+  for (int m = 0; m < kConvolved; ++m) {
+    re[m] = sum_re[m];
+    im[m] = sum_im[m];
   }
 }
 

@@ -1,6 +1,7 @@
 // Vectorised kernels that turn scatterers into echoes and echoes into samples.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sim/beam/response/pulse_band.h"
@@ -34,7 +35,19 @@ void add_echoes(const ProjectedScatterers& scatterers,
                 const EchoConstants& constants,
                 BandValues* bins);
 
-/// Convolution: sums[m] += sum over t of taps[t] * values[m + t].
-void convolve(const float* values, const float* taps, int tap_count, int count, float* sums);
+/// Sums of bins by node: [node][real, imaginary part][room].
+struct BinSeries {
+  const float* values;
+  std::size_t room;
+  int nodes;
+  int tap_count;
+};
+
+/// Samples that convolve_bins() makes at a time.
+inline constexpr int kConvolved = 16;
+
+/// sample[m] = sum over nodes and t of taps[node][t] * values[node][first + m + t], complex. `taps`:
+/// [node][real, imaginary part][tap_count].
+void convolve_bins(const BinSeries& bins, const float* taps, int first, float* re, float* im);
 
 }  // namespace wobblebench::sim

@@ -15,17 +15,20 @@ constexpr double kPulseSigmas = 5.5;
 PulseTaps::PulseTaps(const PulseBand& band, double spacing_m)
     : spacing_m_(spacing_m),
       half_length_(static_cast<int>(std::ceil(kPulseSigmas * band.sigma_m() / spacing_m))),
-      groups_(band.groups()) {
-  const int last = band.nodes() - 1;
-  for (int high = band.symmetric() ? band.nodes() / 2 : 0; high <= last; ++high) {
-    Pair pair{band.symmetric() ? last - high : kAlone, high, {}, {}};
-    for (int t = -half_length_; t <= half_length_; ++t) {
-      // From the middle of bin m + t to sample m.
-      const std::complex<double> pulse = band.pulse(pair.high, -t * spacing_m);
-      pair.re.push_back(static_cast<float>(pulse.real()));
-      pair.im.push_back(static_cast<float>(pulse.imag()));
+      nodes_(band.nodes()) {
+  for (int level = 0; level < kLevels; ++level) {
+    auto& taps = taps_.emplace_back(static_cast<std::size_t>(2 * nodes_ * length()));
+    for (int t = 0; t < length(); ++t) {
+      // From the middle of bin m + t - half to sample m.
+      const PulseBand::Values pulses =
+          band.pulses((half_length_ - t) * spacing_m, frequency_ratio(level));
+      for (int node = 0; node < nodes_; ++node) {
+        const auto at = static_cast<std::size_t>(2 * node * length() + t);
+        const std::complex<double>& pulse = pulses[static_cast<std::size_t>(node)];
+        taps[at] = static_cast<float>(pulse.real());
+        taps[at + static_cast<std::size_t>(length())] = static_cast<float>(pulse.imag());
+      }
     }
-    pairs_.push_back(std::move(pair));
   }
 }
 
@@ -41,71 +44,51 @@ void RangeBins::add(const ProjectedScatterers& scatterers,
   add_echoes(scatterers, count, constants, bins_.data());
 }
 
-void RangeBins::split_pair(const PulseTaps& taps,
-                           const PulseTaps::Pair& pair,
-                           int count,
-                           std::size_t room) {
-  for (auto* values :
-       {&parts_.sum_re, &parts_.sum_im, &parts_.difference_re, &parts_.difference_im}) {
-    values->assign(room, 0.0f);
-  }
-  const auto group_of = [&](int node) {
-    return bins_.data() + taps.groups() + node / BandValues::kNodes;
-  };
-  const bool alone = pair.low == PulseTaps::kAlone;
-  const BandValues *highs = group_of(pair.high), *lows = group_of(alone ? pair.high : pair.low);
-  const int high = pair.high % BandValues::kNodes;
-  const int low = alone ? high : pair.low % BandValues::kNodes;
-  const float low_counts = alone ? 0.0f : 1.0f;
-  for (int i = 0; i < count; ++i) {
-    const std::ptrdiff_t bin = std::ptrdiff_t{i} * taps.groups();
-    const float re = highs[bin].re[high], im = highs[bin].im[high];
-    const float low_re = low_counts * lows[bin].re[low], low_im = low_counts * lows[bin].im[low];
-    const auto at = static_cast<std::size_t>(taps.half_length() + i);
-    parts_.sum_re[at] = re + low_re;
-    parts_.sum_im[at] = im + low_im;
-    parts_.difference_re[at] = re - low_re;
-    parts_.difference_im[at] = low_im - im;  // i times i
-  }
-}
-
-void RangeBins::scale(const PulseTaps& taps,
-                      int count,
-                      std::span<const float> remaining,
-                      std::span<const float> factor) {
+void RangeBins::sort(const PulseTaps& taps,
+                     int count,
+                     const EchoLosses& losses,
+                     std::size_t room) {
   const auto groups = static_cast<std::size_t>(taps.groups());
-  for (std::size_t at = 0; at < static_cast<std::size_t>(count); ++at) {
-    float amplitude = remaining[std::min(at, remaining.size() - 1)];
-    if (!factor.empty()) amplitude *= factor[std::min(at, factor.size() - 1)];
+  sorted_.assign(2 * static_cast<std::size_t>(taps.nodes()) * room, 0.0f);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    float amplitude = losses.remaining[std::min(i, losses.remaining.size() - 1)];
+    if (!losses.factor.empty()) amplitude *= losses.factor[std::min(i, losses.factor.size() - 1)];
+    float* to = sorted_.data() + static_cast<std::size_t>(taps.half_length()) + i;
     for (std::size_t g = 0; g < groups; ++g) {
-      BandValues& bin = bins_[(at + 1) * groups + g];
-      for (float& value : bin.re) value *= amplitude;
-      for (float& value : bin.im) value *= amplitude;
+      const BandValues& bin = bins_[(i + 1) * groups + g];
+      for (int lane = 0; lane < BandValues::kNodes; ++lane, to += 2 * room) {
+        to[0] = amplitude * bin.re[lane];
+        to[room] = amplitude * bin.im[lane];
+      }
     }
   }
 }
 
 void RangeBins::finish(const PulseTaps& taps,
-                       std::span<const float> remaining,
-                       std::span<const float> factor,
+                       const EchoLosses& losses,
                        std::span<std::complex<float>> iq) {
-  if (remaining.empty()) return;
+  if (losses.remaining.empty()) return;
   const int samples = static_cast<int>(iq.size()), half = taps.half_length();
   // Bins beyond the last sample contribute to it; the last bin is not read.
   const int count = std::min(last_bin_ - 1, samples + half);
-  scale(taps, count, remaining, factor);
-  sum_re_.assign(iq.size(), 0.0f);
-  sum_im_.assign(iq.size(), 0.0f);
-  const int tap_count = 2 * half + 1;
-  for (const PulseTaps::Pair& pair : taps.pairs()) {
-    split_pair(taps, pair, count, iq.size() + static_cast<std::size_t>(2 * half));
-    convolve(parts_.sum_re.data(), pair.re.data(), tap_count, samples, sum_re_.data());
-    convolve(parts_.sum_im.data(), pair.re.data(), tap_count, samples, sum_im_.data());
-    convolve(parts_.difference_im.data(), pair.im.data(), tap_count, samples, sum_re_.data());
-    convolve(parts_.difference_re.data(), pair.im.data(), tap_count, samples, sum_im_.data());
-  }
-  for (std::size_t i = 0; i < iq.size(); ++i) {
-    iq[i] += std::complex<float>(sum_re_[i], sum_im_[i]);
+  const std::size_t room = iq.size() + static_cast<std::size_t>(2 * half + kConvolved);
+  sort(taps, count, losses, room);
+  const std::span<const float> ratio = losses.frequency_ratio;
+  const auto level_of = [&](int sample) {
+    if (ratio.empty()) return 0;
+    return PulseTaps::level(ratio[std::min(static_cast<std::size_t>(sample), ratio.size() - 1)]);
+  };
+  const BinSeries bins{sorted_.data(), room, taps.nodes(), taps.length()};
+  for (int first = 0; first < samples;) {
+    const int level = level_of(first);
+    int end = first + 1;
+    while (end < samples && end < first + kConvolved && level_of(end) == level) ++end;
+    float re[kConvolved], im[kConvolved];
+    convolve_bins(bins, taps.at(level), first, re, im);
+    for (int i = first; i < end; ++i) {
+      iq[static_cast<std::size_t>(i)] += std::complex<float>(re[i - first], im[i - first]);
+    }
+    first = end;
   }
 }
 

@@ -3,6 +3,7 @@
 // end.
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <cstdint>
 #include <span>
@@ -12,33 +13,42 @@
 
 namespace wobblebench::sim {
 
-/// The pulses of the band's nodes, from the middle of a bin to samples.
+/// The pulses of the band's nodes, from the middle of a bin to samples, by levels of the centre's
+/// frequency.
 class PulseTaps {
  public:
   /// `spacing_m`: of the IQ samples, the first of which lies half a spacing from the face.
   PulseTaps(const PulseBand& band, double spacing_m);
 
+  /// Steps of 1 % of the frequency sent: the pulse's phase differs by 0.1 rad at most, at its ends.
+  static constexpr int kLevels = 61;
+  static double frequency_ratio(int level) { return 1 - 0.01 * level; }
+  /// Clamped to the levels: BandLoss::kLowest is the last one.
+  static int level(float frequency_ratio) {
+    return std::clamp(static_cast<int>((1 - frequency_ratio) * 100 + 0.5f), 0, kLevels - 1);
+  }
+
   double spacing_m() const { return spacing_m_; }
   /// Half length of the pulse, in samples.
   int half_length() const { return half_length_; }
-
-  /// Nodes of a narrow band come in pairs about its centre, whose pulses are conjugates: those of
-  /// the higher one.
-  static constexpr int kAlone = -1;
-  struct Pair {
-    int low;  ///< kAlone: there is none
-    int high;
-    std::vector<float> re, im;
-  };
-  const std::vector<Pair>& pairs() const { return pairs_; }
-  /// Of nodes.
-  int groups() const { return groups_; }
+  int length() const { return 2 * half_length_ + 1; }
+  int nodes() const { return nodes_; }
+  int groups() const { return nodes_ / BandValues::kNodes; }
+  /// [node][real, imaginary part][length()], for convolve_bins().
+  const float* at(int level) const { return taps_[static_cast<std::size_t>(level)].data(); }
 
  private:
   double spacing_m_;
   int half_length_;
-  int groups_;
-  std::vector<Pair> pairs_;
+  int nodes_;
+  std::vector<std::vector<float>> taps_;
+};
+
+/// What happens to echoes on the way, at each sample's range; constant beyond their last.
+struct EchoLosses {
+  std::span<const float> remaining;        ///< amplitude
+  std::span<const float> frequency_ratio;  ///< of the pulse's centre; empty: 1
+  std::span<const float> factor;           ///< on the amplitude besides; empty: 1
 };
 
 /// The bins of one stick; working memory of one thread.
@@ -48,30 +58,18 @@ class RangeBins {
   void begin(const PulseTaps& taps, double end_m);
   /// Adds echoes of at most kEchoBatch scatterers. `constants.last_bin` is last_bin().
   void add(const ProjectedScatterers& scatterers, int count, const EchoConstants& constants);
-  /// Scales the sums by the amplitude `remaining` at each sample's range and by `factor` (constant
-  /// beyond their last; an empty factor is 1), applies the pulse, and adds the result to `iq`.
-  void finish(const PulseTaps& taps,
-              std::span<const float> remaining,
-              std::span<const float> factor,
-              std::span<std::complex<float>> iq);
+  /// Scales the sums, applies the pulse, and adds the result to `iq`.
+  void finish(const PulseTaps& taps, const EchoLosses& losses, std::span<std::complex<float>> iq);
 
   std::int32_t last_bin() const { return last_bin_; }
 
  private:
-  /// Sums of a pair of nodes, or differences, at each bin, padded by half a pulse on both sides.
-  struct Parts {
-    std::vector<float> sum_re, sum_im, difference_re, difference_im;
-  };
-  void split_pair(const PulseTaps& taps, const PulseTaps::Pair& pair, int count, std::size_t room);
-  void scale(const PulseTaps& taps,
-             int count,
-             std::span<const float> remaining,
-             std::span<const float> factor);
+  /// Sorts the scaled sums of `count` bins by node, with half a pulse of nothing on both sides.
+  void sort(const PulseTaps& taps, int count, const EchoLosses& losses, std::size_t room);
 
   std::vector<BandValues> bins_;  ///< [bin][group]
   std::int32_t last_bin_ = 1;
-  Parts parts_;
-  std::vector<float> sum_re_, sum_im_;
+  std::vector<float> sorted_;  ///< [node][real, imaginary part][bin]
 };
 
 }  // namespace wobblebench::sim

@@ -257,7 +257,7 @@ int project_point(const PointScatterer& point,
                          (lateral_tilt + lateral_curvature * at.lateral) * at.lateral +
                          elevation_curvature * at.elevation * at.elevation;
   projected.table_index[0] = beam.first_index + to_index(u + columns) + (to_index(v) << 16);
-  projected.amplitude[0] = point.amplitude * beam.point_gain;
+  projected.amplitude[0] = point.amplitude;
   return projection.rim == BeamRim::ellipse
              ? within_rim<BeamRim::ellipse>(magnitude(u), v, columns)
              : within_rim<BeamRim::diamond>(magnitude(u), v, columns);

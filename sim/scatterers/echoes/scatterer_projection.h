@@ -29,13 +29,12 @@ struct alignas(32) BeamAtRow {
   float elevation_curvature_per_m = 0;
   float elevation_curvature_slope_per_m2 = 0;
   std::uint32_t first_index = 0;  ///< first_table_index()
-  float point_gain = 1;           ///< on the amplitude of project_point()
 };
 
 /// Of the first entry of a row of the tables in each direction.
-inline std::uint32_t first_table_index(int lateral_row, int elevation_row, int columns) {
-  return static_cast<std::uint32_t>(2 * lateral_row * columns) |
-         static_cast<std::uint32_t>(elevation_row * columns) << 16;
+inline std::uint32_t first_table_index(int row, int columns) {
+  return static_cast<std::uint32_t>(2 * row * columns) | static_cast<std::uint32_t>(row * columns)
+                                                             << 16;
 }
 
 /// Amplitudes of the scatterers of an octave's cells in one row: the first `full_count` have

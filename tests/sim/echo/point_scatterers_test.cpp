@@ -105,7 +105,10 @@ TEST_P(PointsOnRung, ItsEchoIsLostOnTheWayThereAndBack) {
   // exp(-b f) over a Gaussian band of sigma s has exp(b^2 s^2 / 2) times the loss of its centre.
   const double per_mhz = 2 * 0.5 * 7.5 * std::log(10.0) / 20, sigma_mhz = 0.6 * 3.5 / 2.3548;
   const double band = std::exp(0.5 * per_mhz * per_mhz * sigma_mhz * sigma_mhz);
-  EXPECT_NEAR(peak.amplitude / (0.5 * amplitude_of_db(-loss_db) * band), 1, 0.03);
+  // The closed form has no beam. By tests/yardstick/attenuation.csv, which `reference` leaves out, a
+  // lower pulse's is 0.29 dB louder on the axis here.
+  const double beam = GetParam() == Rung::reference ? 1 : amplitude_of_db(0.29);
+  EXPECT_NEAR(peak.amplitude / (0.5 * amplitude_of_db(-loss_db) * band * beam), 1, 0.03);
 }
 
 TEST_P(PointsOnRung, SignsInterfere) {
@@ -235,11 +238,11 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
   }
 }
 
-/// A stick and a frame through each target of the phantom `points`.
 TEST(PointsInBeam, APulseThatHasLostItsHighFrequenciesHearsFartherAside) {
   const hw::AcquisitionPlan plan({}, {});
-  const BeamTable beam(plan, BeamShape::main_lobe);
-  const double range_m = 75e-3, reach_m = beam.lateral_reach_m(beam.row(range_m));
+  const BeamTable sent(plan, BeamShape::main_lobe);
+  const BeamTable lower(plan, BeamShape::main_lobe, Apodisation::rectangular, 0, {1e-3, {0.5f}});
+  const double range_m = 75e-3, reach_m = sent.lateral_reach_m(sent.row(range_m));
   PointScatterers points;
   points.add({{1.5 * reach_m, 0, range_m}, 0.1});
   const auto scene = scene_of(points);
@@ -248,14 +251,12 @@ TEST(PointsInBeam, APulseThatHasLostItsHighFrequenciesHearsFartherAside) {
                              scene.placement,
                              {},
                              scene.phantom.shared_scatterers()};
-  PointsInBeam in_beam(tissue, beam);
-  const std::vector<float> remaining(1024, 1.0f), lower(1024, 0.5f);
-  const hw::Ray axis = plan.geometry().stick(0, 0);
-  const double spacing_m = plan.acquisition().depth_m / 1024;
-  EXPECT_EQ(in_beam.find({{axis, 0}, spacing_m, remaining, {}, {}}).size(), 0u);
-  EXPECT_EQ(in_beam.find({{axis, 0}, spacing_m, remaining, {}, lower}).size(), 1u);
+  const TimedRay axis{plan.geometry().stick(0, 0), 0};
+  EXPECT_EQ(PointsInBeam(tissue, sent).find(axis, 0.15).size(), 0u);
+  EXPECT_EQ(PointsInBeam(tissue, lower).find(axis, 0.15).size(), 1u);
 }
 
+/// A stick and a frame through each target of the phantom `points`.
 hw::AcquisitionPlan plan_through_targets() {
   hw::AcquisitionOptions acquisition;
   acquisition.sector_rad = 60 * kDegree;

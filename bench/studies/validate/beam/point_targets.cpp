@@ -56,22 +56,14 @@ double width_m(double expected_m, const Value& value) {
 class PointScan {
  public:
   PointScan(hw::ProbePreset preset, const PointRung& rung, double db_per_cm_mhz = 0)
-      : plan_(plan_of(preset)), echoes_(rung.rung, plan_, rung.side_lobes) {
-    if (db_per_cm_mhz == 0) return;
-    const sim::BandLoss band(plan_.probe());
-    for (const double range_m : sample_ranges_m()) {
-      const double nepers = 2 * db_per_cm_mhz * plan_.probe().center_frequency_hz / kMegahertz *
-                            range_m * 1e2 * std::log(10.0) / 20;
-      loss_.remaining.push_back(static_cast<float>(std::exp(band.log_gain(nepers) - nepers)));
-      loss_.frequency_ratio.push_back(static_cast<float>(band.frequency_ratio(nepers)));
-    }
-  }
+      : plan_(plan_of(preset)),
+        echoes_(rung.rung, plan_, rung.side_lobes, loss_of(db_per_cm_mhz)) {}
 
   BeamRow measure(const BeamRow& place) const {
     const hw::ProbeGeometry geometry = plan_.geometry();
     const sim::PointEcho point{geometry.to_cartesian({place.range_m, place.theta_rad, 0}), 1};
     const auto stick = [&](double turn_rad, double phi_rad) {
-      return echoes_.envelope(place.theta_rad + turn_rad, phi_rad, {&point, 1}, loss_);
+      return echoes_.envelope(place.theta_rad + turn_rad, phi_rad, {&point, 1});
     };
     const auto peak = [&](double turn_rad, double phi_rad) {
       return gaussian_peak(stick(turn_rad, phi_rad)).value;
@@ -95,9 +87,21 @@ class PointScan {
     return ranges_m;
   }
 
+  WayLoss loss_of(double db_per_cm_mhz) const {
+    WayLoss loss;
+    if (db_per_cm_mhz == 0) return loss;
+    const sim::BandLoss band(plan_.probe());
+    for (const double range_m : sample_ranges_m()) {
+      const double nepers = 2 * db_per_cm_mhz * plan_.probe().center_frequency_hz / kMegahertz *
+                            range_m * 1e2 * std::log(10.0) / 20;
+      loss.remaining.push_back(static_cast<float>(std::exp(band.log_gain(nepers) - nepers)));
+      loss.frequency_ratio.push_back(static_cast<float>(band.frequency_ratio(nepers)));
+    }
+    return loss;
+  }
+
   hw::AcquisitionPlan plan_;
   PointEchoes echoes_;
-  WayLoss loss_;
 };
 
 std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const BeamRow> places) {
