@@ -117,7 +117,10 @@ void BeamProfile::measure(int range) {
   const auto& probe = plan_.probe();
   const double wavelength_m = plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double height_m = probe.element_height_m;
-  const PlaneResponse elevation = PlaneResponse::elevation(ElevationSources(plan_), band_);
+  const PlaneResponse elevation = PlaneResponse::elevation(
+      ElevationSources(plan_),
+      band_,
+      InPlaneExcess(StickAperture(plan_, apodisation_, 0), plan_, band_, range_m));
   const SampledRow across = sample_row(
       elevation,
       range_m,

@@ -39,11 +39,14 @@ BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
 
 BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
                                    const PulseBand& band,
+                                   Apodisation apodisation,
                                    double range_m,
                                    double wavelength_m) {
+  const StickAperture middle(plan, apodisation, 0);
   const double height_m = plan.probe().element_height_m;
   return sampled(
-      PlaneResponse::elevation(ElevationSources(plan), band),
+      PlaneResponse::elevation(
+          ElevationSources(plan), band, InPlaneExcess(middle, plan, band, range_m)),
       range_m,
       reach_m(
           wavelength_m * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m));
@@ -76,8 +79,9 @@ BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
 
 BeamAtRange::Plane BeamAtRange::elevation_at(const hw::AcquisitionPlan& plan,
                                              const PulseBand& band,
+                                             Apodisation apodisation,
                                              double range_m) {
-  return elevation_plane(plan, band, range_m, wavelength_m(plan));
+  return elevation_plane(plan, band, apodisation, range_m, wavelength_m(plan));
 }
 
 FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,

@@ -29,7 +29,10 @@ struct BeamAtRange {
   Plane lateral;
   const Plane& elevation;  ///< the same for all sticks
 
-  static Plane elevation_at(const hw::AcquisitionPlan& plan, const PulseBand& band, double range_m);
+  static Plane elevation_at(const hw::AcquisitionPlan& plan,
+                            const PulseBand& band,
+                            Apodisation apodisation,
+                            double range_m);
   /// `shared_elevation` must outlive it.
   BeamAtRange(const hw::AcquisitionPlan& plan,
               const PulseBand& band,

@@ -70,7 +70,7 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * angles));
   const auto at_range = [&](int range) {
     const double range_m = grid.range_m(range);
-    const auto elevation = BeamAtRange::elevation_at(plan, band, range_m);
+    const auto elevation = BeamAtRange::elevation_at(plan, band, options.apodisation, range_m);
     for (int angle = 0; angle < angles; ++angle) {
       const double theta_rad = grid.angle_rad(angle);
       if (across_lines && angle > 0 &&

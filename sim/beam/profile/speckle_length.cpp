@@ -38,7 +38,7 @@ double length_ratio(const hw::AcquisitionPlan& plan,
                     const PulseBand& band,
                     Apodisation apodisation,
                     double range_m) {
-  const auto elevation = BeamAtRange::elevation_at(plan, band, range_m);
+  const auto elevation = BeamAtRange::elevation_at(plan, band, apodisation, range_m);
   const BeamAtRange beam(plan, band, apodisation, range_m, 0, elevation);
   const double sent = deviation_per_m(band, [](std::size_t) { return 1.0; });
   const double heard = deviation_per_m(band, [&](std::size_t node) {

@@ -122,17 +122,47 @@ PlaneResponse PlaneResponse::lateral(const StickAperture& aperture,
   return response;
 }
 
-PlaneResponse PlaneResponse::elevation(const ElevationSources& sources, const PulseBand& band) {
+InPlaneExcess::InPlaneExcess(const StickAperture& aperture,
+                             const hw::AcquisitionPlan& plan,
+                             const PulseBand& band,
+                             double range_m) {
+  const double focus_m = transmit_focus_m(plan, range_m);
+  std::complex<double> sent = 0, sent_way = 0;
+  double received = 0, received_way = 0;
+  for (const Element& element : aperture.elements()) {
+    const double excess_m = StickAperture::excess_m(element, range_m);
+    const double late_m = excess_m - StickAperture::excess_m(element, focus_m);
+    const std::complex<double> one =
+        std::polar(aperture.transmit_weight(element, range_m) / (range_m + excess_m),
+                   -band.center_per_m() * late_m);
+    const double focused = aperture.receive_weight(element, range_m) / (range_m + excess_m);
+    sent += one;
+    sent_way += one * excess_m;
+    received += focused;
+    received_way += focused * excess_m;
+  }
+  if (std::norm(sent) > 0) sent_m = (sent_way / sent).real();
+  if (received > 0) received_m = received_way / received;
+}
+
+PlaneResponse PlaneResponse::elevation(const ElevationSources& sources,
+                                       const PulseBand& band,
+                                       const InPlaneExcess& excess) {
   PlaneResponse response(band);
   const Phasors one = response.phasors(1.0 / static_cast<double>(sources.height_m.size()), 0);
   for (std::size_t i = 0; i < sources.height_m.size(); ++i) {
-    response.sources_.push_back({0,
-                                 static_cast<float>(sources.height_m[i]),
-                                 1,
-                                 0,
-                                 static_cast<float>(sources.lens_m[i]),
-                                 one,
-                                 one});
+    const auto add = [&](double excess_m, const Phasors& transmit, const Phasors& receive) {
+      // Farther by the excess, whose own phase belongs to the image plane.
+      response.sources_.push_back({static_cast<float>(-excess_m),
+                                   static_cast<float>(sources.height_m[i]),
+                                   1,
+                                   0,
+                                   static_cast<float>(sources.lens_m[i] - excess_m),
+                                   transmit,
+                                   receive});
+    };
+    add(excess.sent_m, one, {});
+    add(excess.received_m, {}, one);
   }
   return response;
 }

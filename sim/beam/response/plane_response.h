@@ -1,6 +1,7 @@
 // The two-way response of the probe to a point scatterer, in the image plane or across it, by
 // summation over the sources of that plane. The echo of a point off both axes is very nearly the
-// product of the two, because sources lie on a face whose depth is small against the range.
+// product of the two. Across it the sum depends on the way in the image plane, which differs from
+// element to element: it is taken at the mean of those ways, which holds to first order.
 #pragma once
 
 #include <span>
@@ -17,6 +18,21 @@ struct PlanePoint {
   double offset_m;
 };
 
+/// Ways in the image plane between the elements and a point on the stick's axis: how much longer
+/// than its range, on average.
+struct InPlaneExcess {
+  double sent_m = 0;
+  double received_m = 0;
+
+  InPlaneExcess() = default;
+  /// Of a point at `range_m`: means over the elements by their shares in the sum of the centre's
+  /// frequency.
+  InPlaneExcess(const StickAperture& aperture,
+                const hw::AcquisitionPlan& plan,
+                const PulseBand& band,
+                double range_m);
+};
+
 /// One stick at one range: the focus of transmission that serves it, and receive focus there.
 class PlaneResponse {
  public:
@@ -26,8 +42,10 @@ class PlaneResponse {
                                const hw::AcquisitionPlan& plan,
                                const PulseBand& band,
                                double range_m);
-  /// Across it: the lens's fixed focus on both ways.
-  static PlaneResponse elevation(const ElevationSources& sources, const PulseBand& band);
+  /// Across it: the lens's fixed focus on both ways. `excess`: of the range of its points.
+  static PlaneResponse elevation(const ElevationSources& sources,
+                                 const PulseBand& band,
+                                 const InPlaneExcess& excess);
 
   /// Responses at the nodes of the band, without the phase of the way along the stick,
   /// exp(-2 i k axial). Not normalised: sums over sources.

@@ -45,12 +45,16 @@ BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
 
 BeamPlane BeamPlane::elevation(const hw::AcquisitionPlan& plan,
                                const PulseBand& band,
+                               Apodisation apodisation,
                                const BeamReach& reach) {
   BeamPlane plane(plan, band, reach, false);
-  PlaneResponse response = PlaneResponse::elevation(ElevationSources(plan), band);
+  const ElevationSources lens(plan);
+  const StickAperture middle(plan, apodisation, 0);
   const double height_m = plan.probe().element_height_m;
   const double focus_m = plan.probe().elevation_focus_m;
-  plane.response_ = [response](double) { return response; };
+  plane.response_ = [&plan, band, lens, middle](double range_m) {
+    return PlaneResponse::elevation(lens, band, InPlaneExcess(middle, plan, band, range_m));
+  };
   plane.aperture_m_ = [height_m](double) { return height_m; };
   plane.shadow_m_ = [=](double range_m) { return height_m * std::abs(1 - range_m / focus_m); };
   return plane;

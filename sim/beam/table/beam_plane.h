@@ -27,6 +27,7 @@ class BeamPlane {
                            const BeamReach& reach);
   static BeamPlane elevation(const hw::AcquisitionPlan& plan,
                              const PulseBand& band,
+                             Apodisation apodisation,
                              const BeamReach& reach);
 
   /// Largest offset at a range: where the given share of the power lies beyond, but at least most

@@ -162,7 +162,7 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
     return BeamPlane::lateral(
         plan, band_, apodisation, angles.first_rad + angle * angles.step_rad, reach);
   };
-  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band_, reach));
+  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band_, apodisation, reach));
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
   power_m2_ = middle.power_m2;
   lateral_.resize(static_cast<std::size_t>(angles.count));

@@ -26,7 +26,7 @@ PulseBand::Values at(const PlaneResponse& response, double axial_m, double offse
 
 TEST(PlaneResponse, InItsFocusALensMakesASquaredSinc) {
   const PulseBand band(plan());
-  const auto response = PlaneResponse::elevation(ElevationSources(plan()), band);
+  const auto response = PlaneResponse::elevation(ElevationSources(plan()), band, {});
   const auto& probe = plan().probe();
   const auto axis = at(response, probe.elevation_focus_m, 0);
   for (double offset_m : {0.3e-3, 1e-3, 1.7e-3, 2.9e-3}) {

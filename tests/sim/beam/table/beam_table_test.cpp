@@ -112,8 +112,10 @@ TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
   const BeamTable table(plan(), GetParam());
   const double beyond = GetParam() == BeamShape::main_lobe ? 0.008 : 5e-5;
   const PulseBand band(plan());
-  const auto response = PlaneResponse::elevation(ElevationSources(plan()), band);
   for (int row = 20; row < table.rows(); row += 23) {
+    const InPlaneExcess excess(
+        StickAperture(plan(), Apodisation::rectangular, 0), plan(), band, middle_m(table, row));
+    const auto response = PlaneResponse::elevation(ElevationSources(plan()), band, excess);
     const double reach_m = table.reach_m(table.elevation(), row);
     double within = 0, outside = 0;
     std::vector<PlanePoint> points;
