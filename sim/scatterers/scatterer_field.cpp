@@ -21,7 +21,7 @@ class ScattererSearch {
                   const TimedRay& line,
                   double to_m)
       : scene_(scene),
-        lateral_(scene.table.lateral()[scene.table.lateral_of(stick_angle_rad(line.ray))]),
+        beam_(scene.beam(line.ray)),
         transform_(transform),
         line_(line),
         to_m_(to_m) {}
@@ -37,7 +37,9 @@ class ScattererSearch {
       cell.key = hash_cell_key(block_key, static_cast<std::uint32_t>(number));
       cell.side_m = cell_m;
       cell.low_corner_m = corner + cell_m * cell_coordinates(number, octave_cells.divisions);
-      cell.row = scene_.table.row(transform_.to_beam(cell.low_corner_m + 0.5 * cell_m).x);
+      const double center_m = transform_.to_beam(cell.low_corner_m + 0.5 * cell_m).x;
+      cell.center_m = static_cast<float>(center_m);
+      cell.row = scene_.table.row(center_m);
       for (int i = 0; i < gain(cell).count; ++i) add(block, cell, i, found);
     }
   }
@@ -49,7 +51,8 @@ class ScattererSearch {
     std::uint32_t key = 0;
     double side_m = 0;
     glm::dvec3 low_corner_m{0};  ///< at rest
-    int row = 0;                 ///< of the beam's table, at its centre
+    float center_m = 0;          ///< range of its centre
+    int row = 0;                 ///< of the beam's table, there
   };
 
   const OctaveAtRow& gain(const HashCell& cell) const {
@@ -65,7 +68,7 @@ class ScattererSearch {
         cell.low_corner_m +
         cell.side_m * scatterer_position(cell.key, static_cast<std::uint32_t>(scatterer));
     const glm::dvec3 beam = transform_.to_beam(rest);
-    if (!within_beam(beam, cell.row)) return;
+    if (!within_beam(beam, cell)) return;
     const glm::dvec3 along = transform_.to_rest(beam + glm::dvec3(1e-4, 0, 0)) - rest;
     const float amplitude =
         scatterer_sign(scatterer_bits(cell.key, static_cast<std::uint32_t>(scatterer))) *
@@ -76,15 +79,16 @@ class ScattererSearch {
     found.push_back({scene_.tissue.from_rest(rest, line_.time_s), amplitude});
   }
 
-  bool within_beam(const glm::dvec3& beam, int row) const {
+  bool within_beam(const glm::dvec3& beam, const HashCell& cell) const {
     if (beam.x <= 0 || beam.x >= to_m_) return false;
-    const double u = std::abs(beam.y) / scene_.table.reach_m(lateral_, row);
-    const double v = std::abs(beam.z) / scene_.table.reach_m(scene_.table.elevation(), row);
-    return (scene_.rim == BeamRim::ellipse ? std::hypot(u, v) : u + v) < 1;
+    const BeamAtRow& at = beam_.rows[static_cast<std::size_t>(cell.row)];
+    const double u = std::abs(beam.y * static_cast<double>(at.lateral_columns_at(cell.center_m)));
+    const double v = std::abs(beam.z * static_cast<double>(at.elevation_columns_at(cell.center_m)));
+    return (scene_.rim == BeamRim::ellipse ? std::hypot(u, v) : u + v) < scene_.table.columns();
   }
 
   const ScattererScene& scene_;
-  const BeamTable::Direction& lateral_;
+  const StickBeam& beam_;
   const StickTransform& transform_;
   const TimedRay& line_;
   double to_m_;

@@ -198,8 +198,14 @@ std::vector<BeamAtRow> ScattererScene::rows_of(const BeamTable::Direction& later
         line_around(table, row, [&](std::size_t i) { return lateral_rows[i].curvature_per_m; });
     const Line elevation =
         line_around(table, row, [&](std::size_t i) { return elevation_rows[i].curvature_per_m; });
-    rows.push_back({sign * lateral_rows[static_cast<std::size_t>(row)].columns_per_m,
-                    elevation_rows[static_cast<std::size_t>(row)].columns_per_m,
+    const Line lateral_columns = line_around(
+        table, row, [&](std::size_t i) { return sign * lateral_rows[i].columns_per_m; });
+    const Line elevation_columns =
+        line_around(table, row, [&](std::size_t i) { return elevation_rows[i].columns_per_m; });
+    rows.push_back({lateral_columns.at_face,
+                    lateral_columns.slope_per_m,
+                    elevation_columns.at_face,
+                    elevation_columns.slope_per_m,
                     delay.at_face,
                     1 + delay.slope_per_m,
                     tilt.at_face,

@@ -14,12 +14,14 @@ namespace wobblebench::sim {
 struct MixedCell;
 
 /// The beam for hash cells whose centre lies in one row of its table. Apparent range: delay +
-/// range_scale * axial + tilt * offset + curvature * offset^2 for both directions, where tilt and
-/// curvature are linear in the axial position; the elevation has no tilt. Columns are those of the
-/// table, of offsets on the positive side.
+/// range_scale * axial + tilt * offset + curvature * offset^2 for both directions; the elevation has
+/// no tilt. Columns are those of the table, of offsets on the positive side. Columns, tilt and
+/// curvature are linear in the axial position, so that the beam is as wide as at the cell's centre.
 struct alignas(32) BeamAtRow {
   float lateral_columns_per_m = 0;  ///< negative where the beam is the table's mirror image
+  float lateral_columns_slope_per_m2 = 0;
   float elevation_columns_per_m = 0;
+  float elevation_columns_slope_per_m2 = 0;
   float delay_m = 0;
   float range_scale = 1;
   float lateral_tilt = 0;
@@ -29,6 +31,13 @@ struct alignas(32) BeamAtRow {
   float elevation_curvature_per_m = 0;
   float elevation_curvature_slope_per_m2 = 0;
   std::uint32_t first_index = 0;  ///< first_table_index()
+
+  float lateral_columns_at(float axial_m) const {
+    return lateral_columns_per_m + lateral_columns_slope_per_m2 * axial_m;
+  }
+  float elevation_columns_at(float axial_m) const {
+    return elevation_columns_per_m + elevation_columns_slope_per_m2 * axial_m;
+  }
 };
 
 /// Of the first entry of a row of the tables in each direction.
