@@ -10,7 +10,8 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
-/// Of the logarithm of the density along the stick: tissue that moves along it keeps its scatterers.
+/// Of the logarithm of the density along the stick: tissue that moves along it keeps its
+/// scatterers.
 constexpr double kMostChange_per_m = 30;
 
 /// Smallest and largest resolution cell at any range.
@@ -144,8 +145,7 @@ void ScattererScene::compute_octave_gains(double per_cell) {
   for (auto& gain : gains) gain.contributes.assign(static_cast<std::size_t>(table.rows()), 0);
   const std::vector<double> needed = needed_per_m3(per_cell);
   for (int row = 0; row < table.rows(); ++row) {
-    const std::vector<OctaveAtRow> octaves =
-        octaves_at(row, needed[static_cast<std::size_t>(row)]);
+    const std::vector<OctaveAtRow> octaves = octaves_at(row, needed[static_cast<std::size_t>(row)]);
     for (std::size_t i = 0; i < gains.size(); ++i) {
       OctaveGain& gain = gains[i];
       gain.rows.push_back(octaves[i]);

@@ -264,11 +264,12 @@ HashAxes StickScan::locate_deforming_cell(const Block& block,
 
 void StickScan::project_homogeneous(HashCellQueue& queue, const HashAxes& axes, int octave) {
   EchoQueue& echoes = buffers_.echoes;
-  echoes.commit(project_scatterers(queue.cells(),
-                                   static_cast<int>(queue.count),
-                                   axes,
-                                   scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
-                                   echoes.reserve(queue.count * kScatterersInCell)));
+  echoes.commit(
+      project_scatterers(queue.cells(),
+                         static_cast<int>(queue.count),
+                         axes,
+                         scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
+                         echoes.reserve(queue.count * kScatterersInCell)));
   queue.count = 0;
 }
 
@@ -283,12 +284,13 @@ void StickScan::project_mixed(HashCellQueue& queue,
     __builtin_prefetch(queue.blocks[i]->interfaces.data() + queue.mixed[i]->first_interface);
   }
   MixedCellHits mixed{queue.mixed.data(), buffers_.hits.data()};
-  const int count = project_scatterers(queue.cells(),
-                                       static_cast<int>(queue.count),
-                                       axes,
-                                       scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
-                                       projected,
-                                       &mixed);
+  const int count =
+      project_scatterers(queue.cells(),
+                         static_cast<int>(queue.count),
+                         axes,
+                         scene_.projection(beam_, &scene_.gains[static_cast<std::size_t>(octave)]),
+                         projected,
+                         &mixed);
   for (int i = 0; i < mixed.hit_count; ++i) {
     const InterfaceHit& hit = buffers_.hits[static_cast<std::size_t>(i)];
     const auto cell = static_cast<std::size_t>(hit.cell);

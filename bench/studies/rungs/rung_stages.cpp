@@ -151,8 +151,7 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   std::optional<sim::ScattererField> scatterers;
   if (rung == sim::Rung::scatterers) {
     const auto course = sim::mean_frequency(subject, scene.plan, options);
-    scatterers.emplace(
-        subject, scene.plan, options, sim::ScattererSettings::of(options, course));
+    scatterers.emplace(subject, scene.plan, options, sim::ScattererSettings::of(options, course));
   }
 
   Worker worker(scene, subject, options);

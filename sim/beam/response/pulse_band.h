@@ -74,8 +74,8 @@ class PulseBand {
 
     /// `cut`: where the band ends, below which a spectrum that has fallen has nothing.
     Rule(double lowest, double cut);
-    /// phi of all nodes, `x` sigmas of the pulse behind the echo's range, of a spectrum whose centre
-    /// is `down` lower.
+    /// phi of all nodes, `x` sigmas of the pulse behind the echo's range, of a spectrum whose
+    /// centre is `down` lower.
     Values pulses_at(double x, double down) const;
 
    private:

@@ -155,14 +155,15 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
   const StickAngles angles(plan);
   first_angle_rad_ = angles.first_rad;
   angle_step_rad_ = angles.step_rad;
-  const BeamReach reach{
-      shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond, course};
+  const BeamReach reach{shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond,
+                        course};
   const DirectionWriter writer(band_, count, columns_, rows_per_m_);
   const auto in_plane = [&](int angle) {
     return BeamPlane::lateral(
         plan, band_, apodisation, angles.first_rad + angle * angles.step_rad, reach);
   };
-  const MiddleStick middle(writer, in_plane(0), BeamPlane::elevation(plan, band_, apodisation, reach));
+  const MiddleStick middle(
+      writer, in_plane(0), BeamPlane::elevation(plan, band_, apodisation, reach));
   elevation_ = writer.write(middle.elevation, middle.elevation_scale);
   power_m2_ = middle.power_m2;
   lateral_.resize(static_cast<std::size_t>(angles.count));

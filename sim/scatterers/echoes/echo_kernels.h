@@ -46,8 +46,8 @@ struct BinSeries {
 /// Samples that convolve_bins() makes at a time.
 inline constexpr int kConvolved = 16;
 
-/// sample[m] = sum over nodes and t of taps[node][t] * values[node][first + m + t], complex. `taps`:
-/// [node][real, imaginary part][tap_count].
+/// sample[m] = sum over nodes and t of taps[node][t] * values[node][first + m + t], complex.
+/// `taps`: [node][real, imaginary part][tap_count].
 void convolve_bins(const BinSeries& bins, const float* taps, int first, float* re, float* im);
 
 }  // namespace wobblebench::sim

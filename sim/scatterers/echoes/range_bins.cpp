@@ -44,10 +44,7 @@ void RangeBins::add(const ProjectedScatterers& scatterers,
   add_echoes(scatterers, count, constants, bins_.data());
 }
 
-void RangeBins::sort(const PulseTaps& taps,
-                     int count,
-                     const EchoLosses& losses,
-                     std::size_t room) {
+void RangeBins::sort(const PulseTaps& taps, int count, const EchoLosses& losses, std::size_t room) {
   const auto groups = static_cast<std::size_t>(taps.groups());
   sorted_.assign(2 * static_cast<std::size_t>(taps.nodes()) * room, 0.0f);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {

@@ -14,8 +14,8 @@ namespace wobblebench::sim {
 struct MixedCell;
 
 /// The beam for hash cells whose centre lies in one row of its table. Apparent range: delay +
-/// range_scale * axial + tilt * offset + curvature * offset^2 for both directions; the elevation has
-/// no tilt. Columns are those of the table, of offsets on the positive side. Columns, tilt and
+/// range_scale * axial + tilt * offset + curvature * offset^2 for both directions; the elevation
+/// has no tilt. Columns are those of the table, of offsets on the positive side. Columns, tilt and
 /// curvature are linear in the axial position, so that the beam is as wide as at the cell's centre.
 struct alignas(32) BeamAtRow {
   float lateral_columns_per_m = 0;  ///< negative where the beam is the table's mirror image

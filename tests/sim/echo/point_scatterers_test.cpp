@@ -105,8 +105,8 @@ TEST_P(PointsOnRung, ItsEchoIsLostOnTheWayThereAndBack) {
   // exp(-b f) over a Gaussian band of sigma s has exp(b^2 s^2 / 2) times the loss of its centre.
   const double per_mhz = 2 * 0.5 * 7.5 * std::log(10.0) / 20, sigma_mhz = 0.6 * 3.5 / 2.3548;
   const double band = std::exp(0.5 * per_mhz * per_mhz * sigma_mhz * sigma_mhz);
-  // The closed form has no beam. By tests/yardstick/attenuation.csv, which `reference` leaves out, a
-  // lower pulse's is 0.29 dB louder on the axis here.
+  // The closed form has no beam. By tests/yardstick/attenuation.csv, which `reference` leaves out,
+  // a lower pulse's is 0.29 dB louder on the axis here.
   const double beam = GetParam() == Rung::reference ? 1 : amplitude_of_db(0.29);
   EXPECT_NEAR(peak.amplitude / (0.5 * amplitude_of_db(-loss_db) * band * beam), 1, 0.03);
 }

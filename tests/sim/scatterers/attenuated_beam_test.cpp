@@ -124,9 +124,8 @@ TEST(AttenuatedBeam, APointOutOfFocusIsAsLoudAsTheElementSumSays) {
     for (const auto& row : yardstick("attenuation")) {
       const double range_m = row.number("depth_mm") * 1e-3;
       if (range_m < 30e-3 || row.number("alpha_db_cm_mhz") != alpha) continue;
-      EXPECT_NEAR(points.level_db(range_m) - unattenuated.level_db(range_m),
-                  row.number("level_db"),
-                  0.5)
+      EXPECT_NEAR(
+          points.level_db(range_m) - unattenuated.level_db(range_m), row.number("level_db"), 0.5)
           << range_m << " " << alpha;
     }
   }

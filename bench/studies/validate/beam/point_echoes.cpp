@@ -31,8 +31,8 @@ PointEchoes::PointEchoes(sim::Rung rung,
     const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
     add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
   } else {
-    const auto settings = sim::ScattererSettings::of(
-        options, {plan.sample_spacing_m(), loss_.frequency_ratio});
+    const auto settings =
+        sim::ScattererSettings::of(options, {plan.sample_spacing_m(), loss_.frequency_ratio});
     const auto field =
         std::make_shared<const sim::ScattererField>(subject, plan, options, settings);
     add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };

@@ -18,16 +18,13 @@ struct WayLoss {
   std::vector<float> frequency_ratio;  ///< of its centre
 };
 
-/// Points in fluid that does not echo, each stick with the same loss on its way. Const functions may be called from several
-/// threads.
+/// Points in fluid that does not echo, each stick with the same loss on its way. Const functions
+/// may be called from several threads.
 class PointEchoes {
  public:
   /// Rungs `scatterers` and `reference`. The plan's samples must be so fine that IQ samples are not
   /// finer: std::invalid_argument.
-  PointEchoes(sim::Rung rung,
-              const hw::AcquisitionPlan& plan,
-              bool side_lobes,
-              WayLoss loss = {});
+  PointEchoes(sim::Rung rung, const hw::AcquisitionPlan& plan, bool side_lobes, WayLoss loss = {});
 
   /// Of the stick at these angles, at the plan's samples; 1 is the peak for a point of amplitude 1
   /// on the middle stick at the same range.
