@@ -50,22 +50,6 @@ OctaveAtRow octave_at_row(double share, double full_power) {
   return at;
 }
 
-/// A table column near a row, as a straight line over the range through the row's two neighbours.
-struct Line {
-  float at_face;
-  float slope_per_m;
-};
-
-template <class Value>
-Line line_around(const BeamTable& table, int row, const Value& value) {
-  const int before = std::max(row - 1, 0), behind = std::min(row + 1, table.rows() - 1);
-  const auto at = [&](int i) { return static_cast<double>(value(static_cast<std::size_t>(i))); };
-  const double slope =
-      (at(behind) - at(before)) * table.rows_per_m() / std::max(1, behind - before);
-  const double range_m = (row + 0.5) / table.rows_per_m();
-  return {static_cast<float>(at(row) - slope * range_m), static_cast<float>(slope)};
-}
-
 }  // namespace
 
 ScattererScene::ScattererScene(const ScannedTissue& scanned,
@@ -189,32 +173,35 @@ std::vector<BeamAtRow> ScattererScene::rows_of(const BeamTable::Direction& later
   const float sign = mirrored ? -1.0f : 1.0f;
   std::vector<BeamAtRow> rows;
   for (int row = 0; row < table.rows(); ++row) {
-    const Line delay = line_around(table, row, [&](std::size_t i) {
-      return lateral_rows[i].delay_m + elevation_rows[i].delay_m;
+    BeamAtRow at;
+    const auto line = [&](float& at_face, float& slope, const auto& value) {
+      const RowLine found = line_around(row, table.rows(), table.rows_per_m(), value);
+      at_face = static_cast<float>(found.at_face);
+      slope = static_cast<float>(found.slope_per_m);
+    };
+    using Row = std::size_t;
+    line(at.delay_m, at.range_scale, [&](Row i) {
+      return static_cast<double>(lateral_rows[i].delay_m) +
+             static_cast<double>(elevation_rows[i].delay_m);
     });
-    const Line tilt =
-        line_around(table, row, [&](std::size_t i) { return sign * lateral_rows[i].tilt; });
-    const Line curvature =
-        line_around(table, row, [&](std::size_t i) { return lateral_rows[i].curvature_per_m; });
-    const Line elevation =
-        line_around(table, row, [&](std::size_t i) { return elevation_rows[i].curvature_per_m; });
-    const Line lateral_columns = line_around(
-        table, row, [&](std::size_t i) { return sign * lateral_rows[i].columns_per_m; });
-    const Line elevation_columns =
-        line_around(table, row, [&](std::size_t i) { return elevation_rows[i].columns_per_m; });
-    rows.push_back({lateral_columns.at_face,
-                    lateral_columns.slope_per_m,
-                    elevation_columns.at_face,
-                    elevation_columns.slope_per_m,
-                    delay.at_face,
-                    1 + delay.slope_per_m,
-                    tilt.at_face,
-                    tilt.slope_per_m,
-                    curvature.at_face,
-                    curvature.slope_per_m,
-                    elevation.at_face,
-                    elevation.slope_per_m,
-                    first_table_index(row, table.columns())});
+    at.range_scale += 1;
+    line(at.lateral_columns_per_m, at.lateral_columns_slope_per_m2, [&](Row i) {
+      return sign * lateral_rows[i].columns_per_m;
+    });
+    line(at.elevation_columns_per_m, at.elevation_columns_slope_per_m2, [&](Row i) {
+      return elevation_rows[i].columns_per_m;
+    });
+    line(at.lateral_tilt, at.lateral_tilt_slope_per_m, [&](Row i) {
+      return sign * lateral_rows[i].tilt;
+    });
+    line(at.lateral_curvature_per_m, at.lateral_curvature_slope_per_m2, [&](Row i) {
+      return lateral_rows[i].curvature_per_m;
+    });
+    line(at.elevation_curvature_per_m, at.elevation_curvature_slope_per_m2, [&](Row i) {
+      return elevation_rows[i].curvature_per_m;
+    });
+    at.first_index = first_table_index(row, table.columns());
+    rows.push_back(at);
   }
   return rows;
 }

@@ -25,12 +25,10 @@ struct Part {
 /// One direction across the beam. Of a table of one side, the other is its mirror image.
 class Across {
  public:
-  Across(const sim::BeamTable& beam, const sim::BeamTable::Direction& direction, int groups)
+  Across(const sim::BeamTable& beam, const sim::BeamTable::Direction& direction)
       : beam_(beam),
         direction_(direction),
-        groups_(static_cast<std::size_t>(groups)),
-        columns_(direction.values.size() / direction.rows.size() / groups_),
-        both_sides_(columns_ == 2 * static_cast<std::size_t>(beam.columns())) {}
+        both_sides_(direction.part_columns == 2 * beam.columns()) {}
 
   /// Places on the surface, which lies elsewhere in the table than the axis does.
   std::vector<Part> parts(double range_m, double slope) const {
@@ -40,15 +38,16 @@ class Across {
     const int side = static_cast<int>(kWidest * beam_.columns());
     for (int i = -side; i < side; ++i) {
       const double offset_m = (i + 0.5) * step_m;
-      const int row = beam_.row(range_m + slope * offset_m);
-      const double reach = std::abs(offset_m) / beam_.reach_m(direction_, row);
-      if (reach < 1) result.push_back(part(row, offset_m, slope, reach));
+      const double at_m = range_m + slope * offset_m;
+      const double reach = std::abs(offset_m) / beam_.reach_m(direction_, beam_.row(at_m));
+      if (reach < 1) result.push_back(part(at_m, offset_m, slope, reach));
     }
     return result;
   }
 
  private:
-  Part part(int row, double offset_m, double slope, double reach) const {
+  Part part(double range_m, double offset_m, double slope, double reach) const {
+    const int row = beam_.row(range_m);
     const sim::BeamRow& at = direction_.rows[static_cast<std::size_t>(row)];
     const auto tilt = static_cast<double>(at.tilt);
     const auto curvature_per_m = static_cast<double>(at.curvature_per_m);
@@ -58,11 +57,11 @@ class Across {
     const double column =
         (both_sides_ ? offset_m : std::abs(offset_m)) * static_cast<double>(at.columns_per_m) +
         (both_sides_ ? beam_.columns() : 0);
-    const std::size_t first =
-        groups_ * (columns_ * static_cast<std::size_t>(row) + static_cast<std::size_t>(column));
+    const sim::BandValues* values =
+        direction_.at(row, beam_.part(range_m, direction_.parts), static_cast<int>(column));
     constexpr std::size_t kGroup = sim::BandValues::kNodes;
-    for (std::size_t n = 0; n < groups_ * kGroup; ++n) {
-      const sim::BandValues& value = direction_.values[first + n / kGroup];
+    for (std::size_t n = 0; n < result.response.size(); ++n) {
+      const sim::BandValues& value = values[n / kGroup];
       result.response[n] = std::complex<double>(value.re[n % kGroup], value.im[n % kGroup]);
     }
     return result;
@@ -71,8 +70,6 @@ class Across {
   static constexpr double kWidest = 1.5;  ///< over its reach at the axis
   const sim::BeamTable& beam_;
   const sim::BeamTable::Direction& direction_;
-  std::size_t groups_;
-  std::size_t columns_;
   bool both_sides_;
 };
 
@@ -208,8 +205,8 @@ EdgePair beam_pair(const sim::BeamTable& beam,
                    double spacing_m) {
   // Lateral offsets count away from the middle of the sector.
   const double side = place.theta_rad < 0 ? -1 : 1;
-  const Across lateral(beam, beam.lateral()[beam.lateral_of(place.theta_rad)], band.groups());
-  const Across elevation(beam, beam.elevation(), band.groups());
+  const Across lateral(beam, beam.lateral()[beam.lateral_of(place.theta_rad)]);
+  const Across elevation(beam, beam.elevation());
   const Footprint footprint(lateral.parts(place.range_m, side * slope.lateral),
                             elevation.parts(place.range_m, slope.elevation),
                             static_cast<std::size_t>(band.nodes()));

@@ -92,10 +92,6 @@ std::array<double, PulseBand::kNodes> PulseBand::weights(double frequency_ratio)
   return weights;
 }
 
-double PulseBand::weight(int node, double frequency_ratio) const {
-  return weights(frequency_ratio)[static_cast<std::size_t>(node)];
-}
-
 double PulseBand::peak(const Values& response) const {
   constexpr auto count = static_cast<std::size_t>(kNodes);
   double largest = 0;

@@ -52,9 +52,10 @@ class PulseBand {
   double wavenumber_per_m(int node) const { return center_per_m_ + offset_per_m(node); }
   /// Distance of a node from the centre of the band.
   double offset_per_m(int node) const;
-  /// Share of a node in a mean over the pulse's power spectrum, its centre at `frequency_ratio` of
-  /// the one sent.
-  double weight(int node, double frequency_ratio = 1) const;
+  /// Shares of the nodes in a mean over the pulse's power spectrum, its centre at `frequency_ratio`
+  /// of the one sent.
+  std::array<double, kNodes> weights(double frequency_ratio = 1) const;
+  double weight(int node) const { return rule_->gauss.weights()[static_cast<std::size_t>(node)]; }
 
   /// phi of all nodes at a distance behind the echo's range, demodulated by the centre sent. Of a
   /// flat response they make a peak of 1; at a lower centre of 1 less what lies below kLowest.
@@ -90,7 +91,6 @@ class PulseBand {
   double down(double frequency_ratio) const {
     return (1 - frequency_ratio) * center_per_m_ * 2 * sigma_m_;
   }
-  std::array<double, kNodes> weights(double frequency_ratio) const;
 
   double sigma_m_;
   double center_per_m_;

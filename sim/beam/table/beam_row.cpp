@@ -80,16 +80,19 @@ RowDelay fit_delay(const SampledRow& row, const PulseBand& band) {
   return {fit[0], fit[1] / row.reach_m, fit[2] / (row.reach_m * row.reach_m)};
 }
 
-AlignedRow aligned(const SampledRow& row, const PulseBand& band, double scale) {
-  AlignedRow result{row.reach_m, fit_delay(row, band), row.values};
-  for (std::size_t c = 0; c < row.values.size(); ++c) {
-    const double delay_m = result.delay.at(row.offset_m(c));
+std::vector<PulseBand::Values> aligned(const SampledRow& row,
+                                       const RowDelay& delay,
+                                       const PulseBand& band,
+                                       double scale) {
+  std::vector<PulseBand::Values> values = row.values;
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    const double delay_m = delay.at(row.offset_m(c));
     for (int node = 0; node < band.nodes(); ++node) {
-      result.values[c][static_cast<std::size_t>(node)] *=
+      values[c][static_cast<std::size_t>(node)] *=
           std::polar(scale, 2 * band.wavenumber_per_m(node) * delay_m);
     }
   }
-  return result;
+  return values;
 }
 
 }  // namespace wobblebench::sim

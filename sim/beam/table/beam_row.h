@@ -47,12 +47,10 @@ struct RowDelay {
 /// Least-squares parabola through the group delays, weighted by power.
 RowDelay fit_delay(const SampledRow& row, const PulseBand& band);
 
-/// A row whose responses are without its delay.
-struct AlignedRow {
-  double reach_m = 0;
-  RowDelay delay;
-  std::vector<PulseBand::Values> values;
-};
-AlignedRow aligned(const SampledRow& row, const PulseBand& band, double scale);
+/// A row's responses without a delay, times `scale`.
+std::vector<PulseBand::Values> aligned(const SampledRow& row,
+                                       const RowDelay& delay,
+                                       const PulseBand& band,
+                                       double scale);
 
 }  // namespace wobblebench::sim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "base/units.h"
@@ -17,11 +18,25 @@ constexpr int kMinRows = 16;
 constexpr int kColumns = 40;  // an error of -38 dB, from using the middle of the column
 constexpr int kSideLobeColumns = 96;
 static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
+static_assert(kMaxRows * BeamTable::kElevationParts * kSideLobeColumns <= BeamTable::kMaxEntries);
 /// Share of the beam's power that the reach in each direction leaves out.
 constexpr double kPowerBeyond = 8e-3;
 constexpr double kPowerBeyondSideLobes = 5e-5;
 /// Least angle between the sticks that have lateral tables.
 constexpr double kAngleStep_rad = 0.3 * kDegree;
+
+/// Integral over a row of the power at a node.
+double power_m(const SampledRow& row, std::size_t node) {
+  double sum = 0;
+  for (const auto& value : row.values) sum += std::norm(value[node]);
+  return (row.both_sides ? 1 : 2) * row.step_m() * sum;
+}
+
+double largest_amplitude(const SampledRow& row, const PulseBand& band) {
+  double largest = 0;
+  for (const auto& value : row.values) largest = std::max(largest, band.power(value));
+  return std::sqrt(largest);
+}
 
 /// Writes a direction.
 class DirectionWriter {
@@ -42,23 +57,52 @@ class DirectionWriter {
     return sampled;
   }
 
-  /// `scale`: of each row.
+  /// In the image plane. `scale`: of each row.
   BeamTable::Direction write(const std::vector<SampledRow>& sampled,
                              const std::vector<double>& scale) const {
-    BeamTable::Direction direction;
+    BeamTable::Direction direction{.part_columns = 2 * columns_};
     for (std::size_t row = 0; row < sampled.size(); ++row) {
-      append(aligned(sampled[row], band_, scale[row]), direction);
+      const RowDelay delay = fit_delay(sampled[row], band_);
+      direction.rows.push_back(beam_row(sampled[row].reach_m, delay));
+      append(aligned(sampled[row], delay, band_, scale[row]), direction);
+    }
+    return direction;
+  }
+
+  /// Across it: the parts of each row, whose reach and delay lie on the row's lines.
+  BeamTable::Direction write_parts(const std::vector<SampledRow>& sampled,
+                                   const BeamPlane& plane) const {
+    BeamTable::Direction direction{.parts = BeamTable::kElevationParts, .part_columns = columns_};
+    for (const SampledRow& row : sampled) {
+      direction.rows.push_back(beam_row(row.reach_m, fit_delay(row, band_)));
+    }
+    for (int row = 0; row < rows_; ++row) {
+      const auto line = [&](float BeamRow::*member) {
+        return line_around(
+            row, rows_, rows_per_m_, [&](std::size_t i) { return direction.rows[i].*member; });
+      };
+      for (int part = 0; part < direction.parts; ++part) {
+        const double at_m = (row + (part + 0.5) / direction.parts) / rows_per_m_;
+        const double reach_m = columns_ / line(&BeamRow::columns_per_m).at(at_m);
+        const RowDelay delay{
+            line(&BeamRow::delay_m).at(at_m), 0, line(&BeamRow::curvature_per_m).at(at_m)};
+        const SampledRow here = plane.sample(at_m, reach_m, columns_);
+        append(aligned(here, delay, band_, 1 / largest_amplitude(here, band_)), direction);
+      }
     }
     return direction;
   }
 
  private:
-  void append(const AlignedRow& row, BeamTable::Direction& to) const {
-    to.rows.push_back({static_cast<float>(columns_ / row.reach_m),
-                       static_cast<float>(row.delay.delay_m),
-                       static_cast<float>(row.delay.tilt),
-                       static_cast<float>(row.delay.curvature_per_m)});
-    for (const PulseBand::Values& from : row.values) {
+  BeamRow beam_row(double reach_m, const RowDelay& delay) const {
+    return {static_cast<float>(columns_ / reach_m),
+            static_cast<float>(delay.delay_m),
+            static_cast<float>(delay.tilt),
+            static_cast<float>(delay.curvature_per_m)};
+  }
+
+  void append(const std::vector<PulseBand::Values>& row, BeamTable::Direction& to) const {
+    for (const PulseBand::Values& from : row) {
       for (int node = 0; node < band_.nodes(); ++node) {
         const int lane = node % BandValues::kNodes;
         if (lane == 0) to.values.emplace_back();
@@ -74,19 +118,6 @@ class DirectionWriter {
   int columns_;
   double rows_per_m_;
 };
-
-/// Integral over a row of the power at a node.
-double power_m(const SampledRow& row, std::size_t node) {
-  double sum = 0;
-  for (const auto& value : row.values) sum += std::norm(value[node]);
-  return (row.both_sides ? 1 : 2) * row.step_m() * sum;
-}
-
-double largest_amplitude(const SampledRow& row, const PulseBand& band) {
-  double largest = 0;
-  for (const auto& value : row.values) largest = std::max(largest, band.power(value));
-  return std::sqrt(largest);
-}
 
 /// The middle stick's rows, and what is the same for all sticks.
 struct MiddleStick {
@@ -162,9 +193,9 @@ BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
     return BeamPlane::lateral(
         plan, band_, apodisation, angles.first_rad + angle * angles.step_rad, reach);
   };
-  const MiddleStick middle(
-      writer, in_plane(0), BeamPlane::elevation(plan, band_, apodisation, reach));
-  elevation_ = writer.write(middle.elevation, middle.elevation_scale);
+  const BeamPlane across = BeamPlane::elevation(plan, band_, apodisation, reach);
+  const MiddleStick middle(writer, in_plane(0), across);
+  elevation_ = writer.write_parts(middle.elevation, across);
   power_m2_ = middle.power_m2;
   lateral_.resize(static_cast<std::size_t>(angles.count));
   lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
@@ -180,13 +211,15 @@ int BeamTable::row(double range_m) const {
   return std::clamp(static_cast<int>(range_m * rows_per_m_), 0, rows() - 1);
 }
 
+int BeamTable::part(double range_m, int parts) const {
+  const double within = range_m * rows_per_m_ - row(range_m);
+  return std::clamp(static_cast<int>(within * parts), 0, parts - 1);
+}
+
 double BeamTable::area_m2(int row, double frequency_ratio) const {
   const auto& power_m2 = power_m2_[static_cast<std::size_t>(row)];
-  double area = 0;
-  for (int node = 0; node < band_.nodes(); ++node) {
-    area += band_.weight(node, frequency_ratio) * power_m2[static_cast<std::size_t>(node)];
-  }
-  return area;
+  const auto weights = band_.weights(frequency_ratio);
+  return std::inner_product(power_m2.begin(), power_m2.end(), weights.begin(), 0.0);
 }
 
 double BeamTable::lateral_reach_m(int row) const {

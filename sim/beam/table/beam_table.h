@@ -5,6 +5,7 @@
 // have a lateral table of their own, because part of their aperture is missing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -28,6 +29,22 @@ struct BeamRow {
   float curvature_per_m = 0;
 };
 
+/// A property of rows near one of them, linear over range.
+struct RowLine {
+  double at_face;
+  double slope_per_m;
+
+  double at(double range_m) const { return at_face + slope_per_m * range_m; }
+};
+/// Through the row, as steep as between its neighbours. `value`: of a row.
+template <class Value>
+RowLine line_around(int row, int rows, double rows_per_m, const Value& value) {
+  const int before = std::max(row - 1, 0), behind = std::min(row + 1, rows - 1);
+  const auto at = [&](int i) { return static_cast<double>(value(static_cast<std::size_t>(i))); };
+  const double slope_per_m = (at(behind) - at(before)) * rows_per_m / std::max(1, behind - before);
+  return {at(row) - slope_per_m * (row + 0.5) / rows_per_m, slope_per_m};
+}
+
 class BeamTable {
  public:
   /// Upper bound of the entries in one direction: their index fits 16 bits.
@@ -47,12 +64,26 @@ class BeamTable {
   double rows_per_m() const { return rows_per_m_; }
   /// The row that contains a range, clamped to the table.
   int row(double range_m) const;
+  /// The part of that row, of so many.
+  int part(double range_m, int parts) const;
+
+  /// Parts of a row with elevation responses of their own: across frames the profile changes by
+  /// 8 % for a row, and one table serves all sticks.
+  static constexpr int kElevationParts = 2;
 
   struct Direction {
     std::vector<BeamRow> rows;
-    /// [row][column][group of nodes], at the middle of the column. Lateral: from the largest
-    /// negative offset on, 2 columns() a row; elevation: from the axis on, for both signs.
+    int parts = 1;         ///< of a row, along the stick
+    int part_columns = 0;  ///< of each part
+    /// [row][part][column][group of nodes], at the middle of the part and of the column. Lateral:
+    /// from the largest negative offset on, 2 columns(); elevation: from the axis on, for both
+    /// signs, columns().
     std::vector<BandValues> values;
+
+    const BandValues* at(int row, int part, int column) const {
+      return values.data() +
+             PulseBand::groups() * ((std::ptrdiff_t{row} * parts + part) * part_columns + column);
+    }
   };
   /// Lateral tables for sticks at angles from the middle one outwards, in beam coordinates whose
   /// lateral axis points away from the middle of the sector.

@@ -96,8 +96,11 @@ WOBBLEBENCH_SIMD int look_up_rows(const std::int32_t* rows,
 WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
                                  int count,
                                  float to_center,
+                                 const BeamProjection& projection,
                                  const BatchRows& from,
                                  CellBatch& __restrict batch) {
+  const float rows_per_m = projection.rows_per_m;
+  const std::int32_t columns = projection.columns;
   const BeamAtRow* rows = from.rows;
   const OctaveAtRow* octave = from.octave;
   for (int c = 0; c < count; ++c) {
@@ -117,7 +120,9 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
     batch.partial[c] = octave[c].partial * amplitude[c];
     batch.full_count[c] = octave[c].full_count;
     batch.count[c] = octave[c].count;
-    batch.first_table_index[c] = rows[c].first_index;
+    batch.first_table_index[c] =
+        rows[c].first_index +
+        part_index(batch.axial[c] + to_center, rows_per_m, batch.row[c], columns);
   }
 }
 
@@ -224,7 +229,7 @@ int project_scatterers(const HashCellArrays& cells,
     const HashCellArrays these = cells.from(static_cast<std::size_t>(first));
     load_cells(these, padded_count, axes.to_center, projection, batch);
     const int max_count = look_up_rows(batch.row, batch_size, projection, rows);
-    load_beams(these.amplitude, padded_count, axes.to_center, rows, batch);
+    load_beams(these.amplitude, padded_count, axes.to_center, projection, rows, batch);
     for (int i = 0; i < max_count; ++i) {
       fill_lanes(padded_count, i, axes, projection, batch, lanes);
       if (mixed != nullptr)
@@ -256,7 +261,10 @@ int project_point(const PointScatterer& point,
   projected.range_m[0] = beam.delay_m + beam.range_scale * at.axial +
                          (lateral_tilt + lateral_curvature * at.lateral) * at.lateral +
                          elevation_curvature * at.elevation * at.elevation;
-  projected.table_index[0] = beam.first_index + to_index(u + columns) + (to_index(v) << 16);
+  projected.table_index[0] =
+      beam.first_index +
+      part_index(at.axial, projection.rows_per_m, point.row, projection.columns) +
+      to_index(u + columns) + (to_index(v) << 16);
   projected.amplitude[0] = point.amplitude;
   return projection.rim == BeamRim::ellipse
              ? within_rim<BeamRim::ellipse>(magnitude(u), v, columns)

@@ -7,6 +7,8 @@
 #include <cstdint>
 
 #include "sim/beam/beam_vector.h"
+#include "sim/beam/table/beam_table.h"
+#include "sim/math/simd.h"
 #include "sim/scatterers/echoes/projected_scatterers.h"
 
 namespace wobblebench::sim {
@@ -42,8 +44,17 @@ struct alignas(32) BeamAtRow {
 
 /// Of the first entry of a row of the tables in each direction.
 inline std::uint32_t first_table_index(int row, int columns) {
-  return static_cast<std::uint32_t>(2 * row * columns) | static_cast<std::uint32_t>(row * columns)
+  const int elevation = row * BeamTable::kElevationParts * columns;
+  return static_cast<std::uint32_t>(2 * row * columns) | static_cast<std::uint32_t>(elevation)
                                                              << 16;
+}
+/// Of the part of a row that contains an axial position, after the row's first.
+WOBBLEBENCH_INLINE std::uint32_t part_index(float axial_m, float rows_per_m, int row, int columns) {
+  const float within = axial_m * rows_per_m - static_cast<float>(row);
+  std::int32_t part = static_cast<std::int32_t>(within * BeamTable::kElevationParts);
+  part = part < 0 ? 0 : part;
+  part = part < BeamTable::kElevationParts ? part : BeamTable::kElevationParts - 1;
+  return static_cast<std::uint32_t>(part * columns) << 16;
 }
 
 /// Amplitudes of the scatterers of an octave's cells in one row: the first `full_count` have

@@ -22,21 +22,32 @@ double middle_m(const BeamTable& table, int row) {
   return (row + 0.5) / table.rows_per_m();
 }
 
-/// Stored responses of one place, with their delay.
-PulseBand::Values stored(const BeamTable::Direction& direction,
-                         std::size_t row,
-                         std::size_t column,
-                         std::size_t columns,
+double part_m(const BeamTable& table, const BeamTable::Direction& direction, int row, int part) {
+  return (row + (part + 0.5) / direction.parts) / table.rows_per_m();
+}
+
+/// Stored responses of the middle of a part, with their delay.
+PulseBand::Values stored(const BeamTable& table,
+                         const BeamTable::Direction& direction,
+                         int row,
+                         int part,
+                         int column,
                          double offset_m) {
   const PulseBand band(plan());
-  const BeamRow& at = direction.rows[row];
-  const BandValues* values =
-      direction.values.data() + (row * columns + column) * static_cast<std::size_t>(band.groups());
-  const double delay_m = static_cast<double>(at.delay_m) + static_cast<double>(at.tilt) * offset_m +
-                         static_cast<double>(at.curvature_per_m) * offset_m * offset_m;
+  const double range_m = part_m(table, direction, row, part);
+  const auto property = [&](float BeamRow::*member) {
+    return line_around(row,
+                       table.rows(),
+                       table.rows_per_m(),
+                       [&](std::size_t i) { return direction.rows[i].*member; })
+        .at(range_m);
+  };
+  const double delay_m =
+      property(&BeamRow::delay_m) +
+      (property(&BeamRow::tilt) + property(&BeamRow::curvature_per_m) * offset_m) * offset_m;
   PulseBand::Values result = {};
   for (int node = 0; node < band.nodes(); ++node) {
-    const BandValues& value = values[node / BandValues::kNodes];
+    const BandValues& value = direction.at(row, part, column)[node / BandValues::kNodes];
     const int lane = node % BandValues::kNodes;
     result[static_cast<std::size_t>(node)] =
         Complex(value.re[lane], value.im[lane]) *
@@ -66,7 +77,7 @@ class Agreement {
 
 TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
   const BeamTable table(plan(), GetParam());
-  const auto columns = static_cast<std::size_t>(2 * table.columns());
+  const int columns = 2 * table.columns();
   for (double theta_deg : {0.0, 21.0, 38.5}) {
     const std::size_t angle = table.lateral_of(theta_deg * kDegree);
     // Lateral tables lie at the angles of the sticks.
@@ -81,12 +92,10 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
       const auto response =
           PlaneResponse::lateral(aperture, plan(), PulseBand(plan()), middle_m(table, row));
       Agreement agreement;
-      for (std::size_t c = 0; c < columns; ++c) {
-        const double reach_m = table.reach_m(direction, row);
-        const double offset_m =
-            (2 * (static_cast<double>(c) + 0.5) / static_cast<double>(columns) - 1) * reach_m;
+      for (int c = 0; c < columns; ++c) {
+        const double offset_m = (2 * (c + 0.5) / columns - 1) * table.reach_m(direction, row);
         const PlanePoint point{middle_m(table, row), offset_m};
-        agreement.add(stored(direction, static_cast<std::size_t>(row), c, columns, offset_m),
+        agreement.add(stored(table, direction, row, 0, c, offset_m),
                       response.at({&point, 1}).front());
       }
       EXPECT_GT(agreement.value(), 0.999999) << theta_deg << " " << row;
@@ -94,15 +103,41 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
   }
 }
 
+TEST_P(BeamShapes, PartsOfRowsAreTheResponseOfTheLens) {
+  const BeamTable table(plan(), GetParam());
+  const auto& direction = table.elevation();
+  const PulseBand band(plan());
+  const StickAperture middle(plan(), Apodisation::rectangular, 0);
+  for (int row : {30, 40, 41, 75, 120, 151}) {
+    for (int part = 0; part < direction.parts; ++part) {
+      const double range_m = part_m(table, direction, row, part);
+      const auto response = PlaneResponse::elevation(
+          ElevationSources(plan()), band, InPlaneExcess(middle, plan(), band, range_m));
+      // The last column ends where the line of the row's columns has it.
+      const double columns_per_m =
+          line_around(row, table.rows(), table.rows_per_m(), [&](std::size_t i) {
+            return direction.rows[i].columns_per_m;
+          }).at(range_m);
+      Agreement agreement;
+      for (int c = 0; c < table.columns(); ++c) {
+        const PlanePoint point{range_m, (c + 0.5) / columns_per_m};
+        agreement.add(stored(table, direction, row, part, c, point.offset_m),
+                      response.at({&point, 1}).front());
+      }
+      EXPECT_GT(agreement.value(), 0.999999) << row << " " << part;
+    }
+  }
+}
+
 TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
   const BeamTable table(plan(), GetParam());
-  const auto columns = static_cast<std::size_t>(table.columns());
-  for (std::size_t row = 30; row < 150; row += 17) {
+  for (int row = 30; row < 150; row += 17) {
     const auto& lateral = table.lateral()[0];
-    const double step_m = 1 / static_cast<double>(lateral.rows[row].columns_per_m);
-    const double across_m = 1 / static_cast<double>(table.elevation().rows[row].columns_per_m);
-    PulseBand::Values product = stored(lateral, row, columns, 2 * columns, 0.5 * step_m);
-    const auto elevation = stored(table.elevation(), row, 0, columns, 0.5 * across_m);
+    const auto at = static_cast<std::size_t>(row);
+    const double step_m = 1 / static_cast<double>(lateral.rows[at].columns_per_m);
+    const double across_m = 1 / static_cast<double>(table.elevation().rows[at].columns_per_m);
+    PulseBand::Values product = stored(table, lateral, row, 0, table.columns(), 0.5 * step_m);
+    const auto elevation = stored(table, table.elevation(), row, 0, 0, 0.5 * across_m);
     for (std::size_t node = 0; node < product.size(); ++node) product[node] *= elevation[node];
     EXPECT_NEAR(PulseBand(plan()).peak(product), 1, 0.04) << row;
   }
