@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/echo/geometry_model.h"
-#include "sim/echo/mean_frequency.h"
+#include "sim/echo/highest_frequency.h"
 #include "sim/math/simd.h"
 
 namespace wobblebench::sim {
@@ -67,7 +67,7 @@ FieldModel::FieldModel(const ScannedTissue& tissue,
                   tissue_.map->reach_m()),
       has_speckle_(options.speckle) {
   if (tissue_.has_points()) {
-    const auto settings = ScattererSettings::of(options, mean_frequency(tissue_, plan, options));
+    const auto settings = ScattererSettings::of(options, highest_frequency(tissue_, plan, options));
     echoing_ = ScattererField(tissue_, plan, options, settings);
     points_ = PointsInBeam(tissue_, echoing_->beam());
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "sim/echo/field_model.h"
-#include "sim/echo/mean_frequency.h"
+#include "sim/echo/highest_frequency.h"
 
 namespace wobblebench::sim {
 
@@ -38,7 +38,7 @@ ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
       scatterers_(tissue_,
                   plan,
                   options,
-                  ScattererSettings::of(options, mean_frequency(tissue_, plan, options))),
+                  ScattererSettings::of(options, highest_frequency(tissue_, plan, options))),
       points_(tissue_, scatterers_.beam()) {}
 
 IqMaker ScatterersModel::iq_maker() const {

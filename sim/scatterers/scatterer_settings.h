@@ -14,8 +14,8 @@ struct ScattererSettings {
   bool all_octaves =
       false;  ///< full density at every range (sim/scatterers/cells/scatterer_cells.h)
 
-  FrequencyCourse course = {};  ///< of the pulses that are to be heard: where they are lower the
-                                ///< beam is wider, and its scatterers as much sparser
+  FrequencyCourse course = {};  ///< of the pulses that have fallen least: where they are lower
+                                ///< the beam is wider, and its scatterers as much sparser
 
   static ScattererSettings of(const SimulationOptions& options, FrequencyCourse course = {}) {
     return {options.side_lobes ? BeamShape::side_lobes : BeamShape::main_lobe,

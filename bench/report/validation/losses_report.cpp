@@ -88,18 +88,16 @@ Picture3 draw_edges(const std::string& title, bool across_lines, const StudyRepo
 constexpr char kText[] =
     "Attenuated: a point on the middle stick, rung `scatterers`, all tissue attenuating by 0.3 and "
     "0.5 dB/cm/MHz (1 in the CSV file alone), against `attenuation.csv`, which attenuates each "
-    "frequency by itself. The simulator takes the loss and the lower centre of the pulse's own "
-    "spectrum (decision 26). Its beam is that of a range nearer the focus, at which the frequency "
-    "sent is as much out of focus (decision 27). The echo's length is that of the pulse sent: out "
-    "of focus the beam passes low frequencies better, which narrows the band, and lengthens the "
-    "echo. At 30 mm the lateral profile has shoulders of half its height, whose width changes by "
-    "a third from 0 to 0.5 dB/cm/MHz.\n\n"
+    "frequency by itself, as the simulator does at the eight frequencies of its beam "
+    "(decision 27). "
+    "Both end at a fifth of the frequency sent. At 30 mm the lateral profile has shoulders of half "
+    "its height, whose width changes by a quarter from 0 to 0.5 dB/cm/MHz.\n\n"
     "Shadow: even tissue behind a plane at 60 mm that passes a tenth of the amplitude each way and "
     "ends beside the stick, rung `field` without speckle, against `shadow.csv`; rise is from 10 to "
     "90 % of the amplitude, checked from 20 mm behind the plane on. The simulator takes the ways "
     "to "
     "the axis, eight each of transmit and receive, and the table those to all of the beam: between "
-    "the focus and the plane its edges are softer.";
+    "the focus and the plane its edges are softer, for reasons that decision 26 names.";
 
 }  // namespace
 

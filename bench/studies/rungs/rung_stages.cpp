@@ -8,7 +8,7 @@
 #include "sim/aperture/aperture_losses.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/field_model.h"
-#include "sim/echo/mean_frequency.h"
+#include "sim/echo/highest_frequency.h"
 #include "sim/echo/scatterers_model.h"
 #include "sim/echo/stick_propagation.h"
 #include "sim/probe_simulator.h"
@@ -150,7 +150,7 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   timed(result.once_ms, [&] { model = make_model(scene, subject, options); });
   std::optional<sim::ScattererField> scatterers;
   if (rung == sim::Rung::scatterers) {
-    const auto course = sim::mean_frequency(subject, scene.plan, options);
+    const auto course = sim::highest_frequency(subject, scene.plan, options);
     scatterers.emplace(subject, scene.plan, options, sim::ScattererSettings::of(options, course));
   }
 
