@@ -1,6 +1,8 @@
 // The command `tune`, by running the program.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/bench/cli/program_under_test.h"
@@ -116,6 +118,33 @@ TEST_F(Tune, JudgesManyRequestsOnSeedsThatChoseNothing) {
     }
   }
   EXPECT_TRUE(fs::exists(folder_.path() / "judged/requests.md"));
+}
+
+/// Plane and ball have other errors: what is asked of each lies about its own.
+TEST_F(Tune, AsksOfEachSceneInTurnWhatItsOwnFrontAllows) {
+  std::string plan = kPlan;
+  plan.replace(plan.find("unseen.flat"), 6, "scenes");
+  folder_.write("plan.toml", plan);
+  ASSERT_EQ(bench({"trade", "plan.toml", "--out", "traded"}, folder_, {}).exit_code, 0);
+  const auto result =
+      tune({"--trade", "traded", "--requests", "2", "--evaluations", "0", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::vector<double> p95_mm[2];
+  std::ifstream journal(folder_.path() / "traded/points.jsonl");
+  for (std::string line; std::getline(journal, line);) {
+    const auto record = nlohmann::json::parse(line);
+    if (record.contains("p95_mm"))
+      p95_mm[record.at("scene").get<std::size_t>()].push_back(record.at("p95_mm"));
+  }
+  const auto requests = nlohmann::json::parse(result.out).at("requests");
+  ASSERT_EQ(requests.size(), 2U);
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    EXPECT_EQ(requests[i].at("scene"), i == 0 ? "ball" : "flat");
+    const double limit = requests[i].at("limits").at("p95_mm");
+    const auto [least, most] = std::ranges::minmax_element(p95_mm[i]);
+    EXPECT_GE(limit, *least * 0.999999);
+    EXPECT_LE(limit, *most * 1.3);
+  }
 }
 
 TEST_F(Tune, RefusesRequestsWithoutATradeOrWithALimit) {
