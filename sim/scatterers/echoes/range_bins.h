@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstdint>
 #include <span>
@@ -25,7 +26,7 @@ class PulseTaps {
   static double frequency_ratio(int level) { return 1 - 0.01 * level; }
   /// Clamped to the levels: BandLoss::kLowest is the last one.
   static int level(float frequency_ratio) {
-    return std::clamp(static_cast<int>((1 - frequency_ratio) * 100 + 0.5f), 0, kLevels - 1);
+    return std::clamp(static_cast<int>(std::lround((1 - frequency_ratio) * 100)), 0, kLevels - 1);
   }
 
   double spacing_m() const { return spacing_m_; }
