@@ -115,9 +115,9 @@ TEST(Yardstick, AttenuatedRowsAndShadowsAreInMetres) {
   const auto rows = attenuated_rows(0.5);
   ASSERT_EQ(rows.size(), 11u);
   EXPECT_DOUBLE_EQ(rows[5].range_m, 75e-3);
-  EXPECT_DOUBLE_EQ(rows[5].lateral_m, 2.0646e-3);
-  EXPECT_DOUBLE_EQ(rows[5].axial_m, 0.32824e-3);
-  EXPECT_DOUBLE_EQ(rows[5].level_db, -23.33);
+  EXPECT_DOUBLE_EQ(rows[5].lateral_m, 2.0543e-3);
+  EXPECT_DOUBLE_EQ(rows[5].axial_m, 0.33321e-3);
+  EXPECT_DOUBLE_EQ(rows[5].level_db, -23.387);
   const auto shadows = shadow_rows();
   ASSERT_EQ(shadows.size(), 2u * 4u * 49u);
   const ShadowRow& row = shadows[(4 + 2) * 49 + 28];
