@@ -38,8 +38,9 @@ class ScattererSearch {
       cell.side_m = cell_m;
       cell.low_corner_m = corner + cell_m * cell_coordinates(number, octave_cells.divisions);
       const double center_m = transform_.to_beam(cell.low_corner_m + 0.5 * cell_m).x;
-      cell.center_m = static_cast<float>(center_m);
       cell.row = scene_.table.row(center_m);
+      cell.within_m = within_row(
+          static_cast<float>(center_m), static_cast<float>(scene_.table.rows_per_m()), cell.row);
       for (int i = 0; i < gain(cell).count; ++i) add(block, cell, i, found);
     }
   }
@@ -51,8 +52,8 @@ class ScattererSearch {
     std::uint32_t key = 0;
     double side_m = 0;
     glm::dvec3 low_corner_m{0};  ///< at rest
-    float center_m = 0;          ///< range of its centre
-    int row = 0;                 ///< of the beam's table, there
+    int row = 0;                 ///< of the beam's table, at its centre
+    float within_m = 0;          ///< within_row() of its centre
   };
 
   const OctaveAtRow& gain(const HashCell& cell) const {
@@ -82,8 +83,8 @@ class ScattererSearch {
   bool within_beam(const glm::dvec3& beam, const HashCell& cell) const {
     if (beam.x <= 0 || beam.x >= to_m_) return false;
     const BeamAtRow& at = beam_.rows[static_cast<std::size_t>(cell.row)];
-    const double u = std::abs(beam.y * static_cast<double>(at.lateral_columns_at(cell.center_m)));
-    const double v = std::abs(beam.z * static_cast<double>(at.elevation_columns_at(cell.center_m)));
+    const double u = std::abs(beam.y * static_cast<double>(at.lateral_columns_at(cell.within_m)));
+    const double v = std::abs(beam.z * static_cast<double>(at.elevation_columns_at(cell.within_m)));
     return (scene_.rim == BeamRim::ellipse ? std::hypot(u, v) : u + v) < scene_.table.columns();
   }
 

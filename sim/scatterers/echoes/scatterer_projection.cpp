@@ -105,8 +105,9 @@ WOBBLEBENCH_SIMD void load_beams(const float* amplitude,
   const OctaveAtRow* octave = from.octave;
   for (int c = 0; c < count; ++c) {
     const float center = batch.axial[c] + to_center;
-    batch.lateral_columns_per_m[c] = rows[c].lateral_columns_at(center);
-    batch.elevation_columns_per_m[c] = rows[c].elevation_columns_at(center);
+    const float within = within_row(center, rows_per_m, batch.row[c]);
+    batch.lateral_columns_per_m[c] = rows[c].lateral_columns_at(within);
+    batch.elevation_columns_per_m[c] = rows[c].elevation_columns_at(within);
     batch.delay_m[c] = rows[c].delay_m;
     batch.range_scale[c] = rows[c].range_scale;
     batch.lateral_tilt[c] = rows[c].lateral_tilt + rows[c].lateral_tilt_slope_per_m * center;
@@ -250,9 +251,10 @@ int project_point(const PointScatterer& point,
                   const ProjectedScatterers& projected) {
   const BeamAtRow& beam = projection.rows[point.row];
   const BeamVector& at = point.at;
-  const float u = at.lateral * beam.lateral_columns_at(at.axial);
+  const float within = within_row(at.axial, projection.rows_per_m, point.row);
+  const float u = at.lateral * beam.lateral_columns_at(within);
   const auto columns = static_cast<float>(projection.columns);
-  const float v = magnitude(at.elevation) * beam.elevation_columns_at(at.axial);
+  const float v = magnitude(at.elevation) * beam.elevation_columns_at(within);
   const float lateral_tilt = beam.lateral_tilt + beam.lateral_tilt_slope_per_m * at.axial;
   const float lateral_curvature =
       beam.lateral_curvature_per_m + beam.lateral_curvature_slope_per_m2 * at.axial;

@@ -48,6 +48,15 @@ inline std::uint32_t first_table_index(int row, int columns) {
   return static_cast<std::uint32_t>(2 * row * columns) | static_cast<std::uint32_t>(elevation)
                                                              << 16;
 }
+/// An axial position, or the end of its row nearest to it: the first and the last row stand for all
+/// before and behind them, where their lines could cross 0.
+WOBBLEBENCH_INLINE float within_row(float axial_m, float rows_per_m, int row) {
+  const float begin_m = static_cast<float>(row) / rows_per_m;
+  const float end_m = static_cast<float>(row + 1) / rows_per_m;
+  const float behind_begin = axial_m > begin_m ? axial_m : begin_m;
+  return behind_begin < end_m ? behind_begin : end_m;
+}
+
 /// Of the part of a row that contains an axial position, after the row's first.
 WOBBLEBENCH_INLINE std::uint32_t part_index(float axial_m, float rows_per_m, int row, int columns) {
   const float within = axial_m * rows_per_m - static_cast<float>(row);
