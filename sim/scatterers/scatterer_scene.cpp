@@ -10,8 +10,8 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
-/// Of the logarithm of the density along the stick: tissue that moves along it keeps its
-/// scatterers.
+/// Of the logarithm of the density along the stick: tissue that moves along it keeps most
+/// of its scatterers.
 constexpr double kMostChange_per_m = 30;
 
 /// Smallest and largest resolution cell at any range.

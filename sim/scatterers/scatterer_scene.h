@@ -54,7 +54,7 @@ struct ScattererScene {
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
   /// [row][level of PulseTaps]: the factor on even tissue for which it echoes at a lower frequency,
-  /// whose beam is wider, as at the one sent.
+  /// whose beam is wider, as at the one sent, but for what PulseBand cuts off below kLowest.
   std::vector<std::array<float, PulseTaps::kLevels>> tissue_gain;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;

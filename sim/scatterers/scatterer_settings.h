@@ -8,7 +8,7 @@
 
 namespace wobblebench::sim {
 
-/// The defaults are those of the rung `scatterers`.
+/// The defaults are those of the rung `scatterers` where nothing absorbs.
 struct ScattererSettings {
   BeamShape beam = BeamShape::main_lobe;
   bool all_octaves =

@@ -48,17 +48,21 @@ class Across {
  private:
   Part part(double range_m, double offset_m, double slope, double reach) const {
     const int row = beam_.row(range_m);
-    const sim::BeamRow& at = direction_.rows[static_cast<std::size_t>(row)];
-    const auto tilt = static_cast<double>(at.tilt);
-    const auto curvature_per_m = static_cast<double>(at.curvature_per_m);
+    const auto line = [&](float sim::BeamRow::*member) {
+      const auto value = [&](std::size_t i) { return direction_.rows[i].*member; };
+      return sim::line_around(row, beam_.rows(), beam_.rows_per_m(), value).at(range_m);
+    };
     const double delay_m =
-        static_cast<double>(at.delay_m) + (tilt + curvature_per_m * offset_m) * offset_m;
+        line(&sim::BeamRow::delay_m) +
+        (line(&sim::BeamRow::tilt) + line(&sim::BeamRow::curvature_per_m) * offset_m) * offset_m;
     Part result{reach, slope * offset_m + delay_m};
     const double column =
-        (both_sides_ ? offset_m : std::abs(offset_m)) * static_cast<double>(at.columns_per_m) +
+        (both_sides_ ? offset_m : std::abs(offset_m)) * line(&sim::BeamRow::columns_per_m) +
         (both_sides_ ? beam_.columns() : 0);
     const sim::BandValues* values =
-        direction_.at(row, beam_.part(range_m, direction_.parts), static_cast<int>(column));
+        direction_.at(row,
+                      beam_.part(range_m, direction_.parts),
+                      std::clamp(static_cast<int>(column), 0, direction_.part_columns - 1));
     constexpr std::size_t kGroup = sim::BandValues::kNodes;
     for (std::size_t n = 0; n < result.response.size(); ++n) {
       const sim::BandValues& value = values[n / kGroup];

@@ -97,7 +97,7 @@ constexpr char kText[] =
     "90 % of the amplitude, checked from 20 mm behind the plane on. The simulator takes the ways "
     "to "
     "the axis, eight each of transmit and receive, and the table those to all of the beam: between "
-    "the focus and the plane its edges are softer, for reasons that decision 26 names.";
+    "the focus and the plane the table's edges are softer (decision 26).";
 
 }  // namespace
 

@@ -128,7 +128,7 @@ InPlaneExcess::InPlaneExcess(const StickAperture& aperture,
                              double range_m) {
   const double focus_m = transmit_focus_m(plan, range_m);
   std::complex<double> sent = 0, sent_way = 0;
-  double received = 0, received_way = 0;
+  double received = 0, received_way = 0, least_m = HUGE_VAL, most_m = -HUGE_VAL;
   for (const Element& element : aperture.elements()) {
     const double excess_m = StickAperture::excess_m(element, range_m);
     const double late_m = excess_m - StickAperture::excess_m(element, focus_m);
@@ -138,10 +138,15 @@ InPlaneExcess::InPlaneExcess(const StickAperture& aperture,
     const double focused = aperture.receive_weight(element, range_m) / (range_m + excess_m);
     sent += one;
     sent_way += one * excess_m;
+    if (std::norm(one) > 0) {
+      least_m = std::min(least_m, excess_m);
+      most_m = std::max(most_m, excess_m);
+    }
     received += focused;
     received_way += focused * excess_m;
   }
-  if (std::norm(sent) > 0) sent_m = (sent_way / sent).real();
+  // Where the elements nearly cancel each other the mean is of no meaning, and could be anything.
+  if (std::norm(sent) > 0) sent_m = std::clamp((sent_way / sent).real(), least_m, most_m);
   if (received > 0) received_m = received_way / received;
 }
 

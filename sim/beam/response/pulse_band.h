@@ -57,8 +57,9 @@ class PulseBand {
   std::array<double, kNodes> weights(double frequency_ratio = 1) const;
   double weight(int node) const { return rule_->gauss.weights()[static_cast<std::size_t>(node)]; }
 
-  /// phi of all nodes at a distance behind the echo's range, demodulated by the centre sent. Of a
-  /// flat response they make a peak of 1; at a lower centre of 1 less what lies below kLowest.
+  /// phi of all nodes at a distance behind the echo's range, demodulated by the centre sent. A
+  /// flat response has a peak of 1; with a lower centre, less by what of the spectrum is below
+  /// kLowest.
   Values pulses(double offset_m, double frequency_ratio = 1) const;
   /// Largest magnitude of the echo, and its energy over that of the pulse.
   double peak(const Values& response) const;

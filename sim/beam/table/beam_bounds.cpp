@@ -24,17 +24,4 @@ BeamBounds::BeamBounds(const BeamTable& table,
   }
 }
 
-BeamBounds BeamBounds::widened(const std::function<Factor(double range_m)>& factor) const {
-  BeamBounds wider = *this;
-  wider.widest_ = {0, 0};
-  for (std::size_t i = 0; i < reach_.size(); ++i) {
-    const Factor times = factor(static_cast<double>(i) * kStep_m);
-    Reach& reach = wider.reach_[i];
-    reach = {times.lateral * reach.lateral_m, times.elevation * reach.elevation_m};
-    wider.widest_.lateral_m = std::max(wider.widest_.lateral_m, reach.lateral_m);
-    wider.widest_.elevation_m = std::max(wider.widest_.elevation_m, reach.elevation_m);
-  }
-  return wider;
-}
-
 }  // namespace wobblebench::sim

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "sim/beam/table/beam_table.h"
@@ -25,13 +24,6 @@ class BeamBounds {
              const BeamTable::Direction& lateral,
              double depth_m,
              double margin_m);
-
-  /// The bounds of a beam that is so many times as wide at each range: factors in each direction.
-  struct Factor {
-    double lateral;
-    double elevation;
-  };
-  BeamBounds widened(const std::function<Factor(double range_m)>& factor) const;
 
   /// Largest reach within the margin of a range.
   const Reach& reach(double range_m) const {

@@ -50,8 +50,9 @@ class BeamTable {
   /// Upper bound of the entries in one direction: their index fits 16 bits.
   static constexpr int kMaxEntries = 1 << 16;
 
-  /// `course`: of the pulses that are to be heard, which the beam's reach follows; what is in the
-  /// table does not depend on it. Results do not depend on `threads` (0: all that the machine has).
+  /// `course`: of the pulses that are to be heard, which the beam's reach follows; responses
+  /// are those of the frequencies sent. Results do not depend on `threads` (0: all that the machine
+  /// has).
   BeamTable(const hw::AcquisitionPlan& plan,
             BeamShape shape,
             Apodisation apodisation = Apodisation::rectangular,

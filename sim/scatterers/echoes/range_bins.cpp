@@ -7,7 +7,8 @@ namespace wobblebench::sim {
 
 namespace {
 
-// Where the nodes' pulses are below 0.5 % of their peaks.
+// Where the nodes' pulses are below 0.5 % of their peaks; below 7 % at the lowest frequency, whose
+// spectrum is cut.
 constexpr double kPulseSigmas = 5.5;
 
 }  // namespace

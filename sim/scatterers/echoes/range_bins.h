@@ -21,7 +21,8 @@ class PulseTaps {
   /// `spacing_m`: of the IQ samples, the first of which lies half a spacing from the face.
   PulseTaps(const PulseBand& band, double spacing_m);
 
-  /// Steps of 1 % of the frequency sent: the pulse's phase differs by 0.1 rad at most, at its ends.
+  /// Steps of 1 % of the frequency sent: at the default bandwidth the pulse's phase differs by 0.1
+  /// rad at most, at its ends.
   static constexpr int kLevels = 61;
   static double frequency_ratio(int level) { return 1 - 0.01 * level; }
   /// Clamped to the levels: BandLoss::kLowest is the last one.

@@ -125,7 +125,7 @@ TEST(AttenuatedBeam, APointOutOfFocusIsAsLoudAsTheElementSumSays) {
       const double range_m = row.number("depth_mm") * 1e-3;
       if (range_m < 30e-3 || row.number("alpha_db_cm_mhz") != alpha) continue;
       EXPECT_NEAR(
-          points.level_db(range_m) - unattenuated.level_db(range_m), row.number("level_db"), 0.5)
+          points.level_db(range_m) - unattenuated.level_db(range_m), row.number("level_db"), 0.25)
           << range_m << " " << alpha;
     }
   }
