@@ -17,6 +17,7 @@ from speckle import Speckle
 
 HERE = pathlib.Path(__file__).parent
 DEPTHS_MM = (20, 30, 40, 50, 60, 75, 90, 110, 130, 150, 160)
+MOVED_MM = 1.40625  # eight samples of 512 over 90 mm
 FRACTIONS = {"standard": (0, 0.4, 0.78, 0.88, 1.0), "c5_2v": (0, 0.78, 0.88, 1.0),
              "curvilinear_60": (0, 0.78, 0.88, 1.0)}
 PLACES = [(f, d) for f in FRACTIONS["standard"] for d in (30, 50, 75, 110, 150)]  # of the echoes
@@ -89,6 +90,11 @@ def neighbours(depth_mm):
     field = Speckle(probe, 0.0, depth, wider=1.2)
     return [(line * (probe.radius + depth) * 1e3, field.lateral_correlation([line])[0],
              frame * es.motor_lever(probe, 0.0, depth) * 1e3, field.elevation_correlation(frame))]
+
+
+def moved(depth_mm):
+    scene = Speckle(es.PRESETS["standard"], 0.0, depth_mm * 1e-3)
+    return [(scene.moved_correlation(MOVED_MM * 1e-3),)]
 
 
 def attenuation(alpha, depth_mm):
@@ -196,6 +202,10 @@ TABLES = {
         "lines (77 deg / 63 apart) and frames (61 deg / 36)",
         ("depth_mm",), ("line_spacing_mm", "line_correlation", "frame_spacing_mm", "frame_correlation"),
         [(depth,) for depth in DEPTHS_MM], neighbours),
+    "moved": Table(
+        "Standard probe, middle stick: intensity correlation of tissue's speckle before and after it has "
+        f"moved {MOVED_MM} mm along the stick",
+        ("depth_mm",), ("correlation",), [(depth,) for depth in range(46, 85, 4)], moved),
     "attenuation": Table(
         "Standard probe, axis, all tissue attenuating: echo of a point re none, closed form of the loss at "
         "3.5 MHz alone, centroid of the echo's power spectrum, -6 dB widths as in point_widths.csv",

@@ -74,6 +74,17 @@ class Speckle:
         mirrored = sums.reshape(len(self.band.f), len(self.lateral), -1)[:, :, ::-1]
         return self.correlation(sums, mirrored.reshape(sums.shape))
 
+    def moved_correlation(self, shift):
+        """Intensity correlation of a gate with the one `shift` farther, before and after the tissue has
+        moved along the stick by so much: half of it to either side of this depth."""
+        half = self.elevation[self.elevation > 0]
+        middle, sums = self.depth, []
+        for self.depth in (middle - shift / 2, middle + shift / 2):
+            phase = np.exp(2j * self.band.k * self.depth)[:, None]
+            sums.append(phase * self.two_way(self.plane(half), [self.theta])[:, 0])
+        self.depth = middle
+        return self.correlation(*sums)
+
     def correlation(self, one, other):
         def product(a, b):
             return np.sum(self.pulse_power[:, None] * a * np.conj(b))

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <iterator>
 #include <random>
-#include <stdexcept>
 #include <utility>
+
+#include "base/user_error.h"
 
 namespace wobblebench::bench {
 
@@ -32,7 +33,10 @@ SceneTrade trade_of_scene(const TradeWork& work, const TradeRecords& known, std:
   }
   const auto scores = trade_scores(trade.work, trade.known, {0});
   for (const std::size_t i : trade_front(scores)) trade.front.push_back(scores[i]);
-  if (trade.front.empty()) throw std::invalid_argument("requests need a trade with a front");
+  if (trade.front.empty()) {
+    throw UserError("--trade: no point is measured on scene " + work.plan.scenes[scene].name +
+                    "; finish the trade first");
+  }
   std::vector<TradeScore> usual;
   std::ranges::copy_if(trade.front, std::back_inserter(usual), [](const TradeScore& score) {
     return score.wrong_percent() <= kMostWrongPercent;

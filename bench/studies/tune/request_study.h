@@ -47,7 +47,8 @@ struct RequestStudy {
 /// The least volume_ratio with limits on P95 and on what is missed or false. Each request is of one
 /// scene of the plan, in turn, and drawn about a random point of that scene's front (of those
 /// within kMostWrongPercent, if there are any), 0 to 30 % above its errors: it can be met, but not
-/// by much. Throws std::runtime_error, and std::invalid_argument for a trade without a front.
+/// by much. Throws std::runtime_error, and UserError
+/// for a trade that lacks a scene.
 RequestStudy study_requests(const TradeWork& work,
                             const RequestStudyOptions& options,
                             const TradeRecords& known,

@@ -20,12 +20,12 @@ constexpr double kStep_sigmas = 0.25;
 }  // namespace
 
 PulseBand::Rule::Rule(double lowest, double cut_at)
-    : low(lowest), high(kHighest), cut(cut_at), gauss(lowest, kHighest, kNodes) {
-  const int count = static_cast<int>(std::ceil((high - low) / kSampling));
+    : low(lowest), cut(cut_at), gauss(lowest, kHighest, kNodes) {
+  const int count = static_cast<int>(std::ceil((kHighest - low) / kSampling));
   double sum = 0;
   for (int i = 0; i < count; ++i) {
     Sample& sample = samples_.emplace_back();
-    sample.x = low + (i + 0.5) * (high - low) / count;
+    sample.x = low + (i + 0.5) * (kHighest - low) / count;
     const double spectrum = std::exp(-0.5 * sample.x * sample.x);
     for (int node = 0; node < kNodes; ++node) {
       sample.share[static_cast<std::size_t>(node)] = spectrum * gauss.lagrange(node, sample.x);

@@ -69,7 +69,6 @@ class PulseBand {
   /// Over the band in units in which the pulse's amplitude spectrum is exp(-x^2 / 2).
   struct Rule {
     double low;
-    double high;
     double cut;
     GaussRule gauss;
     std::vector<Values> pulses;  ///< phi_i at ranges about the echo's

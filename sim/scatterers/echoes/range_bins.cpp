@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/receive/band_loss.h"
+
 namespace wobblebench::sim {
 
 namespace {
@@ -10,6 +12,7 @@ namespace {
 // Where the nodes' pulses are below 0.5 % of their peaks; below 7 % at the lowest frequency, whose
 // spectrum is cut.
 constexpr double kPulseSigmas = 5.5;
+static_assert(PulseTaps::kLevels == static_cast<int>(100 * (1 - BandLoss::kLowest) + 0.5) + 1);
 
 }  // namespace
 
