@@ -128,6 +128,13 @@ class SpeckleField(unittest.TestCase):
         width = Speckle(STANDARD, 0.0, FOCUS).axial_width()
         self.assertAlmostEqual(width / STANDARD.axial_fwhm, 1, delta=0.04)
 
+    def test_speckle_stays_where_nothing_moves_and_changes_the_more_the_farther(self):
+        field = Speckle(STANDARD, 0.0, 46e-3)
+        near, far = (field.moved_correlation(shift) for shift in (1e-3, 4e-3))
+        self.assertAlmostEqual(field.moved_correlation(0), 1)
+        self.assertLess(near, 1)
+        self.assertLess(far, near - 0.02)
+
     def test_parseval_is_the_integral_over_range(self):
         depth, band = 60e-3, es.Band(STANDARD, 44, 2.3)
         field = Speckle(STANDARD, 0.0, depth)
@@ -149,7 +156,8 @@ class SpeckleField(unittest.TestCase):
 class Tables(unittest.TestCase):
     SAMPLE = {"point_widths": [("standard", 0, 75), ("c5_2v", 0.88, 60)],
               "speckle": [("standard", 0.88, 75), ("curvilinear_60", 0, 60)],
-              "neighbours": [(75,)], "attenuation": [(0.5, 75)], "shadow": [("lateral", 130)], "stick_beam": [("standard", 1.0, 30)],
+              "neighbours": [(75,)], "moved": [(62,)], "attenuation": [(0.5, 75)], "shadow": [("lateral", 130)],
+              "stick_beam": [("standard", 1.0, 30)],
               "echo_points": [(7, 0.4, 75)], "echoes": [(7, 0.4, 75)],
               "main_lobe_points": [(7, 0.4, 75)], "main_lobe_echoes": [(7, 0.4, 75)]}
 

@@ -145,8 +145,12 @@ InPlaneExcess::InPlaneExcess(const StickAperture& aperture,
     received += focused;
     received_way += focused * excess_m;
   }
-  // Where the elements nearly cancel each other the mean is of no meaning, and could be anything.
-  if (std::norm(sent) > 0) sent_m = std::clamp((sent_way / sent).real(), least_m, most_m);
+  // Out of focus shares are complex, and their mean may lie outside the ways. Where the elements
+  // nearly cancel each other it could be anything.
+  const double spread_m = most_m - least_m;
+  if (std::norm(sent) > 0) {
+    sent_m = std::clamp((sent_way / sent).real(), least_m - spread_m, most_m + spread_m);
+  }
   if (received > 0) received_m = received_way / received;
 }
 

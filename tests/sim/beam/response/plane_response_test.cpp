@@ -72,7 +72,7 @@ TEST(PlaneResponse, APointIsAsWideAcrossFramesAsTheElementSumSays) {
     if (row.number("sector_fraction") != 0 || range_m < 30e-3) continue;
     EXPECT_NEAR(width_across_m(range_m) * 1e3 / row.number("elevation_mm"),
                 1,
-                range_m < 60e-3 ? 0.025 : 0.006)
+                range_m < 60e-3 ? 0.02 : 0.006)
         << range_m;
   }
 }
