@@ -44,7 +44,7 @@ struct SimulationOptions {
   bool aperture_losses = true;
   bool interface_echo = true;
   /// The beam with its side lobes, instead of the main lobe alone. From `scatterers` on. Without
-  /// them speckle at the foci is 10 to 20 % finer, and bright tissue beside a stick adds no
+  /// them speckle at the foci is up to 14 % finer, and bright tissue beside a stick adds no
   /// clutter.
   bool side_lobes = false;
   /// Sound travels at each material's own speed, while the scanner assumes one speed.
