@@ -12,7 +12,8 @@ namespace {
 // Where the nodes' pulses are below 0.5 % of their peaks; below 7 % at the lowest frequency, whose
 // spectrum is cut.
 constexpr double kPulseSigmas = 5.5;
-static_assert(PulseTaps::kLevels == static_cast<int>(100 * (1 - BandLoss::kLowest) + 0.5) + 1);
+constexpr double kLastLevel = 100 * (1 - BandLoss::kLowest);
+static_assert(kLastLevel > PulseTaps::kLevels - 1.5 && kLastLevel < PulseTaps::kLevels - 0.5);
 
 }  // namespace
 
