@@ -11,6 +11,14 @@ namespace {
 /// Volumes kept: a thread may still be in one when another begins the next.
 constexpr std::size_t kRecent = 3;
 
+/// Calls `each` for a frame and those within `reach` of it.
+template <class Each>
+void for_frames_about(int frame, int reach, int frames, Each each) {
+  for (int near = std::max(frame - reach, 0); near <= std::min(frame + reach, frames - 1); ++near) {
+    each(near);
+  }
+}
+
 }  // namespace
 
 bool has_aperture_losses(const SimulationOptions& options,
@@ -36,7 +44,8 @@ ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
       losses_(plan, options, tissue.materials),
       band_(plan.probe()),
       grid_(LossGrid::of(plan, depth_m)),
-      cone_(plan, grid_) {}
+      cone_(plan, grid_),
+      places_(plan, grid_, cone_) {}
 
 std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
   const std::scoped_lock lock(mutex_);
@@ -53,11 +62,13 @@ VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t
       number_(number),
       table_(source.grid_),
       traced_(static_cast<std::size_t>(source.grid_.frames)),
+      followed_(static_cast<std::size_t>(source.grid_.frames)),
       computed_(static_cast<std::size_t>(source.grid_.frames)),
       differs_(static_cast<std::size_t>(source.grid_.frames)) {
   const LossGrid& grid = source.grid_;
   log_gain_.resize(static_cast<std::size_t>(grid.frames) * grid.lines * grid.nodes);
   frequency_.resize(log_gain_.size());
+  parts_.resize(static_cast<std::size_t>(grid.frames) * ConeMean::parts_size(grid));
 }
 
 ApertureCorrection VolumeCorrections::of(const hw::StickIndex& index) const {
@@ -78,29 +89,40 @@ void VolumeCorrections::trace(int frame) const {
   for (int line = 0; line < source_.grid_.lines; ++line) {
     const hw::StickIndex index{
         number_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)};
-    follow(*source_.tissue_,
-           stick_ray(source_.plan_, source_.geometry_, index),
-           source_.depth_m_,
-           track,
-           Surfaces::crossed);
+    sim::follow(*source_.tissue_,
+                stick_ray(source_.plan_, source_.geometry_, index),
+                source_.depth_m_,
+                track,
+                Surfaces::crossed);
     table_.record(frame, line, track, source_.losses_);
   }
   table_.finish(frame);
 }
 
+std::span<float> VolumeCorrections::nodes_of(int frame, std::vector<float>& values) const {
+  const std::size_t size = values.size() / static_cast<std::size_t>(source_.grid_.frames);
+  return std::span(values).subspan(static_cast<std::size_t>(frame) * size, size);
+}
+
+void VolumeCorrections::follow(int frame, ConeMean& mean) const {
+  mean.follow(
+      frame, nodes_of(frame, log_gain_), nodes_of(frame, frequency_), nodes_of(frame, parts_));
+}
+
 void VolumeCorrections::compute(int frame) const {
-  const LossGrid& grid = source_.grid_;
-  const int reach = source_.cone_.most_frames() + 1;  // ways lie between two frames
-  for (int near = std::max(frame - reach, 0); near <= std::min(frame + reach, grid.frames - 1);
-       ++near) {
+  const int frames = source_.grid_.frames;
+  // Ways, and places, lie between two frames.
+  const int ways = source_.cone_.most_frames() + 1, places = source_.places_.most_frames() + 1;
+  for_frames_about(frame, ways + places, frames, [&](int near) {
     std::call_once(traced_[static_cast<std::size_t>(near)], [&] { trace(near); });
-  }
-  ConeMean mean(source_.cone_, grid, table_, source_.band_);
-  const auto size = static_cast<std::size_t>(grid.lines) * static_cast<std::size_t>(grid.nodes);
-  const auto first = static_cast<std::size_t>(frame) * size;
-  const bool differs = mean.compute(
-      frame, std::span(log_gain_).subspan(first, size), std::span(frequency_).subspan(first, size));
-  differs_[static_cast<std::size_t>(frame)] = differs ? 1 : 0;
+  });
+  ConeMean mean(source_.cone_, source_.places_, source_.grid_, table_, source_.band_);
+  if (!mean.uneven(frame)) return;
+  for_frames_about(frame, places, frames, [&](int near) {
+    std::call_once(followed_[static_cast<std::size_t>(near)], [&] { follow(near, mean); });
+  });
+  mean.add_elevation(frame, parts_, nodes_of(frame, log_gain_));
+  differs_[static_cast<std::size_t>(frame)] = 1;
 }
 
 }  // namespace wobblebench::sim

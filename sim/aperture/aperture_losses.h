@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
+#include "sim/aperture/beam_places.h"
 #include "sim/aperture/cone.h"
 #include "sim/aperture/loss_table.h"
 #include "sim/receive/band_loss.h"
@@ -14,12 +16,14 @@
 
 namespace wobblebench::sim {
 
+class ConeMean;
 class VolumeCorrections;
 
-/// The amplitude of an echo is the mean over the transmit aperture times the mean over the receive
-/// aperture. The losses of ways beside a stick are those of the sticks that they pass, each traced
-/// at its own time; beyond the sector and the fan, of the outermost sticks. Const functions may be
-/// called from several threads; results do not depend on their number.
+/// The power of an echo is that of tissue: the mean over the places in the beam, each with the ways
+/// from the transmit and to the receive aperture that are left (place_sums.h). The losses of ways
+/// beside a stick are those of the sticks that they pass, each traced at its own time; beyond the
+/// sector and the fan, of the outermost sticks. Const functions may be called from several threads;
+/// results do not depend on their number.
 class ApertureLosses {
  public:
   /// `tissue` must outlive it. `depth_m`: true range of the sticks' ends.
@@ -42,6 +46,7 @@ class ApertureLosses {
   BandLoss band_;
   LossGrid grid_;
   ApertureCone cone_;
+  BeamPlaces places_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const VolumeCorrections>> recent_;
 };
@@ -58,16 +63,21 @@ class VolumeCorrections {
 
  private:
   void trace(int frame) const;
+  void follow(int frame, ConeMean& mean) const;
   void compute(int frame) const;
+  std::span<float> nodes_of(int frame, std::vector<float>& values) const;
 
   const ApertureLosses& source_;
   std::uint32_t number_;
   mutable LossTable table_;
-  mutable std::vector<std::once_flag> traced_;    ///< of each frame
-  mutable std::vector<std::once_flag> computed_;  ///< of each frame
-  mutable std::vector<char> differs_;             ///< whether a frame has corrections
-  mutable std::vector<float> log_gain_;           ///< [frame][line][node]
+  // Of each frame:
+  mutable std::vector<std::once_flag> traced_;
+  mutable std::vector<std::once_flag> followed_;
+  mutable std::vector<std::once_flag> computed_;
+  mutable std::vector<char> differs_;    ///< whether it has corrections
+  mutable std::vector<float> log_gain_;  ///< [frame][line][node]
   mutable std::vector<float> frequency_;
+  mutable std::vector<float> parts_;  ///< [frame] as ConeMean::follow has them
 };
 
 /// Whether the options ask for these losses, and the materials lose different amounts.

@@ -14,18 +14,6 @@ double middle(int part, int parts) {
   return (2 * part + 1.0) / parts - 1;
 }
 
-/// Width of the transmit aperture whose waves add up at a point: within it their phase is less than
-/// a quarter of a cycle from that on the axis, pi a^2 |1/r - 1/focus| / wavelength (Goodman,
-/// Introduction to Fourier Optics, 4.2). Out of focus waves from farther out cancel each other, and
-/// covering them changes little.
-double in_phase_aperture_m(const hw::AcquisitionPlan& plan, double range_m) {
-  const double aperture_m = transmit_aperture_m(plan, range_m);
-  const double curvature_per_m = std::abs(1 / range_m - 1 / transmit_focus_m(plan, range_m));
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  if (aperture_m * aperture_m * curvature_per_m <= 2 * wavelength_m) return aperture_m;
-  return std::sqrt(2 * wavelength_m / curvature_per_m);
-}
-
 }  // namespace
 
 ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid)
@@ -46,8 +34,9 @@ ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid
   }
   for (int end = 0; end < kEnds; ++end) {
     for (int to = 0; to < grid.nodes; ++to) {
-      const double aperture_m = end == 0 ? in_phase_aperture_m(plan, to * grid.step_m)
-                                         : receive_aperture_m(plan, to * grid.step_m);
+      const double range_m = to * grid.step_m;
+      const double aperture_m =
+          end == 0 ? transmit_aperture_m(plan, range_m) : receive_aperture_m(plan, range_m);
       widest_m_ = std::max(widest_m_, aperture_m);
       place(aperture_m, to);
       weigh(aperture_m);
@@ -59,9 +48,13 @@ void ApertureCone::place(double aperture_m, int to) {
   const auto most = static_cast<double>(grid_.lines);
   for (int from = 0; from < grid_.nodes; ++from) {
     const double radius_m = probe_.radius_m + (from + 0.5) * grid_.step_m;
-    const double edge_m = from < to ? 0.5 * aperture_m * left(from, to) : 0;
     for (int part = 0; part < kLateral; ++part) {
-      const double aside = middle(part, kLateral) * edge_m / radius_m * lines_per_rad_;
+      const double at_face_rad = middle(part, kLateral) * 0.5 * aperture_m / probe_.radius_m;
+      // The face is curved: ways from its sides are longer.
+      const double behind_m = probe_.radius_m * (1 - std::cos(at_face_rad));
+      const double aside_m =
+          from < to ? probe_.radius_m * std::sin(at_face_rad) * left(from, to, behind_m) : 0;
+      const double aside = aside_m / radius_m * lines_per_rad_;
       lines_aside_.push_back(static_cast<float>(std::clamp(aside, -most, most)));
     }
   }
@@ -79,15 +72,16 @@ void ApertureCone::weigh(double aperture_m) {
   }
 }
 
-double ApertureCone::left(int from, int to) const {
+double ApertureCone::left(int from, int to, double behind_m) const {
   // On the last step the way is the axis, so that an interface in it is crossed once; far from the
   // point the way is taken in the middle of the step.
   const double steps = to - from - 0.5;
-  return 1 - (from + 0.5 + 1 / (steps + 1.5)) / to;
+  const double passed_m = (from + 0.5 + 1 / (steps + 1.5)) * grid_.step_m;
+  return 1 - (behind_m + passed_m) / (behind_m + to * grid_.step_m);
 }
 
 double ApertureCone::elevation_m(int part, int from, int to) const {
-  return middle(part, kElevation) * 0.5 * probe_.element_height_m * left(from, to);
+  return middle(part, kElevation) * 0.5 * probe_.element_height_m * left(from, to, 0);
 }
 
 int ApertureCone::most_frames(int from) const {

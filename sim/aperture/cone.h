@@ -16,8 +16,6 @@ class ApertureCone {
  public:
   static constexpr int kLateral = 8;
   static constexpr int kElevation = 4;
-  /// Of each way along the face, the part across the image plane: all pairs of halves have as many.
-  static constexpr int kElevationOf[kLateral] = {1, 3, 0, 2, 1, 3, 0, 2};
   /// Transmit and receive.
   static constexpr int kEnds = 2;
 
@@ -51,8 +49,9 @@ class ApertureCone {
   std::size_t at(int end, int to, int from) const {
     return static_cast<std::size_t>((end * grid_.nodes + to) * grid_.nodes + from);
   }
-  /// Share of the distance to the axis at the face that is left between two nodes.
-  double left(int from, int to) const;
+  /// Share of a way's distance from the axis at its start, which lies `behind_m` behind the face's
+  /// middle, that is left between node `from` and the next.
+  double left(int from, int to, double behind_m) const;
   void place(double aperture_m, int to);
   void weigh(double aperture_m);
   float share_on_array(double from_rad, double to_rad) const;

@@ -68,4 +68,64 @@ WOBBLEBENCH_SIMD void step_axis(const LossRows& rows,
   }
 }
 
+WOBBLEBENCH_SIMD void add_scaled(const float* __restrict values,
+                                 float factor,
+                                 int count,
+                                 float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += factor * values[i];
+}
+
+WOBBLEBENCH_SIMD void weigh_beside(const Reaching& beside,
+                                   const Reaching& stick,
+                                   const float* __restrict share,
+                                   int count,
+                                   float* __restrict weight,
+                                   float* __restrict own) {
+  const float* __restrict amplitude = beside.amplitude;
+  const float* __restrict material = beside.material;
+  const float* __restrict own_amplitude = stick.amplitude;
+  const float* __restrict own_material = stick.material;
+  for (int i = 0; i < count; ++i) {
+    const float counts = material[i] == own_material[i] ? share[i] : 0.0f;
+    weight[i] = counts * amplitude[i] / own_amplitude[i];
+    own[i] -= counts;
+  }
+}
+
+WOBBLEBENCH_SIMD void add_wave(const PlaceRows& amplitude,
+                               const PlaceRows& weight,
+                               const float* __restrict part,
+                               std::complex<double> wave,
+                               int count,
+                               WaveRow sum) {
+  const double re = wave.real(), im = wave.imag();
+  const float* __restrict first = amplitude.first;
+  const float* __restrict second = amplitude.second;
+  const float* __restrict own = amplitude.own;
+  const float* __restrict of_first = weight.first;
+  const float* __restrict of_second = weight.second;
+  const float* __restrict of_own = weight.own;
+  double* __restrict real = sum.real;
+  double* __restrict imaginary = sum.imaginary;
+  for (int i = 0; i < count; ++i) {
+    const float there = of_first[i] * first[i] + of_second[i] * second[i] + of_own[i] * own[i];
+    const double each = static_cast<double>(part[i] * there);
+    real[i] += re * each;
+    imaginary[i] += im * each;
+  }
+}
+
+WOBBLEBENCH_SIMD void add_power(WaveRow transmit,
+                                WaveRow receive,
+                                int count,
+                                double* __restrict power) {
+  for (int i = 0; i < count; ++i) {
+    const double sent =
+        transmit.real[i] * transmit.real[i] + transmit.imaginary[i] * transmit.imaginary[i];
+    const double received =
+        receive.real[i] * receive.real[i] + receive.imaginary[i] * receive.imaginary[i];
+    power[i] += sent * received;
+  }
+}
+
 }  // namespace wobblebench::sim

@@ -1,6 +1,7 @@
 // Vectorised loops over the lines of a frame.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 
 namespace wobblebench::sim {
@@ -36,6 +37,51 @@ void step_ways(const LossRows& rows,
                int lines,
                float* relative,
                float* nepers);
+
+/// sum[i] += factor * values[i].
+void add_scaled(const float* values, float factor, int count, float* sum);
+
+/// Of neighbouring sticks: the one-way amplitude that reaches the node before one, and the material
+/// at it.
+struct Reaching {
+  const float* amplitude;
+  const float* material;
+};
+
+/// What a stick beside a place counts for it, `share` of the place: weight[i] = share[i] times the
+/// amplitude that reaches it, over that which reaches the stick itself. In another material it
+/// counts nothing, and own[i], what remains for the stick itself, is not lessened by the share.
+void weigh_beside(const Reaching& beside,
+                  const Reaching& stick,
+                  const float* share,
+                  int count,
+                  float* weight,
+                  float* own);
+
+/// Sums of waves at a place, for each line.
+struct WaveRow {
+  double* real;
+  double* imaginary;
+};
+
+/// Values of the two sticks beside a place and of the stick itself, for each line.
+struct PlaceRows {
+  const float* first;
+  const float* second;
+  const float* own;
+};
+
+/// Adds wave * part[i] * the sum of the rows' amplitudes by their weights. `part`: what of the
+/// aperture's part there is.
+void add_wave(const PlaceRows& amplitude,
+              const PlaceRows& weight,
+              const float* part,
+              std::complex<double> wave,
+              int count,
+              WaveRow sum);
+
+/// power[i] += |transmit[i]|^2 |receive[i]|^2.
+void add_power(WaveRow transmit, WaveRow receive, int count, double* power);
 
 /// gain[line] = what the axis gains from node to node, its inverse transmission, and the nepers it
 /// absorbs.

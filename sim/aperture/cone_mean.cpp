@@ -6,39 +6,79 @@
 namespace wobblebench::sim {
 
 ConeMean::ConeMean(const ApertureCone& cone,
+                   const BeamPlaces& places,
                    const LossGrid& grid,
                    const LossTable& table,
                    const BandLoss& band)
     : cone_(cone),
+      places_(places),
       grid_(grid),
       table_(table),
       band_(band),
       elevations_(grid.frames > 1 ? ApertureCone::kElevation : 1),
       margin_(cone.most_lines() + 2),
-      ways_(static_cast<std::size_t>(ApertureCone::kEnds * ApertureCone::kLateral)) {
+      ways_(static_cast<std::size_t>(ApertureCone::kEnds * ApertureCone::kLateral * elevations_)),
+      lateral_(cone, places, grid),
+      elevation_(places, grid, table) {
   const auto lines = static_cast<std::size_t>(grid.lines);
   for (auto& row : rows_) row.resize(lines + 2 * static_cast<std::size_t>(margin_));
   for (auto* values : {&axis_gain_, &axis_nepers_, &between_}) values->resize(lines);
   before_.resize(lines);
 }
 
-bool ConeMean::compute(int frame, std::span<float> log_gain, std::span<float> frequency) {
-  if (!find_uneven(frame)) return false;
-  for (int node = 2; node < grid_.nodes; ++node) {
-    follow_to(node, frame);
-    average(node, frame, log_gain, frequency);
-  }
-  return true;
+std::size_t ConeMean::parts_size(const LossGrid& grid) {
+  if (grid.frames == 1) return 0;
+  return static_cast<std::size_t>(grid.nodes) * ApertureCone::kElevation *
+         static_cast<std::size_t>(grid.lines);
 }
 
-bool ConeMean::find_uneven(int frame) {
+void ConeMean::follow(int frame,
+                      std::span<float> log_gain,
+                      std::span<float> frequency,
+                      std::span<float> parts) {
+  find_uneven(frame);
+  const auto differs = std::ranges::find(uneven_, 1) - uneven_.begin();
+  for (int node = 1; node < grid_.nodes; ++node) {
+    const bool is_even = node < differs + 2;
+    if (!is_even || elevations_ > 1) follow_to(node, frame);
+    if (!is_even) average(node, frame, log_gain, frequency);
+    if (elevations_ > 1) {
+      const auto first = static_cast<std::size_t>(node * ApertureCone::kElevation * grid_.lines);
+      average_parts(parts.data() + first);
+    }
+  }
+}
+
+void ConeMean::add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain) {
+  if (elevations_ == 1) return;
+  for (int node = first_uneven(frame) + 2; node < grid_.nodes; ++node) {
+    const double* power = elevation_.power_over_mean(frame, node, parts.data());
+    for (int line = 0; line < grid_.lines; ++line) {
+      log_gain[static_cast<std::size_t>(line * grid_.nodes + node)] +=
+          static_cast<float>(0.5 * std::log(power[line]));
+    }
+  }
+}
+
+int ConeMean::first_uneven(int frame) const {
+  for (int node = 0; node + 2 < grid_.nodes; ++node) {
+    const int reach = cone_.most_frames(node) + places_.most_frames() + 1;
+    if (table_.uneven(
+            node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1))) {
+      return node;
+    }
+  }
+  return grid_.nodes;
+}
+
+void ConeMean::find_uneven(int frame) {
   uneven_.clear();
   for (int node = 0; node + 2 < grid_.nodes; ++node) {
     const int reach = cone_.most_frames(node);
-    uneven_.push_back(
-        table_.uneven(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1)));
+    const bool differs =
+        table_.uneven(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1));
+    uneven_.push_back(differs ? 1 : 0);
   }
-  return std::ranges::any_of(uneven_, [](char differs) { return differs != 0; });
 }
 
 void ConeMean::follow_to(int node, int frame) {
@@ -121,10 +161,9 @@ LossRows ConeMean::rows_at(int lines_aside) const {
 void ConeMean::step(int elevation, int from, int to) {
   for (int end = 0; end < ApertureCone::kEnds; ++end) {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
-      if (elevations_ > 1 && ApertureCone::kElevationOf[part] != elevation) continue;
       const float aside = cone_.lines_aside(end, part, from, to);
       const float before = std::floor(aside);
-      Ways& followed = ways(end, part);
+      Ways& followed = ways_[way(end, part, elevation)];
       step_ways(rows_at(static_cast<int>(before)),
                 aside - before,
                 axis_gain_.data(),
@@ -136,37 +175,64 @@ void ConeMean::step(int elevation, int from, int to) {
   }
 }
 
-ConeMean::EndMean ConeMean::end_mean(int end, int node, int line) const {
-  double count = 0, sum = 0, absorbed = 0;
+/// Mean of what the ways absorb more than the axis, weighted with their amplitudes.
+double ConeMean::nepers_aside(int end, int node, int line) const {
+  const auto at = static_cast<std::size_t>(line);
+  double sum = 0, absorbed = 0;
   for (int part = 0; part < ApertureCone::kLateral; ++part) {
     const auto share = static_cast<double>(cone_.on_array(end, part, node)[line]);
-    const Ways& way = ways_[static_cast<std::size_t>(end * ApertureCone::kLateral + part)];
-    const double amplitude =
-        share * static_cast<double>(way.relative[static_cast<std::size_t>(line)]);
-    count += share;
-    sum += amplitude;
-    absorbed += amplitude * static_cast<double>(way.nepers[static_cast<std::size_t>(line)]);
+    for (int elevation = 0; elevation < elevations_; ++elevation) {
+      const Ways& each = ways_[way(end, part, elevation)];
+      const double amplitude = share * static_cast<double>(each.relative[at]);
+      sum += amplitude;
+      absorbed += amplitude * static_cast<double>(each.nepers[at]);
+    }
   }
-  return {sum / count, absorbed / sum};
+  return absorbed / sum;
 }
 
 void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span<float> frequency) {
   const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
+  load_lateral();
+  const double* power =
+      lateral_.power(node, {table_.transmitted(node - 1) + row, table_.material(node) + row});
   for (int line = 0; line < grid_.lines; ++line) {
-    double log_mean = 0, more_nepers = 0;
-    for (int end = 0; end < ApertureCone::kEnds; ++end) {
-      const EndMean mean = end_mean(end, node, line);
-      log_mean += std::log(mean.relative);
-      more_nepers += mean.nepers;
-    }
     const double axis_nepers = 2 * static_cast<double>(table_.absorbed(node)[row + line]) /
                                static_cast<double>(table_.transmitted(node)[row + line]);
-    const double nepers = std::max(axis_nepers + more_nepers, 0.0);
+    const double aside = nepers_aside(0, node, line) + nepers_aside(1, node, line);
+    const double nepers = std::max(axis_nepers + aside, 0.0);
     const auto to = static_cast<std::size_t>(line * grid_.nodes + node);
-    log_gain[to] =
-        static_cast<float>(log_mean + band_.log_gain(nepers) - band_.log_gain(axis_nepers));
+    log_gain[to] = static_cast<float>(0.5 * std::log(power[line]) + band_.log_gain(nepers) -
+                                      band_.log_gain(axis_nepers));
     frequency[to] =
         static_cast<float>(band_.frequency_ratio(nepers) - band_.frequency_ratio(axis_nepers));
+  }
+}
+
+void ConeMean::load_lateral() {
+  const float each = 1.0f / static_cast<float>(elevations_);
+  for (int end = 0; end < ApertureCone::kEnds; ++end) {
+    for (int part = 0; part < ApertureCone::kLateral; ++part) {
+      float* mean = lateral_.ways(end, part);
+      std::fill_n(mean, grid_.lines, 0.0f);
+      for (int elevation = 0; elevation < elevations_; ++elevation) {
+        const Ways& followed = ways_[way(end, part, elevation)];
+        add_scaled(followed.relative.data(), each, grid_.lines, mean);
+      }
+    }
+  }
+}
+
+void ConeMean::average_parts(float* parts) const {
+  constexpr float kEach = 1.0f / (ApertureCone::kEnds * ApertureCone::kLateral);
+  std::fill_n(parts, ApertureCone::kElevation * grid_.lines, 0.0f);
+  for (int end = 0; end < ApertureCone::kEnds; ++end) {
+    for (int part = 0; part < ApertureCone::kLateral; ++part) {
+      for (int elevation = 0; elevation < elevations_; ++elevation) {
+        const Ways& followed = ways_[way(end, part, elevation)];
+        add_scaled(followed.relative.data(), kEach, grid_.lines, parts + elevation * grid_.lines);
+      }
+    }
   }
 }
 

@@ -28,6 +28,7 @@ LossTable::LossTable(const LossGrid& grid)
     : grid_(grid),
       transmitted_(plane(grid.nodes)),
       absorbed_(plane(grid.nodes)),
+      material_(plane(grid.nodes)),
       bounds_(static_cast<std::size_t>(grid.frames * grid.nodes)) {}
 
 void LossTable::record(int frame, int line, const StickTrack& track, const TissueLosses& losses) {
@@ -45,6 +46,7 @@ void LossTable::record(int frame, int line, const StickTrack& track, const Tissu
       store(at(node, frame, line),
             transmitted,
             nepers + per_m * (node * grid_.step_m - stretch.from_m));
+      material_[at(node, frame, line)] = static_cast<float>(stretch.material);
     }
     nepers += per_m * (stretch.to_m - stretch.from_m);
   }

@@ -20,8 +20,9 @@ struct LossGrid {
   static LossGrid of(const hw::AcquisitionPlan& plan, double depth_m);
 };
 
-/// For each node, frame and line the amplitude that reaches the node, at the centre frequency, and
-/// its product with the nepers absorbed on the way: both are interpolated between sticks.
+/// For each node, frame and line the amplitude that reaches the node, at the centre frequency, its
+/// product with the nepers absorbed on the way (both are interpolated between sticks), and the
+/// material there.
 class LossTable {
  public:
   explicit LossTable(const LossGrid& grid);
@@ -34,6 +35,7 @@ class LossTable {
   /// Values of a node, [frame][line].
   const float* transmitted(int node) const { return transmitted_.data() + plane(node); }
   const float* absorbed(int node) const { return absorbed_.data() + plane(node); }
+  const float* material(int node) const { return material_.data() + plane(node); }
   /// True if sticks of these frames lose different amounts between a node and the next.
   bool uneven(int node, int first_frame, int last_frame) const;
 
@@ -56,7 +58,8 @@ class LossTable {
   LossGrid grid_;
   std::vector<float> transmitted_;
   std::vector<float> absorbed_;
-  std::vector<Bounds> bounds_;  ///< [frame][node]
+  std::vector<float> material_;  ///< index; float, for vectorised loops
+  std::vector<Bounds> bounds_;   ///< [frame][node]
 };
 
 }  // namespace wobblebench::sim

@@ -20,7 +20,7 @@ constexpr double kTransparency = 0.1;
 constexpr double kThickness_m = 1e-3;
 constexpr double kLength_m = 80e-3;  // beyond the edge, and half of it to either side
 constexpr double kVoxel_m = 0.5e-3;
-constexpr int kAcross = 121;
+constexpr int kAcross = 120;  // even: the edge lies midway between two sticks
 
 /// A sheet whose edge is the phantom's origin: it lies at positive x, or y.
 phantoms::Phantom sheet(bool across_lines) {
