@@ -57,7 +57,7 @@ function(wobblebench_module name)
 endfunction()
 
 # wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …]): one GoogleTest program; each
-# of its suites is a CTest test. Not each case: a process loads some 280 shared libraries first, and what a
+# of its suites is a CTest test. Not each case: a process loads some 50 shared libraries first, and what a
 # suite's cases share is made once.
 function(wobblebench_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;LIBS;PRECOMPILE")

@@ -1,31 +1,23 @@
 #include "bench/report/output/image_io.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <cmath>
 #include <stdexcept>
-#include <string_view>
 
 #include "base/write_file.h"
+#include "bench/report/output/encoders.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Writes interleaved floats; the file's format follows from its extension. Encoded in memory,
-/// because OpenImageIO does not check the last flush of its own files.
-void write(const std::filesystem::path& path,
-           const OIIO::ImageSpec& spec,
-           const std::vector<float>& values) {
-  OIIO::Filesystem::IOVecOutput encoded;
-  const auto output = OIIO::ImageOutput::create(path.string(), &encoded);
-  if (!output) throw std::runtime_error(path.string() + ": " + OIIO::geterror());
-  const bool whole = output->open(path.string(), spec) &&
-                     output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close();
-  if (!whole) throw std::runtime_error(path.string() + ": " + output->geterror());
-  const auto& bytes = encoded.buffer();
-  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+void write(const std::filesystem::path& path, const Raster& raster) {
+  std::vector<char> bytes;
+  try {
+    bytes = encoders().encode(raster, path.extension().string());
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+  write_file(path, {bytes.data(), bytes.size()});
 }
 
 }  // namespace
@@ -35,32 +27,34 @@ float encoded(float light) {
 }
 
 void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
-  std::vector<float> values;
-  values.reserve(image.pixels.size() * 3);
-  for (const glm::vec3& rgb : image.pixels) values.insert(values.end(), {rgb.r, rgb.g, rgb.b});
-  if (meaning == Values::light) {
-    for (float& value : values) value = encoded(value);
+  Raster raster{
+      image.width, image.height, {"R", "G", "B"}, true, {}, {{"oiio:ColorSpace", "sRGB"}}};
+  raster.values.reserve(image.pixels.size() * 3);
+  for (const glm::vec3& rgb : image.pixels) {
+    raster.values.insert(raster.values.end(), {rgb.r, rgb.g, rgb.b});
   }
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  write(path, spec, values);
+  if (meaning == Values::light) {
+    for (float& value : raster.values) value = encoded(value);
+  }
+  write(path, raster);
 }
 
 void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m) {
   const auto& first = *maps_m.at(0).second;
-  const int channels = static_cast<int>(maps_m.size());
-  OIIO::ImageSpec spec(first.width, first.height, channels, OIIO::TypeDesc::FLOAT);
-  spec.channelnames.clear();
-  for (const auto& [name, map] : maps_m) spec.channelnames.push_back(name);
-  spec.attribute("ImageDescription", "linear: lengths in millimetres; NaN: no value");
   // The library writes the hour otherwise, and equal results would differ.
-  spec.attribute("DateTime", "0000:00:00 00:00:00");
-  std::vector<float> values;
-  values.reserve(first.pixels.size() * maps_m.size());
+  Raster raster{first.width,
+                first.height,
+                {},
+                false,
+                {},
+                {{"ImageDescription", "linear: lengths in millimetres; NaN: no value"},
+                 {"DateTime", "0000:00:00 00:00:00"}}};
+  for (const auto& [name, map] : maps_m) raster.channels.push_back(name);
+  raster.values.reserve(first.pixels.size() * maps_m.size());
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {
-    for (const auto& [name, map] : maps_m) values.push_back(1000.0f * map->pixels.at(i));
+    for (const auto& [name, map] : maps_m) raster.values.push_back(1000.0f * map->pixels.at(i));
   }
-  write(path, spec, values);
+  write(path, raster);
 }
 
 }  // namespace wobblebench::bench
