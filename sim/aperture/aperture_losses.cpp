@@ -11,14 +11,6 @@ namespace {
 /// Volumes kept: a thread may still be in one when another begins the next.
 constexpr std::size_t kRecent = 3;
 
-/// Calls `each` for a frame and those within `reach` of it.
-template <class Each>
-void for_frames_about(int frame, int reach, int frames, Each each) {
-  for (int near = std::max(frame - reach, 0); near <= std::min(frame + reach, frames - 1); ++near) {
-    each(near);
-  }
-}
-
 }  // namespace
 
 bool has_aperture_losses(const SimulationOptions& options,
@@ -57,13 +49,23 @@ std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t nu
   return recent_.back();
 }
 
+void OncePerFrame::run(int first, int last, const std::function<void(int)>& work) {
+  const auto once = [&](int frame) {
+    std::call_once(done_[static_cast<std::size_t>(frame)], work, frame);
+  };
+  for (int frame = first; frame <= last; ++frame) {
+    if (!begun_[static_cast<std::size_t>(frame)].exchange(true)) once(frame);
+  }
+  for (int frame = first; frame <= last; ++frame) once(frame);
+}
+
 VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t number)
     : source_(source),
       number_(number),
       table_(source.grid_),
-      traced_(static_cast<std::size_t>(source.grid_.frames)),
-      followed_(static_cast<std::size_t>(source.grid_.frames)),
-      computed_(static_cast<std::size_t>(source.grid_.frames)),
+      traced_(source.grid_.frames),
+      followed_(source.grid_.frames),
+      computed_(source.grid_.frames),
       differs_(static_cast<std::size_t>(source.grid_.frames)) {
   const LossGrid& grid = source.grid_;
   log_gain_.resize(static_cast<std::size_t>(grid.frames) * grid.lines * grid.nodes);
@@ -73,7 +75,8 @@ VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t
 
 ApertureCorrection VolumeCorrections::of(const hw::StickIndex& index) const {
   const LossGrid& grid = source_.grid_;
-  std::call_once(computed_[index.frame], [&] { compute(static_cast<int>(index.frame)); });
+  const auto frame = static_cast<int>(index.frame);
+  computed_.run(frame, frame, [this](int each) { compute(each); });
   if (differs_[index.frame] == 0) return {};
   const auto nodes = static_cast<std::size_t>(grid.nodes);
   const auto first =
@@ -110,16 +113,16 @@ void VolumeCorrections::follow(int frame, ConeMean& mean) const {
 }
 
 void VolumeCorrections::compute(int frame) const {
-  const int frames = source_.grid_.frames;
+  const int last = source_.grid_.frames - 1;
   // Ways, and places, lie between two frames.
   const int ways = source_.cone_.most_frames() + 1, places = source_.places_.most_frames() + 1;
-  for_frames_about(frame, ways + places, frames, [&](int near) {
-    std::call_once(traced_[static_cast<std::size_t>(near)], [&] { trace(near); });
-  });
+  const int reach = ways + places;
+  traced_.run(
+      std::max(frame - reach, 0), std::min(frame + reach, last), [this](int near) { trace(near); });
   ConeMean mean(source_.cone_, source_.places_, source_.grid_, table_, source_.band_);
   if (!mean.uneven(frame)) return;
-  for_frames_about(frame, places, frames, [&](int near) {
-    std::call_once(followed_[static_cast<std::size_t>(near)], [&] { follow(near, mean); });
+  followed_.run(std::max(frame - places, 0), std::min(frame + places, last), [&](int near) {
+    follow(near, mean);
   });
   mean.add_elevation(frame, parts_, nodes_of(frame, log_gain_));
   differs_[static_cast<std::size_t>(frame)] = 1;

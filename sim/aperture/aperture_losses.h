@@ -1,7 +1,9 @@
 // Losses of all ways between the aperture and an echo, against those on the stick's axis.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -51,6 +53,21 @@ class ApertureLosses {
   mutable std::vector<std::shared_ptr<const VolumeCorrections>> recent_;
 };
 
+/// Work that is done once for each frame, by whichever thread comes first.
+class OncePerFrame {
+ public:
+  explicit OncePerFrame(int frames)
+      : begun_(static_cast<std::size_t>(frames)), done_(static_cast<std::size_t>(frames)) {}
+
+  /// Does `work(frame)` for frames `first` to `last` that nobody has begun, then waits for the
+  /// others. If threads took them in order, one would wait for the other at each frame.
+  void run(int first, int last, const std::function<void(int)>& work);
+
+ private:
+  std::vector<std::atomic<bool>> begun_;
+  std::vector<std::once_flag> done_;
+};
+
 /// Corrections of one volume, computed frame by frame when they are first asked for.
 class VolumeCorrections {
  public:
@@ -70,11 +87,10 @@ class VolumeCorrections {
   const ApertureLosses& source_;
   std::uint32_t number_;
   mutable LossTable table_;
-  // Of each frame:
-  mutable std::vector<std::once_flag> traced_;
-  mutable std::vector<std::once_flag> followed_;
-  mutable std::vector<std::once_flag> computed_;
-  mutable std::vector<char> differs_;    ///< whether it has corrections
+  mutable OncePerFrame traced_;
+  mutable OncePerFrame followed_;
+  mutable OncePerFrame computed_;
+  mutable std::vector<char> differs_;    ///< whether a frame has corrections
   mutable std::vector<float> log_gain_;  ///< [frame][line][node]
   mutable std::vector<float> frequency_;
   mutable std::vector<float> parts_;  ///< [frame] as ConeMean::follow has them
