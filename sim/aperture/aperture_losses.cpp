@@ -6,13 +6,6 @@
 
 namespace wobblebench::sim {
 
-namespace {
-
-/// Volumes kept: a thread may still be in one when another begins the next.
-constexpr std::size_t kRecent = 3;
-
-}  // namespace
-
 bool has_aperture_losses(const SimulationOptions& options,
                          const std::vector<phantoms::Material>& materials) {
   if (!options.aperture_losses) return false;
@@ -38,6 +31,14 @@ ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
       grid_(LossGrid::of(plan, depth_m)),
       cone_(plan, grid_),
       places_(plan, grid_, cone_) {}
+
+double ApertureLosses::bytes(const hw::AcquisitionPlan& plan) {
+  const LossGrid grid = LossGrid::of(plan, plan.acquisition().depth_m);
+  const double nodes = 1.0 * grid.frames * grid.lines * grid.nodes;
+  const double parts = 1.0 * grid.frames * static_cast<double>(ConeMean::parts_size(grid));
+  constexpr int kTables = 5;  // three of LossTable, two of corrections
+  return kRecent * sizeof(float) * (kTables * nodes + parts);
+}
 
 std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
   const std::scoped_lock lock(mutex_);

@@ -34,6 +34,12 @@ class ApertureLosses {
                  const SimulationOptions& options,
                  double depth_m);
 
+  /// Volumes kept: a thread may still be in one when another begins the next.
+  static constexpr std::size_t kRecent = 3;
+
+  /// Memory of as many volumes, where all of them have losses.
+  static double bytes(const hw::AcquisitionPlan& plan);
+
   /// Shared by all who ask for the same volume.
   std::shared_ptr<const VolumeCorrections> volume(std::uint32_t number) const;
 

@@ -48,7 +48,7 @@ constinit const EchoModelType FieldModel::kType = {
     .reach_m = &MeanPower::reach_m,
     .memory =
         [](const hw::AcquisitionPlan& plan, const SimulationOptions& options, bool tissue_moves) {
-          return iq_memory(plan, tissue_moves, options.speckle ? iq_bytes(plan) : 0);
+          return iq_memory(plan, options, tissue_moves, options.speckle ? iq_bytes(plan) : 0);
         },
     .make = &make_iq_model<FieldModel>};
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "sim/aperture/aperture_losses.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
 #include "sim/math/random.h"
@@ -67,9 +68,15 @@ StickMaker IqModel::stick_maker(const IqSink& sink) const {
   };
 }
 
-EchoMemory iq_memory(const hw::AcquisitionPlan& plan, bool tissue_moves, double model_bytes) {
-  if (!volumes_repeat(plan, tissue_moves)) return {model_bytes, model_bytes};
-  return {model_bytes + iq_bytes(plan), iq_bytes(plan)};
+EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     bool tissue_moves,
+                     double model_bytes) {
+  const double losses = options.aperture_losses ? ApertureLosses::bytes(plan) : 0;
+  if (volumes_repeat(plan, tissue_moves)) {
+    return {model_bytes + iq_bytes(plan) + losses / ApertureLosses::kRecent, iq_bytes(plan)};
+  }
+  return {model_bytes + losses, model_bytes + losses};
 }
 
 std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> model,

@@ -37,7 +37,10 @@ std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> mod
                                               const SimulationOptions& options);
 
 /// EchoModelType::memory of an IqModel that itself stores `model_bytes`.
-EchoMemory iq_memory(const hw::AcquisitionPlan& plan, bool tissue_moves, double model_bytes);
+EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     bool tissue_moves,
+                     double model_bytes);
 
 /// EchoModelType::make of an IqModel.
 template <class Model>

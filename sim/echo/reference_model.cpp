@@ -20,8 +20,8 @@ constinit const EchoModelType ReferenceModel::kType = {
     .added_effects = kEffects,
     .reach_m = &ScatterersModel::reach_m,
     .memory = [](const hw::AcquisitionPlan& plan,
-                 const SimulationOptions&,
-                 bool tissue_moves) { return iq_memory(plan, tissue_moves, 0); },
+                 const SimulationOptions& options,
+                 bool tissue_moves) { return iq_memory(plan, options, tissue_moves, 0); },
     .make = &make_iq_model<ReferenceModel>};
 
 ReferenceModel::ReferenceModel(const ScannedTissue& tissue,
