@@ -230,7 +230,8 @@ void ConeMean::average_parts(float* parts) const {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
       for (int elevation = 0; elevation < elevations_; ++elevation) {
         const Ways& followed = ways_[way(end, part, elevation)];
-        add_scaled(followed.relative.data(), kEach, grid_.lines, parts + elevation * grid_.lines);
+        float* to = parts + static_cast<std::ptrdiff_t>(elevation) * grid_.lines;
+        add_scaled(followed.relative.data(), kEach, grid_.lines, to);
       }
     }
   }

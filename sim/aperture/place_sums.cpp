@@ -14,7 +14,7 @@ LateralSum::LateralSum(const ApertureCone& cone, const BeamPlaces& places, const
   const auto lines = static_cast<std::size_t>(grid.lines);
   shares_.resize(lines);
   for (auto& weights : weights_) weights.resize(lines);
-  sums_.resize(2 * ApertureCone::kEnds * lines);
+  sums_.resize(lines * 2 * ApertureCone::kEnds);
   power_.resize(lines);
 }
 
@@ -93,13 +93,13 @@ const double* ElevationSum::power_over_mean(int frame, int node, const float* pa
     sum_waves(frame, node, place, parts);
     add_power(wave, wave, grid_.lines, power_.data());
   }
-  const float* own = parts + static_cast<std::ptrdiff_t>(frame * grid_.nodes + node) *
-                                 (ApertureCone::kElevation * grid_.lines);
+  const float* own = parts + row(frame, node, 0);
   const double free = places_.elevation_power(node);
   for (int line = 0; line < grid_.lines; ++line) {
     double mean = 0;
     for (int part = 0; part < ApertureCone::kElevation; ++part) {
-      mean += static_cast<double>(own[part * grid_.lines + line]) / ApertureCone::kElevation;
+      const auto at = row(0, 0, part) + line;
+      mean += static_cast<double>(own[at]) / ApertureCone::kElevation;
     }
     power_[static_cast<std::size_t>(line)] /= free * mean * mean * mean * mean;
   }
@@ -144,13 +144,12 @@ void ElevationSum::weigh(int frame, int node, int place) {
 
 void ElevationSum::sum_waves(int frame, int node, int place, const float* parts) {
   std::ranges::fill(sums_, 0.0);
-  const auto a_frame =
-      static_cast<std::ptrdiff_t>(grid_.nodes) * ApertureCone::kElevation * grid_.lines;
   for_runs([&](int first, int count, int before) {
     for (int part = 0; part < ApertureCone::kElevation; ++part) {
-      const float* at = parts + (node * ApertureCone::kElevation + part) * grid_.lines + first;
-      const float* near = at + before * a_frame;
-      add_wave({near, near + a_frame, at + frame * a_frame},
+      const float* at = parts + first;
+      add_wave({at + row(before, node, part),
+                at + row(before + 1, node, part),
+                at + row(frame, node, part)},
                {weights_[0].data() + first, weights_[1].data() + first, weights_[2].data() + first},
                whole_.data(),
                places_.elevation(node, place)[part],

@@ -1,6 +1,7 @@
 // Two-way power from all places across the beam, behind what covers parts of the aperture.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -65,6 +66,12 @@ class ElevationSum {
  private:
   void weigh(int frame, int node, int place);
   void sum_waves(int frame, int node, int place, const float* parts);
+  /// Of the parts.
+  std::ptrdiff_t row(int frame, int node, int part) const {
+    const auto number =
+        (static_cast<std::ptrdiff_t>(frame) * grid_.nodes + node) * ApertureCone::kElevation + part;
+    return number * grid_.lines;
+  }
   /// Calls `run(first, count, before)` for lines that have the same frame before a place.
   template <class Run>
   void for_runs(Run run) const;
