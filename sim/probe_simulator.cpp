@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
 #include "sim/echo/echo_model.h"
+#include "sim/stick_order.h"
 
 namespace wobblebench::sim {
 
@@ -56,11 +57,13 @@ VolumeSamples ProbeSimulator::volume(std::uint32_t index, const IqSink& iq) cons
   const auto samples = static_cast<std::size_t>(plan().acquisition().samples_per_stick);
   const std::uint64_t first_sequence = plan().first_sequence(index);
   VolumeSamples volume(static_cast<std::size_t>(sticks) * samples);
+  impl_->model->prepare(index);
   parallel_ranges(sticks, options().threads, [&](int first, int last) {
     const StickMaker make = impl_->model->stick_maker(iq);
     for (int i = first; i < last; ++i) {
-      const auto stick = static_cast<std::size_t>(i);
-      make(first_sequence + stick, std::span(volume).subspan(stick * samples, samples));
+      const std::uint64_t sequence = plan().sequence(stick_in_order(plan(), index, i));
+      const auto stick = static_cast<std::size_t>(sequence - first_sequence);
+      make(sequence, std::span(volume).subspan(stick * samples, samples));
     }
   });
   return volume;

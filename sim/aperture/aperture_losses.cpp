@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.h"
 #include "sim/aperture/cone_mean.h"
 
 namespace wobblebench::sim {
@@ -25,6 +26,7 @@ ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
     : tissue_(&tissue),
       plan_(plan),
       geometry_(plan.geometry()),
+      threads_(options.threads),
       depth_m_(depth_m),
       losses_(plan, options, tissue.materials),
       band_(plan.probe()),
@@ -36,8 +38,8 @@ double ApertureLosses::bytes(const hw::AcquisitionPlan& plan) {
   const LossGrid grid = LossGrid::of(plan, plan.acquisition().depth_m);
   const double nodes = 1.0 * grid.frames * grid.lines * grid.nodes;
   const double parts = 1.0 * grid.frames * static_cast<double>(ConeMean::parts_size(grid));
-  constexpr int kTables = 5;  // three of LossTable, two of corrections
-  return kRecent * sizeof(float) * (kTables * nodes + parts);
+  constexpr int kCorrections = 2, kTables = 3;  // of LossTable
+  return sizeof(float) * ((kRecent * kCorrections + kTables) * nodes + parts);
 }
 
 std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
@@ -50,83 +52,101 @@ std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t nu
   return recent_.back();
 }
 
-void OncePerFrame::run(int first, int last, const std::function<void(int)>& work) {
-  const auto once = [&](int frame) {
-    std::call_once(done_[static_cast<std::size_t>(frame)], work, frame);
-  };
-  for (int frame = first; frame <= last; ++frame) {
-    if (!begun_[static_cast<std::size_t>(frame)].exchange(true)) once(frame);
+/// Computes the corrections of a volume in three steps, each of which needs the one before in
+/// neighbouring frames.
+class CorrectionMaker {
+ public:
+  CorrectionMaker(const ApertureLosses& source, std::uint32_t number)
+      : source_(source), number_(number), table_(source.grid_) {
+    parts_.resize(static_cast<std::size_t>(source.grid_.frames) *
+                  ConeMean::parts_size(source.grid_));
   }
-  for (int frame = first; frame <= last; ++frame) once(frame);
-}
+
+  /// Both [frame][line][node].
+  void fill(std::vector<float>& log_gain, std::vector<float>& frequency) {
+    const int frames = source_.grid_.frames;
+    parallel_ranges(frames, source_.threads_, [&](int first, int last) {
+      StickTrack track;
+      for (int frame = first; frame < last; ++frame) trace(frame, track);
+    });
+    parallel_ranges(frames, source_.threads_, [&](int first, int last) {
+      ConeMean mean = cone_mean();
+      for (int frame = first; frame < last; ++frame) {
+        if (!is_read(mean, frame)) continue;
+        mean.follow(
+            frame, of_frame(frame, log_gain), of_frame(frame, frequency), of_frame(frame, parts_));
+      }
+    });
+    parallel_ranges(frames, source_.threads_, [&](int first, int last) {
+      ConeMean mean = cone_mean();
+      for (int frame = first; frame < last; ++frame) {
+        mean.add_elevation(frame, parts_, of_frame(frame, log_gain));
+      }
+    });
+  }
+
+ private:
+  ConeMean cone_mean() const {
+    return {source_.cone_, source_.places_, source_.grid_, table_, source_.band_};
+  }
+
+  /// Whether the elevation of any frame reads what is followed of this one.
+  bool is_read(const ConeMean& mean, int frame) const {
+    const int reach = source_.places_.most_frames() + 1;  // places lie between two frames
+    const int last = std::min(frame + reach, source_.grid_.frames - 1);
+    for (int reader = std::max(frame - reach, 0); reader <= last; ++reader) {
+      if (mean.uneven(reader)) return true;
+    }
+    return false;
+  }
+
+  std::span<float> of_frame(int frame, std::vector<float>& values) const {
+    const std::size_t size = values.size() / static_cast<std::size_t>(source_.grid_.frames);
+    return std::span(values).subspan(static_cast<std::size_t>(frame) * size, size);
+  }
+
+  void trace(int frame, StickTrack& track) {
+    for (int line = 0; line < source_.grid_.lines; ++line) {
+      const hw::StickIndex index{
+          number_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)};
+      follow(*source_.tissue_,
+             stick_ray(source_.plan_, source_.geometry_, index),
+             source_.depth_m_,
+             track,
+             Surfaces::crossed);
+      table_.record(frame, line, track, source_.losses_);
+    }
+    table_.finish(frame);
+  }
+
+  const ApertureLosses& source_;
+  std::uint32_t number_;
+  LossTable table_;
+  std::vector<float> parts_;  ///< [frame] as ConeMean::follow has them
+};
 
 VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t number)
-    : source_(source),
-      number_(number),
-      table_(source.grid_),
-      traced_(source.grid_.frames),
-      followed_(source.grid_.frames),
-      computed_(source.grid_.frames),
-      differs_(static_cast<std::size_t>(source.grid_.frames)) {
-  const LossGrid& grid = source.grid_;
-  log_gain_.resize(static_cast<std::size_t>(grid.frames) * grid.lines * grid.nodes);
-  frequency_.resize(log_gain_.size());
-  parts_.resize(static_cast<std::size_t>(grid.frames) * ConeMean::parts_size(grid));
+    : grid_(source.grid_), number_(number) {
+  const auto sticks =
+      static_cast<std::size_t>(grid_.frames) * static_cast<std::size_t>(grid_.lines);
+  const auto nodes = static_cast<std::size_t>(grid_.nodes);
+  log_gain_.resize(sticks * nodes);
+  frequency_.resize(sticks * nodes);
+  CorrectionMaker(source, number).fill(log_gain_, frequency_);
+  for (std::size_t stick = 0; stick < sticks; ++stick) {
+    const auto gains = std::span(log_gain_).subspan(stick * nodes, nodes);
+    differs_.push_back(std::ranges::any_of(gains, [](float value) { return value != 0; }));
+  }
 }
 
 ApertureCorrection VolumeCorrections::of(const hw::StickIndex& index) const {
-  const LossGrid& grid = source_.grid_;
-  const auto frame = static_cast<int>(index.frame);
-  computed_.run(frame, frame, [this](int each) { compute(each); });
-  if (differs_[index.frame] == 0) return {};
-  const auto nodes = static_cast<std::size_t>(grid.nodes);
-  const auto first =
-      (static_cast<std::size_t>(index.frame) * static_cast<std::size_t>(grid.lines) + index.line) *
-      nodes;
-  const auto log_gain = std::span<const float>(log_gain_).subspan(first, nodes);
-  if (std::ranges::all_of(log_gain, [](float value) { return value == 0; })) return {};
-  return {grid.step_m, log_gain, std::span<const float>(frequency_).subspan(first, nodes)};
-}
-
-void VolumeCorrections::trace(int frame) const {
-  StickTrack track;
-  for (int line = 0; line < source_.grid_.lines; ++line) {
-    const hw::StickIndex index{
-        number_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)};
-    sim::follow(*source_.tissue_,
-                stick_ray(source_.plan_, source_.geometry_, index),
-                source_.depth_m_,
-                track,
-                Surfaces::crossed);
-    table_.record(frame, line, track, source_.losses_);
-  }
-  table_.finish(frame);
-}
-
-std::span<float> VolumeCorrections::nodes_of(int frame, std::vector<float>& values) const {
-  const std::size_t size = values.size() / static_cast<std::size_t>(source_.grid_.frames);
-  return std::span(values).subspan(static_cast<std::size_t>(frame) * size, size);
-}
-
-void VolumeCorrections::follow(int frame, ConeMean& mean) const {
-  mean.follow(
-      frame, nodes_of(frame, log_gain_), nodes_of(frame, frequency_), nodes_of(frame, parts_));
-}
-
-void VolumeCorrections::compute(int frame) const {
-  const int last = source_.grid_.frames - 1;
-  // Ways, and places, lie between two frames.
-  const int ways = source_.cone_.most_frames() + 1, places = source_.places_.most_frames() + 1;
-  const int reach = ways + places;
-  traced_.run(
-      std::max(frame - reach, 0), std::min(frame + reach, last), [this](int near) { trace(near); });
-  ConeMean mean(source_.cone_, source_.places_, source_.grid_, table_, source_.band_);
-  if (!mean.uneven(frame)) return;
-  followed_.run(std::max(frame - places, 0), std::min(frame + places, last), [&](int near) {
-    follow(near, mean);
-  });
-  mean.add_elevation(frame, parts_, nodes_of(frame, log_gain_));
-  differs_[static_cast<std::size_t>(frame)] = 1;
+  const std::size_t stick =
+      static_cast<std::size_t>(index.frame) * static_cast<std::size_t>(grid_.lines) + index.line;
+  if (differs_[stick] == 0) return {};
+  const auto nodes = static_cast<std::size_t>(grid_.nodes);
+  return {grid_.step_m,
+          std::span(log_gain_).subspan(stick * nodes, nodes),
+          std::span(frequency_).subspan(stick * nodes, nodes)};
 }
 
 }  // namespace wobblebench::sim

@@ -31,6 +31,9 @@ class EchoModel {
   EchoModel& operator=(const EchoModel&) = delete;
 
   virtual const EchoModelType& type() const = 0;
+  /// Computes what the sticks of a volume share, on the threads of the options. Without it, the
+  /// first stick does, and other threads wait for it.
+  virtual void prepare(std::uint32_t /*volume*/) const {}
   /// `iq`, if given, is called with each stick's IQ samples. Throws std::logic_error if it is given
   /// to a rung that makes none.
   virtual StickMaker stick_maker(const IqSink& iq) const = 0;

@@ -22,6 +22,7 @@ class FieldModel final : public IqModel {
              const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }
+  void prepare(std::uint32_t volume) const override { propagation_.prepare(volume); }
   IqMaker iq_maker() const override;
 
  private:

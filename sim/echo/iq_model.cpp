@@ -7,6 +7,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
 #include "sim/math/random.h"
+#include "sim/stick_order.h"
 
 namespace wobblebench::sim {
 
@@ -19,13 +20,11 @@ class ReusedEchoes final : public IqModel {
                const hw::AcquisitionPlan& plan,
                const SimulationOptions& options)
       : IqModel(plan, options), type_(source.type()), echoes_(make_iq_field(plan)) {
+    source.prepare(0);
     parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
       const IqMaker make = source.iq_maker();
       for (int i = first; i < last; ++i) {
-        // Line by line: the sticks of a line share the tables of their angle.
-        const auto frames = plan.acquisition().frames_per_volume;
-        const hw::StickIndex index{
-            0, static_cast<std::uint32_t>(i % frames), static_cast<std::uint32_t>(i / frames)};
+        const hw::StickIndex index = stick_in_order(plan, 0, i);
         const auto iq = make(index);
         std::copy(iq.begin(), iq.end(), echoes_.stick(index).begin());
       }

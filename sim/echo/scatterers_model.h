@@ -17,6 +17,7 @@ class ScatterersModel final : public IqModel {
                   const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }
+  void prepare(std::uint32_t volume) const override { propagation_.prepare(volume); }
   IqMaker iq_maker() const override;
 
   /// Half the diagonal of a hash cell of scatterers, at most, and the thickness of the layer of

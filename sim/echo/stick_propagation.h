@@ -27,6 +27,10 @@ class StickPropagation {
                    const SimulationOptions& options,
                    Surfaces surfaces);
 
+  /// Computes what the sticks of a volume share, on all threads. Without it, the first stick does.
+  void prepare(std::uint32_t volume) const {
+    if (aperture_ != nullptr) aperture_->volume(volume);
+  }
   /// Computes track and losses of a stick. Reuses the memory of the stick before.
   void follow(const hw::StickIndex& index);
 

@@ -76,12 +76,11 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
   compute_tissue_gain();
   for (int i = 0; i < kBinPlaces; ++i) {
     const double from_middle_m = ((i + 0.5) / kBinPlaces - 0.5) * taps.spacing_m();
+    BandValues& place = places.emplace_back();
     for (int node = 0; node < band.nodes(); ++node) {
-      const int lane = node % BandValues::kNodes;
-      if (lane == 0) places.emplace_back();
       const auto phasor = std::polar(1.0, -2 * band.offset_per_m(node) * from_middle_m);
-      places.back().re[lane] = static_cast<float>(phasor.real());
-      places.back().im[lane] = static_cast<float>(phasor.imag());
+      place.re[node] = static_cast<float>(phasor.real());
+      place.im[node] = static_cast<float>(phasor.imag());
     }
   }
   for (std::size_t i = 0; i < table.lateral().size(); ++i) {
@@ -217,8 +216,7 @@ EchoConstants ScattererScene::echo_constants(const StickBeam& beam, std::int32_t
           static_cast<float>(band.center_per_m() / kPi),
           static_cast<float>(taps.spacing_m()),
           places.data(),
-          last_bin,
-          band.groups()};
+          last_bin};
 }
 
 }  // namespace wobblebench::sim

@@ -59,14 +59,12 @@ class Across {
     const double column =
         (both_sides_ ? offset_m : std::abs(offset_m)) * line(&sim::BeamRow::columns_per_m) +
         (both_sides_ ? beam_.columns() : 0);
-    const sim::BandValues* values =
+    const sim::BandValues& value =
         direction_.at(row,
                       beam_.part(range_m, direction_.parts),
                       std::clamp(static_cast<int>(column), 0, direction_.part_columns - 1));
-    constexpr std::size_t kGroup = sim::BandValues::kNodes;
     for (std::size_t n = 0; n < result.response.size(); ++n) {
-      const sim::BandValues& value = values[n / kGroup];
-      result.response[n] = std::complex<double>(value.re[n % kGroup], value.im[n % kGroup]);
+      result.response[n] = std::complex<double>(value.re[n], value.im[n]);
     }
     return result;
   }

@@ -83,6 +83,7 @@ void StickReach::trace(const phantoms::PlacedPhantom& subject,
       subject.placement,
       subject.motion};
   const sim::StickPropagation shared(tissue, plan_, options, sim::Surfaces::crossed);
+  shared.prepare(volume_);
   const double brightest = sim::amplitude_of_db(brightest_target_db(subject.phantom));
   const auto lines = static_cast<std::uint32_t>(plan_.acquisition().sticks_per_frame);
   parallel_ranges(plan_.sticks_per_volume(), options.threads, [&](int first, int last) {

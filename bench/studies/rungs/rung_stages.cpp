@@ -82,7 +82,6 @@ struct Worker {
   sim::StickTrack track;
   sim::StickLosses losses;
   std::optional<sim::ApertureLosses> aperture;
-  std::shared_ptr<const sim::VolumeCorrections> corrections;
   sim::MeanPower power;
   std::vector<float> mean_power;
 
@@ -104,11 +103,10 @@ struct Worker {
         mean_power(static_cast<std::size_t>(samples)) {
     if (!sim::has_aperture_losses(options, subject.materials)) return;
     aperture.emplace(subject, scene.plan, options, scene.plan.acquisition().depth_m);
-    corrections = aperture->volume(0);
   }
 
   void compute_losses(const hw::StickIndex& index) {
-    losses.compute(track, corrections ? corrections->of(index) : sim::ApertureCorrection());
+    losses.compute(track, aperture ? aperture->volume(0)->of(index) : sim::ApertureCorrection());
   }
 };
 

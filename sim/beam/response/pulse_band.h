@@ -20,9 +20,9 @@
 
 namespace wobblebench::sim {
 
-/// Values of a response at a group of nodes: one SIMD register each.
-struct alignas(32) BandValues {
-  static constexpr int kNodes = 4;
+/// Values of a response at the nodes of the band: one AVX register each.
+struct alignas(64) BandValues {
+  static constexpr int kNodes = 8;
   float re[kNodes] = {};
   float im[kNodes] = {};
 };
@@ -31,7 +31,7 @@ struct alignas(32) BandValues {
 class PulseBand {
  public:
   /// Out of focus the response varies by several periods over the band.
-  static constexpr int kNodes = 2 * BandValues::kNodes;
+  static constexpr int kNodes = BandValues::kNodes;
   /// No transducer sends lower frequencies, over the centre's; a wide Gaussian band would.
   static constexpr double kLowest = 0.2;
   using Values = std::array<std::complex<double>, kNodes>;
@@ -39,8 +39,6 @@ class PulseBand {
   explicit PulseBand(const hw::AcquisitionPlan& plan);
 
   static constexpr int nodes() { return kNodes; }
-  /// Of BandValues.
-  static constexpr int groups() { return kNodes / BandValues::kNodes; }
   /// The last node below the centre.
   int below_center() const;
 

@@ -103,12 +103,11 @@ class DirectionWriter {
 
   void append(const std::vector<PulseBand::Values>& row, BeamTable::Direction& to) const {
     for (const PulseBand::Values& from : row) {
+      BandValues& values = to.values.emplace_back();
       for (int node = 0; node < band_.nodes(); ++node) {
-        const int lane = node % BandValues::kNodes;
-        if (lane == 0) to.values.emplace_back();
         const std::complex<double>& value = from[static_cast<std::size_t>(node)];
-        to.values.back().re[lane] = static_cast<float>(value.real());
-        to.values.back().im[lane] = static_cast<float>(value.imag());
+        values.re[node] = static_cast<float>(value.real());
+        values.im[node] = static_cast<float>(value.imag());
       }
     }
   }

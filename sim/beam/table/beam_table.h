@@ -76,14 +76,14 @@ class BeamTable {
     std::vector<BeamRow> rows;
     int parts = 1;         ///< of a row, along the stick
     int part_columns = 0;  ///< of each part
-    /// [row][part][column][group of nodes], at the middle of the part and of the column. Lateral:
+    /// [row][part][column], at the middle of the part and of the column. Lateral:
     /// from the largest negative offset on, 2 columns(); elevation: from the axis on, for both
     /// signs, columns().
     std::vector<BandValues> values;
 
-    const BandValues* at(int row, int part, int column) const {
-      return values.data() +
-             PulseBand::groups() * ((std::ptrdiff_t{row} * parts + part) * part_columns + column);
+    const BandValues& at(int row, int part, int column) const {
+      return values[static_cast<std::size_t>((std::ptrdiff_t{row} * parts + part) * part_columns +
+                                             column)];
     }
   };
   /// Lateral tables for sticks at angles from the middle one outwards, in beam coordinates whose

@@ -9,8 +9,8 @@ namespace wobblebench::sim {
 
 namespace {
 
-/// The values at a group of nodes, as one SIMD register.
-using Nodes = float __attribute__((vector_size(16)));
+/// The values at all nodes, as one AVX register.
+using Nodes = float __attribute__((vector_size(32)));
 static_assert(sizeof(Nodes) == sizeof(BandValues::re));
 
 /// Amplitudes with the phase of the range, and bins, of a batch.
@@ -44,7 +44,8 @@ WOBBLEBENCH_SIMD void locate_echoes(const ProjectedScatterers& scatterers,
   }
 }
 
-WOBBLEBENCH_INLINE Nodes load(const float* values) {
+/// By reference: the default clone has no register to return it in.
+WOBBLEBENCH_INLINE const Nodes& nodes(const float* values) {
   return *reinterpret_cast<const Nodes*>(values);
 }
 
@@ -55,40 +56,15 @@ WOBBLEBENCH_INLINE void add_echo(const BandValues& lateral,
                                  float re,
                                  float im,
                                  BandValues& bin) {
-  const Nodes place_re = load(place.re), place_im = load(place.im);
+  const Nodes &place_re = nodes(place.re), &place_im = nodes(place.im);
   const Nodes phase_re = re * place_re - im * place_im;
   const Nodes phase_im = re * place_im + im * place_re;
-  const Nodes lateral_re = load(lateral.re), lateral_im = load(lateral.im);
-  const Nodes elevation_re = load(elevation.re), elevation_im = load(elevation.im);
+  const Nodes &lateral_re = nodes(lateral.re), &lateral_im = nodes(lateral.im);
+  const Nodes &elevation_re = nodes(elevation.re), &elevation_im = nodes(elevation.im);
   const Nodes beam_re = lateral_re * elevation_re - lateral_im * elevation_im;
   const Nodes beam_im = lateral_re * elevation_im + lateral_im * elevation_re;
   *reinterpret_cast<Nodes*>(bin.re) += beam_re * phase_re - beam_im * phase_im;
   *reinterpret_cast<Nodes*>(bin.im) += beam_re * phase_im + beam_im * phase_re;
-}
-
-template <int kGroups>
-WOBBLEBENCH_INLINE void sum_groups(const EchoLanes& lanes,
-                                   const std::uint32_t* table_index,
-                                   int count,
-                                   const EchoConstants& constants,
-                                   BandValues* bins) {
-  const BandValues* lateral = constants.lateral;
-  const BandValues* elevation = constants.elevation;
-  const BandValues* places = constants.places;
-  constexpr int kAhead = 24;
-  for (int i = 0; i < count; ++i) {
-    // Each stick angle has a lateral table of its own: they do not stay in the cache.
-    const std::uint32_t ahead = table_index[std::min(i + kAhead, count - 1)];
-    __builtin_prefetch(lateral + kGroups * std::size_t{ahead & 0xffffu});
-    for (std::size_t g = 0; g < kGroups; ++g) {
-      add_echo(lateral[kGroups * std::size_t{table_index[i] & 0xffffu} + g],
-               elevation[kGroups * std::size_t{table_index[i] >> 16} + g],
-               places[kGroups * static_cast<std::size_t>(lanes.place[i]) + g],
-               lanes.re[i],
-               lanes.im[i],
-               bins[kGroups * static_cast<std::size_t>(lanes.bin[i]) + g]);
-    }
-  }
 }
 
 WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
@@ -96,10 +72,21 @@ WOBBLEBENCH_SIMD void sum_echoes(const EchoLanes& lanes,
                                  int count,
                                  const EchoConstants& constants,
                                  BandValues* bins) {
-  if (constants.groups == 1) {
-    sum_groups<1>(lanes, table_index, count, constants, bins);
-  } else {
-    sum_groups<2>(lanes, table_index, count, constants, bins);
+  const BandValues* lateral = constants.lateral;
+  const BandValues* elevation = constants.elevation;
+  const BandValues* places = constants.places;
+  constexpr int kAhead = 24;
+  for (int i = 0; i < count; ++i) {
+    // Neither table fits the first-level cache.
+    const std::uint32_t ahead = table_index[std::min(i + kAhead, count - 1)];
+    __builtin_prefetch(lateral + (ahead & 0xffffu));
+    __builtin_prefetch(elevation + (ahead >> 16));
+    add_echo(lateral[table_index[i] & 0xffffu],
+             elevation[table_index[i] >> 16],
+             places[lanes.place[i]],
+             lanes.re[i],
+             lanes.im[i],
+             bins[lanes.bin[i]]);
   }
 }
 

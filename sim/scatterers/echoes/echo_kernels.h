@@ -14,12 +14,11 @@ struct EchoConstants {
   const BandValues* elevation;
   float cycles_per_m;  ///< of range: 2 f0 / c
   float spacing_m;     ///< of the samples
-  /// Phasors at the nodes, in groups, by which a scatterer's echo differs from one in the middle of
-  /// its bin, at kBinPlaces places from the bin's beginning on.
+  /// Phasors at the nodes by which a scatterer's echo differs from one in the middle of its bin, at
+  /// kBinPlaces places from the bin's beginning on.
   const BandValues* places;
   std::int32_t last_bin;  ///< collects echoes from beyond it, as bin 0 collects those from before
                           ///< range 0; neither is read
-  int groups;             ///< of nodes, 1 or 2: so many values for each entry, place and bin
 };
 
 /// Places told apart in a bin: errors of phase stay below 0.02 rad.

@@ -39,8 +39,7 @@ PulseTaps::PulseTaps(const PulseBand& band, double spacing_m)
 
 void RangeBins::begin(const PulseTaps& taps, double end_m) {
   last_bin_ = static_cast<std::int32_t>(std::ceil(end_m / taps.spacing_m())) + 1;
-  const auto count = static_cast<std::size_t>(last_bin_) + 1;
-  bins_.assign(count * static_cast<std::size_t>(taps.groups()), BandValues{});
+  bins_.assign(static_cast<std::size_t>(last_bin_) + 1, BandValues{});
 }
 
 void RangeBins::add(const ProjectedScatterers& scatterers,
@@ -50,18 +49,15 @@ void RangeBins::add(const ProjectedScatterers& scatterers,
 }
 
 void RangeBins::sort(const PulseTaps& taps, int count, const EchoLosses& losses, std::size_t room) {
-  const auto groups = static_cast<std::size_t>(taps.groups());
   sorted_.assign(2 * static_cast<std::size_t>(taps.nodes()) * room, 0.0f);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     float amplitude = losses.remaining[std::min(i, losses.remaining.size() - 1)];
     if (!losses.factor.empty()) amplitude *= losses.factor[std::min(i, losses.factor.size() - 1)];
     float* to = sorted_.data() + static_cast<std::size_t>(taps.half_length()) + i;
-    for (std::size_t g = 0; g < groups; ++g) {
-      const BandValues& bin = bins_[(i + 1) * groups + g];
-      for (int lane = 0; lane < BandValues::kNodes; ++lane, to += 2 * room) {
-        to[0] = amplitude * bin.re[lane];
-        to[room] = amplitude * bin.im[lane];
-      }
+    const BandValues& bin = bins_[i + 1];
+    for (int node = 0; node < taps.nodes(); ++node, to += 2 * room) {
+      to[0] = amplitude * bin.re[node];
+      to[room] = amplitude * bin.im[node];
     }
   }
 }

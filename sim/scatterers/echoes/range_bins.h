@@ -35,7 +35,6 @@ class PulseTaps {
   int half_length() const { return half_length_; }
   int length() const { return 2 * half_length_ + 1; }
   int nodes() const { return nodes_; }
-  int groups() const { return nodes_ / BandValues::kNodes; }
   /// [node][real, imaginary part][length()], for convolve_bins().
   const float* at(int level) const { return taps_[static_cast<std::size_t>(level)].data(); }
 
@@ -69,7 +68,7 @@ class RangeBins {
   /// Sorts the scaled sums of `count` bins by node, with half a pulse of nothing on both sides.
   void sort(const PulseTaps& taps, int count, const EchoLosses& losses, std::size_t room);
 
-  std::vector<BandValues> bins_;  ///< [bin][group]
+  std::vector<BandValues> bins_;
   std::int32_t last_bin_ = 1;
   std::vector<float> sorted_;  ///< [node][real, imaginary part][bin]
 };

@@ -46,11 +46,10 @@ PulseBand::Values stored(const BeamTable& table,
       property(&BeamRow::delay_m) +
       (property(&BeamRow::tilt) + property(&BeamRow::curvature_per_m) * offset_m) * offset_m;
   PulseBand::Values result = {};
+  const BandValues& value = direction.at(row, part, column);
   for (int node = 0; node < band.nodes(); ++node) {
-    const BandValues& value = direction.at(row, part, column)[node / BandValues::kNodes];
-    const int lane = node % BandValues::kNodes;
     result[static_cast<std::size_t>(node)] =
-        Complex(value.re[lane], value.im[lane]) *
+        Complex(value.re[node], value.im[node]) *
         std::polar(1.0, -2 * band.wavenumber_per_m(node) * delay_m);
   }
   return result;

@@ -1,0 +1,25 @@
+// The order in which the sticks of a volume are computed. Results do not depend on it.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "hw/probe/acquisition_plan.h"
+
+namespace wobblebench::sim {
+
+/// Number `i` of a volume: a few frames at a time, line by line. The sticks of a line share the
+/// tables of their angle, so those stay in the cache, and threads need the losses of few frames at
+/// a time.
+inline hw::StickIndex stick_in_order(const hw::AcquisitionPlan& plan, std::uint32_t volume, int i) {
+  constexpr int kFrames = 16;
+  const int lines = plan.acquisition().sticks_per_frame;
+  const int first = i / (kFrames * lines) * kFrames;
+  const int frames = std::min(kFrames, plan.acquisition().frames_per_volume - first);
+  const int within = i - first * lines;
+  return {volume,
+          static_cast<std::uint32_t>(first + within % frames),
+          static_cast<std::uint32_t>(within / frames)};
+}
+
+}  // namespace wobblebench::sim
