@@ -9,8 +9,7 @@
 namespace wobblebench::sim {
 
 /// Number `i` of a volume: a few frames at a time, line by line. The sticks of a line share the
-/// tables of their angle, so those stay in the cache, and threads need the losses of few frames at
-/// a time.
+/// beam's tables of their angle, and neighbouring frames the tissue: both stay in the cache.
 inline hw::StickIndex stick_in_order(const hw::AcquisitionPlan& plan, std::uint32_t volume, int i) {
   constexpr int kFrames = 16;
   const int lines = plan.acquisition().sticks_per_frame;

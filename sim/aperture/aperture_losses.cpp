@@ -34,12 +34,12 @@ ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
       cone_(plan, grid_),
       places_(plan, grid_, cone_) {}
 
-double ApertureLosses::bytes(const hw::AcquisitionPlan& plan) {
+double ApertureLosses::bytes(const hw::AcquisitionPlan& plan, int kept) {
   const LossGrid grid = LossGrid::of(plan, plan.acquisition().depth_m);
   const double nodes = 1.0 * grid.frames * grid.lines * grid.nodes;
   const double parts = 1.0 * grid.frames * static_cast<double>(ConeMean::parts_size(grid));
   constexpr int kCorrections = 2, kTables = 3;  // of LossTable
-  return sizeof(float) * ((kRecent * kCorrections + kTables) * nodes + parts);
+  return sizeof(float) * ((kept * kCorrections + kTables) * nodes + parts);
 }
 
 std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t number) const {
@@ -47,7 +47,7 @@ std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t nu
   for (const auto& kept : recent_) {
     if (kept->number() == number) return kept;
   }
-  if (recent_.size() == kRecent) recent_.erase(recent_.begin());
+  if (static_cast<int>(recent_.size()) == kRecent) recent_.erase(recent_.begin());
   recent_.push_back(std::make_shared<const VolumeCorrections>(*this, number));
   return recent_.back();
 }

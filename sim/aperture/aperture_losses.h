@@ -32,10 +32,10 @@ class ApertureLosses {
                  double depth_m);
 
   /// Volumes kept: a thread may still be in one when another begins the next.
-  static constexpr std::size_t kRecent = 3;
+  static constexpr int kRecent = 3;
 
-  /// Memory of as many volumes, and of computing one.
-  static double bytes(const hw::AcquisitionPlan& plan);
+  /// Memory of `kept` volumes, and of computing one.
+  static double bytes(const hw::AcquisitionPlan& plan, int kept);
 
   /// Shared by all who ask for the same volume; the first computes it on all threads while the
   /// others wait.

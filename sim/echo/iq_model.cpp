@@ -71,10 +71,11 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
                      const SimulationOptions& options,
                      bool tissue_moves,
                      double model_bytes) {
-  const double losses = options.aperture_losses ? ApertureLosses::bytes(plan) : 0;
-  if (volumes_repeat(plan, tissue_moves)) {
-    return {model_bytes + iq_bytes(plan) + losses / ApertureLosses::kRecent, iq_bytes(plan)};
-  }
+  const bool repeat = volumes_repeat(plan, tissue_moves);
+  const double losses = options.aperture_losses
+                            ? ApertureLosses::bytes(plan, repeat ? 1 : ApertureLosses::kRecent)
+                            : 0;
+  if (repeat) return {model_bytes + iq_bytes(plan) + losses, iq_bytes(plan)};
   return {model_bytes + losses, model_bytes + losses};
 }
 
