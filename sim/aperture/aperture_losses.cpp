@@ -34,8 +34,8 @@ ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
       cone_(plan, grid_),
       places_(plan, grid_, cone_) {}
 
-double ApertureLosses::bytes(const hw::AcquisitionPlan& plan, int kept) {
-  const LossGrid grid = LossGrid::of(plan, plan.acquisition().depth_m);
+double ApertureLosses::bytes(const hw::AcquisitionPlan& plan, double depth_m, int kept) {
+  const LossGrid grid = LossGrid::of(plan, depth_m);
   const double nodes = 1.0 * grid.frames * grid.lines * grid.nodes;
   const double parts = 1.0 * grid.frames * static_cast<double>(ConeMean::parts_size(grid));
   constexpr int kCorrections = 2, kTables = 3;  // of LossTable
@@ -58,8 +58,9 @@ class CorrectionMaker {
  public:
   CorrectionMaker(const ApertureLosses& source, std::uint32_t number)
       : source_(source), number_(number), table_(source.grid_) {
-    parts_.resize(static_cast<std::size_t>(source.grid_.frames) *
-                  ConeMean::parts_size(source.grid_));
+    const auto frames = static_cast<std::size_t>(source.grid_.frames);
+    is_read_.resize(frames);
+    parts_.resize(frames * ConeMean::parts_size(source.grid_));
   }
 
   /// Both [frame][line][node].
@@ -69,10 +70,11 @@ class CorrectionMaker {
       StickTrack track;
       for (int frame = first; frame < last; ++frame) trace(frame, track);
     });
+    find_read();
     parallel_ranges(frames, source_.threads_, [&](int first, int last) {
       ConeMean mean = cone_mean();
       for (int frame = first; frame < last; ++frame) {
-        if (!is_read(mean, frame)) continue;
+        if (is_read_[static_cast<std::size_t>(frame)] == 0) continue;
         mean.follow(
             frame, of_frame(frame, log_gain), of_frame(frame, frequency), of_frame(frame, parts_));
       }
@@ -90,14 +92,16 @@ class CorrectionMaker {
     return {source_.cone_, source_.places_, source_.grid_, table_, source_.band_};
   }
 
-  /// Whether the elevation of any frame reads what is followed of this one.
-  bool is_read(const ConeMean& mean, int frame) const {
+  /// Frames that the third step reads: about each that has corrections.
+  void find_read() {
+    const ConeMean mean = cone_mean();
     const int reach = source_.places_.most_frames() + 1;  // places lie between two frames
-    const int last = std::min(frame + reach, source_.grid_.frames - 1);
-    for (int reader = std::max(frame - reach, 0); reader <= last; ++reader) {
-      if (mean.uneven(reader)) return true;
+    const int frames = source_.grid_.frames;
+    for (int frame = 0; frame < frames; ++frame) {
+      if (!mean.uneven(frame)) continue;
+      const int from = std::max(frame - reach, 0), to = std::min(frame + reach + 1, frames);
+      std::fill(is_read_.begin() + from, is_read_.begin() + to, char{1});
     }
-    return false;
   }
 
   std::span<float> of_frame(int frame, std::vector<float>& values) const {
@@ -122,7 +126,8 @@ class CorrectionMaker {
   const ApertureLosses& source_;
   std::uint32_t number_;
   LossTable table_;
-  std::vector<float> parts_;  ///< [frame] as ConeMean::follow has them
+  std::vector<char> is_read_;  ///< of each frame
+  std::vector<float> parts_;   ///< [frame] as ConeMean::follow has them
 };
 
 VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t number)

@@ -35,7 +35,7 @@ class ApertureLosses {
   static constexpr int kRecent = 3;
 
   /// Memory of `kept` volumes, and of computing one.
-  static double bytes(const hw::AcquisitionPlan& plan, int kept);
+  static double bytes(const hw::AcquisitionPlan& plan, double depth_m, int kept);
 
   /// Shared by all who ask for the same volume; the first computes it on all threads while the
   /// others wait.

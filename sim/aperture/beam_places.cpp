@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kReach = 2;  // widths of the beam
 /// Of the sum that stands for an aperture: its phase turns by at most an eighth between two waves.
-constexpr int kLeastWaves = 64, kMostWaves = 2048;
+constexpr int kLeastWaves = 64, kMostWaves = 1 << 15;
 
 double wavelength_m(const hw::AcquisitionPlan& plan) {
   return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
@@ -73,6 +73,7 @@ BeamPlaces::BeamPlaces(const hw::AcquisitionPlan& plan,
                        const ApertureCone& cone)
     : grid_(grid) {
   place(plan);
+  bound();
   sum_waves(plan);
   sum_powers(cone);
 }
@@ -164,20 +165,17 @@ void BeamPlaces::sum_powers(const ApertureCone& cone) {
   }
 }
 
-int BeamPlaces::most_lines() const {
-  float most = 0;
-  for (const float lines : lines_aside_) most = std::max(most, std::abs(lines));
-  return static_cast<int>(std::ceil(most));
-}
-
-int BeamPlaces::most_frames() const {
-  float most = 0;
+void BeamPlaces::bound() {
+  float lines = 0, frames = 0;
+  for (const float aside : lines_aside_) lines = std::max(lines, std::abs(aside));
   for (int node = 0; node < grid_.nodes; ++node) {
     const float* per_m = frames_per_m(node);
-    most =
-        std::max(most, *std::max_element(per_m, per_m + grid_.lines) * across_m(node, kPlaces - 1));
+    const float most_per_m = *std::max_element(per_m, per_m + grid_.lines);
+    frames = std::max(frames, most_per_m * across_m(node, kPlaces - 1));
   }
-  return static_cast<int>(std::min(std::ceil(static_cast<double>(most)), 1.0 * grid_.frames));
+  most_lines_ = static_cast<int>(std::ceil(lines));
+  const double all = grid_.frames;
+  most_frames_ = static_cast<int>(std::min(std::ceil(static_cast<double>(frames)), all));
 }
 
 }  // namespace wobblebench::sim

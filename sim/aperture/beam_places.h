@@ -30,8 +30,8 @@ class BeamPlaces {
   /// Frames for each metre across the image plane at a node, on each line.
   const float* frames_per_m(int node) const { return frames_per_m_.data() + row(node); }
   /// Most lines, and frames, that a place lies aside.
-  int most_lines() const;
-  int most_frames() const;
+  int most_lines() const { return most_lines_; }
+  int most_frames() const { return most_frames_; }
 
   /// Waves of the ApertureCone::kLateral parts at a place in the image plane, and of its kElevation
   /// parts at one across it, where transmit and receive are the same.
@@ -58,8 +58,11 @@ class BeamPlaces {
   void place(const hw::AcquisitionPlan& plan);
   void sum_waves(const hw::AcquisitionPlan& plan);
   void sum_powers(const ApertureCone& cone);
+  void bound();
 
   LossGrid grid_;
+  int most_lines_ = 0;
+  int most_frames_ = 0;
   std::vector<double> beside_m_;    ///< places in the image plane
   std::vector<float> lines_aside_;  ///< the same
   std::vector<float> across_m_;

@@ -21,17 +21,8 @@ ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid
       grid_(grid),
       lines_per_rad_(grid.lines > 1 ? 1 / plan.theta_step_rad() : 0),
       array_rad_(0.5 * probe_.elements * probe_.pitch_m / probe_.radius_m) {
-  const double frames_per_rad = grid.frames > 1 ? 1 / plan.phi_step_rad() : 0;
-  const double axis_z_m = plan.geometry().axis_z_m();
   for (int line = 0; line < grid.lines; ++line) theta_rad_.push_back(plan.theta_rad(line));
-  for (int node = 0; node < grid.nodes; ++node) {
-    const double radius_m = probe_.radius_m + (node + 0.5) * grid.step_m;
-    for (const double theta_rad : theta_rad_) {
-      const double to_axis_m = radius_m * std::cos(theta_rad) - axis_z_m;
-      const double per_m = frames_per_rad / std::max(std::abs(to_axis_m), grid.step_m);
-      frames_per_m_.push_back(static_cast<float>(per_m));
-    }
-  }
+  place_frames(plan);
   for (int end = 0; end < kEnds; ++end) {
     for (int to = 0; to < grid.nodes; ++to) {
       const double range_m = to * grid.step_m;
@@ -41,6 +32,23 @@ ApertureCone::ApertureCone(const hw::AcquisitionPlan& plan, const LossGrid& grid
       place(aperture_m, to);
       weigh(aperture_m);
     }
+  }
+}
+
+void ApertureCone::place_frames(const hw::AcquisitionPlan& plan) {
+  const double frames_per_rad = grid_.frames > 1 ? 1 / plan.phi_step_rad() : 0;
+  const double axis_z_m = plan.geometry().axis_z_m();
+  for (int node = 0; node < grid_.nodes; ++node) {
+    const double radius_m = probe_.radius_m + (node + 0.5) * grid_.step_m;
+    double most_per_m = 0;
+    for (const double theta_rad : theta_rad_) {
+      const double to_axis_m = radius_m * std::cos(theta_rad) - axis_z_m;
+      const double per_m = frames_per_rad / std::max(std::abs(to_axis_m), grid_.step_m);
+      frames_per_m_.push_back(static_cast<float>(per_m));
+      most_per_m = std::max(most_per_m, per_m);
+    }
+    const double most = std::ceil(most_per_m * 0.5 * probe_.element_height_m);
+    most_frames_.push_back(static_cast<int>(std::min(most, static_cast<double>(grid_.frames))));
   }
 }
 
@@ -82,19 +90,6 @@ double ApertureCone::left(int from, int to, double behind_m) const {
 
 double ApertureCone::elevation_m(int part, int from, int to) const {
   return middle(part, kElevation) * 0.5 * probe_.element_height_m * left(from, to, 0);
-}
-
-int ApertureCone::most_frames(int from) const {
-  const float* per_m = frames_per_m(from);
-  const double most = static_cast<double>(*std::max_element(per_m, per_m + grid_.lines)) * 0.5 *
-                      probe_.element_height_m;
-  return static_cast<int>(std::min(std::ceil(most), static_cast<double>(grid_.frames)));
-}
-
-int ApertureCone::most_frames() const {
-  int most = 0;
-  for (int node = 0; node < grid_.nodes; ++node) most = std::max(most, most_frames(node));
-  return most;
 }
 
 int ApertureCone::most_lines() const {

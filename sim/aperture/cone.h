@@ -32,9 +32,8 @@ class ApertureCone {
   const float* frames_per_m(int from) const {
     return frames_per_m_.data() + static_cast<std::size_t>(from * grid_.lines);
   }
-  /// Most frames that a way lies aside between node `from` and the next, and anywhere.
-  int most_frames(int from) const;
-  int most_frames() const;
+  /// Most frames that a way lies aside between node `from` and the next.
+  int most_frames(int from) const { return most_frames_[static_cast<std::size_t>(from)]; }
   /// Most lines that any way lies aside.
   int most_lines() const;
 
@@ -52,6 +51,7 @@ class ApertureCone {
   /// Share of a way's distance from the axis at its start, which lies `behind_m` behind the face's
   /// middle, that is left between node `from` and the next.
   double left(int from, int to, double behind_m) const;
+  void place_frames(const hw::AcquisitionPlan& plan);
   void place(double aperture_m, int to);
   void weigh(double aperture_m);
   float share_on_array(double from_rad, double to_rad) const;
@@ -63,6 +63,7 @@ class ApertureCone {
   double widest_m_ = 0;              ///< of the apertures
   std::vector<double> theta_rad_;    ///< of each line
   std::vector<float> frames_per_m_;  ///< [node][line]
+  std::vector<int> most_frames_;     ///< [node]
   std::vector<float> lines_aside_;   ///< [end][to][from][part]
   std::vector<float> on_array_;      ///< [end][node][part][line]
 };

@@ -28,7 +28,7 @@ WOBBLEBENCH_SIMD void interpolate(const float* __restrict near,
                                   const float* __restrict share,
                                   int count,
                                   float* __restrict row) {
-  for (int i = 0; i < count; ++i) row[i] = near[i] + share[i] * (far[i] - near[i]);
+  for (int i = 0; i < count; ++i) row[i] = (1.0f - share[i]) * near[i] + share[i] * far[i];
 }
 
 WOBBLEBENCH_SIMD void step_ways(const LossRows& rows,
@@ -43,11 +43,12 @@ WOBBLEBENCH_SIMD void step_ways(const LossRows& rows,
   const float* __restrict d0 = rows.near_absorbed;
   const float* __restrict t1 = rows.far_transmitted;
   const float* __restrict d1 = rows.far_absorbed;
+  const float rest = 1.0f - share;
   for (int i = 0; i < lines; ++i) {
-    const float near = 1.0f / (t0[i] + share * (t0[i + 1] - t0[i]));
-    const float far = t1[i] + share * (t1[i + 1] - t1[i]);
-    const float near_absorbed = d0[i] + share * (d0[i + 1] - d0[i]);
-    const float far_absorbed = d1[i] + share * (d1[i + 1] - d1[i]);
+    const float near = 1.0f / (rest * t0[i] + share * t0[i + 1]);
+    const float far = rest * t1[i] + share * t1[i + 1];
+    const float near_absorbed = rest * d0[i] + share * d0[i + 1];
+    const float far_absorbed = rest * d1[i] + share * d1[i + 1];
     const float amplitude = relative[i] * (far * near) * axis_gain[i];
     relative[i] = amplitude < kLeast ? kLeast : amplitude;
     nepers[i] += far_absorbed / far - near_absorbed * near - axis_nepers[i];
@@ -73,6 +74,13 @@ WOBBLEBENCH_SIMD void add_scaled(const float* __restrict values,
                                  int count,
                                  float* __restrict sum) {
   for (int i = 0; i < count; ++i) sum[i] += factor * values[i];
+}
+
+WOBBLEBENCH_SIMD void add_products(const float* __restrict values,
+                                   const float* __restrict factors,
+                                   int count,
+                                   float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += factors[i] * values[i];
 }
 
 WOBBLEBENCH_SIMD void weigh_beside(const Reaching& beside,

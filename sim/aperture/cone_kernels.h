@@ -16,7 +16,8 @@ void locate_frames(int frame,
                    std::int32_t* before,
                    float* share);
 
-/// row[i] = near[i] + share[i] * (far[i] - near[i]).
+/// row[i] = (1 - share[i]) * near[i] + share[i] * far[i]: positive where both are, also where one
+/// is too small to change a difference.
 void interpolate(const float* near, const float* far, const float* share, int count, float* row);
 
 /// Amplitudes and absorbed amounts of a LossTable at a node and the next.
@@ -40,6 +41,8 @@ void step_ways(const LossRows& rows,
 
 /// sum[i] += factor * values[i].
 void add_scaled(const float* values, float factor, int count, float* sum);
+/// sum[i] += factors[i] * values[i].
+void add_products(const float* values, const float* factors, int count, float* sum);
 
 /// Of neighbouring sticks: the one-way amplitude that reaches the node before one, and the material
 /// at it.

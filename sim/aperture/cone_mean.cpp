@@ -44,7 +44,7 @@ void ConeMean::follow(int frame,
     if (!is_even) average(node, frame, log_gain, frequency);
     if (elevations_ > 1) {
       const auto first = static_cast<std::size_t>(node * ApertureCone::kElevation * grid_.lines);
-      average_parts(parts.data() + first);
+      average_parts(node, parts.data() + first);
     }
   }
 }
@@ -223,15 +223,15 @@ void ConeMean::load_lateral() {
   }
 }
 
-void ConeMean::average_parts(float* parts) const {
-  constexpr float kEach = 1.0f / (ApertureCone::kEnds * ApertureCone::kLateral);
+void ConeMean::average_parts(int node, float* parts) const {
   std::fill_n(parts, ApertureCone::kElevation * grid_.lines, 0.0f);
   for (int end = 0; end < ApertureCone::kEnds; ++end) {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
+      const float* on_array = cone_.on_array(end, part, node);
       for (int elevation = 0; elevation < elevations_; ++elevation) {
         const Ways& followed = ways_[way(end, part, elevation)];
         float* to = parts + static_cast<std::ptrdiff_t>(elevation) * grid_.lines;
-        add_scaled(followed.relative.data(), kEach, grid_.lines, to);
+        add_products(followed.relative.data(), on_array, grid_.lines, to);
       }
     }
   }

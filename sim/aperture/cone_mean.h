@@ -26,9 +26,9 @@ class ConeMean {
   /// Floats of a frame's elevation parts, [node][part][line].
   static std::size_t parts_size(const LossGrid& grid);
 
-  /// Of a frame, [line][node], what ways and places in the image plane change; and the mean
-  /// amplitude of the ways from each part across it, over the axis'. The table's frames within
-  /// ApertureCone::most_frames() must be finished. Nodes before which sticks lose the same keep 0.
+  /// Of a frame, [line][node], what ways and places in the image plane change; and for each
+  /// part across it the sum of its ways' amplitudes over the axis', by their shares on the array.
+  /// All frames that a way passes must be finished. Nodes before which sticks lose the same keep 0.
   void follow(int frame,
               std::span<float> log_gain,
               std::span<float> frequency,
@@ -58,7 +58,7 @@ class ConeMean {
   void step(int elevation, int from, int to);
   double nepers_aside(int end, int node, int line) const;
   void average(int node, int frame, std::span<float> log_gain, std::span<float> frequency);
-  void average_parts(float* parts) const;
+  void average_parts(int node, float* parts) const;
   void load_lateral();
   std::size_t way(int end, int lateral, int elevation) const {
     return static_cast<std::size_t>((end * ApertureCone::kLateral + lateral) * elevations_ +

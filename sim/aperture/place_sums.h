@@ -58,9 +58,9 @@ class ElevationSum {
   ElevationSum(const BeamPlaces& places, const LossGrid& grid, const LossTable& table);
 
   /// Power on each line of a frame, over the fourth power of the mean amplitude of the frame's own
-  /// parts. `parts`: mean amplitudes of the ways to each stick, relative to its axis, [frame][node]
-  /// [part][line], of ApertureCone::kElevation parts; frames within BeamPlaces::most_frames() are
-  /// read.
+  /// parts. `parts`: sums of the amplitudes of the ways to each stick, relative to its axis,
+  /// [frame] [node][part][line], of ApertureCone::kElevation parts; frames within
+  /// BeamPlaces::most_frames() are read.
   const double* power_over_mean(int frame, int node, const float* parts);
 
  private:

@@ -39,7 +39,7 @@ class EchoModel {
   virtual StickMaker stick_maker(const IqSink& iq) const = 0;
 };
 
-/// Bytes of what a model stores for each IQ sample of a volume.
+/// Bytes of a model's largest arrays.
 struct EchoMemory {
   double constructing = 0;  ///< at most, in the constructor
   double kept = 0;

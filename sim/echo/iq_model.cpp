@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "phantoms/material.h"
 #include "sim/aperture/aperture_losses.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"
@@ -12,6 +13,18 @@
 namespace wobblebench::sim {
 
 namespace {
+
+/// True range of the last sample at most, in tissue of the built-in materials.
+double deepest_m(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
+  const auto& acquisition = plan.acquisition();
+  double fastest_m_s = acquisition.sound_speed_m_s;
+  if (options.tissue_sound_speed) {
+    for (const auto& material : phantoms::material_table()) {
+      fastest_m_s = std::max(fastest_m_s, material.sound_speed_m_s);
+    }
+  }
+  return acquisition.depth_m * fastest_m_s / acquisition.sound_speed_m_s;
+}
 
 /// The noiseless echoes of one volume, used for every volume.
 class ReusedEchoes final : public IqModel {
@@ -72,9 +85,9 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
                      bool tissue_moves,
                      double model_bytes) {
   const bool repeat = volumes_repeat(plan, tissue_moves);
-  const double losses = options.aperture_losses
-                            ? ApertureLosses::bytes(plan, repeat ? 1 : ApertureLosses::kRecent)
-                            : 0;
+  const int kept = repeat ? 1 : ApertureLosses::kRecent;
+  const double losses =
+      options.aperture_losses ? ApertureLosses::bytes(plan, deepest_m(plan, options), kept) : 0;
   if (repeat) return {model_bytes + iq_bytes(plan) + losses, iq_bytes(plan)};
   return {model_bytes + losses, model_bytes + losses};
 }

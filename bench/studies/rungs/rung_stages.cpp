@@ -14,6 +14,7 @@
 #include "sim/probe_simulator.h"
 #include "sim/receive/receiver.h"
 #include "sim/scatterers/scatterer_field.h"
+#include "sim/stick_order.h"
 
 namespace wobblebench::bench {
 
@@ -82,6 +83,7 @@ struct Worker {
   sim::StickTrack track;
   sim::StickLosses losses;
   std::optional<sim::ApertureLosses> aperture;
+  std::shared_ptr<const sim::VolumeCorrections> corrections;
   sim::MeanPower power;
   std::vector<float> mean_power;
 
@@ -105,8 +107,12 @@ struct Worker {
     aperture.emplace(subject, scene.plan, options, scene.plan.acquisition().depth_m);
   }
 
+  /// What the sticks of a volume share.
+  void prepare() {
+    if (aperture) corrections = aperture->volume(0);
+  }
   void compute_losses(const hw::StickIndex& index) {
-    losses.compute(track, aperture ? aperture->volume(0)->of(index) : sim::ApertureCorrection());
+    losses.compute(track, corrections ? corrections->of(index) : sim::ApertureCorrection());
   }
 };
 
@@ -119,7 +125,7 @@ void warm_up(const RungScene& scene,
              Worker& worker) {
   std::vector<std::complex<float>> iq(static_cast<std::size_t>(worker.samples));
   for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
-    const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
+    const auto index = sim::stick_in_order(scene.plan, 0, stick);
     const auto line = sim::stick_ray(scene.plan, index);
     sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
     worker.compute_losses(index);
@@ -158,10 +164,12 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   std::vector<std::complex<float>> spare(static_cast<std::size_t>(worker.samples));
   std::span<const std::complex<float>> iq;
   std::vector<float> samples(static_cast<std::size_t>(scene.plan.acquisition().samples_per_stick));
+  double shared_ms = 0, follow_ms = 0, losses_ms = 0, tissue_ms = 0, all_ms = 0, receive_ms = 0;
+  timed(shared_ms, [&] { worker.prepare(); });
+  model->prepare(0);
   if (scatterers) warm_up(scene, subject, make, *scatterers, worker);
-  double follow_ms = 0, losses_ms = 0, tissue_ms = 0, all_ms = 0, receive_ms = 0;
   for (int stick = 0; stick < scene.plan.sticks_per_volume(); ++stick) {
-    const auto index = scene.plan.index(static_cast<std::uint64_t>(stick));
+    const auto index = sim::stick_in_order(scene.plan, 0, stick);
     const auto line = sim::stick_ray(scene.plan, index);
     timed(follow_ms, [&] {
       sim::follow(subject, line, scene.plan.acquisition().depth_m, worker.track, worker.surfaces);
@@ -181,7 +189,7 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   }
   const double rest_ms = std::max(0.0, all_ms - follow_ms - losses_ms - tissue_ms);
   result.stages = {{"follow", follow_ms},
-                   {"losses", losses_ms},
+                   {"losses", shared_ms + losses_ms},
                    {scatterers ? "scatterers" : "mean power", tissue_ms},
                    {"speckle, specular", rest_ms},
                    {"receive", receive_ms}};

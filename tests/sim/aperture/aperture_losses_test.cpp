@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "phantoms/placed_phantom.h"
+#include "sim/aperture/cone_mean.h"
 #include "sim/beam/point_spread.h"
 #include "sim/probe_simulator.h"
 #include "tests/sim/aperture/shadow_sum.h"
@@ -81,6 +82,67 @@ TEST(ApertureLosses, ResultsDoNotDependOnThreads) {
       EXPECT_EQ(one, scan(placed, plan(16, 9), options, 1)) << moves << " " << threads;
     }
   }
+}
+
+/// Corrections of a volume in which every frame is followed, [frame][line][node].
+std::vector<float> all_corrections(const ScannedTissue& tissue,
+                                   const hw::AcquisitionPlan& plan,
+                                   const SimulationOptions& options) {
+  const LossGrid grid = LossGrid::of(plan, kDepth_m);
+  const ApertureCone cone(plan, grid);
+  const BeamPlaces places(plan, grid, cone);
+  const BandLoss band(plan.probe());
+  const TissueLosses losses(plan, options, tissue.materials);
+  LossTable table(grid);
+  StickTrack track;
+  for (int i = 0; i < plan.sticks_per_volume(); ++i) {
+    const hw::StickIndex stick = plan.index(static_cast<std::uint64_t>(i));
+    follow(tissue, stick_ray(plan, stick), kDepth_m, track, Surfaces::crossed);
+    table.record(static_cast<int>(stick.frame), static_cast<int>(stick.line), track, losses);
+  }
+  for (int frame = 0; frame < grid.frames; ++frame) table.finish(frame);
+  ConeMean mean(cone, places, grid, table, band);
+  const auto frames = static_cast<std::size_t>(grid.frames);
+  const auto size = static_cast<std::size_t>(grid.lines * grid.nodes);
+  std::vector<float> gain(frames * size), frequency(size),
+      parts(frames * ConeMean::parts_size(grid));
+  for (std::size_t f = 0; f < frames; ++f) {
+    mean.follow(
+        static_cast<int>(f),
+        std::span(gain).subspan(f * size, size),
+        frequency,
+        std::span(parts).subspan(f * ConeMean::parts_size(grid), ConeMean::parts_size(grid)));
+  }
+  for (std::size_t f = 0; f < frames; ++f) {
+    mean.add_elevation(static_cast<int>(f), parts, std::span(gain).subspan(f * size, size));
+  }
+  return gain;
+}
+
+/// Frames far from whatever differs are not followed, and must not be read.
+TEST(ApertureLosses, WhatIsSkippedChangesNothing) {
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = 3e-3});
+  const auto dense = plan(5, 145, 6 * kDegree);
+  const auto options = mean_echo();
+  const ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, 2e-3, 0),
+                             phantom.materials(),
+                             {glm::dmat3(1.0), {0, 0, dense.probe().radius_m + 40e-3}},
+                             {}};
+  const auto expected = all_corrections(tissue, dense, options);
+  const auto volume = ApertureLosses(tissue, dense, options, kDepth_m).volume(0);
+  const std::size_t nodes = expected.size() / static_cast<std::size_t>(dense.sticks_per_volume());
+  int corrected = 0;
+  for (int i = 0; i < dense.sticks_per_volume(); ++i) {
+    const hw::StickIndex stick = dense.index(static_cast<std::uint64_t>(i));
+    const auto found = volume->of(stick).log_gain;
+    for (std::size_t k = 0; k < nodes; ++k) {
+      const std::size_t at = (stick.frame * 5 + stick.line) * nodes + k;
+      ASSERT_EQ(found.empty() ? 0 : found[k], expected[at]) << stick.frame << " " << k;
+    }
+    corrected += !found.empty();
+  }
+  EXPECT_GT(corrected, 50);
+  EXPECT_LT(corrected, dense.sticks_per_volume() / 2);
 }
 
 /// Distance over which a profile rises from 10 to 90 % of its end.

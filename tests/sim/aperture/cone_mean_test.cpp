@@ -125,6 +125,35 @@ class Shadow {
   std::vector<float> parts_;
 };
 
+/// A difference would lose it, and the next step divide by 0. Ways that end with the fan take the
+/// last frame whole.
+TEST(ConeMean, ValuesBetweenSticksKeepTheSmallerOne) {
+  const float near[] = {1, 1, 1, 1e-30F}, far[] = {1e-30F, 1e-30F, 0.5F, 1};
+  const float share[] = {1, std::nextafter(1.0F, 0.0F), 0.25F, 0};
+  float row[4];
+  interpolate(near, far, share, 4, row);
+  EXPECT_EQ(row[0], 1e-30F);
+  EXPECT_GT(row[1], 0);
+  EXPECT_EQ(row[2], 0.875F);
+  EXPECT_EQ(row[3], 1e-30F);
+  const float absorbed[] = {0, 0}, transmitted[] = {1, 1e-30F}, free[] = {1, 1};
+  const float axis_gain = 1, axis_nepers = 0;
+  float relative = 1, nepers = 0;
+  step_ways(
+      {free, absorbed, transmitted, absorbed}, 1, &axis_gain, &axis_nepers, 1, &relative, &nepers);
+  EXPECT_EQ(relative, 1e-30F);
+  EXPECT_EQ(nepers, 0);
+  // The next step begins there.
+  step_ways({transmitted, absorbed, transmitted, absorbed},
+            1,
+            &axis_gain,
+            &axis_nepers,
+            1,
+            &relative,
+            &nepers);
+  EXPECT_FLOAT_EQ(relative, 1e-30F);
+}
+
 double wavelength_m() {
   return plan().acquisition().sound_speed_m_s / plan().probe().center_frequency_hz;
 }
