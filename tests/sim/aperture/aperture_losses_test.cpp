@@ -126,7 +126,7 @@ TEST(ApertureLosses, WhatIsSkippedChangesNothing) {
   const auto options = mean_echo();
   const ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, 2e-3, 0),
                              phantom.materials(),
-                             {glm::dmat3(1.0), {0, 0, dense.probe().radius_m + 40e-3}},
+                             {glm::dmat3(1.0), {0, 0, dense.probe().radius_m + 110e-3}},
                              {}};
   const auto expected = all_corrections(tissue, dense, options);
   const auto volume = ApertureLosses(tissue, dense, options, kDepth_m).volume(0);
