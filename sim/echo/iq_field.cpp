@@ -8,6 +8,7 @@
 #include "sim/beam/point_spread.h"
 #include "sim/beam/profile/speckle_kernels.h"
 #include "sim/beam/profile/speckle_length.h"
+#include "sim/echo/line_filter.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {
@@ -76,10 +77,11 @@ class RangeKernels {
 
 /// Filters across `count` sticks, `stride` complex values apart. At the edges the taps outside the
 /// field are dropped and the others scaled up, so that the power is the same there.
-/// `kernels_of(n)`: those of the n-th stick.
-template <class KernelsOf>
-void filter_sticks(Complex* values, int count, std::size_t stride, const KernelsOf& kernels_of) {
-  const auto samples = static_cast<std::size_t>(kernels_of(0).samples());
+void filter_sticks(Complex* values,
+                   int count,
+                   std::size_t stride,
+                   const RangeKernels& kernels) {
+  const auto samples = static_cast<std::size_t>(kernels.samples());
   std::vector<Complex> before(samples * static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {
     std::copy_n(
@@ -87,7 +89,6 @@ void filter_sticks(Complex* values, int count, std::size_t stride, const Kernels
   }
   std::vector<float> power(samples);
   for (int n = 0; n < count; ++n) {
-    const RangeKernels& kernels = kernels_of(n);
     Complex* target = values + n * stride;
     std::fill_n(target, samples, Complex(0));
     std::fill(power.begin(), power.end(), 0.0f);
@@ -170,37 +171,23 @@ void fill_speckle(std::span<Complex> stick, std::uint64_t key, const AxialKernel
 void filter_across_lines(IqField& field,
                          const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options) {
-  const auto kernels = SpeckleKernels::across_lines(plan, options);
-  if (kernels.count() == 1) return;
-  const auto by_angle = kernels_by_angle(field, kernels);
-  const auto kernels_of = [&](int line) -> const RangeKernels& {
-    return by_angle[static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)))];
-  };
+  const LineFilter filter(plan, options, field.samples, field.spacing_m);
   parallel_ranges(field.frames, options.threads, [&](int first, int last) {
-    for (int f = first; f < last; ++f) {
-      filter_sticks(field.stick(f, 0).data(),
-                    field.lines,
-                    static_cast<std::size_t>(field.samples),
-                    kernels_of);
-    }
+    for (int frame = first; frame < last; ++frame) filter.apply(field.stick(frame, 0).data());
   });
 }
 
 void filter_across_frames(IqField& field,
                           const hw::AcquisitionPlan& plan,
                           const SimulationOptions& options) {
-  const auto kernels = SpeckleKernels::across_frames(plan, options);
+  const SpeckleKernels kernels(plan, options);
   if (kernels.count() == 1) return;
   const std::size_t frame = static_cast<std::size_t>(field.samples) * field.lines;
   const auto by_angle = kernels_by_angle(field, kernels);
   parallel_ranges(field.lines, options.threads, [&](int first, int last) {
     for (int line = first; line < last; ++line) {
-      const auto& of_line =
-          by_angle[static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)))];
-      filter_sticks(
-          field.stick(0, line).data(), field.frames, frame, [&](int) -> const RangeKernels& {
-            return of_line;
-          });
+      const auto angle = static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)));
+      filter_sticks(field.stick(0, line).data(), field.frames, frame, by_angle[angle]);
     }
   });
 }

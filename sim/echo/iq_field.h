@@ -74,9 +74,9 @@ void fill_speckle(std::span<std::complex<float>> stick,
                   std::uint64_t key,
                   const AxialKernels& kernels);
 
-/// Filters each range so that white noise gets the correlation of speckle there
-/// (sim/beam/profile/speckle_kernels.h), across the lines of each frame or across frames. Keeps the
-/// mean power.
+/// Filters each range so that white noise gets the correlation of speckle there, across the lines
+/// of each frame (sim/echo/line_filter.h) or across frames (sim/beam/profile/speckle_kernels.h).
+/// Keeps the mean power.
 void filter_across_lines(IqField& field,
                          const hw::AcquisitionPlan& plan,
                          const SimulationOptions& options);

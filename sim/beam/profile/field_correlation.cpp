@@ -4,6 +4,7 @@
 
 #include "base/units.h"
 #include "sim/beam/point_spread.h"
+#include "sim/math/complex_product.h"
 #include "sim/math/fast_math.h"
 
 namespace wobblebench::sim {
@@ -26,15 +27,11 @@ BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
                                  const PulseBand& band,
                                  Apodisation apodisation,
                                  double range_m,
-                                 double theta_rad,
-                                 double wavelength_m) {
+                                 double theta_rad) {
   const StickAperture aperture(plan, apodisation, theta_rad);
   return sampled(PlaneResponse::lateral(aperture, plan, band, range_m),
                  range_m,
-                 reach_m(wavelength_m * range_m / receive_aperture_m(plan, range_m),
-                         transmit_aperture_m(plan, range_m),
-                         range_m,
-                         transmit_focus_m(plan, range_m)));
+                 BeamAtRange::lateral_reach_m(plan, range_m));
 }
 
 BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
@@ -50,11 +47,6 @@ BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
       range_m,
       reach_m(
           wavelength_m * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m));
-}
-
-/// Product without std::complex's checks for infinities.
-std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 std::complex<double> unit_phasor(double phase_rad) {
@@ -74,8 +66,15 @@ BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
                          double range_m,
                          double theta_rad,
                          const Plane& shared_elevation)
-    : lateral(lateral_plane(plan, band, apodisation, range_m, theta_rad, wavelength_m(plan))),
+    : lateral(lateral_plane(plan, band, apodisation, range_m, theta_rad)),
       elevation(shared_elevation) {}
+
+double BeamAtRange::lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m) {
+  return reach_m(wavelength_m(plan) * range_m / receive_aperture_m(plan, range_m),
+                 transmit_aperture_m(plan, range_m),
+                 range_m,
+                 transmit_focus_m(plan, range_m));
+}
 
 BeamAtRange::Plane BeamAtRange::elevation_at(const hw::AcquisitionPlan& plan,
                                              const PulseBand& band,
@@ -84,14 +83,21 @@ BeamAtRange::Plane BeamAtRange::elevation_at(const hw::AcquisitionPlan& plan,
   return elevation_plane(plan, band, apodisation, range_m, wavelength_m(plan));
 }
 
+std::array<double, PulseBand::kNodes> node_shares(const SampledRow& row, const PulseBand& band) {
+  std::array<double, PulseBand::kNodes> shares = {};
+  for (std::size_t node = 0; node < shares.size(); ++node) {
+    for (const auto& value : row.values) shares[node] += std::norm(value[node]);
+    shares[node] *= band.weight(static_cast<int>(node));
+  }
+  return shares;
+}
+
 FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
                                    const SampledRow& other,
                                    const Turn& turn,
                                    const PulseBand& band)
-    : plane_(plane), turn_(turn), band_(band) {
-  for (std::size_t node = 0; node < static_cast<std::size_t>(band.nodes()); ++node) {
-    for (const auto& value : other.values) shares_[node] += std::norm(value[node]);
-    shares_[node] *= band.weight(static_cast<int>(node));
+    : plane_(plane), turn_(turn), band_(band), shares_(node_shares(other, band)) {
+  for (std::size_t node = 0; node < shares_.size(); ++node) {
     wavenumber_per_m_[node] = band.wavenumber_per_m(static_cast<int>(node));
   }
   power_ = power(turned(0));
@@ -103,9 +109,7 @@ FieldCorrelation::Heard FieldCorrelation::turned(double turn_rad) const {
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     heard.places.push_back(turn_.place(row.offset_m(i), turn_rad));
   }
-  heard.values = turn_rad == 0     ? row.values
-                 : turn_.neighbour ? turn_.neighbour(turn_rad).at(heard.places)
-                                   : plane_.response.at(heard.places);
+  heard.values = turn_rad == 0 ? row.values : plane_.response.at(heard.places);
   return heard;
 }
 
@@ -132,10 +136,7 @@ std::complex<double> FieldCorrelation::product(const Heard& here, const Heard& t
 }
 
 std::complex<double> FieldCorrelation::at(double turn_rad) const {
-  if (!turn_.neighbour) return product(turned(0), turned(turn_rad)) / power_;
-  const Heard here = turned(-0.5 * turn_rad), there = turned(0.5 * turn_rad);
-  const double powers = power(here) * power(there);
-  return powers > 0 ? product(here, there) / std::sqrt(powers) : 0;
+  return product(turned(0), turned(turn_rad)) / power_;
 }
 
 }  // namespace wobblebench::sim

@@ -1,4 +1,4 @@
-// The correlation of the echoes of two sticks that hear the same scatterers.
+// The correlation of the echoes of two frames' sticks, which hear the same scatterers.
 #pragma once
 
 #include <array>
@@ -16,8 +16,6 @@ struct Turn {
   double coherence_rad;  ///< turn by which the aperture decorrelates, about
   /// Place, for a stick turned by an angle, of a scatterer at an offset at the range.
   std::function<PlanePoint(double offset_m, double turn_rad)> place;
-  /// The response of a stick turned by an angle; none where all have the aperture of one.
-  std::function<PlaneResponse(double turn_rad)> neighbour = nullptr;
 };
 
 /// The beam of a stick at a range, in both planes.
@@ -33,6 +31,8 @@ struct BeamAtRange {
                             const PulseBand& band,
                             Apodisation apodisation,
                             double range_m);
+  /// Half of the beam in the image plane: three lobes, and the shadow of the transmitting aperture.
+  static double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m);
   /// `shared_elevation` must outlive it.
   BeamAtRange(const hw::AcquisitionPlan& plan,
               const PulseBand& band,
@@ -42,9 +42,12 @@ struct BeamAtRange {
               const Plane& shared_elevation);
 };
 
-/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`, by
-/// half the turn to each side; 1 for one stick. Each frequency counts by the beam's power across
-/// the other plane: out of focus low ones have more of it.
+/// The shares of the band's frequencies by the beam's power across a plane: out of focus low ones
+/// have more of it.
+std::array<double, PulseBand::kNodes> node_shares(const SampledRow& row, const PulseBand& band);
+
+/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`; 1 for
+/// one stick. Each frequency counts by its share across the other plane.
 class FieldCorrelation {
  public:
   /// All must outlive it.

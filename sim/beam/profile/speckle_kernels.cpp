@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/parallel.h"
 #include "base/units.h"
@@ -14,8 +13,7 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 5e-3;
-/// Across lines kernels follow the aperture, which the array's end cuts; across frames the turn.
-constexpr double kLineAngleStep_rad = 2.2 * kDegree, kFrameAngleStep_rad = 3.3 * kDegree;
+constexpr double kAngleStep_rad = 3.3 * kDegree;
 constexpr double kUncorrelated = 0.02;
 constexpr int kSampledLags = 16;  ///< over the first lobe; correlations between are interpolated
 
@@ -45,16 +43,27 @@ std::vector<double> correlations(const FieldCorrelation& correlation, const Turn
   return lags;
 }
 
-using MakeTurn = std::function<Turn(double range_m, double theta_rad)>;
+/// Turning from the motor's axis, in the direction in which the frames turn.
+Turn turn_of_frames(const hw::AcquisitionPlan& plan, double range_m, double theta_rad) {
+  const auto& probe = plan.probe();
+  const double cosine = std::cos(theta_rad);
+  const double arm_m =
+      std::abs((probe.radius_m + range_m) * cosine - plan.geometry().axis_z_m());
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz;
+  const double lobe_m = wavelength_m * range_m / probe.element_height_m;
+  return {plan.phi_step_rad(),
+          plan.acquisition().frames_per_volume - 1,
+          2 * lobe_m / std::max(arm_m, 1e-4),
+          [=](double v, double angle) {
+            const double turned_m = arm_m * std::cos(angle) + v * std::sin(angle);
+            return PlanePoint{range_m + (turned_m - arm_m) * cosine,
+                              v * std::cos(angle) - arm_m * std::sin(angle)};
+          }};
+}
 
-std::vector<double> taps_at(const PulseBand& band,
-                            const BeamAtRange& beam,
-                            bool across_lines,
-                            const Turn& turn) {
+std::vector<double> taps_at(const PulseBand& band, const BeamAtRange& beam, const Turn& turn) {
   if (turn.step_rad <= 0 || turn.most_lags < 1) return {1};
-  const auto& plane = across_lines ? beam.lateral : beam.elevation;
-  const auto& other = across_lines ? beam.elevation : beam.lateral;
-  const FieldCorrelation correlation(plane, other.row, turn, band);
+  const FieldCorrelation correlation(beam.elevation, beam.lateral.row, turn, band);
   if (correlation.silent()) return {1};
   return taps_of_correlation(correlations(correlation, turn));
 }
@@ -62,9 +71,7 @@ std::vector<double> taps_at(const PulseBand& band,
 /// For each range and angle of the grid.
 std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
                                           const hw::AcquisitionPlan& plan,
-                                          const SimulationOptions& options,
-                                          bool across_lines,
-                                          const MakeTurn& make_turn) {
+                                          const SimulationOptions& options) {
   const PulseBand band(plan);
   const int angles = grid.angles();
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * angles));
@@ -73,22 +80,14 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
     const auto elevation = BeamAtRange::elevation_at(plan, band, options.apodisation, range_m);
     for (int angle = 0; angle < angles; ++angle) {
       const double theta_rad = grid.angle_rad(angle);
-      if (across_lines && angle > 0 &&
-          StickAperture(plan, options.apodisation, theta_rad).whole(range_m)) {
-        continue;
-      }
       const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad, elevation);
       taps[static_cast<std::size_t>(range * angles + angle)] =
-          taps_at(band, beam, across_lines, make_turn(range_m, theta_rad));
+          taps_at(band, beam, turn_of_frames(plan, range_m, theta_rad));
     }
   };
   parallel_ranges(grid.ranges(), options.threads, [&](int first, int last) {
     for (int range = first; range < last; ++range) at_range(range);
   });
-  // Where the aperture is whole lines turn alike.
-  for (std::size_t i = 0; i < taps.size(); ++i) {
-    if (taps[i].empty()) taps[i] = taps[i - i % static_cast<std::size_t>(angles)];
-  }
   return taps;
 }
 
@@ -128,61 +127,10 @@ std::vector<double> taps_of_correlation(const std::vector<double>& correlation) 
   return taps;
 }
 
-SpeckleKernels::SpeckleKernels(const hw::AcquisitionPlan& plan, double angle_step_rad)
-    : grid_(plan, kRangeStep_m, angle_step_rad) {}
-
-SpeckleKernels SpeckleKernels::across_lines(const hw::AcquisitionPlan& plan,
-                                            const SimulationOptions& options) {
-  SpeckleKernels kernels(plan, kLineAngleStep_rad);
-  const double radius_m = plan.probe().radius_m;
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  const PulseBand band(plan);
-  const auto turn = [&](double range_m, double theta_rad) {
-    const double r = radius_m + range_m;
-    const double lobe_m = wavelength_m * range_m / receive_aperture_m(plan, range_m);
-    Turn here{plan.theta_step_rad(),
-              plan.acquisition().sticks_per_frame - 1,
-              2 * lobe_m / r,
-              [=](double u, double angle) {
-                return PlanePoint{r * std::cos(angle) + u * std::sin(angle) - radius_m,
-                                  u * std::cos(angle) - r * std::sin(angle)};
-              }};
-    if (!StickAperture(plan, options.apodisation, theta_rad).whole(range_m)) {
-      here.neighbour = [&, range_m, theta_rad](double angle) {
-        const StickAperture aperture(plan, options.apodisation, theta_rad + angle);
-        return PlaneResponse::lateral(aperture, plan, band, range_m);
-      };
-    }
-    return here;
-  };
-  kernels.taps_ = all_taps(kernels.grid_, plan, options, true, turn);
-  kernels.count_ = longest(kernels.taps_);
-  return kernels;
-}
-
-SpeckleKernels SpeckleKernels::across_frames(const hw::AcquisitionPlan& plan,
-                                             const SimulationOptions& options) {
-  SpeckleKernels kernels(plan, kFrameAngleStep_rad);
-  const double radius_m = plan.probe().radius_m, axis_m = plan.geometry().axis_z_m();
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  const auto turn = [&](double range_m, double theta_rad) {
-    // From the motor's axis, in the direction in which the frames turn.
-    const double cosine = std::cos(theta_rad);
-    const double arm_m = std::abs((radius_m + range_m) * cosine - axis_m);
-    const double lobe_m = wavelength_m * range_m / plan.probe().element_height_m;
-    return Turn{plan.phi_step_rad(),
-                plan.acquisition().frames_per_volume - 1,
-                2 * lobe_m / std::max(arm_m, 1e-4),
-                [=](double v, double angle) {
-                  const double turned_m = arm_m * std::cos(angle) + v * std::sin(angle);
-                  return PlanePoint{range_m + (turned_m - arm_m) * cosine,
-                                    v * std::cos(angle) - arm_m * std::sin(angle)};
-                }};
-  };
-  kernels.taps_ = all_taps(kernels.grid_, plan, options, false, turn);
-  kernels.count_ = longest(kernels.taps_);
-  return kernels;
-}
+SpeckleKernels::SpeckleKernels(const hw::AcquisitionPlan& plan, const SimulationOptions& options)
+    : grid_(plan, kRangeStep_m, kAngleStep_rad),
+      taps_(all_taps(grid_, plan, options)),
+      count_(longest(taps_)) {}
 
 int SpeckleKernels::angle_of(double theta_rad) const {
   const BeamGrid::Between at = grid_.angle_at(theta_rad);

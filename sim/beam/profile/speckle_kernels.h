@@ -1,9 +1,5 @@
-// How speckle correlates between sticks, and filters that give white noise this correlation.
-//
-// Two sticks hear the same scatterers with different phases: the correlation of their fields is the
-// overlap of their two-way responses, integral of h1 conj(h2) over the scatterers' places. Out of
-// focus a beam is wide but its phase is curved, so that speckle stays as fine as the aperture makes
-// it (the van Cittert-Zernike theorem, docs/references.md [21]).
+// Filters that give white noise the correlation of speckle across frames. All frames have the same
+// beam, so that one filter serves them; lines do not (sim/beam/profile/line_covariance.h).
 #pragma once
 
 #include <vector>
@@ -12,13 +8,10 @@
 
 namespace wobblebench::sim {
 
-/// Filters across lines or across frames, by range and angle of the stick.
+/// By range and angle of the stick.
 class SpeckleKernels {
  public:
-  static SpeckleKernels across_lines(const hw::AcquisitionPlan& plan,
-                                     const SimulationOptions& options);
-  static SpeckleKernels across_frames(const hw::AcquisitionPlan& plan,
-                                      const SimulationOptions& options);
+  SpeckleKernels(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
 
   int angles() const { return grid_.angles(); }
   /// The tabulated angle nearest to a stick's.
@@ -30,8 +23,6 @@ class SpeckleKernels {
   int count() const { return count_; }
 
  private:
-  SpeckleKernels(const hw::AcquisitionPlan& plan, double angle_step_rad);
-
   BeamGrid grid_;
   std::vector<std::vector<double>> taps_;  ///< [range][angle]
   int count_ = 1;

@@ -6,6 +6,7 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/beam/response/pulse_band.h"
+#include "sim/math/complex_product.h"
 
 namespace wobblebench::sim {
 
@@ -18,11 +19,6 @@ constexpr double kBandSigmas = 3.2;  // where the spectrum has 0.6 % of its peak
 constexpr double kPulseSigmas = 4;   // and the pulse 0.03 %
 constexpr double kPeriodSlack = 1.1;
 constexpr int kLanes = 8;
-
-/// Product without std::complex's checks for infinities.
-Complex times(const Complex& a, const Complex& b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
 
 /// sums[f] += weight * exp(-i (k0 + f dk) path) over sources, eight at a time: their
 /// recurrences are independent.

@@ -161,39 +161,80 @@ TEST(Speckle, ItsLengthAtARangeIsThatOfTheElementSum) {
   }
 }
 
-TEST(Speckle, DenseLinesCorrelateAsTheElementSumSays) {
-  hw::AcquisitionOptions acquisition;
-  acquisition.sticks_per_frame = 512;  // 0.3 mm apart at 115 mm from the centre of curvature
-  acquisition.frames_per_volume = 8;
-  const hw::AcquisitionPlan plan({}, acquisition);
+IqField white_noise(const hw::AcquisitionPlan& plan) {
   IqField field = make_iq_field(plan);
   const AxialKernels white(std::vector<double>(static_cast<std::size_t>(field.samples), 0));
   for (int i = 0; i < field.frames * field.lines; ++i) {
     fill_speckle(
         field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), white);
   }
-  filter_across_lines(field, plan, {});
-  const double range_m = 75e-3;
-  const int sample = static_cast<int>(range_m / field.spacing_m);
-  const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
-  // Full width at half maximum of the squared correlation (tests/yardstick/speckle.csv), taken as
-  // a Gaussian's.
-  const double sigma_m = sigma_of_fwhm(1.6741e-3);
-  for (int lag : {1, 2, 4}) {
-    std::complex<double> cross = 0;
-    double power = 0;
-    for (int f = 0; f < field.frames; ++f) {
-      for (int line = 20; line + 24 < field.lines; ++line) {
-        for (int i = sample - 20; i < sample + 20; ++i) {
-          const std::complex<double> a = field.stick(f, line)[static_cast<std::size_t>(i)];
-          const std::complex<double> b = field.stick(f, line + lag)[static_cast<std::size_t>(i)];
-          cross += a * std::conj(b);
-          power += std::norm(a);
-        }
+  return field;
+}
+
+/// Squared correlation of lines `lag` apart, the first of them from `first_line` up to `end_line`,
+/// within 2.5 mm of a range.
+double squared_line_correlation(
+    const IqField& field, double range_m, int first_line, int end_line, int lag) {
+  const auto first = static_cast<int>((range_m - 2.5e-3) / field.spacing_m);
+  const auto last = static_cast<int>((range_m + 2.5e-3) / field.spacing_m);
+  std::complex<double> cross = 0;
+  double power_a = 0, power_b = 0;
+  for (int f = 0; f < field.frames; ++f) {
+    for (int line = first_line; line < end_line; ++line) {
+      for (int i = first; i < last; ++i) {
+        const std::complex<double> a = field.stick(f, line)[static_cast<std::size_t>(i)];
+        const std::complex<double> b = field.stick(f, line + lag)[static_cast<std::size_t>(i)];
+        cross += a * std::conj(b);
+        power_a += std::norm(a);
+        power_b += std::norm(b);
       }
     }
+  }
+  return std::norm(cross) / (power_a * power_b);
+}
+
+/// lateral_mm of tests/yardstick/speckle.csv, taken as a Gaussian's.
+TEST(Speckle, DenseLinesCorrelateAsTheElementSumSays) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.sticks_per_frame = 512;  // 0.3 mm apart at 115 mm from the centre of curvature
+  acquisition.frames_per_volume = 8;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  IqField field = white_noise(plan);
+  filter_across_lines(field, plan, {});
+  const double range_m = 75e-3;
+  const double step_m = (plan.probe().radius_m + range_m) * plan.theta_step_rad();
+  const double sigma_m = sigma_of_fwhm(1.6741e-3);
+  for (const int lag : {1, 2, 4}) {
     const double steps = lag * step_m / (2 * sigma_m);
-    EXPECT_NEAR(cross.real() / power, std::exp(-steps * steps), 0.05) << "lag " << lag;
+    // The middle, where no aperture is cut.
+    EXPECT_NEAR(squared_line_correlation(field, range_m, 200, 300, lag),
+                std::exp(-2 * steps * steps),
+                0.05)
+        << "lag " << lag;
+  }
+}
+
+TEST(Speckle, OnTheLastStickLinesCorrelateAsTheElementSumSays) {
+  hw::AcquisitionOptions acquisition;
+  acquisition.sticks_per_frame = 179;  // half a degree apart, 6 degrees past the array's end
+  acquisition.sector_rad = 89 * kDegree;
+  acquisition.frames_per_volume = 48;
+  const hw::AcquisitionPlan plan({}, acquisition);
+  IqField field = white_noise(plan);
+  filter_across_lines(field, plan, {});
+  struct Place {
+    double range_m, fwhm_m;
+  };
+  for (const Place& place : {Place{20e-3, 4.7174e-3}, Place{30e-3, 3.7612e-3}}) {
+    const double r = plan.probe().radius_m + place.range_m;
+    const double width = place.fwhm_m / (r * plan.theta_step_rad());  // in lines
+    const double last = (38.5 * kDegree - plan.theta_rad(0)) / plan.theta_step_rad();
+    const auto lag = static_cast<int>(std::lround(0.5 * width));
+    const int first_line = static_cast<int>(std::lround(last - 0.5 * lag));
+    EXPECT_NEAR(squared_line_correlation(field, place.range_m, first_line, first_line + 1, lag),
+                std::pow(0.5, std::pow(lag / (0.5 * width), 2)),
+                0.07)
+        << place.range_m;
   }
 }
 

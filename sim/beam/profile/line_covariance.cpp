@@ -1,0 +1,225 @@
+#include "sim/beam/profile/line_covariance.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/beam/point_spread.h"
+#include "sim/beam/profile/field_correlation.h"
+#include "sim/math/complex_product.h"
+#include "sim/math/simd.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+constexpr int kNodes = PulseBand::kNodes;
+constexpr int kPlaces = 48;              ///< a side, within the reach of a line
+constexpr double kMostReach_rad = 1;     ///< very near the face
+
+/// Places of scatterers at a range, on an arc about the probe's centre of curvature. Lines and
+/// places lie at multiples of one angle, so that lines with the same aperture hear the same.
+class Arc {
+ public:
+  Arc(double radius_m, double range_m, double line_step_rad, double reach_rad)
+      : radius_m_(radius_m), range_m_(range_m) {
+    const double place_step_rad = reach_rad / kPlaces;
+    if (line_step_rad > place_step_rad) {
+      per_line_ = static_cast<int>(std::ceil(line_step_rad / place_step_rad));
+    } else {
+      per_place_ = static_cast<int>(place_step_rad / line_step_rad);
+    }
+    unit_rad_ = line_step_rad / per_line_;
+    reach_ = static_cast<int>(reach_rad / unit_rad_);
+  }
+
+  /// On either side of a line.
+  int reach() const { return reach_; }
+  int per_line() const { return per_line_; }
+  int per_place() const { return per_place_; }
+  /// In the plane of a line, so many units from it.
+  PlanePoint place(int units) const {
+    const double angle = units * unit_rad_, r = radius_m_ + range_m_;
+    return {r * std::cos(angle) - radius_m_, r * std::sin(angle)};
+  }
+  /// The first place within reach of a line, counted from the first line.
+  int first_place(int line) const {
+    const int units = line * per_line_ - reach_;
+    return units >= 0 ? (units + per_place_ - 1) / per_place_ : -(-units / per_place_);
+  }
+  int units(int place, int line) const { return place * per_place_ - line * per_line_; }
+
+ private:
+  double radius_m_, range_m_;
+  double unit_rad_ = 0;
+  int per_line_ = 1, per_place_ = 1, reach_ = 0;
+};
+
+/// What a line hears of the places from `first` on, in units in which its power is 1.
+struct Heard {
+  int first = 0;
+  std::vector<float> re, im;  ///< [place][node]
+
+  int end() const { return first + static_cast<int>(re.size()) / kNodes; }
+};
+
+/// The sum over places and frequencies of one line's times the other's conjugate.
+WOBBLEBENCH_SIMD void add_products(const float* re1,
+                                   const float* im1,
+                                   const float* re2,
+                                   const float* im2,
+                                   int places,
+                                   float* __restrict re,
+                                   float* __restrict im) {
+  for (int i = 0; i < places; ++i) {
+    for (int n = 0; n < kNodes; ++n) {
+      const int at = i * kNodes + n;
+      re[n] += re1[at] * re2[at] + im1[at] * im2[at];
+      im[n] += im1[at] * re2[at] - re1[at] * im2[at];
+    }
+  }
+}
+
+std::complex<double> overlap(const Heard& one, const Heard& other) {
+  const int first = std::max(one.first, other.first);
+  const int places = std::min(one.end(), other.end()) - first;
+  if (places <= 0) return 0;
+  const auto in_one = static_cast<std::ptrdiff_t>(first - one.first) * kNodes;
+  const auto in_other = static_cast<std::ptrdiff_t>(first - other.first) * kNodes;
+  float re[kNodes] = {}, im[kNodes] = {};
+  add_products(one.re.data() + in_one,
+               one.im.data() + in_one,
+               other.re.data() + in_other,
+               other.im.data() + in_other,
+               places,
+               re,
+               im);
+  std::complex<double> sum = 0;
+  for (int n = 0; n < kNodes; ++n) sum += std::complex<double>(re[n], im[n]);
+  return sum;
+}
+
+/// At one range.
+class LineResponses {
+ public:
+  LineResponses(const hw::AcquisitionPlan& plan,
+                const StickAperture& whole,
+                Apodisation apodisation,
+                const Arc& arc,
+                double range_m)
+      : plan_(plan), band_(plan), arc_(arc), range_m_(range_m) {
+    const auto elevation = BeamAtRange::elevation_at(plan, band_, apodisation, range_m);
+    const auto shares = node_shares(elevation.row, band_);
+    std::vector<PlanePoint> places;
+    for (int units = -arc.reach(); units <= arc.reach(); ++units) {
+      places.push_back(arc.place(units));
+      const double way_m = 2 * (places.back().axial_m - range_m);
+      factors_.emplace_back();
+      for (std::size_t n = 0; n < kNodes; ++n) {
+        factors_.back()[n] = std::polar(std::sqrt(shares[n]),
+                                        -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
+      }
+    }
+    whole_ = response(whole).at(places);
+  }
+
+  Heard of(int line, const StickAperture& aperture) const {
+    const bool whole = aperture.whole(range_m_);
+    Heard heard{arc_.first_place(line), {}, {}};
+    std::vector<int> units;
+    std::vector<PlanePoint> places;
+    std::vector<PulseBand::Values> values;
+    for (int place = heard.first; arc_.units(place, line) <= arc_.reach(); ++place) {
+      units.push_back(arc_.units(place, line));
+      if (whole) {
+        values.push_back(whole_[from_first(units.back())]);
+      } else {
+        places.push_back(arc_.place(units.back()));
+      }
+    }
+    if (!whole) values = response(aperture).at(places);
+    add(units, values, heard);
+    return heard;
+  }
+
+ private:
+  std::size_t from_first(int units) const { return static_cast<std::size_t>(units + arc_.reach()); }
+  PlaneResponse response(const StickAperture& aperture) const {
+    return PlaneResponse::lateral(aperture, plan_, band_, range_m_);
+  }
+
+  void add(const std::vector<int>& units,
+           const std::vector<PulseBand::Values>& values,
+           Heard& heard) const {
+    double power = 0;
+    for (std::size_t i = 0; i < units.size(); ++i) {
+      const PulseBand::Values& factors = factors_[from_first(units[i])];
+      for (std::size_t n = 0; n < kNodes; ++n) {
+        const std::complex<double> one = times(values[i][n], factors[n]);
+        power += std::norm(one);
+        heard.re.push_back(static_cast<float>(one.real()));
+        heard.im.push_back(static_cast<float>(one.imag()));
+      }
+    }
+    const auto scale = static_cast<float>(power > 0 ? 1 / std::sqrt(power) : 0);
+    for (float& part : heard.re) part *= scale;
+    for (float& part : heard.im) part *= scale;
+  }
+
+  const hw::AcquisitionPlan& plan_;
+  PulseBand band_;
+  const Arc& arc_;
+  double range_m_;
+  // By units from the line.
+  std::vector<PulseBand::Values> factors_;  ///< root of the node's share, phase of the way
+  std::vector<PulseBand::Values> whole_;
+};
+
+/// Real by the lines' phases.
+BandedMatrix covariance_of(const std::vector<Heard>& heard, int band) {
+  const int lines = static_cast<int>(heard.size());
+  BandedMatrix covariance(lines, band);
+  std::vector<std::complex<double>> phasors;
+  for (int line = 0; line < lines; ++line) {
+    covariance.at(line, 0) = 1;
+    phasors.emplace_back(line == 0 ? 1 : phasors.back());
+    for (int lag = 1; lag <= std::min(line, band); ++lag) {
+      const auto at = static_cast<std::size_t>(line), other = at - static_cast<std::size_t>(lag);
+      const std::complex<double> sum = overlap(heard[at], heard[other]);
+      const double magnitude = std::abs(sum);
+      if (lag == 1 && magnitude > 0) phasors[at] = times(phasors[other], sum / magnitude);
+      const std::complex<double> turn = times(phasors[other], std::conj(phasors[at]));
+      covariance.at(line, lag) = times(sum, turn).real();
+    }
+  }
+  return covariance;
+}
+
+}  // namespace
+
+LineCovariance::LineCovariance(const hw::AcquisitionPlan& plan, Apodisation apodisation)
+    : plan_(plan), apodisation_(apodisation), whole_(plan, apodisation, 0) {
+  for (int line = 0; line < plan.acquisition().sticks_per_frame; ++line) {
+    apertures_.emplace_back(plan, apodisation, plan.theta_rad(line));
+  }
+}
+
+BandedMatrix LineCovariance::at(double range_m) const {
+  const double radius_m = plan_.probe().radius_m;
+  const double reach_rad =
+      std::min(BeamAtRange::lateral_reach_m(plan_, range_m) / (radius_m + range_m), kMostReach_rad);
+  const int lines = static_cast<int>(apertures_.size());
+  if (lines == 1 || plan_.theta_step_rad() > 2 * reach_rad) {
+    BandedMatrix alone(lines, 0);
+    std::fill(alone.values.begin(), alone.values.end(), 1);
+    return alone;
+  }
+  const Arc arc(radius_m, range_m, plan_.theta_step_rad(), reach_rad);
+  const LineResponses responses(plan_, whole_, apodisation_, arc, range_m);
+  std::vector<Heard> heard;
+  for (int line = 0; line < lines; ++line) {
+    heard.push_back(responses.of(line, apertures_[static_cast<std::size_t>(line)]));
+  }
+  return covariance_of(heard, std::min(lines - 1, 2 * arc.reach() / arc.per_line()));
+}
+
+}  // namespace wobblebench::sim
