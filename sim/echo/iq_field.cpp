@@ -77,10 +77,7 @@ class RangeKernels {
 
 /// Filters across `count` sticks, `stride` complex values apart. At the edges the taps outside the
 /// field are dropped and the others scaled up, so that the power is the same there.
-void filter_sticks(Complex* values,
-                   int count,
-                   std::size_t stride,
-                   const RangeKernels& kernels) {
+void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
   const auto samples = static_cast<std::size_t>(kernels.samples());
   std::vector<Complex> before(samples * static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {

@@ -52,11 +52,12 @@ WOBBLEBENCH_SIMD void add_weighted(float* __restrict target,
 
 /// To unit power, of the mean by `share` of two fields of unit power that correlate by
 /// `correlation`.
-WOBBLEBENCH_SIMD void normalise(float* target, Weight share, float correlation, int count) {
+WOBBLEBENCH_SIMD void normalise(float* target, Weight share, Weight correlation, int count) {
   for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
-    const float second = share.first + share.step * static_cast<float>(i);
-    const float power = 1.0f - 2.0f * second * (1.0f - second) * (1.0f - correlation);
+    const float x = static_cast<float>(i), second = share.first + share.step * x;
+    const float apart = 1.0f - (correlation.first + correlation.step * x);
+    const float power = 1.0f - 2.0f * second * (1.0f - second) * apart;
     const float amplitude = 1.0f / std::sqrt(power);
     target[at] *= amplitude;
     target[at + 1] *= amplitude;
@@ -68,10 +69,13 @@ double weight_at(const BandedMatrix& factor, int row, int lag) {
   return lag <= factor.band ? factor.at(row, lag) : 0;
 }
 
-/// Correlation of what the same row of two factors makes of one noise.
-double correlation(const BandedMatrix& one, const BandedMatrix& other, int row) {
+/// Correlation of what a row of a factor makes of noise and what the row `lag` before it of another
+/// does.
+double correlation(const BandedMatrix& one, int row, const BandedMatrix& other, int lag) {
   double sum = 0;
-  for (int lag = 0; lag <= one.band; ++lag) sum += one.at(row, lag) * weight_at(other, row, lag);
+  for (int k = lag; k <= std::min(row, one.band); ++k) {
+    sum += one.at(row, k) * weight_at(other, row - lag, k - lag);
+  }
   return sum;
 }
 
@@ -96,9 +100,12 @@ LineFilter::LineFilter(const hw::AcquisitionPlan& plan,
                        const SimulationOptions& options,
                        int samples,
                        double spacing_m)
-    : samples_(samples), lines_(plan.acquisition().sticks_per_frame) {
+    : samples_(samples),
+      lines_(plan.acquisition().sticks_per_frame),
+      factored_(EvenLines::needed(plan)) {
   const BeamGrid grid(plan, kRangeStep_m, kPi);
-  factors_ = factors_by_range(LineCovariance(plan, options.apodisation), grid, options.threads);
+  factors_ =
+      factors_by_range(LineCovariance(plan, options.apodisation, factored_), grid, options.threads);
   for (int i = 0; i < samples; ++i) {
     const BeamGrid::Between at = grid.range_at((i + 0.5) * spacing_m);
     const std::size_t far = at.share > 0 ? at.second : at.first;
@@ -115,16 +122,26 @@ LineFilter::LineFilter(const hw::AcquisitionPlan& plan,
 }
 
 void LineFilter::apply(Complex* frame) const {
+  // Of a dense scan the noise of the first lines serves as that of the lines that are factored.
+  std::vector<Complex> copy;
+  if (factored_.count < lines_) {
+    copy.assign(frame, frame + static_cast<std::ptrdiff_t>(factored_.count) * samples_);
+  }
+  Complex* noise = copy.empty() ? frame : copy.data();
   // A line is a sum over the noise of those before it: from the last one on all are overwritten.
-  for (int line = lines_ - 1; line >= 0; --line) {
-    for (const Span& span : spans_) correlate(frame, line, span);
+  for (int line = factored_.count - 1; line >= 0; --line) {
+    for (const Span& span : spans_) correlate(noise, line, span);
+  }
+  if (copy.empty()) return;
+  for (int line = 0; line < lines_; ++line) {
+    interpolate(noise, line, frame + static_cast<std::ptrdiff_t>(line) * samples_);
   }
 }
 
-void LineFilter::correlate(Complex* frame, int line, const Span& span) const {
+void LineFilter::correlate(Complex* noise, int line, const Span& span) const {
   const BandedMatrix &near = factors_[span.near], &far = factors_[span.far];
   const auto parts = [&](int of_line) {
-    return parts_of(frame + static_cast<std::ptrdiff_t>(of_line) * samples_ + span.first);
+    return parts_of(noise + static_cast<std::ptrdiff_t>(of_line) * samples_ + span.first);
   };
   const auto weight = [&](int lag) {
     const auto first = static_cast<float>(weight_at(near, line, lag));
@@ -139,8 +156,27 @@ void LineFilter::correlate(Complex* frame, int line, const Span& span) const {
   }
   normalise(target,
             {span.share, span.share_step},
-            static_cast<float>(correlation(near, far, line)),
+            {static_cast<float>(correlation(near, line, far, 0)), 0},
             count);
+}
+
+void LineFilter::interpolate(const Complex* from, int line, Complex* target) const {
+  const double at = line * (factored_.count - 1.0) / (lines_ - 1);
+  const int before = std::min(static_cast<int>(at), factored_.count - 2);
+  const auto share = static_cast<float>(at - before);
+  const Complex* first = from + static_cast<std::ptrdiff_t>(before) * samples_;
+  const Complex* second = first + samples_;
+  for (int i = 0; i < samples_; ++i) target[i] = (1 - share) * first[i] + share * second[i];
+  for (const Span& span : spans_) {
+    const auto neighbours = [&](std::size_t range) {
+      return static_cast<float>(correlation(factors_[range], before + 1, factors_[range], 1));
+    };
+    const float near = neighbours(span.near), change = neighbours(span.far) - near;
+    normalise(parts_of(target + span.first),
+              {share, 0},
+              {near + change * span.share, change * span.share_step},
+              span.last - span.first);
+  }
 }
 
 }  // namespace wobblebench::sim

@@ -25,15 +25,18 @@ class LineFilter {
  private:
   /// Samples between two ranges at which the covariance is factored.
   struct Span {
-    int first, last;         ///< samples; the last is beyond
+    int first, last;        ///< samples; the last is beyond
     std::size_t near, far;  ///< of factors_
     float share;            ///< of the far one, at the first sample
     float share_step;       ///< a sample
   };
-  void correlate(std::complex<float>* frame, int line, const Span& span) const;
+  /// Of factored_ lines.
+  void correlate(std::complex<float>* noise, int line, const Span& span) const;
+  void interpolate(const std::complex<float>* from, int line, std::complex<float>* target) const;
 
   int samples_;
   int lines_;
+  EvenLines factored_;
   std::vector<Span> spans_;
   std::vector<BandedMatrix> factors_;  ///< by range
 };

@@ -44,8 +44,8 @@ BandedMatrix cholesky_factor(const BandedMatrix& covariance, double grain) {
         rest -= factor.at(row, row - k) * factor.at(column, column - k);
       }
       // Rounding alone makes a pivot smaller than the grain.
-      factor.at(row, row - column) = column == row ? std::sqrt(std::max(rest, 0.5 * grain))
-                                                   : rest / factor.at(column, 0);
+      factor.at(row, row - column) =
+          column == row ? std::sqrt(std::max(rest, 0.5 * grain)) : rest / factor.at(column, 0);
     }
   }
   return with_unit_rows(factor, longest_row(factor));

@@ -13,7 +13,7 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kRangeStep_m = 2.5e-3;
-constexpr double kAngleStep_rad = 2.2 * kDegree;
+constexpr double kAngleStep_rad = 1.1 * kDegree;
 /// Where half of the aperture is missing lobes are twice as wide, and lie on one side.
 constexpr double kMissing = 3;
 constexpr int kMinRanges = 8, kMaxRanges = 64;

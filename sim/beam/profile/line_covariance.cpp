@@ -13,8 +13,11 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr int kNodes = PulseBand::kNodes;
-constexpr int kPlaces = 48;              ///< a side, within the reach of a line
-constexpr double kMostReach_rad = 1;     ///< very near the face
+constexpr int kPlaces = 48;           ///< a side, within the reach of a line
+constexpr double kMostReach_rad = 1;  ///< very near the face
+/// About as many over the width of speckle: halfway between two its correlation is 1 % off.
+constexpr double kLinesPerLobe = 4;
+constexpr int kRanges = 32;  ///< at which lobes are looked at
 
 /// Places of scatterers at a range, on an arc about the probe's centre of curvature. Lines and
 /// places lie at multiples of one angle, so that lines with the same aperture hear the same.
@@ -32,10 +35,8 @@ class Arc {
     reach_ = static_cast<int>(reach_rad / unit_rad_);
   }
 
-  /// On either side of a line.
+  /// On either side of a line, in units.
   int reach() const { return reach_; }
-  int per_line() const { return per_line_; }
-  int per_place() const { return per_place_; }
   /// In the plane of a line, so many units from it.
   PlanePoint place(int units) const {
     const double angle = units * unit_rad_, r = radius_m_ + range_m_;
@@ -46,7 +47,10 @@ class Arc {
     const int units = line * per_line_ - reach_;
     return units >= 0 ? (units + per_place_ - 1) / per_place_ : -(-units / per_place_);
   }
+  /// From a line to a place.
   int units(int place, int line) const { return place * per_place_ - line * per_line_; }
+  /// Lines on one side that hear places which a line hears.
+  int neighbours() const { return 2 * reach_ / per_line_; }
 
  private:
   double radius_m_, range_m_;
@@ -115,8 +119,8 @@ class LineResponses {
       const double way_m = 2 * (places.back().axial_m - range_m);
       factors_.emplace_back();
       for (std::size_t n = 0; n < kNodes; ++n) {
-        factors_.back()[n] = std::polar(std::sqrt(shares[n]),
-                                        -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
+        factors_.back()[n] =
+            std::polar(std::sqrt(shares[n]), -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
       }
     }
     whole_ = response(whole).at(places);
@@ -196,10 +200,34 @@ BandedMatrix covariance_of(const std::vector<Heard>& heard, int band) {
 
 }  // namespace
 
-LineCovariance::LineCovariance(const hw::AcquisitionPlan& plan, Apodisation apodisation)
-    : plan_(plan), apodisation_(apodisation), whole_(plan, apodisation, 0) {
-  for (int line = 0; line < plan.acquisition().sticks_per_frame; ++line) {
-    apertures_.emplace_back(plan, apodisation, plan.theta_rad(line));
+EvenLines EvenLines::of(const hw::AcquisitionPlan& plan) {
+  return {plan.acquisition().sticks_per_frame, plan.theta_rad(0), plan.theta_step_rad()};
+}
+
+EvenLines EvenLines::needed(const hw::AcquisitionPlan& plan) {
+  const EvenLines all = of(plan);
+  if (all.count == 1) return all;
+  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+  double lobe_rad = HUGE_VAL;  // where it is finest
+  for (int i = 1; i <= kRanges; ++i) {
+    const double range_m = plan.acquisition().depth_m * i / kRanges;
+    lobe_rad = std::min(lobe_rad,
+                        wavelength_m * range_m / receive_aperture_m(plan, range_m) /
+                            (plan.probe().radius_m + range_m));
+  }
+  const double sector_rad = (all.count - 1) * all.step_rad;
+  const double steps = std::max(1.0, std::ceil(sector_rad * kLinesPerLobe / lobe_rad));
+  if (steps >= all.count - 1) return all;
+  const int count = 1 + static_cast<int>(steps);
+  return {count, all.first_rad, sector_rad / (count - 1)};
+}
+
+LineCovariance::LineCovariance(const hw::AcquisitionPlan& plan,
+                               Apodisation apodisation,
+                               const EvenLines& lines)
+    : plan_(plan), apodisation_(apodisation), lines_(lines), whole_(plan, apodisation, 0) {
+  for (int line = 0; line < lines.count; ++line) {
+    apertures_.emplace_back(plan, apodisation, lines.first_rad + line * lines.step_rad);
   }
 }
 
@@ -207,19 +235,18 @@ BandedMatrix LineCovariance::at(double range_m) const {
   const double radius_m = plan_.probe().radius_m;
   const double reach_rad =
       std::min(BeamAtRange::lateral_reach_m(plan_, range_m) / (radius_m + range_m), kMostReach_rad);
-  const int lines = static_cast<int>(apertures_.size());
-  if (lines == 1 || plan_.theta_step_rad() > 2 * reach_rad) {
-    BandedMatrix alone(lines, 0);
+  if (lines_.count == 1 || lines_.step_rad > 2 * reach_rad) {
+    BandedMatrix alone(lines_.count, 0);
     std::fill(alone.values.begin(), alone.values.end(), 1);
     return alone;
   }
-  const Arc arc(radius_m, range_m, plan_.theta_step_rad(), reach_rad);
+  const Arc arc(radius_m, range_m, lines_.step_rad, reach_rad);
   const LineResponses responses(plan_, whole_, apodisation_, arc, range_m);
   std::vector<Heard> heard;
-  for (int line = 0; line < lines; ++line) {
+  for (int line = 0; line < lines_.count; ++line) {
     heard.push_back(responses.of(line, apertures_[static_cast<std::size_t>(line)]));
   }
-  return covariance_of(heard, std::min(lines - 1, 2 * arc.reach() / arc.per_line()));
+  return covariance_of(heard, std::min(lines_.count - 1, arc.neighbours()));
 }
 
 }  // namespace wobblebench::sim

@@ -14,9 +14,22 @@
 
 namespace wobblebench::sim {
 
+/// Sticks of one frame, evenly spaced.
+struct EvenLines {
+  int count;
+  double first_rad;
+  double step_rad;  ///< more than 0 where there are several
+
+  /// All of a frame's.
+  static EvenLines of(const hw::AcquisitionPlan& plan);
+  /// The same sector by as many as speckle needs between which it can be interpolated, at the most
+  /// as many as there are.
+  static EvenLines needed(const hw::AcquisitionPlan& plan);
+};
+
 class LineCovariance {
  public:
-  LineCovariance(const hw::AcquisitionPlan& plan, Apodisation apodisation);
+  LineCovariance(const hw::AcquisitionPlan& plan, Apodisation apodisation, const EvenLines& lines);
 
   /// The real part of the covariance of fields of unit power at a range. The phase of a whole line
   /// is not seen: phases are such that neighbours' covariance is real. A line that no element
@@ -26,6 +39,7 @@ class LineCovariance {
  private:
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;
+  EvenLines lines_;
   StickAperture whole_;                   ///< of a line that the array's end does not reach
   std::vector<StickAperture> apertures_;  ///< of each line
 };

@@ -47,8 +47,7 @@ std::vector<double> correlations(const FieldCorrelation& correlation, const Turn
 Turn turn_of_frames(const hw::AcquisitionPlan& plan, double range_m, double theta_rad) {
   const auto& probe = plan.probe();
   const double cosine = std::cos(theta_rad);
-  const double arm_m =
-      std::abs((probe.radius_m + range_m) * cosine - plan.geometry().axis_z_m());
+  const double arm_m = std::abs((probe.radius_m + range_m) * cosine - plan.geometry().axis_z_m());
   const double wavelength_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double lobe_m = wavelength_m * range_m / probe.element_height_m;
   return {plan.phi_step_rad(),

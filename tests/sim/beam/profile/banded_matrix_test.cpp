@@ -29,8 +29,8 @@ BandedMatrix covariance(int rows, int band, double (*of_lag)(int lag)) {
 TEST(BandedMatrix, FactorOfAFirstOrderProcessIsItsRecursion) {
   // x[n] = 0.5 x[n - 1] + sqrt(0.75) e[n], x[0] = e[0]: the weight of e[n - k] is
   // 0.5^k sqrt(0.75), of e[0] 0.5^n.
-  const auto factor = cholesky_factor(
-      covariance(12, 11, [](int lag) { return std::pow(0.5, lag); }), 0);
+  const auto factor =
+      cholesky_factor(covariance(12, 11, [](int lag) { return std::pow(0.5, lag); }), 0);
   for (int row = 0; row < 12; ++row) {
     for (int lag = 0; lag <= std::min(row, factor.band); ++lag) {
       const double expected = std::pow(0.5, lag) * (lag == row ? 1 : std::sqrt(0.75));
@@ -42,8 +42,8 @@ TEST(BandedMatrix, FactorOfAFirstOrderProcessIsItsRecursion) {
 
 TEST(BandedMatrix, FactorOfAMovingAverageHasItsCovariance) {
   // Means of three neighbours: 1, 2/3, 1/3.
-  const auto factor = cholesky_factor(
-      covariance(40, 2, [](int lag) { return (3 - lag) / 3.0; }), 1e-6);
+  const auto factor =
+      cholesky_factor(covariance(40, 2, [](int lag) { return (3 - lag) / 3.0; }), 1e-6);
   EXPECT_EQ(factor.band, 2);
   for (int row = 2; row < 40; ++row) {
     for (int lag = 0; lag <= 2; ++lag) {

@@ -50,7 +50,7 @@ TEST(LineCovariance, WidthsAreThoseOfTheElementSumToTheLastStick) {
       {standard, "standard"}, {c5_2v, "c5_2v"}, {curvilinear_60, "curvilinear_60"}};
   for (const auto& [preset, name] : presets) {
     const hw::AcquisitionPlan plan = dense_plan(preset);
-    const LineCovariance lines(plan, {});
+    const LineCovariance lines(plan, {}, EvenLines::of(plan));
     for (const auto& row : yardstick("speckle", name)) {
       const double range_m = row.number("depth_mm") * 1e-3;
       const double theta_rad = row.number("theta_deg") * kDegree;
@@ -62,12 +62,12 @@ TEST(LineCovariance, WidthsAreThoseOfTheElementSumToTheLastStick) {
 }
 
 TEST(LineCovariance, NeighboursOfTheDefaultScanCorrelateAsTheElementSumSays) {
-  const LineCovariance lines(hw::AcquisitionPlan({}, {}), {});
+  const hw::AcquisitionPlan plan({}, {});
+  const LineCovariance lines(plan, {}, EvenLines::of(plan));
   for (const auto& row : yardstick("neighbours")) {
     const auto covariance = lines.at(row.number("depth_mm") * 1e-3);
-    EXPECT_NEAR(std::pow(covariance.at(covariance.rows / 2, 1), 2),
-                row.number("line_correlation"),
-                0.05)
+    EXPECT_NEAR(
+        std::pow(covariance.at(covariance.rows / 2, 1), 2), row.number("line_correlation"), 0.05)
         << row.text("depth_mm");
   }
 }
@@ -76,7 +76,8 @@ TEST(LineCovariance, LinesBeyondTheArrayStandAlone) {
   hw::AcquisitionOptions wide;
   wide.sector_rad = 140 * kDegree;  // the array spans 77
   wide.sticks_per_frame = 201;
-  const auto covariance = LineCovariance(hw::AcquisitionPlan({}, wide), {}).at(60e-3);
+  const hw::AcquisitionPlan plan({}, wide);
+  const auto covariance = LineCovariance(plan, {}, EvenLines::of(plan)).at(60e-3);
   for (int row = 0; row < covariance.rows; ++row) EXPECT_EQ(covariance.at(row, 0), 1);
   for (int lag = 1; lag <= covariance.band; ++lag) EXPECT_EQ(covariance.at(200, lag), 0);
   // 1.22 mm apart, where speckle is 1.565 mm wide (speckle.csv): as a Gaussian falls.
@@ -87,10 +88,25 @@ TEST(LineCovariance, OneLineAndSparseLinesStandAlone) {
   for (const int count : {1, 2}) {
     hw::AcquisitionOptions sparse;
     sparse.sticks_per_frame = count;
-    const auto covariance = LineCovariance(hw::AcquisitionPlan({}, sparse), {}).at(60e-3);
+    const hw::AcquisitionPlan plan({}, sparse);
+    const auto covariance = LineCovariance(plan, {}, EvenLines::of(plan)).at(60e-3);
     EXPECT_EQ(covariance.rows, count);
     EXPECT_EQ(covariance.band, 0);
   }
+}
+
+TEST(LineCovariance, DenseLinesAreThinnedToWhatSpeckleNeeds) {
+  hw::AcquisitionOptions options;
+  EXPECT_EQ(EvenLines::needed(hw::AcquisitionPlan({}, options)).count, options.sticks_per_frame);
+  options.sticks_per_frame = 1024;
+  const hw::AcquisitionPlan dense({}, options);
+  const EvenLines needed = EvenLines::needed(dense);
+  EXPECT_LT(needed.count, 1024);
+  EXPECT_NEAR(needed.first_rad + (needed.count - 1) * needed.step_rad, dense.theta_rad(1023), 1e-9);
+  // Speckle is finest, as an angle, at 160 mm: 2.27 mm of 200 mm (speckle.csv).
+  EXPECT_LT(needed.step_rad, 2.27 / 200 / 3.5);
+  options.sector_rad = 0.1 * kDegree;  // all lines are nearly one
+  EXPECT_EQ(EvenLines::needed(hw::AcquisitionPlan({}, options)).count, 2);
 }
 
 }  // namespace
