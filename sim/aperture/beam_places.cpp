@@ -14,10 +14,6 @@ constexpr double kReach = 2;  // widths of the beam
 /// Of the sum that stands for an aperture: its phase turns by at most an eighth between two waves.
 constexpr int kLeastWaves = 64, kMostWaves = 1 << 15;
 
-double wavelength_m(const hw::AcquisitionPlan& plan) {
-  return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-}
-
 /// Width of an aperture along the curved face, as seen from its axis.
 double chord_m(const hw::AcquisitionPlan& plan, double aperture_m) {
   const double radius_m = plan.probe().radius_m;

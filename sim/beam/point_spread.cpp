@@ -5,6 +5,10 @@
 
 namespace wobblebench::sim {
 
+double wavelength_m(const hw::AcquisitionPlan& plan) {
+  return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
+}
+
 double axial_fwhm_m(const hw::AcquisitionPlan& plan) {
   const auto& probe = plan.probe();
   return 0.5 * plan.acquisition().sound_speed_m_s * 0.8825 /

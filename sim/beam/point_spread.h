@@ -7,6 +7,8 @@
 
 namespace wobblebench::sim {
 
+/// Of the pulse's centre frequency.
+double wavelength_m(const hw::AcquisitionPlan& plan);
 /// Full width at half amplitude along the stick of a Gaussian pulse: (c/2) 0.8825 / (B f0).
 double axial_fwhm_m(const hw::AcquisitionPlan& plan);
 /// IQ samples for each output sample: enough for the two-sided bandwidth of the pulse.

@@ -9,6 +9,7 @@
 #include "sim/beam/profile/speckle_kernels.h"
 #include "sim/beam/profile/speckle_length.h"
 #include "sim/echo/line_filter.h"
+#include "sim/math/complex.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {
@@ -38,11 +39,7 @@ WOBBLEBENCH_SIMD void add_weighted(float* target,
   }
 }
 
-float* parts_of(Complex* values) {
-  return reinterpret_cast<float*>(values);
-}
-
-/// Symmetric kernels across sticks, one for each range, stored tap by tap so that loops run along
+/// Symmetric kernels across frames, one for each range, stored tap by tap so that loops run along
 /// the stick.
 class RangeKernels {
  public:
@@ -75,9 +72,10 @@ class RangeKernels {
   std::vector<float> taps_;  ///< [tap][sample]
 };
 
-/// Filters across `count` sticks, `stride` complex values apart. At the edges the taps outside the
-/// field are dropped and the others scaled up, so that the power is the same there.
-void filter_sticks(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
+/// Filters across the `count` sticks of a line, `stride` complex values apart. At the edges the
+/// taps outside the field are dropped and the others scaled up, so that the power is the same
+/// there.
+void filter_line(Complex* values, int count, std::size_t stride, const RangeKernels& kernels) {
   const auto samples = static_cast<std::size_t>(kernels.samples());
   std::vector<Complex> before(samples * static_cast<std::size_t>(count));
   for (int n = 0; n < count; ++n) {
@@ -184,7 +182,7 @@ void filter_across_frames(IqField& field,
   parallel_ranges(field.lines, options.threads, [&](int first, int last) {
     for (int line = first; line < last; ++line) {
       const auto angle = static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)));
-      filter_sticks(field.stick(0, line).data(), field.frames, frame, by_angle[angle]);
+      filter_line(field.stick(0, line).data(), field.frames, frame, by_angle[angle]);
     }
   });
 }

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/parallel.h"
-#include "sim/beam/point_spread.h"
+#include "base/units.h"
 #include "sim/beam/profile/beam_profile.h"
+#include "sim/math/complex.h"
 #include "sim/math/simd.h"
 
 namespace wobblebench::sim {
@@ -19,17 +19,13 @@ constexpr double kRangeStep_m = 5e-3;
 /// -25 dB. Factors of neighbouring ranges are alike with it, and so can be interpolated.
 constexpr double kGrain = 3e-3;
 
-float* parts_of(Complex* values) {
-  return reinterpret_cast<float*>(values);
-}
-
-/// A weight that changes evenly along the stick.
-struct Weight {
+/// A value that changes evenly along the stick.
+struct Ramp {
   float first;
   float step;
 };
 
-WOBBLEBENCH_SIMD void scale(float* target, Weight weight, int count) {
+WOBBLEBENCH_SIMD void scale(float* target, Ramp weight, int count) {
   for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
     const float here = weight.first + weight.step * static_cast<float>(i);
@@ -40,7 +36,7 @@ WOBBLEBENCH_SIMD void scale(float* target, Weight weight, int count) {
 
 WOBBLEBENCH_SIMD void add_weighted(float* __restrict target,
                                    const float* source,
-                                   Weight weight,
+                                   Ramp weight,
                                    int count) {
   for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
@@ -52,7 +48,7 @@ WOBBLEBENCH_SIMD void add_weighted(float* __restrict target,
 
 /// To unit power, of the mean by `share` of two fields of unit power that correlate by
 /// `correlation`.
-WOBBLEBENCH_SIMD void normalise(float* target, Weight share, Weight correlation, int count) {
+WOBBLEBENCH_SIMD void normalise(float* target, Ramp share, Ramp correlation, int count) {
   for (int i = 0; i < count; ++i) {
     const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
     const float x = static_cast<float>(i), second = share.first + share.step * x;
@@ -82,16 +78,14 @@ double correlation(const BandedMatrix& one, int row, const BandedMatrix& other, 
 std::vector<BandedMatrix> factors_by_range(const LineCovariance& covariance,
                                            const BeamGrid& grid,
                                            int threads) {
-  std::vector<std::optional<BandedMatrix>> factors(static_cast<std::size_t>(grid.ranges()));
+  std::vector<BandedMatrix> factors(static_cast<std::size_t>(grid.ranges()));
   parallel_ranges(grid.ranges(), threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       factors[static_cast<std::size_t>(i)] =
           cholesky_factor(covariance.at(grid.range_m(i)), kGrain);
     }
   });
-  std::vector<BandedMatrix> all;
-  for (auto& factor : factors) all.push_back(std::move(*factor));
-  return all;
+  return factors;
 }
 
 }  // namespace
@@ -103,7 +97,7 @@ LineFilter::LineFilter(const hw::AcquisitionPlan& plan,
     : samples_(samples),
       lines_(plan.acquisition().sticks_per_frame),
       factored_(EvenLines::needed(plan)) {
-  const BeamGrid grid(plan, kRangeStep_m, kPi);
+  const BeamGrid grid(plan, kRangeStep_m, kPi);  // of its ranges
   factors_ =
       factors_by_range(LineCovariance(plan, options.apodisation, factored_), grid, options.threads);
   for (int i = 0; i < samples; ++i) {
@@ -128,7 +122,8 @@ void LineFilter::apply(Complex* frame) const {
     copy.assign(frame, frame + static_cast<std::ptrdiff_t>(factored_.count) * samples_);
   }
   Complex* noise = copy.empty() ? frame : copy.data();
-  // A line is a sum over the noise of those before it: from the last one on all are overwritten.
+  // A line is a sum over the noise of lines up to it, so that they are overwritten from the last to
+  // the first.
   for (int line = factored_.count - 1; line >= 0; --line) {
     for (const Span& span : spans_) correlate(noise, line, span);
   }
@@ -146,7 +141,7 @@ void LineFilter::correlate(Complex* noise, int line, const Span& span) const {
   const auto weight = [&](int lag) {
     const auto first = static_cast<float>(weight_at(near, line, lag));
     const float change = static_cast<float>(weight_at(far, line, lag)) - first;
-    return Weight{first + change * span.share, change * span.share_step};
+    return Ramp{first + change * span.share, change * span.share_step};
   };
   const int count = span.last - span.first;
   float* target = parts(line);

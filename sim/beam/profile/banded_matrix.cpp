@@ -7,10 +7,10 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kSmallWeight = 0.003;
+constexpr double kSmallWeight = 0.003;  ///< 1e-5 of a row's power
 
-/// Largest lag at which a row has a weight that counts.
-int longest_row(const BandedMatrix& factor) {
+/// The largest lag at which any row has a weight that counts.
+int longest_lag(const BandedMatrix& factor) {
   int longest = 0;
   for (int row = 0; row < factor.rows; ++row) {
     for (int lag = factor.band; lag > longest; --lag) {
@@ -48,7 +48,7 @@ BandedMatrix cholesky_factor(const BandedMatrix& covariance, double grain) {
           column == row ? std::sqrt(std::max(rest, 0.5 * grain)) : rest / factor.at(column, 0);
     }
   }
-  return with_unit_rows(factor, longest_row(factor));
+  return with_unit_rows(factor, longest_lag(factor));
 }
 
 }  // namespace wobblebench::sim

@@ -13,7 +13,7 @@ struct BandedMatrix {
   int band = 0;
   std::vector<double> values;  ///< [row][lag]
 
-  BandedMatrix(int row_count, int bandwidth)
+  explicit BandedMatrix(int row_count = 0, int bandwidth = 0)
       : rows(row_count),
         band(bandwidth),
         values(static_cast<std::size_t>(row_count) * (static_cast<std::size_t>(bandwidth) + 1)) {}

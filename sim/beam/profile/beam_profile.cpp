@@ -115,7 +115,6 @@ BeamProfile::BeamProfile(const hw::AcquisitionPlan& plan, const SimulationOption
 void BeamProfile::measure(int range) {
   const double range_m = grid_.range_m(range);
   const auto& probe = plan_.probe();
-  const double wavelength_m = plan_.acquisition().sound_speed_m_s / probe.center_frequency_hz;
   const double height_m = probe.element_height_m;
   const PlaneResponse elevation = PlaneResponse::elevation(
       ElevationSources(plan_),
@@ -124,12 +123,13 @@ void BeamProfile::measure(int range) {
   const SampledRow across = sample_row(
       elevation,
       range_m,
-      window_m(wavelength_m * range_m / height_m, height_m, range_m, probe.elevation_focus_m),
+      window_m(
+          wavelength_m(plan_) * range_m / height_m, height_m, range_m, probe.elevation_focus_m),
       true,
       kColumns);
   const PulseBand::Values elevation_axis = on_axis(elevation, range_m);
   const double lateral_window_m =
-      window_m(kMissing * wavelength_m * range_m / receive_aperture_m(plan_, range_m),
+      window_m(kMissing * wavelength_m(plan_) * range_m / receive_aperture_m(plan_, range_m),
                transmit_aperture_m(plan_, range_m),
                range_m,
                transmit_focus_m(plan_, range_m));

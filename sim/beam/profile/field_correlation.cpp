@@ -4,7 +4,7 @@
 
 #include "base/units.h"
 #include "sim/beam/point_spread.h"
-#include "sim/math/complex_product.h"
+#include "sim/math/complex.h"
 #include "sim/math/fast_math.h"
 
 namespace wobblebench::sim {
@@ -18,35 +18,10 @@ double reach_m(double lobe_m, double transmit_m, double range_m, double focus_m)
   return 3 * lobe_m + 0.6 * transmit_m * std::abs(1 - range_m / focus_m);
 }
 
-BeamAtRange::Plane sampled(PlaneResponse response, double range_m, double reach_m) {
-  SampledRow row = sample_row(response, range_m, reach_m, true, kColumns);
-  return {std::move(response), std::move(row)};
-}
-
-BeamAtRange::Plane lateral_plane(const hw::AcquisitionPlan& plan,
-                                 const PulseBand& band,
-                                 Apodisation apodisation,
-                                 double range_m,
-                                 double theta_rad) {
-  const StickAperture aperture(plan, apodisation, theta_rad);
-  return sampled(PlaneResponse::lateral(aperture, plan, band, range_m),
-                 range_m,
-                 BeamAtRange::lateral_reach_m(plan, range_m));
-}
-
-BeamAtRange::Plane elevation_plane(const hw::AcquisitionPlan& plan,
-                                   const PulseBand& band,
-                                   Apodisation apodisation,
-                                   double range_m,
-                                   double wavelength_m) {
-  const StickAperture middle(plan, apodisation, 0);
+double elevation_reach_m(const hw::AcquisitionPlan& plan, double range_m) {
   const double height_m = plan.probe().element_height_m;
-  return sampled(
-      PlaneResponse::elevation(
-          ElevationSources(plan), band, InPlaneExcess(middle, plan, band, range_m)),
-      range_m,
-      reach_m(
-          wavelength_m * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m));
+  return reach_m(
+      wavelength_m(plan) * range_m / height_m, height_m, range_m, plan.probe().elevation_focus_m);
 }
 
 std::complex<double> unit_phasor(double phase_rad) {
@@ -54,50 +29,53 @@ std::complex<double> unit_phasor(double phase_rad) {
   return {static_cast<double>(at.cosine), static_cast<double>(at.sine)};
 }
 
-double wavelength_m(const hw::AcquisitionPlan& plan) {
-  return plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-}
-
 }  // namespace
 
-BeamAtRange::BeamAtRange(const hw::AcquisitionPlan& plan,
-                         const PulseBand& band,
-                         Apodisation apodisation,
-                         double range_m,
-                         double theta_rad,
-                         const Plane& shared_elevation)
-    : lateral(lateral_plane(plan, band, apodisation, range_m, theta_rad)),
-      elevation(shared_elevation) {}
+ElevationPlane::ElevationPlane(const hw::AcquisitionPlan& plan,
+                               const PulseBand& band,
+                               Apodisation apodisation,
+                               double range_m)
+    : response(PlaneResponse::elevation(
+          ElevationSources(plan),
+          band,
+          InPlaneExcess(StickAperture(plan, apodisation, 0), plan, band, range_m))),
+      row(sample_row(response, range_m, elevation_reach_m(plan, range_m), true, kColumns)) {}
 
-double BeamAtRange::lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m) {
+SampledRow lateral_row(const hw::AcquisitionPlan& plan,
+                       const PulseBand& band,
+                       Apodisation apodisation,
+                       double range_m,
+                       double theta_rad) {
+  const StickAperture aperture(plan, apodisation, theta_rad);
+  return sample_row(PlaneResponse::lateral(aperture, plan, band, range_m),
+                    range_m,
+                    lateral_reach_m(plan, range_m),
+                    true,
+                    kColumns);
+}
+
+double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m) {
   return reach_m(wavelength_m(plan) * range_m / receive_aperture_m(plan, range_m),
                  transmit_aperture_m(plan, range_m),
                  range_m,
                  transmit_focus_m(plan, range_m));
 }
 
-BeamAtRange::Plane BeamAtRange::elevation_at(const hw::AcquisitionPlan& plan,
-                                             const PulseBand& band,
-                                             Apodisation apodisation,
-                                             double range_m) {
-  return elevation_plane(plan, band, apodisation, range_m, wavelength_m(plan));
-}
-
-std::array<double, PulseBand::kNodes> node_shares(const SampledRow& row, const PulseBand& band) {
-  std::array<double, PulseBand::kNodes> shares = {};
-  for (std::size_t node = 0; node < shares.size(); ++node) {
-    for (const auto& value : row.values) shares[node] += std::norm(value[node]);
-    shares[node] *= band.weight(static_cast<int>(node));
+std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row, const PulseBand& band) {
+  std::array<double, PulseBand::kNodes> powers = {};
+  for (std::size_t node = 0; node < powers.size(); ++node) {
+    for (const auto& value : row.values) powers[node] += std::norm(value[node]);
+    powers[node] *= band.weight(static_cast<int>(node));
   }
-  return shares;
+  return powers;
 }
 
-FieldCorrelation::FieldCorrelation(const BeamAtRange::Plane& plane,
-                                   const SampledRow& other,
+FieldCorrelation::FieldCorrelation(const ElevationPlane& plane,
+                                   const SampledRow& lateral,
                                    const Turn& turn,
                                    const PulseBand& band)
-    : plane_(plane), turn_(turn), band_(band), shares_(node_shares(other, band)) {
-  for (std::size_t node = 0; node < shares_.size(); ++node) {
+    : plane_(plane), turn_(turn), weights_(node_powers(lateral, band)) {
+  for (std::size_t node = 0; node < weights_.size(); ++node) {
     wavenumber_per_m_[node] = band.wavenumber_per_m(static_cast<int>(node));
   }
   power_ = power(turned(0));
@@ -116,7 +94,7 @@ FieldCorrelation::Heard FieldCorrelation::turned(double turn_rad) const {
 double FieldCorrelation::power(const Heard& heard) const {
   double sum = 0;
   for (const auto& value : heard.values) {
-    for (std::size_t n = 0; n < shares_.size(); ++n) sum += shares_[n] * std::norm(value[n]);
+    for (std::size_t n = 0; n < weights_.size(); ++n) sum += weights_[n] * std::norm(value[n]);
   }
   return sum;
 }
@@ -127,9 +105,9 @@ std::complex<double> FieldCorrelation::product(const Heard& here, const Heard& t
   std::complex<double> sum = 0;
   for (std::size_t i = 0; i < there.values.size(); ++i) {
     const double nearer_m = there.places[i].axial_m - here.places[i].axial_m - common_m;
-    for (std::size_t n = 0; n < static_cast<std::size_t>(band_.nodes()); ++n) {
+    for (std::size_t n = 0; n < weights_.size(); ++n) {
       const std::complex<double> phasor = unit_phasor(2 * wavenumber_per_m_[n] * nearer_m);
-      sum += times(shares_[n] * times(here.values[i][n], std::conj(there.values[i][n])), phasor);
+      sum += times(weights_[n] * times(here.values[i][n], std::conj(there.values[i][n])), phasor);
     }
   }
   return sum;

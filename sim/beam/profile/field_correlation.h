@@ -18,41 +18,37 @@ struct Turn {
   std::function<PlanePoint(double offset_m, double turn_rad)> place;
 };
 
-/// The beam of a stick at a range, in both planes.
-struct BeamAtRange {
-  struct Plane {
-    PlaneResponse response;
-    SampledRow row;
-  };
-  Plane lateral;
-  const Plane& elevation;  ///< the same for all sticks
+/// The beam at a range across the image plane, the same for all sticks.
+struct ElevationPlane {
+  PlaneResponse response;
+  SampledRow row;
 
-  static Plane elevation_at(const hw::AcquisitionPlan& plan,
-                            const PulseBand& band,
-                            Apodisation apodisation,
-                            double range_m);
-  /// Half of the beam in the image plane: three lobes, and the shadow of the transmitting aperture.
-  static double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m);
-  /// `shared_elevation` must outlive it.
-  BeamAtRange(const hw::AcquisitionPlan& plan,
-              const PulseBand& band,
-              Apodisation apodisation,
-              double range_m,
-              double theta_rad,
-              const Plane& shared_elevation);
+  ElevationPlane(const hw::AcquisitionPlan& plan,
+                 const PulseBand& band,
+                 Apodisation apodisation,
+                 double range_m);
 };
 
-/// The shares of the band's frequencies by the beam's power across a plane: out of focus low ones
-/// have more of it.
-std::array<double, PulseBand::kNodes> node_shares(const SampledRow& row, const PulseBand& band);
+/// A stick's beam at a range in the image plane.
+SampledRow lateral_row(const hw::AcquisitionPlan& plan,
+                       const PulseBand& band,
+                       Apodisation apodisation,
+                       double range_m,
+                       double theta_rad);
+/// Half its width: three lobes, and the shadow of the transmitting aperture.
+double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m);
 
-/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn in `plane`; 1 for
-/// one stick. Each frequency counts by its share across the other plane.
+/// The power of each of the band's frequencies over a row, but for a common factor: out of focus
+/// low ones have more of it.
+std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row, const PulseBand& band);
+
+/// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn across the image
+/// plane; 1 for one stick. Each frequency counts by its power in the image plane.
 class FieldCorrelation {
  public:
   /// All must outlive it.
-  FieldCorrelation(const BeamAtRange::Plane& plane,
-                   const SampledRow& other,
+  FieldCorrelation(const ElevationPlane& plane,
+                   const SampledRow& lateral,
                    const Turn& turn,
                    const PulseBand& band);
 
@@ -72,10 +68,9 @@ class FieldCorrelation {
   /// Not normalised.
   std::complex<double> product(const Heard& here, const Heard& there) const;
 
-  const BeamAtRange::Plane& plane_;
+  const ElevationPlane& plane_;
   const Turn& turn_;
-  const PulseBand& band_;
-  std::array<double, PulseBand::kNodes> shares_ = {}, wavenumber_per_m_ = {};
+  std::array<double, PulseBand::kNodes> weights_, wavenumber_per_m_ = {};
   double power_ = 0;
 };
 

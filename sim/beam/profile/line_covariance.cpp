@@ -5,7 +5,7 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/beam/profile/field_correlation.h"
-#include "sim/math/complex_product.h"
+#include "sim/math/complex.h"
 #include "sim/math/simd.h"
 
 namespace wobblebench::sim {
@@ -13,19 +13,44 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr int kNodes = PulseBand::kNodes;
-constexpr int kPlaces = 48;           ///< a side, within the reach of a line
+constexpr int kPlaces = 48;           ///< a side, within the reach of a line, at least
 constexpr double kMostReach_rad = 1;  ///< very near the face
-/// About as many over the width of speckle: halfway between two its correlation is 1 % off.
-constexpr double kLinesPerLobe = 4;
-constexpr int kRanges = 32;  ///< at which lobes are looked at
+/// Halfway between two lines their correlation is 1 % off.
+constexpr double kLinesPerCell = 2;
+constexpr int kRanges = 32;  ///< at which cells are looked at
+
+double sine(double aperture_m, double range_m) {
+  return 0.5 * aperture_m / std::hypot(range_m, 0.5 * aperture_m);
+}
+
+/// Speckle across lines is no finer at a range: one over the spatial frequencies of which the
+/// two-way response consists. At the focus its full width at half maximum is 1.9 cells.
+double cell_m(const hw::AcquisitionPlan& plan, double range_m) {
+  return 0.5 * wavelength_m(plan) /
+         (sine(transmit_aperture_m(plan, range_m), range_m) +
+          sine(receive_aperture_m(plan, range_m), range_m));
+}
+
+/// Between places, so that sums over them are integrals: the sampling theorem for the product of
+/// two responses at the upper end of the band.
+double place_step_rad(const hw::AcquisitionPlan& plan, double range_m, double reach_rad) {
+  constexpr double kWithinLimit = 0.85;
+  const double highest = 1 + 0.5 * plan.probe().fractional_bandwidth;
+  const double limit_rad = cell_m(plan, range_m) / highest / (plan.probe().radius_m + range_m);
+  return std::min(reach_rad / kPlaces, kWithinLimit * limit_rad);
+}
 
 /// Places of scatterers at a range, on an arc about the probe's centre of curvature. Lines and
 /// places lie at multiples of one angle, so that lines with the same aperture hear the same.
 class Arc {
  public:
-  Arc(double radius_m, double range_m, double line_step_rad, double reach_rad)
+  /// Places at most `place_step_rad` apart.
+  Arc(double radius_m,
+      double range_m,
+      double line_step_rad,
+      double place_step_rad,
+      double reach_rad)
       : radius_m_(radius_m), range_m_(range_m) {
-    const double place_step_rad = reach_rad / kPlaces;
     if (line_step_rad > place_step_rad) {
       per_line_ = static_cast<int>(std::ceil(line_step_rad / place_step_rad));
     } else {
@@ -111,8 +136,7 @@ class LineResponses {
                 const Arc& arc,
                 double range_m)
       : plan_(plan), band_(plan), arc_(arc), range_m_(range_m) {
-    const auto elevation = BeamAtRange::elevation_at(plan, band_, apodisation, range_m);
-    const auto shares = node_shares(elevation.row, band_);
+    const auto powers = node_powers(ElevationPlane(plan, band_, apodisation, range_m).row, band_);
     std::vector<PlanePoint> places;
     for (int units = -arc.reach(); units <= arc.reach(); ++units) {
       places.push_back(arc.place(units));
@@ -120,29 +144,28 @@ class LineResponses {
       factors_.emplace_back();
       for (std::size_t n = 0; n < kNodes; ++n) {
         factors_.back()[n] =
-            std::polar(std::sqrt(shares[n]), -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
+            std::polar(std::sqrt(powers[n]), -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
       }
     }
-    whole_ = response(whole).at(places);
+    whole_values_ = response(whole).at(places);
   }
 
   Heard of(int line, const StickAperture& aperture) const {
     const bool whole = aperture.whole(range_m_);
-    Heard heard{arc_.first_place(line), {}, {}};
+    const int first = arc_.first_place(line);
     std::vector<int> units;
     std::vector<PlanePoint> places;
     std::vector<PulseBand::Values> values;
-    for (int place = heard.first; arc_.units(place, line) <= arc_.reach(); ++place) {
+    for (int place = first; arc_.units(place, line) <= arc_.reach(); ++place) {
       units.push_back(arc_.units(place, line));
       if (whole) {
-        values.push_back(whole_[from_first(units.back())]);
+        values.push_back(whole_values_[from_first(units.back())]);
       } else {
         places.push_back(arc_.place(units.back()));
       }
     }
     if (!whole) values = response(aperture).at(places);
-    add(units, values, heard);
-    return heard;
+    return heard(first, units, values);
   }
 
  private:
@@ -151,9 +174,10 @@ class LineResponses {
     return PlaneResponse::lateral(aperture, plan_, band_, range_m_);
   }
 
-  void add(const std::vector<int>& units,
-           const std::vector<PulseBand::Values>& values,
-           Heard& heard) const {
+  Heard heard(int first,
+              const std::vector<int>& units,
+              const std::vector<PulseBand::Values>& values) const {
+    Heard heard{first, {}, {}};
     double power = 0;
     for (std::size_t i = 0; i < units.size(); ++i) {
       const PulseBand::Values& factors = factors_[from_first(units[i])];
@@ -167,6 +191,7 @@ class LineResponses {
     const auto scale = static_cast<float>(power > 0 ? 1 / std::sqrt(power) : 0);
     for (float& part : heard.re) part *= scale;
     for (float& part : heard.im) part *= scale;
+    return heard;
   }
 
   const hw::AcquisitionPlan& plan_;
@@ -174,11 +199,12 @@ class LineResponses {
   const Arc& arc_;
   double range_m_;
   // By units from the line.
-  std::vector<PulseBand::Values> factors_;  ///< root of the node's share, phase of the way
-  std::vector<PulseBand::Values> whole_;
+  std::vector<PulseBand::Values> factors_;  ///< root of the node's power, phase of the way
+  std::vector<PulseBand::Values> whole_values_;
 };
 
-/// Real by the lines' phases.
+/// Each line's phase is turned so that its covariance with the line before it is real; of the
+/// others the real part is kept.
 BandedMatrix covariance_of(const std::vector<Heard>& heard, int band) {
   const int lines = static_cast<int>(heard.size());
   BandedMatrix covariance(lines, band);
@@ -207,16 +233,13 @@ EvenLines EvenLines::of(const hw::AcquisitionPlan& plan) {
 EvenLines EvenLines::needed(const hw::AcquisitionPlan& plan) {
   const EvenLines all = of(plan);
   if (all.count == 1) return all;
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz;
-  double lobe_rad = HUGE_VAL;  // where it is finest
-  for (int i = 1; i <= kRanges; ++i) {
-    const double range_m = plan.acquisition().depth_m * i / kRanges;
-    lobe_rad = std::min(lobe_rad,
-                        wavelength_m * range_m / receive_aperture_m(plan, range_m) /
-                            (plan.probe().radius_m + range_m));
+  double cell_rad = HUGE_VAL;
+  for (int i = 0; i < kRanges; ++i) {
+    const double range_m = plan.acquisition().depth_m * (i + 0.5) / kRanges;
+    cell_rad = std::min(cell_rad, cell_m(plan, range_m) / (plan.probe().radius_m + range_m));
   }
   const double sector_rad = (all.count - 1) * all.step_rad;
-  const double steps = std::max(1.0, std::ceil(sector_rad * kLinesPerLobe / lobe_rad));
+  const double steps = std::max(1.0, std::ceil(sector_rad * kLinesPerCell / cell_rad));
   if (steps >= all.count - 1) return all;
   const int count = 1 + static_cast<int>(steps);
   return {count, all.first_rad, sector_rad / (count - 1)};
@@ -234,13 +257,14 @@ LineCovariance::LineCovariance(const hw::AcquisitionPlan& plan,
 BandedMatrix LineCovariance::at(double range_m) const {
   const double radius_m = plan_.probe().radius_m;
   const double reach_rad =
-      std::min(BeamAtRange::lateral_reach_m(plan_, range_m) / (radius_m + range_m), kMostReach_rad);
+      std::min(lateral_reach_m(plan_, range_m) / (radius_m + range_m), kMostReach_rad);
   if (lines_.count == 1 || lines_.step_rad > 2 * reach_rad) {
     BandedMatrix alone(lines_.count, 0);
     std::fill(alone.values.begin(), alone.values.end(), 1);
     return alone;
   }
-  const Arc arc(radius_m, range_m, lines_.step_rad, reach_rad);
+  const Arc arc(
+      radius_m, range_m, lines_.step_rad, place_step_rad(plan_, range_m, reach_rad), reach_rad);
   const LineResponses responses(plan_, whole_, apodisation_, arc, range_m);
   std::vector<Heard> heard;
   for (int line = 0; line < lines_.count; ++line) {

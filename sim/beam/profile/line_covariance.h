@@ -22,8 +22,8 @@ struct EvenLines {
 
   /// All of a frame's.
   static EvenLines of(const hw::AcquisitionPlan& plan);
-  /// The same sector by as many as speckle needs between which it can be interpolated, at the most
-  /// as many as there are.
+  /// The fewest over the same sector between which speckle can be interpolated; all of them where
+  /// there are no more.
   static EvenLines needed(const hw::AcquisitionPlan& plan);
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "base/parallel.h"
 #include "base/units.h"
@@ -48,8 +49,7 @@ Turn turn_of_frames(const hw::AcquisitionPlan& plan, double range_m, double thet
   const auto& probe = plan.probe();
   const double cosine = std::cos(theta_rad);
   const double arm_m = std::abs((probe.radius_m + range_m) * cosine - plan.geometry().axis_z_m());
-  const double wavelength_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz;
-  const double lobe_m = wavelength_m * range_m / probe.element_height_m;
+  const double lobe_m = wavelength_m(plan) * range_m / probe.element_height_m;
   return {plan.phi_step_rad(),
           plan.acquisition().frames_per_volume - 1,
           2 * lobe_m / std::max(arm_m, 1e-4),
@@ -60,9 +60,12 @@ Turn turn_of_frames(const hw::AcquisitionPlan& plan, double range_m, double thet
           }};
 }
 
-std::vector<double> taps_at(const PulseBand& band, const BeamAtRange& beam, const Turn& turn) {
+std::vector<double> taps_at(const PulseBand& band,
+                            const ElevationPlane& elevation,
+                            const SampledRow& lateral,
+                            const Turn& turn) {
   if (turn.step_rad <= 0 || turn.most_lags < 1) return {1};
-  const FieldCorrelation correlation(beam.elevation, beam.lateral.row, turn, band);
+  const FieldCorrelation correlation(elevation, lateral, turn, band);
   if (correlation.silent()) return {1};
   return taps_of_correlation(correlations(correlation, turn));
 }
@@ -76,12 +79,14 @@ std::vector<std::vector<double>> all_taps(const BeamGrid& grid,
   std::vector<std::vector<double>> taps(static_cast<std::size_t>(grid.ranges() * angles));
   const auto at_range = [&](int range) {
     const double range_m = grid.range_m(range);
-    const auto elevation = BeamAtRange::elevation_at(plan, band, options.apodisation, range_m);
+    const ElevationPlane elevation(plan, band, options.apodisation, range_m);
     for (int angle = 0; angle < angles; ++angle) {
       const double theta_rad = grid.angle_rad(angle);
-      const BeamAtRange beam(plan, band, options.apodisation, range_m, theta_rad, elevation);
       taps[static_cast<std::size_t>(range * angles + angle)] =
-          taps_at(band, beam, turn_of_frames(plan, range_m, theta_rad));
+          taps_at(band,
+                  elevation,
+                  lateral_row(plan, band, options.apodisation, range_m, theta_rad),
+                  turn_of_frames(plan, range_m, theta_rad));
     }
   };
   parallel_ranges(grid.ranges(), options.threads, [&](int first, int last) {

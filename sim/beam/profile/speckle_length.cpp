@@ -38,12 +38,11 @@ double length_ratio(const hw::AcquisitionPlan& plan,
                     const PulseBand& band,
                     Apodisation apodisation,
                     double range_m) {
-  const auto elevation = BeamAtRange::elevation_at(plan, band, apodisation, range_m);
-  const BeamAtRange beam(plan, band, apodisation, range_m, 0, elevation);
+  const ElevationPlane elevation(plan, band, apodisation, range_m);
+  const SampledRow lateral = lateral_row(plan, band, apodisation, range_m, 0);
   const double sent = deviation_per_m(band, [](std::size_t) { return 1.0; });
-  const double heard = deviation_per_m(band, [&](std::size_t node) {
-    return power(beam.lateral.row, node) * power(elevation.row, node);
-  });
+  const double heard = deviation_per_m(
+      band, [&](std::size_t node) { return power(lateral, node) * power(elevation.row, node); });
   return heard > 0 ? sent / heard : 1;
 }
 

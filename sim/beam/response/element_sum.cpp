@@ -6,7 +6,7 @@
 
 #include "sim/beam/point_spread.h"
 #include "sim/beam/response/pulse_band.h"
-#include "sim/math/complex_product.h"
+#include "sim/math/complex.h"
 
 namespace wobblebench::sim {
 

@@ -76,7 +76,7 @@ double StickAperture::excess_m(const Element& element, double focus_m) {
 
 ElevationSources::ElevationSources(const hw::AcquisitionPlan& plan) {
   const auto& probe = plan.probe();
-  const double half_wave_m = 0.5 * plan.acquisition().sound_speed_m_s / probe.center_frequency_hz;
+  const double half_wave_m = 0.5 * wavelength_m(plan);
   const int count = std::max(1, static_cast<int>(std::ceil(probe.element_height_m / half_wave_m)));
   for (int i = 0; i < count; ++i) {
     height_m.push_back(((i + 0.5) / count - 0.5) * probe.element_height_m);

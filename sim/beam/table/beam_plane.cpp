@@ -20,10 +20,7 @@ BeamPlane::BeamPlane(const hw::AcquisitionPlan& plan,
                      const PulseBand& band,
                      const BeamReach& reach,
                      bool both_sides)
-    : wavelength_m_(plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz),
-      band_(band),
-      reach_(reach),
-      both_sides_(both_sides) {}
+    : wavelength_m_(wavelength_m(plan)), band_(band), reach_(reach), both_sides_(both_sides) {}
 
 BeamPlane BeamPlane::lateral(const hw::AcquisitionPlan& plan,
                              const PulseBand& band,

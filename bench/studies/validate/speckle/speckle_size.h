@@ -17,8 +17,8 @@ struct SpeckleSizeInputs {
   hw::ProbePreset preset = hw::ProbePreset::standard;
   sim::Rung rung = sim::Rung::field;
   bool side_lobes = false;
-  /// At least two, for the error. On the last stick speckle is wider than some lines of the grid
-  /// are apart, and a width from two seeds is off by 5 % now and then.
+  /// At least two, for the error. On the last stick speckle spans several lines of the grid, so
+  /// that a seed has few independent samples.
   std::vector<std::uint64_t> seeds = seeds_from(1, 4);
   double half_window_m = 2.5e-3;  ///< of range, about each place
 };

@@ -36,7 +36,10 @@ double width_m(const BandedMatrix& covariance,
     return std::pow(covariance.at(row, lag), 2);
   };
   int lag = 2;
-  while (squared(lag) > 0.5) lag += 2;
+  while (squared(lag) > 0.5) {
+    lag += 2;
+    if (lag > covariance.band || middle + 0.5 * lag > covariance.rows - 1) return HUGE_VAL;
+  }
   // Between two lags as a Gaussian falls: its logarithm with the square of the lag.
   const double before = std::log(squared(lag - 2)), after = std::log(squared(lag));
   const double share = (before - std::log(0.5)) / (before - after);
