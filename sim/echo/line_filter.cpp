@@ -17,7 +17,7 @@ using Complex = std::complex<float>;
 
 constexpr double kRangeStep_m = 5e-3;
 /// -25 dB. Factors of neighbouring ranges are alike with it, and so can be interpolated.
-constexpr double kGrain = 3e-3;
+constexpr double kNoiseShare = 3e-3;
 
 /// A value that changes evenly along the stick.
 struct Ramp {
@@ -82,7 +82,7 @@ std::vector<BandedMatrix> factors_by_range(const LineCovariance& covariance,
   parallel_ranges(grid.ranges(), threads, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       factors[static_cast<std::size_t>(i)] =
-          cholesky_factor(covariance.at(grid.range_m(i)), kGrain);
+          cholesky_factor(covariance.at(grid.range_m(i)), kNoiseShare);
     }
   });
   return factors;

@@ -34,18 +34,18 @@ BandedMatrix with_unit_rows(const BandedMatrix& factor, int band) {
 
 }  // namespace
 
-BandedMatrix cholesky_factor(const BandedMatrix& covariance, double grain) {
+BandedMatrix cholesky_factor(const BandedMatrix& covariance, double noise_share) {
   BandedMatrix factor(covariance.rows, covariance.band);
   for (int row = 0; row < factor.rows; ++row) {
     const int first = std::max(0, row - factor.band);
     for (int column = first; column <= row; ++column) {
-      double rest = covariance.at(row, row - column) + (column == row ? grain : 0);
+      double rest = covariance.at(row, row - column) + (column == row ? noise_share : 0);
       for (int k = std::max(first, column - factor.band); k < column; ++k) {
         rest -= factor.at(row, row - k) * factor.at(column, column - k);
       }
-      // Rounding alone makes a pivot smaller than the grain.
-      factor.at(row, row - column) =
-          column == row ? std::sqrt(std::max(rest, 0.5 * grain)) : rest / factor.at(column, 0);
+      // Rounding alone makes a pivot smaller than the noise.
+      factor.at(row, row - column) = column == row ? std::sqrt(std::max(rest, 0.5 * noise_share))
+                                                   : rest / factor.at(column, 0);
     }
   }
   return with_unit_rows(factor, longest_lag(factor));

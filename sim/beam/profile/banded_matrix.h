@@ -28,10 +28,10 @@ struct BandedMatrix {
   }
 };
 
-/// The Cholesky factor L of a covariance of unit variances, L L^T, with the share `grain` of each
+/// The Cholesky factor L of a covariance of unit variances, L L^T, with `noise_share` of each
 /// variance added as white noise, without which it has no factor where lines are much denser than
 /// they decorrelate. Weights at the end of the band that are small in all rows are left out. Rows
 /// have unit norm.
-BandedMatrix cholesky_factor(const BandedMatrix& covariance, double grain);
+BandedMatrix cholesky_factor(const BandedMatrix& covariance, double noise_share);
 
 }  // namespace wobblebench::sim

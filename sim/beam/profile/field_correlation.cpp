@@ -61,11 +61,10 @@ double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m) {
                  transmit_focus_m(plan, range_m));
 }
 
-std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row, const PulseBand& band) {
+std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row) {
   std::array<double, PulseBand::kNodes> powers = {};
-  for (std::size_t node = 0; node < powers.size(); ++node) {
-    for (const auto& value : row.values) powers[node] += std::norm(value[node]);
-    powers[node] *= band.weight(static_cast<int>(node));
+  for (const auto& value : row.values) {
+    for (std::size_t node = 0; node < powers.size(); ++node) powers[node] += std::norm(value[node]);
   }
   return powers;
 }
@@ -74,8 +73,9 @@ FieldCorrelation::FieldCorrelation(const ElevationPlane& plane,
                                    const SampledRow& lateral,
                                    const Turn& turn,
                                    const PulseBand& band)
-    : plane_(plane), turn_(turn), weights_(node_powers(lateral, band)) {
+    : plane_(plane), turn_(turn), weights_(node_powers(lateral)) {
   for (std::size_t node = 0; node < weights_.size(); ++node) {
+    weights_[node] *= band.weight(static_cast<int>(node));
     wavenumber_per_m_[node] = band.wavenumber_per_m(static_cast<int>(node));
   }
   power_ = power(turned(0));

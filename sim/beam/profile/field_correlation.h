@@ -38,9 +38,9 @@ SampledRow lateral_row(const hw::AcquisitionPlan& plan,
 /// Half its width: three lobes, and the shadow of the transmitting aperture.
 double lateral_reach_m(const hw::AcquisitionPlan& plan, double range_m);
 
-/// The power of each of the band's frequencies over a row, but for a common factor: out of focus
-/// low ones have more of it.
-std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row, const PulseBand& band);
+/// The power of each of the band's frequencies over a row, but for a common factor and the pulse's
+/// own: out of focus low ones have more of it.
+std::array<double, PulseBand::kNodes> node_powers(const SampledRow& row);
 
 /// The integral of h1 conj(h2) over the scatterers' places, for sticks that turn across the image
 /// plane; 1 for one stick. Each frequency counts by its power in the image plane.
@@ -70,7 +70,7 @@ class FieldCorrelation {
 
   const ElevationPlane& plane_;
   const Turn& turn_;
-  std::array<double, PulseBand::kNodes> weights_, wavenumber_per_m_ = {};
+  std::array<double, PulseBand::kNodes> weights_, wavenumber_per_m_;
   double power_ = 0;
 };
 

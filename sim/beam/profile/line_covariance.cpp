@@ -15,7 +15,8 @@ namespace {
 constexpr int kNodes = PulseBand::kNodes;
 constexpr int kPlaces = 48;           ///< a side, within the reach of a line, at least
 constexpr double kMostReach_rad = 1;  ///< very near the face
-/// Halfway between two lines their correlation is 1 % off.
+/// Four over the width of speckle at the focus: a Gaussian correlation is up to 4 % too large, up
+/// to half of that width, between lines that lie halfway.
 constexpr double kLinesPerCell = 2;
 constexpr int kRanges = 32;  ///< at which cells are looked at
 
@@ -127,27 +128,27 @@ std::complex<double> overlap(const Heard& one, const Heard& other) {
   return sum;
 }
 
-/// At one range.
+/// What lines hear at one range.
 class LineResponses {
  public:
   LineResponses(const hw::AcquisitionPlan& plan,
-                const StickAperture& whole,
                 Apodisation apodisation,
                 const Arc& arc,
                 double range_m)
       : plan_(plan), band_(plan), arc_(arc), range_m_(range_m) {
-    const auto powers = node_powers(ElevationPlane(plan, band_, apodisation, range_m).row, band_);
+    const auto powers = node_powers(ElevationPlane(plan, band_, apodisation, range_m).row);
     std::vector<PlanePoint> places;
     for (int units = -arc.reach(); units <= arc.reach(); ++units) {
       places.push_back(arc.place(units));
       const double way_m = 2 * (places.back().axial_m - range_m);
       factors_.emplace_back();
       for (std::size_t n = 0; n < kNodes; ++n) {
-        factors_.back()[n] =
-            std::polar(std::sqrt(powers[n]), -way_m * band_.wavenumber_per_m(static_cast<int>(n)));
+        const int node = static_cast<int>(n);
+        factors_.back()[n] = std::polar(std::sqrt(powers[n] * band_.weight(node)),
+                                        -way_m * band_.wavenumber_per_m(node));
       }
     }
-    whole_values_ = response(whole).at(places);
+    whole_values_ = response(StickAperture(plan, apodisation, 0)).at(places);
   }
 
   Heard of(int line, const StickAperture& aperture) const {
@@ -165,7 +166,7 @@ class LineResponses {
       }
     }
     if (!whole) values = response(aperture).at(places);
-    return heard(first, units, values);
+    return normalised(first, units, values);
   }
 
  private:
@@ -174,9 +175,9 @@ class LineResponses {
     return PlaneResponse::lateral(aperture, plan_, band_, range_m_);
   }
 
-  Heard heard(int first,
-              const std::vector<int>& units,
-              const std::vector<PulseBand::Values>& values) const {
+  Heard normalised(int first,
+                   const std::vector<int>& units,
+                   const std::vector<PulseBand::Values>& values) const {
     Heard heard{first, {}, {}};
     double power = 0;
     for (std::size_t i = 0; i < units.size(); ++i) {
@@ -199,8 +200,8 @@ class LineResponses {
   const Arc& arc_;
   double range_m_;
   // By units from the line.
-  std::vector<PulseBand::Values> factors_;  ///< root of the node's power, phase of the way
-  std::vector<PulseBand::Values> whole_values_;
+  std::vector<PulseBand::Values> factors_;       ///< root of the node's power, phase of the way
+  std::vector<PulseBand::Values> whole_values_;  ///< of a line that the array's end does not reach
 };
 
 /// Each line's phase is turned so that its covariance with the line before it is real; of the
@@ -248,7 +249,7 @@ EvenLines EvenLines::needed(const hw::AcquisitionPlan& plan) {
 LineCovariance::LineCovariance(const hw::AcquisitionPlan& plan,
                                Apodisation apodisation,
                                const EvenLines& lines)
-    : plan_(plan), apodisation_(apodisation), lines_(lines), whole_(plan, apodisation, 0) {
+    : plan_(plan), apodisation_(apodisation), lines_(lines) {
   for (int line = 0; line < lines.count; ++line) {
     apertures_.emplace_back(plan, apodisation, lines.first_rad + line * lines.step_rad);
   }
@@ -265,7 +266,7 @@ BandedMatrix LineCovariance::at(double range_m) const {
   }
   const Arc arc(
       radius_m, range_m, lines_.step_rad, place_step_rad(plan_, range_m, reach_rad), reach_rad);
-  const LineResponses responses(plan_, whole_, apodisation_, arc, range_m);
+  const LineResponses responses(plan_, apodisation_, arc, range_m);
   std::vector<Heard> heard;
   for (int line = 0; line < lines_.count; ++line) {
     heard.push_back(responses.of(line, apertures_[static_cast<std::size_t>(line)]));

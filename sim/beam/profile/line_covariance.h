@@ -40,7 +40,6 @@ class LineCovariance {
   hw::AcquisitionPlan plan_;
   Apodisation apodisation_;
   EvenLines lines_;
-  StickAperture whole_;                   ///< of a line that the array's end does not reach
   std::vector<StickAperture> apertures_;  ///< of each line
 };
 

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kStep_m = 5e-3;
 
-double power(const SampledRow& row, std::size_t node) {
-  double sum = 0;
-  for (const auto& value : row.values) sum += std::norm(value[node]);
-  return sum;
-}
-
 /// Deviation of the wavenumber over the band, each node times `power_of(node)`.
 template <class PowerOf>
 double deviation_per_m(const PulseBand& band, const PowerOf& power_of) {
@@ -39,10 +33,11 @@ double length_ratio(const hw::AcquisitionPlan& plan,
                     Apodisation apodisation,
                     double range_m) {
   const ElevationPlane elevation(plan, band, apodisation, range_m);
-  const SampledRow lateral = lateral_row(plan, band, apodisation, range_m, 0);
+  const auto across = node_powers(elevation.row);
+  const auto along = node_powers(lateral_row(plan, band, apodisation, range_m, 0));
   const double sent = deviation_per_m(band, [](std::size_t) { return 1.0; });
-  const double heard = deviation_per_m(
-      band, [&](std::size_t node) { return power(lateral, node) * power(elevation.row, node); });
+  const double heard =
+      deviation_per_m(band, [&](std::size_t node) { return along[node] * across[node]; });
   return heard > 0 ? sent / heard : 1;
 }
 

@@ -194,8 +194,12 @@ double squared_line_correlation(
   return std::norm(cross) / (power_a * power_b);
 }
 
-/// lateral_mm of tests/yardstick/speckle.csv, taken as a Gaussian's. Of 1024 lines most are
-/// interpolated.
+/// lateral_mm of tests/yardstick/speckle.csv, taken as a Gaussian's.
+struct LateralWidth {
+  double range_m, fwhm_m;
+};
+
+/// Of 1024 lines most are interpolated.
 TEST(Speckle, DenseLinesCorrelateAsTheElementSumSays) {
   for (const int lines : {512, 1024}) {
     hw::AcquisitionOptions acquisition;
@@ -204,10 +208,8 @@ TEST(Speckle, DenseLinesCorrelateAsTheElementSumSays) {
     const hw::AcquisitionPlan plan({}, acquisition);
     IqField field = white_noise(plan);
     filter_across_lines(field, plan, {});
-    struct Place {
-      double range_m, fwhm_m;
-    };
-    for (const Place& place : {Place{75e-3, 1.6741e-3}, Place{150e-3, 2.2269e-3}}) {
+    for (const LateralWidth& place :
+         {LateralWidth{75e-3, 1.6741e-3}, LateralWidth{150e-3, 2.2269e-3}}) {
       const double step_m = (plan.probe().radius_m + place.range_m) * plan.theta_step_rad();
       const double sigma_m = sigma_of_fwhm(place.fwhm_m);
       for (const int lag : {1, 2, 4, 6}) {
@@ -231,10 +233,8 @@ TEST(Speckle, OnTheLastStickLinesCorrelateAsTheElementSumSays) {
   const hw::AcquisitionPlan plan({}, acquisition);
   IqField field = white_noise(plan);
   filter_across_lines(field, plan, {});
-  struct Place {
-    double range_m, fwhm_m;
-  };
-  for (const Place& place : {Place{20e-3, 4.7174e-3}, Place{30e-3, 3.7612e-3}}) {
+  for (const LateralWidth& place :
+       {LateralWidth{20e-3, 4.7174e-3}, LateralWidth{30e-3, 3.7612e-3}}) {
     const double r = plan.probe().radius_m + place.range_m;
     const double width = place.fwhm_m / (r * plan.theta_step_rad());  // in lines
     const double last = (38.5 * kDegree - plan.theta_rad(0)) / plan.theta_step_rad();

@@ -52,15 +52,15 @@ TEST(BandedMatrix, FactorOfAMovingAverageHasItsCovariance) {
   }
 }
 
-TEST(BandedMatrix, DenseLinesAreFactoredWithAGrain) {
-  // Neighbours are all but the same: without the grain rounding decides.
-  const double grain = 3e-3;
+TEST(BandedMatrix, DenseLinesAreFactoredWithWhiteNoise) {
+  // Neighbours are all but the same: without the noise rounding decides.
+  const double noise_share = 3e-3;
   const auto factor = cholesky_factor(
-      covariance(200, 80, [](int lag) { return std::exp(-0.005 * lag * lag); }), grain);
+      covariance(200, 80, [](int lag) { return std::exp(-0.005 * lag * lag); }), noise_share);
   for (int row = 80; row < 200; ++row) {
     EXPECT_NEAR(entry(factor, row, 0), 1, 1e-12);
     for (const int lag : {1, 5, 10, 20, 40}) {
-      EXPECT_NEAR(entry(factor, row, lag), std::exp(-0.005 * lag * lag) / (1 + grain), 5e-3)
+      EXPECT_NEAR(entry(factor, row, lag), std::exp(-0.005 * lag * lag) / (1 + noise_share), 5e-3)
           << row << " " << lag;
     }
   }
