@@ -1,4 +1,4 @@
-#include "bench/cli/commands.h"
+#include "bench/command/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <utility>

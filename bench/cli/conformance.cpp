@@ -2,13 +2,13 @@
 #include <iostream>
 #include <memory>
 
-#include "bench/checks/conformance/board_fixture.h"
-#include "bench/checks/conformance/findings.h"
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/common_options.h"
-#include "bench/report/commands/conformance_report.h"
-#include "bench/report/output/output_folder.h"
-#include "bench/report/output/progress.h"
+#include "bench/board_checks/conformance/board_fixture.h"
+#include "bench/board_checks/conformance/findings.h"
+#include "bench/cli/conformance_report.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
 
 namespace wobblebench::bench {
 

@@ -4,11 +4,11 @@
 #include <memory>
 
 #include "base/user_error.h"
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/common_options.h"
+#include "bench/cli/inspection_report.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/output_folder.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/report/commands/inspection_report.h"
-#include "bench/report/output/output_folder.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 

@@ -1,4 +1,4 @@
-#include "bench/cli/commands.h"
+#include "bench/command/commands.h"
 
 int main(int argc, char** argv) {
   using namespace wobblebench::bench;

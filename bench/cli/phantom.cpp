@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/common_options.h"
-#include "bench/report/commands/phantom_report.h"
-#include "bench/report/output/output_folder.h"
-#include "bench/report/output/progress.h"
+#include "bench/cli/phantom_report.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
 
 namespace wobblebench::bench {
 

@@ -3,12 +3,12 @@
 #include <iostream>
 #include <memory>
 
-#include "bench/checks/fault_simulation/seed_range.h"
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/common_options.h"
-#include "bench/report/commands/fault_simulation_report.h"
-#include "bench/report/output/output_folder.h"
-#include "bench/report/output/progress.h"
+#include "bench/board_checks/fault_simulation/seed_range.h"
+#include "bench/cli/fault_simulation_report.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
 
 namespace wobblebench::bench {
 

@@ -6,11 +6,11 @@
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/common_options.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/simulated_sticks.h"
-#include "bench/report/output/progress.h"
 #include "hw/emulator/xdma_emulator.h"
 
 namespace wobblebench::bench {

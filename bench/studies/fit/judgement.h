@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/image.h"
+#include "bench/evaluation/error_model/detection_model.h"
 #include "bench/evaluation/measures/picture_measures.h"
-#include "bench/fit/detection_model.h"
 
 namespace wobblebench::bench {
 

@@ -6,8 +6,8 @@
 #include "base/part_done.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
-#include "bench/tables/variant.h"
-#include "bench/tables/volumes.h"
+#include "bench/studies/tables/variant.h"
+#include "bench/studies/tables/volumes.h"
 #include "phantoms/phantom.h"
 #include "sim/probe_simulator.h"
 

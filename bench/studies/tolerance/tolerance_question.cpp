@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/user_error.h"
-#include "bench/scene/accuracy_plan.h"
+#include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/tolerance/tolerance_ladder.h"
 
 namespace wobblebench::bench {

@@ -7,8 +7,8 @@
 
 #include "base/part_done.h"
 #include "bench/cache/phantom_cache.h"
-#include "bench/scene/trade_plan.h"
 #include "bench/studies/trade/trade_journal.h"
+#include "bench/studies/trade/trade_plan.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "bench/scene/accuracy_plan.h"
+#include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/trade/trade_measurement.h"
 
 namespace wobblebench::bench {

@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "tests/bench/cli/wrong_values.h"
-#include "tests/bench/tables/recording.h"
+#include "tests/bench/studies/tables/recording.h"
 
 namespace wobblebench::bench::testing {
 

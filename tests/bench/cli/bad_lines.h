@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/cli/shared/program.h"
+#include "bench/command/program.h"
 #include "tests/bench/cli/dice.h"
 
 namespace wobblebench::bench::testing {

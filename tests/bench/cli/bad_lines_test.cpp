@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <set>
 
-#include "bench/cli/commands.h"
-#include "bench/cli/shared/tables_program.h"
+#include "bench/command/commands.h"
+#include "bench/studies/tables/tables_program.h"
 #include "tests/bench/cli/bad_lines.h"
 #include "tests/support/process.h"
 

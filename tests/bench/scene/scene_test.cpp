@@ -1,5 +1,5 @@
 #include "bench/scene/scene.h"
-#include "bench/scene/accuracy_plan.h"
+#include "bench/studies/accuracy/accuracy_plan.h"
 
 #include <gtest/gtest.h>
 

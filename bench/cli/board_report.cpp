@@ -1,0 +1,82 @@
+#include "bench/cli/board_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/number_text.h"
+
+namespace wobblebench::bench {
+
+using Json = nlohmann::ordered_json;
+
+std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account) {
+  return {{{"ring_full", account.lost.ring_full},
+           {"link", account.lost.link},
+           {"corrupt", account.lost.corrupt},
+           {"out_of_order", account.lost.out_of_order}}};
+}
+
+Json account_json(const hw::BoardAccount& account) {
+  Json lost;
+  for (const auto& [cause, count] : losses_by_cause(account)) lost[cause] = count;
+  return {{"emitted", account.emitted},
+          {"delivered", account.delivered},
+          {"lost", lost},
+          {"duplicates", account.duplicates}};
+}
+
+Json link_json(const hw::LinkCapabilities& link) {
+  return {{"provenance", hw::to_string(link.origin)},
+          {"copy_in", link.copy_in},
+          {"waits_for_reader", link.waits_for_reader},
+          {"buffer_bytes", link.buffer_bytes},
+          {"buffers", link.buffers},
+          {"buffers_per_interrupt", link.buffers_per_interrupt}};
+}
+
+Json display_scale_json(const hw::DisplayScale& scale) {
+  if (!scale.stated()) return nullptr;
+  return {{"full_scale_db", scale.full_scale_db},
+          {"dynamic_range_db", scale.dynamic_range_db},
+          {"tgc_db_per_cm_mhz", scale.tgc_db_per_cm_mhz}};
+}
+
+std::string display_scale_text(const hw::DisplayScale& scale) {
+  if (!scale.stated()) return "unknown: the samples do not say";
+  return "full scale " + significant(scale.full_scale_db, 6) + " dB, dynamic range " +
+         significant(scale.dynamic_range_db, 6) + " dB, TGC " +
+         significant(scale.tgc_db_per_cm_mhz, 6) + " dB/cm/MHz";
+}
+
+void report_stream_scale(Json& report, const hw::DisplayScale& scale) {
+  const Json stated = display_scale_json(scale);
+  for (const char* key : {"full_scale_db", "dynamic_range_db", "tgc_db_per_cm_mhz"}) {
+    report["scene"]["simulation"][key] = stated.is_null() ? Json(nullptr) : stated[key];
+  }
+}
+
+Json samples_json(const ReceivedSamples& samples) {
+  const bool linear = samples.scale == hw::SampleScale::linear_envelope;
+  const auto range = samples.dynamic_range_db;
+  return {{"scale", linear ? "linear" : "log"},
+          {"least", samples.least},
+          {"most", samples.most},
+          {"out_of_range", samples.out_of_range},
+          {"log_compressed_over_db", range ? Json(*range) : Json(nullptr)}};
+}
+
+Json board_json(const Acquisition& acquisition) {
+  Json json = account_json(acquisition.account);
+  json["damage"] = {{"places", acquisition.damage.regions},
+                    {"bytes_skipped", acquisition.damage.bytes_skipped}};
+  json["samples_from"] = hw::to_string(acquisition.source);
+  json["samples"] = samples_json(acquisition.samples);
+  json["display_scale"] = display_scale_json(acquisition.display_scale);
+  json["volume"] = acquisition.volume.volume_index();
+  json["missing_sticks"] = acquisition.volume.missing_sticks();
+  json["ending"] = acquisition.ending.empty() ? Json(nullptr) : Json(acquisition.ending);
+  json["link"] = link_json(acquisition.link);
+  json["transport_ms"] = acquisition.transport_ms;
+  return json;
+}
+
+}  // namespace wobblebench::bench

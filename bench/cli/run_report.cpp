@@ -1,0 +1,246 @@
+#include "bench/cli/run_report.h"
+
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "bench/cli/board_report.h"
+#include "bench/cli/error_report.h"
+#include "bench/cli/simulation_report.h"
+#include "bench/output/image_io.h"
+#include "bench/output/report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+Provenance provenance_of(const RunResult& result) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.gl_backend = result.gl_backend;
+  provenance.gl_renderer = result.gl_renderer;
+  provenance.board = hw::to_string(result.acquisition.link.origin);
+  return provenance;
+}
+
+/// Sets "effects" and "simulation".
+void report_simulation(Json& report,
+                       const std::optional<SimulatedVolume>& simulated,
+                       const Scene& scene) {
+  report_fidelity(report,
+                  simulated ? std::optional(simulated->fidelity) : std::optional<sim::Fidelity>());
+  if (!simulated) return;
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  report["simulation"].update({{"map_ms", simulated->map_ms},
+                               {"once_ms", simulated->once_ms},
+                               {"ms_per_volume", simulated->volume_ms},
+                               {"times_real_time", sound_ms / simulated->volume_ms},
+                               {"late_ms", simulated->late_ms},
+                               {"packets_dropped", simulated->packets_dropped}});
+}
+
+std::string why_not_registered(const RunResult& result) {
+  return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
+}
+
+/// In mode "volume" no surface is computed, so that none is missed.
+bool computes_surface(const Scene& scene) {
+  return scene.render.ray_casting.mode != render::RenderMode::volume;
+}
+
+/// Three significant digits; no decimals from 100 on.
+std::string rounded(double value) {
+  if (!std::isfinite(value)) return "none";
+  std::ostringstream text;
+  text << std::setprecision(3);
+  if (std::abs(value) >= 100) text << std::fixed << std::setprecision(0);
+  text << value;
+  return text.str();
+}
+
+std::string in_mm(double metres) {
+  return rounded(metres / kMillimetre);
+}
+
+std::string volume_line(const RunResult& result, const Scene& scene) {
+  const Acquisition& acquisition = result.acquisition;
+  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
+  if (!acquisition.simulated) {
+    return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +
+           std::string(hw::to_string(acquisition.source)) + "\nscale       " +
+           display_scale_text(acquisition.display_scale) + "\n";
+  }
+  const SimulatedVolume& simulated = *acquisition.simulated;
+  return sound + "simulated in " + rounded(simulated.volume_ms) +
+         " ms (before the first: " + rounded(simulated.map_ms) + " ms for the phantom" +
+         (result.kept.tissue_map ? ", cached, " : ", ") + rounded(simulated.once_ms) +
+         " ms for the scene)\nsimulator   " + sim::to_string(simulated.fidelity.rung) + ": " +
+         simulated.fidelity.reason + "\n";
+}
+
+std::string board_line(const hw::BoardAccount& account) {
+  std::string line = "board       " + std::to_string(account.emitted) + " sticks emitted, " +
+                     std::to_string(account.delivered) + " delivered";
+  for (const auto& [cause, count] : losses_by_cause(account)) {
+    if (count != 0) line += ", " + std::to_string(count) + " lost: " + cause;
+  }
+  return line + "\n";
+}
+
+/// Only what is remarkable about the samples.
+std::string samples_line(const ReceivedSamples& samples) {
+  std::string line;
+  if (samples.dynamic_range_db) {
+    line += "samples     linear envelopes, log-compressed over " +
+            rounded(*samples.dynamic_range_db) + " dB (simulation.dynamic_range_db)\n";
+  }
+  if (samples.out_of_range == 0) return line;
+  return line + "samples     " + std::to_string(samples.out_of_range) + " of " +
+         std::to_string(samples.count) + " out of range and clamped: they go from " +
+         rounded(static_cast<double>(samples.least)) + " to " +
+         rounded(static_cast<double>(samples.most)) + "\n";
+}
+
+/// Where the truth is from; empty: there is none.
+std::string truth_source(const RunResult& result) {
+  if (!result.comparison) return "";
+  if (result.acquisition.simulated) return "simulated scene";
+  return result.acquisition.subject.stated() ? "recorded scene" : "scene, on trust";
+}
+
+std::string truth_line(const RunResult& result) {
+  if (truth_source(result) != "scene, on trust") return "";
+  return "truth       taken from the scene on trust: the samples do not say what they are of\n";
+}
+
+/// Why the truth shows no surface in the picture.
+std::string nothing_in_view(const DepthError& raw, bool surface_sought) {
+  std::string line = "depth error none: no surface in view: " + why_no_surface(raw);
+  if (surface_sought && raw.false_surface > 0) {
+    line += "; false " + rounded(raw.false_percent()) + " % of the picture";
+  }
+  return line + "\n";
+}
+
+/// Empty where the probe can see every surface in view.
+std::string unseen_line(const DepthError& raw) {
+  std::string line;
+  for (const auto& [name, count] : {std::pair{"outside the field", raw.outside_field},
+                                    std::pair{"grazing", raw.grazing},
+                                    std::pair{"shadowed", raw.shadowed}}) {
+    if (count == 0) continue;
+    line +=
+        (line.empty() ? "unseen      " : ", ") + rounded(100.0 * count / raw.pixels) + " % " + name;
+  }
+  return line.empty() ? line : line + " (of the picture; counted apart)\n";
+}
+
+/// Why there is nothing to compare with; empty: there is.
+std::string no_truth(const RunResult& result) {
+  if (result.comparison) return "";
+  return "samples from " + std::string(hw::to_string(result.acquisition.source)) +
+         ": what they are of is not known";
+}
+
+std::string error_line(const RunResult& result, bool surface_sought) {
+  const auto& comparison = result.comparison;
+  if (!comparison) return "truth       none; " + no_truth(result) + "\n";
+  const DepthError& raw = comparison->error.raw;
+  if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
+  const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
+  std::string corrected;
+  if (const auto& before = comparison->before_correction) {
+    corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
+                in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
+                " mm\n";
+  }
+  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
+         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " +
+         std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
+         percent(raw.missed_surface_percent()) + " % of its area (" +
+         percent(raw.missed_percent()) + " % of the picture), false " +
+         percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
+}
+
+}  // namespace
+
+ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
+  // A simulated scene has a truth.
+  return {choice,
+          tolerance_outcome(choice, result.comparison.value().error),
+          frame_ms(result.picture.passes)};
+}
+
+std::string run_report(const RunResult& result,
+                       const Scene& scene,
+                       const StepTimes& times,
+                       const std::optional<ToleranceResult>& tolerance) {
+  Json report = report_head("run", provenance_of(result), scene);
+  const auto& simulated = result.acquisition.simulated;
+  report["acquisition"] = acquisition_json(scene.plan());
+  report_simulation(report, simulated, scene);
+  if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
+  report["board"] = board_json(result.acquisition);
+  report["render"] = render_json(result.picture.passes, scene.render.pipeline.mode);
+  const std::string truth = truth_source(result);
+  report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
+  report["error"] = nullptr;
+  report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
+  if (const auto& comparison = result.comparison) {
+    report["error"] = error_json(comparison->error, computes_surface(scene));
+    if (const auto& before = comparison->before_correction) {
+      report["error"]["before_correction"] = error_json(*before, computes_surface(scene));
+    }
+    if (comparison->registration) {
+      report["fit"] = {{"registration", registration_json(*comparison->registration)}};
+    }
+  }
+  report["no_truth_because"] = result.comparison ? Json(nullptr) : Json(no_truth(result));
+  if (!result.comparison) {
+    for (const char* unused : {"phantom", "placement", "motion", "simulation"}) {
+      report["scene"][unused] = nullptr;
+    }
+  }
+  if (tolerance) report["tolerance"] = tolerance_json(*tolerance);
+  report["cached"] = {{"phantom", result.kept.phantom}, {"tissue_map", result.kept.tissue_map}};
+  report["wall_ms"] = wall_json(times);
+  return report_text(report);
+}
+
+std::string run_summary(const RunResult& result,
+                        const Scene& scene,
+                        const std::filesystem::path& directory,
+                        const std::optional<ToleranceResult>& tolerance) {
+  return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
+         rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
+         samples_line(result.acquisition.samples) + truth_line(result) +
+         error_line(result, computes_surface(scene)) +
+         (tolerance ? tolerance_lines(*tolerance) : "") + "results     " + directory.string() +
+         "\n";
+}
+
+std::string ending_text(const RunResult& result) {
+  return result.acquisition.ending + ": " +
+         std::to_string(result.acquisition.volume.missing_sticks()) +
+         " sticks of the volume are missing";
+}
+
+void stage_run_images(OutputFolder& out, const RunResult& result) {
+  const render::Picture& picture = result.picture;
+  write_png(out.stage("surface.png"), picture.surface, Values::light);
+  write_png(out.stage("volume.png"), picture.volume);
+  write_exr_mm(out.stage("depth.exr"),
+               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}});
+  if (!result.comparison) return;
+  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}});
+}
+
+std::string loss_text(const RunResult& result) {
+  const hw::PolarVolume& volume = result.acquisition.volume;
+  return std::to_string(volume.missing_sticks()) + " of " +
+         std::to_string(volume.plan().sticks_per_volume()) + " sticks of the volume were lost";
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,39 @@
+// Report, summary and images of the command `run`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "bench/output/output_folder.h"
+#include "bench/output/report_parts.h"
+#include "bench/pipeline/run_result.h"
+#include "bench/scene/scene.h"
+#include "bench/studies/tolerance/tolerance_report.h"
+
+namespace wobblebench::bench {
+
+/// What the picture of a result reached of what was chosen for it.
+ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result);
+
+/// The text of report.json. `tolerance`: none: not asked for.
+std::string run_report(const RunResult& result,
+                       const Scene& scene,
+                       const StepTimes& times,
+                       const std::optional<ToleranceResult>& tolerance = std::nullopt);
+
+/// A few lines for a terminal. `directory`: where the results are.
+std::string run_summary(const RunResult& result,
+                        const Scene& scene,
+                        const std::filesystem::path& directory,
+                        const std::optional<ToleranceResult>& tolerance = std::nullopt);
+
+/// Why the stream broke off, and how many sticks the volume lacks.
+std::string ending_text(const RunResult& result);
+
+/// How many sticks of how many the volume lacks.
+std::string loss_text(const RunResult& result);
+
+/// Stages the surface and volume images and the depth maps, found and true, in mm.
+void stage_run_images(OutputFolder& out, const RunResult& result);
+
+}  // namespace wobblebench::bench

@@ -1,6 +1,0 @@
-#include "bench/cli/shared/tables_program.h"
-
-int main(int argc, char** argv) {
-  using namespace wobblebench::bench;
-  return run_program(tables_program(), argc, argv);
-}

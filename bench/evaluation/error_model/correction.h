@@ -1,0 +1,54 @@
+// The detection-error model as a file that `fit` writes and `run` applies (render.correction).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "bench/evaluation/error_model/detection_model.h"
+#include "bench/scene/scene.h"
+#include "render/picture.h"
+
+namespace wobblebench::bench {
+
+/// Dotted keys of a scene with their values as JSON.
+using CorrectionConditions = std::map<std::string, std::string>;
+
+/// What a correction depends on: probe, scan, display scale, and the render settings that decide
+/// where a surface is found. Not the phantom, the view, the picture's size, light, or volume of
+/// interest.
+CorrectionConditions correction_conditions(const Scene& scene);
+
+struct Correction {
+  DetectionModel model;
+  CorrectionConditions made_for;  ///< correction_conditions() of the scene that it was fitted in
+  double step_mm = 0;             ///< of the rays there
+};
+
+/// The text of correction.json.
+std::string correction_text(const Correction& correction);
+
+/// Reads render.correction of a scene; none where it is empty. Throws UserError, in one line that
+/// names file, key and both values, for a file that is no correction, and for one that was made for
+/// another probe, scan, detector, n or number of steps.
+std::optional<Correction> read_correction(const Scene& scene);
+
+/// The same for the length of a step, which is known once the phantom has set the volume of
+/// interest: refuses more than 10 % of difference.
+void check_correction_step(const Correction& correction, const Scene& scene);
+
+/// z of pass 2 less the model's bias, pixel by pixel, from measured quantities alone: normals of z
+/// after pass 3's filter, range, and the sticks about the point. Without terms the same bits.
+Image<float> corrected_depth(const Correction& correction,
+                             const render::Picture& picture,
+                             const hw::PolarVolume& volume,
+                             const Scene& scene);
+
+/// The picture with corrected z: passes 3 and 4 are made anew (double reference), so that what is
+/// shaded is the corrected z after pass 3's filter. The volume picture and pass times stay.
+render::Picture corrected_picture(const Correction& correction,
+                                  const render::Picture& picture,
+                                  const hw::PolarVolume& volume,
+                                  const Scene& scene);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,63 @@
+// Results on disk: whole files under their final names, or none.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/folder_lock.h"
+#include "bench/output/removals.h"
+
+namespace wobblebench::bench {
+
+/// The files of one command: collected in a hidden folder, and given their final names together by
+/// commit(). No other command can use the folder meanwhile.
+///
+/// commit() syncs the files, renames `.wobblebench-partial` to `.wobblebench-commit`, and moves its
+/// files. A command that is killed before that one rename leaves the old results, and one that is
+/// killed after it the new ones: the next command with this folder moves what is left to move.
+///
+/// Without commit() everything is removed as Removals has it, with the folders that the constructor
+/// made. All functions are called on one thread.
+class OutputFolder {
+ public:
+  /// Makes the folder if it is missing, locks it, and completes or removes what a killed command
+  /// left in it. Throws UserError "--out = DIR: reason", with the option that named the folder.
+  explicit OutputFolder(const std::filesystem::path& directory, std::string option = "--out");
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Throws UserError if `input`, a file that this command reads, would be replaced by its result
+  /// `name`.
+  void refuse_input(const std::filesystem::path& input, const std::string& name) const;
+
+  /// The path to write the new file `name` to. Its extension is that of `name`.
+  [[nodiscard]] std::filesystem::path stage(const std::string& name);
+  /// Stages a text, or any bytes. Throws std::runtime_error when they cannot be written whole.
+  void write_text(const std::string& name, std::string_view text);
+  /// Stages a file that is already in this folder and must survive a kill at any time: it keeps its
+  /// own name until it has the final one. Throws std::runtime_error.
+  void adopt(const std::filesystem::path& file, const std::string& name);
+  /// Throws std::runtime_error "PATH: reason", with nothing renamed if PATH is a folder.
+  void commit();
+
+  const std::filesystem::path& directory() const { return directory_; }
+
+ private:
+  [[noreturn]] void refuse(const std::string& reason, const std::string& allowed) const;
+  void make_directory();
+  void complete_killed_command();
+  void move_committed() const;
+
+  std::filesystem::path directory_;
+  std::string option_;
+  std::optional<FolderLock> lock_;
+  Removals removals_;                           ///< after the lock: removes while it is held
+  std::vector<std::string> names_;              ///< staged
+  std::vector<std::filesystem::path> adopted_;  ///< by their own names
+};
+
+}  // namespace wobblebench::bench

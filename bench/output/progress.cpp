@@ -1,0 +1,129 @@
+#include "bench/output/progress.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <utility>
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string duration_text(double seconds) {
+  const long whole = std::lround(seconds);
+  if (whole < 100) return std::to_string(whole) + " s";
+  return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
+}
+
+constexpr const char* kEraseLine = "\r\x1b[K";
+
+/// Starts a thread that no signal is delivered to.
+template <class Body>
+std::jthread start_without_signals(const Body& body) {
+  sigset_t all, before;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  std::jthread thread(body);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return thread;
+}
+
+}  // namespace
+
+ProgressOutput ProgressOutput::on_stderr() {
+  ProgressOutput output;
+  output.terminal = ::isatty(STDERR_FILENO) == 1;
+  if (output.terminal) output.first = output.every = std::chrono::milliseconds(500);
+  return output;
+}
+
+Progress::Progress(std::vector<PlannedStep> plan, const ProgressOutput& output)
+    : output_(output), left_(std::move(plan), 0) {
+  writer_ = start_without_signals([this](const std::stop_token& stop) { write_lines(stop); });
+}
+
+Progress::~Progress() = default;
+
+double Progress::now_s() const {
+  return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+StepTimes Progress::times() const {
+  StepTimes times = steps_;
+  times.emplace_back("total", 1e3 * now_s());
+  return times;
+}
+
+void Progress::begin(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  name_ = name;
+  note_.clear();
+  done_ = all_ = 0;
+  begun_s_ = now_s();
+  left_.begin(name, begun_s_);
+  // Steps shorter than this show no line; many short ones show what is being done all the same.
+  if (!line_shown_) next_line_ = Clock::now() + output_.first;
+  changed_.notify_one();
+}
+
+void Progress::part(std::size_t done, std::size_t all) {
+  const std::scoped_lock lock(mutex_);
+  if (done < done_) return;  // overtaken by another thread
+  done_ = done;
+  all_ = all;
+  left_.part(static_cast<double>(done) / static_cast<double>(all), now_s());
+}
+
+void Progress::note(const std::string& text) {
+  const std::scoped_lock lock(mutex_);
+  note_ = text;
+}
+
+void Progress::finish(bool failed) {
+  const std::scoped_lock lock(mutex_);
+  if (output_.terminal && line_shown_) std::fputs(kEraseLine, output_.file);
+  const double now = now_s();
+  if (!failed) {
+    const double ms = 1e3 * (now - begun_s_);
+    std::fprintf(output_.file, "%-12s %8.0f ms\n", name_.c_str(), ms);
+    steps_.emplace_back(name_, ms);
+    left_.finish(now);
+  }
+  std::fflush(output_.file);
+  name_.clear();
+}
+
+std::string Progress::line() const {
+  const double now = now_s();
+  std::string text = name_ + ": ";
+  if (all_ > 0) text += std::to_string(done_) + " of " + std::to_string(all_) + ", ";
+  if (!note_.empty()) text += note_ + ", ";
+  text += duration_text(now - begun_s_);
+  if (const auto left = left_.seconds(now)) text += ", about " + duration_text(*left) + " left";
+  return text;
+}
+
+void Progress::write_lines(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const bool running = !name_.empty();
+    if (running && Clock::now() >= next_line_) {
+      std::fprintf(output_.file,
+                   output_.terminal ? "%s%s" : "%s%s\n",
+                   output_.terminal ? kEraseLine : "",
+                   line().c_str());
+      std::fflush(output_.file);
+      line_shown_ = true;
+      next_line_ = Clock::now() + output_.every;
+    }
+    const auto never = [] { return false; };
+    if (running) {
+      changed_.wait_until(lock, stop, next_line_, never);
+    } else {
+      changed_.wait(lock, stop, [this] { return !name_.empty(); });
+    }
+  }
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,98 @@
+// Progress on stderr: what is being done, how far it is and how long it will take; one line for
+// each finished step with its wall time.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+#include "base/part_done.h"
+#include "bench/output/report_parts.h"
+#include "bench/output/time_left.h"
+
+namespace wobblebench::bench {
+
+/// Where progress is shown, and how often.
+struct ProgressOutput {
+  std::FILE* file = stderr;
+  bool terminal = false;  ///< one line, rewritten
+  std::chrono::milliseconds first{2000};
+  std::chrono::milliseconds every{5000};
+
+  /// Twice a second on a terminal; in a log after two seconds, then every five.
+  static ProgressOutput on_stderr();
+};
+
+/// The steps of a command. A thread of its own writes the line, so that no step is silent however
+/// long its parts take; signals are never handled on it.
+class Progress {
+ public:
+  /// `plan`: the command's steps, for the time that is left. A step that it does not name has none.
+  explicit Progress(std::vector<PlannedStep> plan = {},
+                    const ProgressOutput& output = ProgressOutput::on_stderr());
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Runs one step, prints its wall time, and returns its result. The body may take a PartDone,
+  /// which any thread may call. A step that throws prints no time.
+  template <class Body>
+  auto step(const std::string& name, const Body& body) {
+    const Running running(*this, name);
+    if constexpr (std::is_invocable_v<Body, const PartDone&>) {
+      return body(PartDone([this](std::size_t done, std::size_t all) { part(done, all); }));
+    } else {
+      return body();
+    }
+  }
+  /// What the line says of the current step, besides.
+  void note(const std::string& text);
+
+  /// Of the steps so far, in their order.
+  const StepTimes& steps() const { return steps_; }
+  /// Likewise, and "total": since this was made.
+  StepTimes times() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Running {
+    Running(Progress& of, const std::string& name) : progress(of) { progress.begin(name); }
+    ~Running() { progress.finish(std::uncaught_exceptions() > exceptions); }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+    Progress& progress;
+    int exceptions = std::uncaught_exceptions();
+  };
+
+  void begin(const std::string& name);
+  void part(std::size_t done, std::size_t all);
+  void finish(bool failed);
+  void write_lines(const std::stop_token& stop);
+  std::string line() const;
+  double now_s() const;
+
+  const ProgressOutput output_;
+  const Clock::time_point start_ = Clock::now();
+  StepTimes steps_;
+
+  std::mutex mutex_;  ///< of what follows
+  std::condition_variable_any changed_;
+  TimeLeft left_;
+  std::string name_;  ///< empty: between steps
+  std::string note_;
+  double begun_s_ = 0;
+  std::size_t done_ = 0, all_ = 0;
+  Clock::time_point next_line_;
+  bool line_shown_ = false;
+
+  std::jthread writer_;
+};
+
+}  // namespace wobblebench::bench

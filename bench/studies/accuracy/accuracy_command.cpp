@@ -1,0 +1,140 @@
+// Every measure of the picture against the truth, over scenes, rungs, render settings and seeds.
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cache/phantom_cache.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/image_io.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/scene/available_memory.h"
+#include "bench/scene/scene_cost.h"
+#include "bench/studies/accuracy/accuracy_plan.h"
+#include "bench/studies/accuracy/accuracy_report.h"
+#include "render/gl/context.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  SceneArguments plan;
+  CacheArguments cache;
+  OutputArguments output;
+  std::filesystem::path settings;
+  int seeds = 0;  ///< 0: the plan's
+  std::string gl = "auto";
+};
+
+AccuracyPlan plan_of(const Arguments& arguments) {
+  const auto& file = arguments.plan.file;
+  AccuracyPlan plan = !file.empty() && is_accuracy_plan(file)
+                          ? load_accuracy_plan(file)
+                          : accuracy_plan_of_scene(file, arguments.plan.settings);
+  if (!arguments.settings.empty()) plan.settings = load_settings(arguments.settings);
+  if (arguments.seeds > 0) plan.seeds = seed_list(plan.seeds.front(), arguments.seeds);
+  return plan;
+}
+
+/// One setting of a scene on each rung of the plan; all rungs are checked.
+AccuracyScene::Setting setting_of(const AccuracyPlan& plan,
+                                  const NamedOptions& scene,
+                                  const NamedOptions& setting,
+                                  const std::vector<std::string>& more) {
+  AccuracyScene::Setting read;
+  read.name = setting.name;
+  for (const sim::Rung rung : plan.rungs) {
+    read.scene = planned_scene(plan, scene, setting, rung, more);
+    check_memory_of_run(read.scene, available_memory_bytes());
+  }
+  return read;
+}
+
+/// Reads and checks everything that the plan names, before any work.
+std::vector<AccuracyScene> scenes_of(const AccuracyPlan& plan,
+                                     const std::vector<std::string>& more) {
+  std::vector<AccuracyScene> scenes(plan.scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    scenes[i].name = plan.scenes[i].name;
+    scenes[i].rungs = plan.rungs;
+    scenes[i].seeds = plan.seeds;
+    for (const NamedOptions& setting : plan.settings) {
+      scenes[i].settings.push_back(setting_of(plan, plan.scenes[i], setting, more));
+    }
+  }
+  return scenes;
+}
+
+Json report_of(const AccuracyResults& results,
+               const std::vector<AccuracyScene>& scenes,
+               const Provenance& provenance,
+               const StepTimes& times) {
+  Json report = report_head("accuracy", provenance, scenes.front().settings.front().scene);
+  report["scene"] = nullptr;  // there are several
+  report["scenes"] = Json::object();
+  for (const AccuracyScene& scene : scenes) {
+    for (const auto& setting : scene.settings) {
+      report["scenes"][scene.name][setting.name] = resolved(setting.scene);
+    }
+  }
+  report["accuracy"] = accuracy_json(results);
+  report["wall_ms"] = wall_json(times);
+  return report;
+}
+
+int accuracy(const Arguments& arguments) {
+  const AccuracyPlan plan = plan_of(arguments);
+  const auto scenes = scenes_of(plan, arguments.plan.settings);
+  const auto context = render::make_context(arguments.gl);
+  OutputFolder out(arguments.output.folder);
+  Progress progress({{"measure", 95}, {"write", 5}});
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const AccuracyResults results = progress.step("measure", [&](const PartDone& done) {
+    return measure_accuracy(
+        scenes, *context, cache, done, [&](const std::string& what) { progress.note(what); });
+  });
+
+  const Provenance provenance = provenance_of_simulation(*context, results.seeds.front());
+  const std::string markdown = accuracy_markdown(results, provenance);
+  progress.step("write", [&] {
+    out.write_text("accuracy.csv", accuracy_csv(results));
+    out.write_text("accuracy.md", markdown);
+    write_png(out.stage(kAccuracySheet), accuracy_sheet(results));
+    for (const AccuracyPicture& picture : results.pictures) {
+      write_png(out.stage(accuracy_picture_file(picture)), picture.surface, Values::light);
+    }
+  });
+  const std::string report = report_text(report_of(results, scenes, provenance, progress.times()));
+  out.write_text("report.json", report);
+  out.commit();
+  std::cout << (arguments.output.json ? report : markdown);
+  return 0;
+}
+
+}  // namespace
+
+Command add_accuracy_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command =
+      add_subcommand(app,
+                     "accuracy",
+                     "Every measure of the picture against the truth, over seeds, with intervals");
+  add_plan_options(command, arguments->plan);
+  add_path(
+      command,
+      "--settings",
+      arguments->settings,
+      "TOML file with the render settings to compare, [settings.NAME.render…], in place of the "
+      "plan's");
+  add_integer(
+      command, "--seeds", arguments->seeds, "Number of seeds; 0: the plan's, or 10", 0, kMostSeeds);
+  add_cache_options(command, arguments->cache);
+  add_output_options(command, arguments->output);
+  add_gl_option(command, arguments->gl);
+  return {&command, [arguments] { return accuracy(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

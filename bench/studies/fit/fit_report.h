@@ -1,0 +1,39 @@
+// What `fit` writes: report.json, fit.md, CSV, pictures.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/evaluation/error_model/correction.h"
+#include "bench/output/figure.h"
+#include "bench/output/provenance.h"
+#include "bench/studies/fit/model_study.h"
+#include "bench/studies/fit/planted_errors.h"
+
+namespace wobblebench::bench {
+
+struct FitResults {
+  Registration known_pose;     ///< of the scene's picture, the phantom where it is
+  Registration nothing_known;  ///< pose and probe at once
+  std::optional<Coverage> coverage;
+  ModelStudy model;
+  Correction correction;
+};
+
+/// Sets "fit" of report.json.
+nlohmann::ordered_json fit_json(const FitResults& results);
+std::string fit_markdown(const FitResults& results, const Provenance& provenance);
+/// One row a term.
+std::string terms_csv(const DetectionModel& model);
+/// One row a set of scans.
+std::string judgements_csv(const ModelStudy& study);
+/// One row a bin of held-out residuals.
+std::string residuals_csv(const ModelStudy& study);
+/// One row a seed and parameter.
+std::string coverage_csv(const Coverage& coverage);
+/// Mean residuals against incidence, range and contrast; and maps of error, bias and what is left.
+std::vector<Figure> fit_figures(const ModelStudy& study);
+
+}  // namespace wobblebench::bench

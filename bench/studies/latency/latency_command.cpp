@@ -1,0 +1,90 @@
+// Acquisition against rendering: what limits a stream on this machine, and elsewhere.
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/user_error.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/image_io.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/scene/available_memory.h"
+#include "bench/scene/scene_cost.h"
+#include "bench/studies/latency/latency_report.h"
+#include "render/gl/context.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  SceneArguments scene;
+  CacheArguments cache;
+  OutputArguments output;
+  std::string gl = "auto";
+  std::string policy = "newest";
+  int volumes = 60;
+};
+
+Scene scene_of(const Arguments& arguments) {
+  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  if (scene.given.contains("acquisition.volumes")) {
+    throw UserError("acquisition.volumes: is set by --volumes; leave it out");
+  }
+  if (scene.render.pipeline.mid_volume) {
+    throw UserError(
+        "render.pipeline.mid_volume = true: must be false; pictures of whole volumes "
+        "are modelled");
+  }
+  return scene;
+}
+
+int latency(const Arguments& arguments) {
+  const bool is_every = arguments.policy == to_string(StreamPolicy::every);
+  const auto policy = is_every ? StreamPolicy::every : StreamPolicy::newest;
+  const Scene scene = scene_of(arguments);
+  check_memory_of_run(scene, available_memory_bytes());
+  const auto context = render::make_context(arguments.gl);
+  OutputFolder out(arguments.output.folder);
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  Progress progress({{"streams", 100}});
+  const LatencyStudy study = progress.step("streams", [&](const PartDone& done) {
+    return study_latency(scene, arguments.volumes, policy, *context, cache, done);
+  });
+  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
+  Json report = report_head("latency", provenance, scene);
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["latency"] = latency_study_json(study);
+  report["wall_ms"] = wall_json(progress.times());
+  const std::string text = report_text(report);
+  const std::string markdown = latency_markdown(study, provenance, scene);
+  write_png(out.stage(kCrossoverFigure), crossover_figure(study, scene).picture);
+  out.write_text("latency.md", markdown);
+  out.write_text("report.json", text);
+  out.commit();
+  std::cout << (arguments.output.json ? text : markdown);
+  return 0;
+}
+
+}  // namespace
+
+Command add_latency_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(
+      app, "latency", "From the echo to the picture: what limits a stream, on two clocks");
+  add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
+  add_output_options(command, arguments->output);
+  add_gl_option(command, arguments->gl);
+  add_choice(command,
+             "--policy",
+             arguments->policy,
+             {"newest", "every"},
+             "newest: drop volumes that a later one has overtaken; every: they wait");
+  add_integer(command, "--volumes", arguments->volumes, "Of each stream", 10, 1000);
+  return {&command, [arguments] { return latency(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,97 @@
+// Tables I to IV, measured.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/part_done.h"
+#include "base/statistics.h"
+#include "bench/studies/tables/floor.h"
+#include "bench/studies/tables/paper.h"
+#include "bench/studies/tables/variant.h"
+#include "bench/studies/tables/volumes.h"
+#include "render/gl/context.h"
+
+namespace wobblebench::bench {
+
+struct PassTiming {
+  std::string name;
+  double ms = 0;  ///< median
+};
+
+/// A row rendered in one variant.
+struct Timing {
+  Spread frame_ms;                 ///< all four passes, all frames, upload included
+  std::vector<PassTiming> passes;  ///< in the renderer's order
+  Quartiles ratio;  ///< to the reference row's in the same repeat, in the same variant
+};
+
+struct MeasuredRow {
+  TableRow row;
+  double paper_ratio = 0;                     ///< to the paper's reference row
+  std::map<PipelineVariant, Timing> timings;  ///< in variants_of() the table
+
+  double ms(PipelineVariant variant) const { return timings.at(variant).frame_ms.median; }
+  /// Plain over fast, by medians: of the frame, and of a pass (none where only one has it).
+  double speed_up() const { return ms(PipelineVariant::plain) / ms(PipelineVariant::fast); }
+  std::optional<double> pass_speed_up(const std::string& pass) const;
+};
+
+/// Exponents of time over the side: least squares of their logarithms.
+struct Exponents {
+  double paper = 0;
+  double plain = 0;
+  double fast = 0;
+};
+
+struct MeasuredTable {
+  Table table;
+  std::vector<MeasuredRow> rows;
+  std::optional<Exponents> exponents;  ///< where the side varies (Table II)
+};
+
+/// Times of an arriving frame and of a new picture at the reference settings.
+struct Arrival {
+  Spread add_frame_ms;   ///< Renderer::add_frame and update, until GL is done
+  Spread new_volume_ms;  ///< upload and four passes of all frames
+  Spread new_view_ms;    ///< passes 2 to 4 of the same volume
+};
+
+struct TableResults {
+  std::vector<MeasuredTable> tables;
+  MeasuredRow reference;
+  std::map<PipelineVariant, Arrival> arrivals;  ///< plain and fast
+  Floors floors;                                ///< of the reference row, plain and fast
+  double frame_acquisition_ms = 0;              ///< of the reference row: volume time / frames
+
+  const Arrival& arrival(PipelineVariant variant) const { return arrivals.at(variant); }
+  /// How many times faster a frame is taken in than acquired, by the median.
+  double times_acquisition(PipelineVariant variant) const {
+    return frame_acquisition_ms / arrival(variant).add_frame_ms.median;
+  }
+};
+
+/// Renders every row in turn, all rows and variants in each repeat, so that a drift of the
+/// machine's speed affects all equally. `base`: settings that the rows do not set. Throws as
+/// render::Renderer does.
+TableResults measure_tables(const TableVolumes& volumes,
+                            const render::RenderOptions& base,
+                            render::GlContext& context,
+                            const TableRun& run,
+                            const PartDone& done = {});
+
+/// One variant of the reference row, frame by frame.
+Arrival measure_arrival(const hw::PolarVolume& volume,
+                        const render::RenderOptions& options,
+                        render::GlContext& context,
+                        int repeats);
+
+/// Median of the pass; 0 where this variant has none of that name.
+double pass_ms(const Timing& timing, const std::string& pass);
+
+/// Exponent by least squares of log y on log x; at least two different x, all positive.
+double power_of(const std::vector<double>& x, const std::vector<double>& y);
+
+}  // namespace wobblebench::bench

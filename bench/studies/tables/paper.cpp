@@ -1,0 +1,70 @@
+#include "bench/studies/tables/paper.h"
+
+#include <set>
+
+namespace wobblebench::bench {
+
+namespace {
+
+TableRow varied(const std::string& setting, double paper_ms, int TableRow::*field, int value) {
+  TableRow row{setting, paper_ms};
+  row.*field = value;
+  return row;
+}
+
+}  // namespace
+
+const TableRow& reference_row() {
+  static const TableRow row{"37 frames, 512^3, 3x3x3, 9x9", 54.6};
+  return row;
+}
+
+const std::vector<Table>& paper_tables() {
+  static const std::vector<Table> tables = {
+      {"I",
+       "frames per volume",
+       {varied("27", 53.7, &TableRow::frames, 27),
+        varied("31", 54.0, &TableRow::frames, 31),
+        varied("35", 54.6, &TableRow::frames, 35),
+        varied("37", 54.6, &TableRow::frames, 37)}},
+      {"II",
+       "volume size",
+       {varied("512^3", 54.6, &TableRow::side, 512),
+        varied("384^3", 35.0, &TableRow::side, 384),
+        varied("256^3", 15.8, &TableRow::side, 256),
+        varied("128^3", 13.2, &TableRow::side, 128)}},
+      {"III",
+       "3D filter kernel",
+       {varied("none", 21.5, &TableRow::kernel_3d, 1),
+        varied("3x3x3", 54.6, &TableRow::kernel_3d, 3),
+        varied("5x5x5", 187, &TableRow::kernel_3d, 5)}},
+      {"IV",
+       "2D homogeneous filter",
+       {varied("3x3", 54.3, &TableRow::kernel_2d, 3),
+        varied("5x5", 54.9, &TableRow::kernel_2d, 5),
+        varied("7x7", 55.5, &TableRow::kernel_2d, 7),
+        varied("11x11", 56.8, &TableRow::kernel_2d, 11)}},
+  };
+  return tables;
+}
+
+std::vector<int> frame_counts() {
+  std::set<int> counts;
+  for (const Table& table : paper_tables()) {
+    for (const TableRow& row : table.rows) counts.insert(row.frames);
+  }
+  return {counts.begin(), counts.end()};
+}
+
+render::RenderOptions settings_of(const TableRow& row, render::RenderOptions base, int divisor) {
+  base.scan_conversion.slice_size = row.side / divisor;
+  base.ray_casting.image_size = row.side / divisor;
+  base.ray_casting.steps = row.side / divisor;
+  base.ray_casting.kernel_3d = row.kernel_3d;
+  base.ray_casting.mode = render::RenderMode::surface;
+  base.shading.depth_filter_size = row.kernel_2d;
+  base.smoothing.filter_size = row.kernel_2d;
+  return base;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,112 @@
+// Tables I to IV of the paper, measured.
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/cache/phantom_cache.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/image_io.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/pipeline/board_link.h"
+#include "bench/scene/adopt_plan.h"
+#include "bench/studies/tables/measure.h"
+#include "bench/studies/tables/table_options.h"
+#include "bench/studies/tables/table_scans.h"
+#include "bench/studies/tables/tables_figure.h"
+#include "bench/studies/tables/tables_report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  SceneArguments scene;
+  CacheArguments cache;
+  OutputArguments output;
+  std::string board = "sim";
+  std::string gl = "auto";
+  TableArguments tables;
+};
+
+TableVolumes simulate(Scene& scene,
+                      const BoardArguments& board,
+                      PhantomCache cache,
+                      Progress& progress) {
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+  complete_from_phantom(scene, phantom);
+  return progress.step("scans", [&](const PartDone& done) {
+    return scan_table_volumes(scene, phantom, board, cache.tissue_maps(), done);
+  });
+}
+
+TableVolumes play(Scene& scene,
+                  const BoardArguments& board,
+                  std::unique_ptr<hw::Link> link,
+                  Progress& progress) {
+  auto volumes =
+      progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
+  adopt_plan(scene, volumes.by_frames.at(reference_row().frames).plan(), "--board " + board.text);
+  return volumes;
+}
+
+Json tables_report(const TableVolumes& volumes,
+                   const TableResults& results,
+                   const TableRun& run,
+                   const Provenance& provenance,
+                   const Scene& scene) {
+  Json report = report_head("tables", provenance, scene);
+  report["effects"] = volumes.effects;
+  report["acquisition"] = acquisition_json(scene.plan());
+  add_tables(report, results, run, volumes.note);
+  return report;
+}
+
+int measure(const Arguments& arguments) {
+  Scene scene = load_scene(
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
+  const TableRun run = arguments.tables.run();
+  const BoardArguments board = parse_board(arguments.board);
+  take_reference_settings(scene, run);
+  // Made before the echoes: where this machine lacks the GL, the command fails early.
+  const auto context = render::make_context(arguments.gl);
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  OutputFolder out(arguments.output.folder);
+  Progress progress({{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}});
+  const TableVolumes volumes =
+      link ? play(scene, board, std::move(link), progress)
+           : simulate(scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress);
+  const TableResults results = progress.step("tables", [&](const PartDone& done) {
+    return measure_tables(volumes, scene.render, *context, run, done);
+  });
+
+  Provenance provenance = provenance_of(*context, volumes);
+  provenance.seed = scene.simulation.seed;
+  const std::string report = report_text(tables_report(volumes, results, run, provenance, scene));
+  const std::string markdown = to_markdown(results, run, volumes.note, provenance);
+  out.write_text("tables.md", markdown);
+  out.write_text("tables.csv", to_csv(results, run));
+  write_png(out.stage("tables.png"), draw_tables(results));
+  out.write_text("report.json", report);
+  out.commit();
+  std::cout << (arguments.output.json ? report : markdown);
+  return 0;
+}
+
+}  // namespace
+
+Command add_tables_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(app, "tables", "Tables I to IV beside the paper's");
+  add_scene_options(command, arguments->scene);
+  add_cache_options(command, arguments->cache);
+  add_output_options(command, arguments->output);
+  add_board_option(command, arguments->board);
+  add_gl_option(command, arguments->gl);
+  add_table_options(command, arguments->tables);
+  return {&command, [arguments] { return measure(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

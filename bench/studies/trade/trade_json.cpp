@@ -1,0 +1,57 @@
+#include <nlohmann/json.hpp>
+
+#include "bench/output/report_parts.h"
+#include "bench/studies/trade/trade_report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json settings_json(const TradeWork& work, std::size_t point) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < work.plan.axes.size(); ++i) {
+    json[work.plan.axes[i].key] = plain_value(work.points[point].values[i]);
+  }
+  return json;
+}
+
+}  // namespace
+
+Json trade_score_json(const TradeWork& work, const TradeScore& score) {
+  Json json = {{"point", score.point},
+               {"settings", settings_json(work, score.point)},
+               {"volume_ratio", score.volume_ratio},
+               {"view_ratio", score.view_ratio},
+               {"volume_ms", score.volume_ms},
+               {"view_ms", score.view_ms}};
+  for (std::size_t i = 0; i < score.measures.size(); ++i) {
+    json[trade_measure_names()[i]] = {{"mean", number(score.measures[i].mean)},
+                                      {"half_interval", number(score.measures[i].half)},
+                                      {"n", score.measures[i].n}};
+  }
+  return json;
+}
+
+Json trade_json(const TradeResults& results) {
+  Json parts = Json::object();
+  for (const TradeResults::Part& part : results.parts) {
+    Json front = Json::array(), knees = Json::array();
+    for (const std::size_t i : part.front) {
+      front.push_back(trade_score_json(results.work, part.scores[i]));
+    }
+    for (const TradeKnee& knee : part.knees) {
+      knees.push_back({{"point", part.scores[knee.score].point},
+                       {"gain_before", knee.gain_before},
+                       {"gain_after", knee.gain_after}});
+    }
+    parts[part.name] = {{"front", front}, {"knees", knees}};
+  }
+  return {{"points", results.work.points.size()},
+          {"measurements", results.records.size()},
+          {"refused_points", results.refused},
+          {"parts", parts}};
+}
+
+}  // namespace wobblebench::bench

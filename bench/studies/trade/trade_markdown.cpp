@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "base/number_text.h"
+#include "base/statistics.h"
+#include "bench/studies/trade/trade_report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr std::size_t kMostInteractions = 10;
+
+const char* name_of(TradeResponse response) {
+  switch (response) {
+    case TradeResponse::log2_volume_ratio:
+      return "time, doublings";
+    case TradeResponse::p95_mm:
+      return "P95, mm";
+    case TradeResponse::missed_or_false_percent:
+      break;
+  }
+  return "missed or false, %";
+}
+
+std::string text_of(const MeanInterval& interval, int digits) {
+  if (interval.n == 0) return "";
+  const std::string mean = fixed(interval.mean, digits);
+  return std::isfinite(interval.half) ? mean + " ± " + fixed(interval.half, digits) : mean;
+}
+
+void write_head(const TradeResults& results, std::ostream& markdown) {
+  const TradePlan& plan = results.work.plan;
+  markdown << "# Trade of time against error\n\n"
+           << "Made by `wobblebench trade`. " << results.work.points.size() << " points on "
+           << plan.scenes.size() << " scenes and " << plan.seeds.size() << " seeds ("
+           << plan.seeds.front() << " to " << plan.seeds.back() << "): " << results.records.size()
+           << " measurements. All sticks are simulated. Measured by:\n\n";
+  for (const std::string& machine : results.machines) markdown << "- " << machine << "\n";
+  markdown
+      << "\nTimes are those of the picture of a new volume (pass 1 with the reconstruction before "
+         "it, to pass 4; of all threads), as ratios to the reference's, which was rendered in "
+         "turn with each, median of "
+      << plan.repeats
+      << " a measurement, geometric mean over scenes and seeds. Errors: mean over scenes and "
+         "seeds ± 95 % interval. All measurements are in `trade.csv`.\n";
+  if (results.refused > 0) {
+    markdown << "\n"
+             << results.refused
+             << " points are combinations that were refused, the first: " << results.first_refusal
+             << "\n";
+  }
+}
+
+/// How long one evaluation takes, and what of.
+void write_evaluation(const TradeResults& results, std::ostream& markdown) {
+  std::vector<double> all, renderer, render, measure;
+  for (const auto& [unit, record] : results.records) {
+    const EvaluationTimes& times = record.evaluation;
+    const double sum = times.renderer_ms + times.render_ms + times.truth_ms + times.measure_ms;
+    if (sum <= 0) continue;  // refused, or of a journal that has no such times
+    all.push_back(sum);
+    renderer.push_back(times.renderer_ms);
+    render.push_back(times.render_ms);
+    measure.push_back(times.measure_ms);
+  }
+  if (all.empty()) return;
+  const Quartiles quartiles = quartiles_of(all);
+  const auto median = [](const std::vector<double>& times) {
+    return fixed(quantile_linear(times, 0.5), 0) + " ms";
+  };
+  markdown << "\nAn evaluation (a setting's first picture and its measures, without the timing in "
+              "turn) took "
+           << fixed(quartiles.median, 0) << " ms (quartiles " << fixed(quartiles.lower, 0) << " to "
+           << fixed(quartiles.upper, 0) << "), that is " << fixed(1000 / quartiles.median, 1)
+           << " a second: medians " << median(renderer) << " for the renderer, " << median(render)
+           << " for the picture with its shaders and pass 1, " << median(measure)
+           << " for the measures.\n";
+}
+
+void write_row(const TradeResults& results, const TradeScore& score, std::ostream& markdown) {
+  const auto cell = [&](const char* name, int digits) {
+    markdown << " | " << text_of(score.measures[trade_measure(name)], digits);
+  };
+  markdown << "| " << score.point << " | " << fixed(score.volume_ratio, 2) << " | "
+           << fixed(score.view_ratio, 2) << " | " << fixed(score.volume_ms, 0);
+  cell("median_mm", 2);
+  cell("p95_mm", 2);
+  cell("outside_p95_mm", 2);
+  cell("missed_percent", 2);
+  cell("false_percent", 2);
+  markdown << " | " << point_text(results.work, score.point) << " |\n";
+}
+
+void write_front(const TradeResults& results,
+                 const TradeResults::Part& part,
+                 std::ostream& markdown) {
+  markdown
+      << "\n| point | time | of a new view | ms | median, mm | P95, mm | outside silhouettes, mm "
+         "| missed, % | false, % | setting |\n"
+         "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n";
+  for (const std::size_t i : part.front) write_row(results, part.scores[i], markdown);
+}
+
+/// A sentence for each knee, with what changed since the one before.
+void write_knees(const TradeResults& results,
+                 const TradeResults::Part& part,
+                 std::ostream& markdown) {
+  const TradeScore* before = nullptr;
+  markdown << "\nKnees, of the points with at most " << fixed(kMostWrongPercent, 0)
+           << " % missed or false:\n\n";
+  for (const TradeKnee& knee : part.knees) {
+    const TradeScore& score = part.scores[knee.score];
+    markdown << "- At " << fixed(score.volume_ratio, 2) << " of the reference's time (point "
+             << score.point << ": "
+             << point_text(results.work, score.point, before ? &before->point : nullptr)
+             << ") P95 is " << fixed(score.p95_mm(), 2) << " mm, missed or false "
+             << fixed(score.wrong_percent(), 2) << " %. Each per cent of time took "
+             << fixed(knee.gain_before, 2) << " % off P95 up to here and takes "
+             << fixed(knee.gain_after, 2) << " % beyond.\n";
+    before = &score;
+  }
+}
+
+void write_part(const TradeResults& results,
+                const TradeResults::Part& part,
+                std::ostream& markdown) {
+  markdown << "\n## Front: " << part.name << "\n\n"
+           << part.front.size() << " of " << part.scores.size()
+           << " points are beaten by no other in time, P95 and missed or false together.\n";
+  for (const Figure& figure : trade_figures(results)) {
+    if (figure.caption.find(part.name + ",") == std::string::npos) continue;
+    markdown << "\n![" << figure.caption << "](" << trade_figure_file(figure) << ")\n";
+  }
+  write_front(results, part, markdown);
+  if (!part.knees.empty()) write_knees(results, part, markdown);
+}
+
+void write_effects(const TradeResults& results,
+                   const std::vector<TradeScore>& scores,
+                   std::ostream& markdown) {
+  const auto& axes = results.work.plan.axes;
+  markdown
+      << "\n## Effects of single settings\n\n"
+         "The mean over the points with a value less that over all others, ± 95 %. In brackets: "
+         "not told from 0.\n\n| setting | value ";
+  std::vector<std::vector<LevelEffect>> effects;
+  for (const TradeResponse response : kTradeResponses) {
+    markdown << "| " << name_of(response) << " ";
+    effects.push_back(level_effects(results.work, scores, response));
+  }
+  markdown << "|\n| --- | --- | ---: | ---: | ---: |\n";
+  for (std::size_t i = 0; i < effects.front().size(); ++i) {
+    const LevelEffect& first = effects.front()[i];
+    markdown << "| `" << axes[first.axis].key << "` | " << axes[first.axis].levels[first.level];
+    for (const auto& of_response : effects) {
+      const MeanInterval& effect = of_response[i].effect;
+      const std::string text = text_of(effect, 2);
+      markdown << " | " << (effect.differs_from_zero() ? text : "(" + text + ")");
+    }
+    markdown << " |\n";
+  }
+}
+
+std::string share_text(const VarianceShare& share) {
+  return fixed(100 * share.share, 1) + " ± " + fixed(100 * share.half, 1);
+}
+
+/// One table: `first` to `last` of the shares of each response, in the order given.
+void write_share_rows(const TradeResults& results,
+                      const std::vector<std::vector<VarianceShare>>& shares,
+                      const std::vector<std::size_t>& order,
+                      std::ostream& markdown) {
+  const auto& axes = results.work.plan.axes;
+  for (const std::size_t i : order) {
+    const VarianceShare& share = shares.front()[i];
+    markdown << "| `" << axes[share.axis].key << "`";
+    if (share.other != share.axis) markdown << " × `" << axes[share.other].key << "`";
+    for (const auto& of_response : shares) markdown << " | " << share_text(of_response[i]);
+    markdown << " |\n";
+  }
+}
+
+/// Numbers `from` to `to`, by their largest share of any response.
+std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>& shares,
+                                  std::size_t from,
+                                  std::size_t to) {
+  const auto largest = [&](std::size_t i) {
+    double most = -1;
+    for (const auto& of_response : shares) most = std::max(most, of_response[i].share);
+    return most;
+  };
+  std::vector<std::size_t> order;
+  for (std::size_t i = from; i < to; ++i) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return largest(a) > largest(b);
+  });
+  return order;
+}
+
+void write_shares(const TradeResults& results,
+                  const std::vector<TradeScore>& scores,
+                  std::ostream& markdown) {
+  std::vector<std::vector<VarianceShare>> shares;
+  for (const TradeResponse response : kTradeResponses) {
+    shares.push_back(variance_shares(results.work, scores, response));
+  }
+  const std::size_t axes = results.work.plan.axes.size();
+  markdown
+      << "\n## Which settings matter\n\n"
+         "Share of the variance over the points (omega squared, %) ± 95 %: of single settings, "
+         "then of the pairs that matter most, beyond what each does alone.\n\n| setting";
+  for (const TradeResponse response : kTradeResponses) markdown << " | " << name_of(response);
+  markdown << " |\n| --- | ---: | ---: | ---: |\n";
+  write_share_rows(results, shares, by_share(shares, 0, axes), markdown);
+  auto pairs = by_share(shares, axes, shares.front().size());
+  pairs.resize(std::min(pairs.size(), kMostInteractions));
+  write_share_rows(results, shares, pairs, markdown);
+}
+
+}  // namespace
+
+std::string trade_markdown(const TradeResults& results) {
+  std::ostringstream markdown;
+  write_head(results, markdown);
+  write_evaluation(results, markdown);
+  for (const TradeResults::Part& part : results.parts) write_part(results, part, markdown);
+  const auto& scores = results.parts.front().scores;
+  if (scores.size() > results.work.plan.axes.size()) {
+    write_effects(results, scores, markdown);
+    write_shares(results, scores, markdown);
+  }
+  return markdown.str();
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,93 @@
+// The plan of the command `trade`: scenes, axes of settings, and how the axes are sampled.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/studies/accuracy/accuracy_plan.h"
+
+namespace wobblebench::bench {
+
+/// How points are chosen. `grid`: every combination of levels. `latin_hypercube`: each level of
+/// each axis equally often, in random combinations. `sobol`: a low-discrepancy sequence.
+enum class TradeDesign { grid, latin_hypercube, sobol };
+
+/// One setting and what it is set to.
+struct TradeAxis {
+  std::string key;  ///< section.key of a scene
+  /// As in TOML. Of a range: its quarters, which the effects are formed of.
+  std::vector<std::string> levels;
+  struct Range {
+    double from = 0, to = 0;
+    bool logarithmic = false;
+  };
+  std::optional<Range> range;  ///< values between two numbers; not in a grid
+};
+
+/// In TOML:
+///   design = "latin_hypercube"              # or "sobol", "grid"
+///   points = 500                            # not of a grid
+///   design_seed = 1
+///   seeds = 3                               # each point is measured on so many
+///   first_seed = 1
+///   repeats = 3                             # of the times
+///   [reference.render]                      # the setting whose time is 1, over each scene
+///   preset = "paper"
+///   [scenes.face]                           # as in a plan of `accuracy`
+///   [unseen.plane.phantom]                  # likewise; `tune` judges by them what it found
+///   name = "plane"
+///   [axes]
+///   "render.ray_casting.steps" = [128, 256, 512]
+///   "render.ray_casting.iso_level" = { from = 0.5, to = 0.9 }
+///   "render.reconstruction.spacing_mm" = { from = 0.5, to = 4, logarithmic = true }
+struct TradePlan {
+  std::string source;  ///< the file, for refusals
+  TradeDesign design = TradeDesign::grid;
+  int points = 0;
+  std::uint64_t design_seed = 1;
+  std::vector<std::uint64_t> seeds;
+  int repeats = 3;
+  std::vector<NamedOptions> scenes;
+  std::vector<NamedOptions> unseen;  ///< of `tune` alone: to judge what it found
+  NamedOptions reference;
+  std::vector<TradeAxis> axes;
+  bool of_one_scene =
+      false;  ///< which may have a seed of its own, and volumes; volume 0 is looked at
+
+  /// Everything that the measured points of `trade` follow from, as a text.
+  std::string canonical() const;
+};
+
+/// A combination of values: of each axis, as in TOML, and the number of its level.
+struct TradePoint {
+  std::vector<std::string> values;
+  std::vector<int> levels;
+
+  bool operator==(const TradePoint&) const = default;
+};
+
+inline constexpr int kMostTradePoints = 1000000;
+
+/// Throws UserError "FILE: key = value: what is allowed". What the settings hold is not yet looked
+/// at.
+TradePlan load_trade_plan(const std::filesystem::path& path);
+
+/// The points of the plan, in its order; the same each time.
+std::vector<TradePoint> design_points(const TradePlan& plan);
+
+/// The point at a place in each axis, from 0 to 1. Throws std::invalid_argument for another number
+/// of axes.
+TradePoint point_at(const TradePlan& plan, const std::vector<double>& shares);
+/// A place of each value of a point: point_at() makes it again.
+std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point);
+
+/// A value without the quotes of TOML's texts.
+std::string plain_value(const std::string& value);
+
+/// The settings of a point, as load_scene() takes them.
+std::vector<std::string> settings_of(const TradePlan& plan, const TradePoint& point);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,179 @@
+// The settings of a plan that a request asks for.
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/user_error.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/studies/tune/tune_report.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path plan;
+  std::vector<std::string> settings, limits;
+  std::filesystem::path trade;  ///< folder of a finished trade; empty: none
+  TuneOptions tune;
+  bool random = false;
+  int requests = 0;  ///< 0: the one of --limit
+  CacheArguments cache;
+  OutputArguments output;
+  std::string gl = "auto";
+};
+
+TuneOptions options_of(const Arguments& arguments) {
+  TuneOptions options = arguments.tune;
+  check_quantity("--least", options.request.least);
+  if (arguments.limits.empty()) throw UserError("--limit: must be given at least once");
+  for (const std::string& limit : arguments.limits) {
+    options.request.limits.push_back(parse_limit(limit));
+  }
+  if (arguments.random) options.search.method = SearchMethod::random;
+  return options;
+}
+
+/// Reads all scenes, so that nothing is refused after the search.
+TradeWork work_of(const Arguments& arguments) {
+  TradeWork work{load_trade_plan(arguments.plan), {}, arguments.settings};
+  check_trade(work);
+  TradeWork unseen = work;
+  unseen.plan.scenes = unseen.plan.unseen;
+  check_trade(unseen);
+  return work;
+}
+
+TradeRecords known_records(const Arguments& arguments, TradeWork& work) {
+  if (arguments.trade.empty()) return {};
+  TradeContent content = read_trade_journal(arguments.trade, work.hash(), "--trade");
+  work.points = design_points(work.plan);
+  return std::move(content.records);
+}
+
+std::string measured_by(const Provenance& provenance) {
+  return "commit " + provenance.commit + ", " + machine_text(provenance);
+}
+
+int write(const Arguments& arguments,
+          const TuneResults& results,
+          const Provenance& provenance,
+          OutputFolder& out,
+          const StepTimes& times) {
+  Json report = report_head("tune", provenance, results.work.reference(0));
+  report["scene"] = nullptr;  // there are several
+  report["tune"] = tune_json(results);
+  report["wall_ms"] = wall_json(times);
+  const std::string text = report_text(report);
+  const std::string markdown = tune_markdown(results, measured_by(provenance));
+  out.write_text("tune.md", markdown);
+  if (results.chosen() != nullptr) out.write_text("tuned.toml", tuned_scene(results));
+  out.write_text("report.json", text);
+  out.commit();
+  std::cout << (arguments.output.json ? text : markdown);
+  return results.chosen() != nullptr ? 0 : 1;
+}
+
+int write_study(const Arguments& arguments,
+                const RequestStudy& study,
+                const Provenance& provenance,
+                OutputFolder& out,
+                const StepTimes& times) {
+  Json report = report_head("tune", provenance, study.work.reference(0));
+  report["scene"] = nullptr;  // there may be several
+  report["requests"] = requests_json(study);
+  report["wall_ms"] = wall_json(times);
+  const std::string text = report_text(report);
+  const std::string markdown = requests_markdown(study, measured_by(provenance));
+  out.write_text("requests.md", markdown);
+  out.write_text("report.json", text);
+  out.commit();
+  std::cout << (arguments.output.json ? text : markdown);
+  return 0;
+}
+
+/// --requests
+int study(const Arguments& arguments) {
+  if (arguments.trade.empty()) throw UserError("--requests: needs --trade, about which it draws");
+  if (!arguments.limits.empty()) throw UserError("--requests: draws its limits; leave --limit out");
+  TradeWork work = work_of(arguments);
+  const TradeRecords known = known_records(arguments, work);
+  OutputFolder out(arguments.output.folder);
+  Progress progress({{"requests", 100}});
+  const auto context = render::make_context(arguments.gl);
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const Provenance provenance = provenance_of_simulation(*context, work.plan.seeds.front());
+  const RequestStudyOptions options{.requests = arguments.requests,
+                                    .evaluations = arguments.tune.search.evaluations,
+                                    .fresh_seeds = arguments.tune.fresh_seeds,
+                                    .judging_seeds = arguments.tune.fresh_seeds,
+                                    .seed = arguments.tune.search.seed};
+  const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
+    return study_requests(work, options, known, *context, cache, done);
+  });
+  return write_study(arguments, study, provenance, out, progress.times());
+}
+
+int tune(const Arguments& arguments) {
+  if (arguments.requests > 0) return study(arguments);
+  const TuneOptions options = options_of(arguments);
+  TradeWork work = work_of(arguments);
+  TradeRecords known = known_records(arguments, work);
+  OutputFolder out(arguments.output.folder);
+  Progress progress({{"search", 100}});
+  const auto context = render::make_context(arguments.gl);
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  const Provenance provenance = provenance_of_simulation(*context, work.plan.seeds.front());
+  const TuneResults results = progress.step("search", [&](const PartDone& done) {
+    return bench::tune(std::move(work), options, std::move(known), *context, cache, done);
+  });
+  return write(arguments, results, provenance, out, progress.times());
+}
+
+}  // namespace
+
+Command add_tune_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(
+      app, "tune", "The settings of a plan with the least time or error within limits");
+  add_required_path(
+      command, "PLAN", arguments->plan, "TOML file with scenes and axes, as of trade");
+  add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");
+  add_text(command, "--least", arguments->tune.request.least, "What is to be small");
+  add_list(command, "--limit", arguments->limits, "NAME<=NUMBER, as p95_mm<=2; repeat it for each");
+  add_path(command, "--trade", arguments->trade, "Folder of a trade of this plan to start from");
+  add_integer(command,
+              "--evaluations",
+              arguments->tune.search.evaluations,
+              "Points that are measured at most; 0: those of --trade alone",
+              0,
+              100000);
+  add_integer(command,
+              "--fresh-seeds",
+              arguments->tune.fresh_seeds,
+              "Seeds that the search does not see, to confirm on",
+              2,
+              100);
+  add_seed(command, "--seed", arguments->tune.search.seed, "Of the search");
+  add_integer(
+      command,
+      "--requests",
+      arguments->requests,
+      "Instead of --limit: so many requests drawn about the points of --trade; how many are "
+      "kept on seeds that neither search nor confirmation saw, by NSGA-II, by a random search "
+      "and by the trade alone",
+      0,
+      10000);
+  add_flag(command, "--random", arguments->random, "Search at random, for comparison");
+  add_cache_options(command, arguments->cache);
+  add_output_options(command, arguments->output);
+  add_gl_option(command, arguments->gl);
+  return {&command, [arguments] { return tune(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

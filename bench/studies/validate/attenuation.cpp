@@ -1,0 +1,221 @@
+#include "bench/studies/validate/attenuation.h"
+
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "bench/studies/validate/bodies.h"
+#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/statistics.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr double kCentimetre = 1e-2;
+/// Sector and fan of the scans of plate and cyst: sticks nearly parallel to the axis.
+constexpr double kNarrow_rad = 6 * kDegree;
+constexpr double kBin_m = 1e-3;
+/// Range behind a body that its own echo covers.
+constexpr double kSkip_m = 2e-3;
+
+double db(double power) {
+  return 10 * std::log10(power);
+}
+
+/// Two-way attenuation of a centimetre of a material.
+double loss_db_per_cm(const phantoms::Material& material, const hw::AcquisitionPlan& plan) {
+  return 2 * material.attenuation_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz;
+}
+
+/// Two-way transmission of an interface at normal incidence: (1 + R) there, (1 - R) back.
+double transmission_db(const phantoms::Material& a, const phantoms::Material& b) {
+  const double r = (b.impedance_rayl - a.impedance_rayl) / (b.impedance_rayl + a.impedance_rayl);
+  return 20 * std::log10(1 - r * r);
+}
+
+/// The chord of a ray through a body, as ranges.
+struct Chord {
+  double from_m = 0;
+  double to_m = 0;
+};
+
+struct Body {
+  phantoms::PlacedPhantom subject;
+  std::function<Chord(const hw::Ray&)> chord;
+  double per_cm_db = 0;  ///< change of the loss at the centre frequency per centimetre of the body
+  double faces_db = 0;   ///< change of level by its two faces
+  double from_m = 0;     ///< first and last range behind it that are evaluated
+  double to_m = 0;
+};
+
+Body bone_plate(const hw::AcquisitionPlan& plan) {
+  const phantoms::PhantomOptions options{.name = "bone_plate"};
+  const auto phantom = phantoms::make_phantom(options);
+  const auto& tissue = phantoms::material("soft_tissue");
+  const auto& bone = phantoms::material("cortical_bone");
+  const double front_z = phantom.suggested_position_m().z, back_z = front_z + options.thickness_m;
+  const auto chord = [=](const hw::Ray& ray) {
+    return Chord{(front_z - ray.origin.z) / ray.direction.z,
+                 (back_z - ray.origin.z) / ray.direction.z};
+  };
+  const double back_m = back_z - plan.probe().radius_m;
+  return {phantoms::still_at(phantom, phantom.suggested_position_m()),
+          chord,
+          loss_db_per_cm(tissue, plan) - loss_db_per_cm(bone, plan),
+          2 * transmission_db(tissue, bone),
+          back_m + kSkip_m,
+          back_m + 30e-3};
+}
+
+Body cyst(const hw::AcquisitionPlan& plan) {
+  const phantoms::PhantomOptions options{.name = "cyst"};
+  const auto phantom = phantoms::make_phantom(options);
+  const auto& tissue = phantoms::material("soft_tissue");
+  const auto& fluid = phantoms::material("amniotic_fluid");
+  const glm::dvec3 center = phantom.suggested_position_m();
+  const double radius = options.radius_m;
+  const auto chord = [=](const hw::Ray& ray) {
+    const double middle = glm::dot(center - ray.origin, ray.direction);
+    const double aside = glm::length(center - ray.at(middle));
+    const double half = std::sqrt(radius * radius - aside * aside);
+    return Chord{middle - half, middle + half};
+  };
+  const double back_m = center.z + radius - plan.probe().radius_m;
+  return {phantoms::still_at(phantom, center),
+          chord,
+          loss_db_per_cm(tissue, plan) - loss_db_per_cm(fluid, plan),
+          2 * transmission_db(tissue, fluid),
+          back_m + kSkip_m,
+          back_m + 30e-3};
+}
+
+hw::AcquisitionPlan narrow_plan(const AttenuationInputs& inputs) {
+  return {{},
+          {.depth_m = 0.14,
+           .sector_rad = kNarrow_rad,
+           .fan_rad = kNarrow_rad,
+           .sticks_per_frame = inputs.sticks,
+           .samples_per_stick = 448,
+           .frames_per_volume = inputs.frames}};
+}
+
+double expected_db(const Body& body,
+                   const hw::AcquisitionPlan& plan,
+                   const Chord& chord,
+                   double range_m) {
+  if (range_m < chord.from_m) return 0;
+  const auto& tissue = phantoms::material("soft_tissue");
+  const double without_db = loss_db_per_cm(tissue, plan) * range_m / kCentimetre;
+  const double with_db = without_db - body.per_cm_db * (chord.to_m - chord.from_m) / kCentimetre;
+  return body.faces_db + band_level_db(with_db, plan) - band_level_db(without_db, plan);
+}
+
+ShadowResult measure_body(sim::Rung rung,
+                          const AttenuationInputs& inputs,
+                          Body (*make)(const hw::AcquisitionPlan&)) {
+  const hw::AcquisitionPlan plan = narrow_plan(inputs);
+  const Body body = make(plan);
+  const auto bins = static_cast<std::size_t>(plan.acquisition().depth_m / kBin_m);
+  // Intensities: with the body, without it, and without it times the closed form.
+  std::vector<Moments> with(bins), without(bins), predicted(bins);
+  Moments behind, behind_without, behind_predicted;
+  for (const std::uint64_t seed : inputs.seeds) {
+    auto options = bare_envelope(rung, seed);
+    options.interface_echo = false;
+    const Scan one = scan(body.subject, plan, options);
+    const Scan other = scan({open_tissue()}, plan, options);
+    for (int f = 0; f < inputs.frames; ++f) {
+      for (int l = 0; l < inputs.sticks; ++l) {
+        const auto ray = plan.geometry().stick(plan.theta_rad(l), plan.frame_phi_rad(f));
+        const Chord chord = body.chord(ray);
+        for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
+          const double r = plan.sample_range_m(k);
+          const auto bin = static_cast<std::size_t>(r / kBin_m);
+          const double here = one.at(f, l, k), there = other.at(f, l, k);
+          const bool inside = r > chord.from_m - kBin_m && r < chord.to_m + kBin_m;
+          const double factor = inside ? std::numeric_limits<double>::quiet_NaN()
+                                       : std::pow(10.0, expected_db(body, plan, chord, r) / 10);
+          with[bin].add(here * here);
+          without[bin].add(there * there);
+          predicted[bin].add(there * there * factor);
+          if (r < body.from_m || r > body.to_m) continue;
+          behind.add(here * here);
+          behind_without.add(there * there);
+          behind_predicted.add(there * there * factor);
+        }
+      }
+    }
+  }
+  ShadowResult result;
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    result.range_m.push_back((static_cast<double>(bin) + 0.5) * kBin_m);
+    result.change_db.push_back(db(with[bin].mean() / without[bin].mean()));
+    result.expected_db.push_back(db(predicted[bin].mean() / without[bin].mean()));
+  }
+  result.behind_db = db(behind.mean() / behind_without.mean());
+  result.expected_behind_db = db(behind_predicted.mean() / behind_without.mean());
+  result.n = static_cast<long>(behind.count);
+  return result;
+}
+
+}  // namespace
+
+double band_level_db(double loss_db, const hw::AcquisitionPlan& plan) {
+  const double neper_db = 20 / std::log(10.0);
+  const double sigma = plan.probe().fractional_bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
+  const double nepers = loss_db / neper_db;
+  return neper_db * (0.5 * nepers * nepers * sigma * sigma - nepers);
+}
+
+SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs) {
+  constexpr double kFrom_m = 20e-3, kTo_m = 120e-3;
+  const hw::AcquisitionPlan plan({},
+                                 {.depth_m = 0.125,
+                                  .sector_rad = inputs.sector_rad,
+                                  .fan_rad = inputs.fan_rad,
+                                  .sticks_per_frame = inputs.sticks,
+                                  .samples_per_stick = 400,
+                                  .frames_per_volume = inputs.frames});
+  std::vector<Moments> rows(400);
+  for (const std::uint64_t seed : inputs.seeds) {
+    auto options = bare_envelope(rung, seed);
+    options.speckle = speckle;
+    const Scan volume = scan({open_tissue()}, plan, options);
+    for (int f = 0; f < inputs.frames; ++f) {
+      for (int l = 0; l < inputs.sticks; ++l) {
+        for (int k = 0; k < 400; ++k) {
+          rows[static_cast<std::size_t>(k)].add(volume.at(f, l, k) * volume.at(f, l, k));
+        }
+      }
+    }
+  }
+  SlopeResult result;
+  for (int k = 0; k < 400; ++k) {
+    const double r = plan.sample_range_m(k);
+    if (r < kFrom_m || r > kTo_m) continue;
+    result.range_m.push_back(r);
+    result.level_db.push_back(db(rows[static_cast<std::size_t>(k)].mean()));
+    result.n += static_cast<long>(rows[static_cast<std::size_t>(k)].count);
+  }
+  result.slope_db_per_cm = kCentimetre * fit_line(result.range_m, result.level_db).slope;
+  const double per_cm_db = loss_db_per_cm(phantoms::material("soft_tissue"), plan);
+  for (const double r : result.range_m) {
+    result.expected_db.push_back(band_level_db(per_cm_db * r / kCentimetre, plan));
+  }
+  result.expected_db_per_cm = kCentimetre * fit_line(result.range_m, result.expected_db).slope;
+  const double offset_db = result.level_db.front() - result.expected_db.front();
+  for (double& level_db : result.expected_db) level_db += offset_db;
+  return result;
+}
+
+ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs) {
+  return measure_body(rung, inputs, bone_plate);
+}
+
+ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs) {
+  return measure_body(rung, inputs, cyst);
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,118 @@
+// The physics of the simulated probe against an independent sum over its elements, closed forms and
+// publications.
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/user_error.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/output/image_io.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/studies/validate/validation.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  OutputArguments output;
+  std::vector<std::string> studies;  ///< none: all
+  std::string figure_path;           ///< before the figures' names in the links of validation.md
+};
+
+std::string study_names() {
+  std::string list;
+  for (const auto& study : validation_studies()) list += (list.empty() ? "" : ", ") + study.id;
+  return list;
+}
+
+/// All of them, or those that were named, in the document's order.
+std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
+  const auto& all = validation_studies();
+  for (const std::string& name : names) {
+    const bool known =
+        std::any_of(all.begin(), all.end(), [&](const auto& study) { return study.id == name; });
+    if (known) continue;
+    throw UserError("--study = " + name + ": must be one of " + study_names());
+  }
+  std::vector<NamedStudy> studies;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(studies), [&](const auto& study) {
+    return names.empty() || std::count(names.begin(), names.end(), study.id) > 0;
+  });
+  return studies;
+}
+
+void print_outcomes(const std::vector<StudyReport>& reports) {
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      std::cout << (check.passed() ? "passed  " : "FAILED  ") << check.name << "  "
+                << describe(check) << "\n";
+    }
+  }
+}
+
+Json report_of(const std::vector<StudyReport>& reports,
+               const Provenance& provenance,
+               const StepTimes& times) {
+  Json report = report_head("validate", provenance, load_scene({}, {}));
+  report["checks"] = checks_json(reports);
+  report["wall_ms"] = wall_json(times);
+  return report;
+}
+
+int validate(const Arguments& arguments) {
+  const auto studies = chosen(arguments.studies);
+  OutputFolder out(arguments.output.folder);
+  std::vector<PlannedStep> steps;
+  for (const auto& study : studies) steps.push_back({study.id, study.usual_s});
+  Progress progress(steps);
+  std::vector<StudyReport> reports;
+  for (const auto& study : studies) {
+    reports.push_back(progress.step(study.id, [&] { return run_study(study); }));
+  }
+
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = "simulated";
+  const std::string report = report_text(report_of(reports, provenance, progress.times()));
+  out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
+  out.write_text("validation.csv", validation_csv(reports));
+  for (const auto& study : reports) {
+    for (const Figure& figure : study.figures) {
+      write_png(out.stage(figure_file(figure)), figure.picture);
+    }
+  }
+  out.write_text("report.json", report);
+  out.commit();
+  if (arguments.output.json) {
+    std::cout << report;
+  } else {
+    print_outcomes(reports);
+  }
+  return failed_checks(reports) == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+Command add_validate_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(app,
+                                     "validate",
+                                     "The simulated probe's physics against an independent sum "
+                                     "over its elements, closed forms and publications");
+  add_output_options(command, arguments->output);
+  add_list(command,
+           "--study",
+           arguments->studies,
+           "One study instead of all (repeatable): " + study_names());
+  add_text(command,
+           "--figure-path",
+           arguments->figure_path,
+           "What stands before the figures' file names in validation.md's links");
+  return {&command, [arguments] { return validate(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,214 @@
+#include "bench/studies/validate/validation.h"
+
+#include <algorithm>
+#include <exception>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "base/number_text.h"
+#include "base/user_error.h"
+#include "bench/studies/validate/study_reports.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::string number(double value) {
+  return significant(value, 4);
+}
+
+/// "1 to 10", "3", "none".
+std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
+  if (seeds.empty()) return "none";
+  if (seeds.size() == 1) return std::to_string(seeds.front());
+  return std::to_string(seeds.front()) + " to " + std::to_string(seeds.back());
+}
+
+std::string expected_text(const Check& check) {
+  switch (check.kind) {
+    case Check::Kind::within:
+      return number(check.expected) + " ± " + number(check.tolerance);
+    case Check::Kind::at_least:
+      return "≥ " + number(check.expected);
+    case Check::Kind::at_most:
+      return "≤ " + number(check.expected);
+  }
+  return "";
+}
+
+std::string unit_text(const Check& check) {
+  return check.unit == "1" ? "" : " " + check.unit;
+}
+
+const char* outcome(const Check& check) {
+  return check.passed() ? "passed" : "failed";
+}
+
+void write_summary(const std::vector<StudyReport>& reports,
+                   const Provenance& provenance,
+                   std::ostream& markdown) {
+  std::size_t count = 0;
+  for (const auto& report : reports) count += report.checks.size();
+  const int failed = failed_checks(reports);
+  markdown
+      << "# Validation of the simulated probe\n\n"
+      << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+      << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+      << " threads. Every point is in `validation.csv`, every check in `report.json`. "
+         "Of the beam and of speckle, expected values are the tables of `tests/yardstick`: a sum "
+         "over the probe's elements in Python and NumPy, frequency by frequency, written apart "
+         "from the simulator, with which it shares no code; its own tests hold it against closed "
+         "forms. It is linear acoustics, as the simulator is: what both leave out is at the end. "
+         "Other expected values are closed forms or published ones. Numbers in brackets are those "
+         "of `docs/references.md`.\n\n"
+      << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
+      << " failed.\n";
+  if (failed > 0) markdown << "\nFailed:\n\n";
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      if (!check.passed()) markdown << "- `" << check.name << "`: " << describe(check) << "\n";
+    }
+  }
+}
+
+void write_study(const StudyReport& report,
+                 const std::string& figure_path,
+                 std::ostream& markdown) {
+  markdown << "\n## " << report.title << "\n\n" << report.text << "\n";
+  if (!report.checks.empty()) {
+    markdown << "\n| check | measured | expected | n | seeds | outcome |\n"
+                "| --- | ---: | ---: | ---: | --- | --- |\n";
+  }
+  for (const Check& check : report.checks) {
+    markdown << "| `" << check.name << "`: " << check.source << " | " << number(check.measured)
+             << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " "
+             << check.of << " | " << seeds_text(check.seeds) << " | "
+             << (check.passed() ? "passed" : "**failed**") << " |\n";
+  }
+  for (const Figure& figure : report.figures) {
+    markdown << "\n![" << figure.caption << "](" << figure_path << figure_file(figure) << ")\n\n"
+             << figure.caption << "\n";
+  }
+}
+
+constexpr char kNotModelled[] = R"(
+## Not modelled
+
+Neither the simulator nor the yardstick has these. What leaving each out does to the picture:
+
+- Refraction: sound goes straight on at interfaces. Bodies behind a lens of other sound speed, as fat beside muscle or a curved skull, are neither shifted nor doubled sideways, and the edge shadows of cysts and skulls are missing (Robinson, Wilson, Kossoff, J. Clin. Ultrasound 9, 181 (1981)).
+- Reverberation between strong reflectors: no repeated lines behind bone, gas or the probe's face, and fluid stays free of clutter (Pinton, Trahey, Dahl, IEEE Trans. UFFC 58, 754 (2011)).
+- Aberration by layers of uneven sound speed, as of the abdominal wall: beams stay as sharp, and side lobes as low, as in even tissue; real ones are wider (Hinkelman et al., J. Acoust. Soc. Am. 95, 530 (1994)).
+- Harmonics of non-linear propagation: no harmonic imaging, with its lower side lobes and less clutter near the face; echoes are the fundamental's at any pressure (Averkiou, Roundhill, Powers, IEEE Ultrasonics Symp. 1997, 1561).
+- Focal gain: a machine's depth gain lifts what the beam weakens away from its focus (tissue by 15 dB at 20 mm and 9 dB at 150 mm), and noise with it. Here even tissue has the same echo at every range, a point on the axis its own, and noise before time gain is even: it is too low away from the focus.
+- Shear waves in bone: beyond the critical angle of longitudinal waves nothing passes, where in truth a part passes as shear waves, so that shadows of slanted bone are too dark (Clement, White, Hynynen, J. Acoust. Soc. Am. 115, 1356 (2004)).
+- Cross-talk between elements, and the obliquity factor of a baffle: elements are as directive as their width makes them; off an element's axis real ones are weaker (Selfridge, Kino, Khuri-Yakub, Appl. Phys. Lett. 37, 35 (1980)).
+)";
+
+/// Fields with a comma or a quote are quoted.
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string exact(double value) {
+  return significant(value, 9);
+}
+
+}  // namespace
+
+const std::vector<NamedStudy>& validation_studies() {
+  static const std::vector<NamedStudy> studies = {
+      {"speckle", 50, [] { return speckle_statistics_report(); }},
+      {"density", 23, [] { return scatterer_density_report(); }},
+      {"points", 23, [] { return point_target_report(); }},
+      {"agreement", 2.4, [] { return rung_agreement_report(); }},
+      {"speckle_size", 280, [] { return speckle_size_report(); }},
+      {"speckle_motion", 0.3, [] { return speckle_motion_report(); }},
+      {"attenuation", 3, [] { return attenuation_report(); }},
+      {"losses", 5, [] { return losses_report(); }},
+      {"reflection", 3.3, [] { return reflection_report(); }},
+      {"shear", 0.2, [] { return shear_report(); }},
+      {"repeatability", 55, [] { return repeatability_report(); }}};
+  return studies;
+}
+
+StudyReport run_study(const NamedStudy& study) {
+  try {
+    return study.run();
+  } catch (const std::exception& error) {
+    StudyReport report;
+    report.id = report.title = study.id;
+    report.text = "This study could not be run: " + one_line(error.what());
+    report.checks.push_back({study.id + ".ran",
+                             Check::Kind::at_least,
+                             0,
+                             1,
+                             0,
+                             "1",
+                             one_line(error.what()),
+                             1,
+                             "run",
+                             {}});
+    return report;
+  }
+}
+
+int failed_checks(const std::vector<StudyReport>& reports) {
+  int failed = 0;
+  for (const auto& report : reports) {
+    failed += static_cast<int>(std::count_if(report.checks.begin(),
+                                             report.checks.end(),
+                                             [](const Check& check) { return !check.passed(); }));
+  }
+  return failed;
+}
+
+std::string describe(const Check& check) {
+  return number(check.measured) + unit_text(check) + "; expected " + expected_text(check) +
+         unit_text(check) + " (" + check.source + "); n = " + std::to_string(check.n) + " " +
+         check.of + "; seeds " + seeds_text(check.seeds);
+}
+
+std::string figure_file(const Figure& figure) {
+  return "validation_" + figure.name + ".png";
+}
+
+std::string validation_markdown(const std::vector<StudyReport>& reports,
+                                const Provenance& provenance,
+                                const std::string& figure_path) {
+  std::ostringstream markdown;
+  write_summary(reports, provenance, markdown);
+  for (const auto& report : reports) write_study(report, figure_path, markdown);
+  markdown << kNotModelled;
+  return markdown.str();
+}
+
+std::string validation_csv(const std::vector<StudyReport>& reports) {
+  std::ostringstream text;
+  text << "study,series,x_name,x,y_name,y,expected\n";
+  for (const auto& report : reports) {
+    for (const DataPoint& point : report.points) {
+      text << report.id << "," << csv_field(point.series) << "," << point.x_name << ","
+           << exact(point.x) << "," << point.y_name << "," << exact(point.y) << ","
+           << (point.expected ? exact(*point.expected) : "") << "\n";
+    }
+  }
+  return text.str();
+}
+
+nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports) {
+  auto checks = nlohmann::ordered_json::array();
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      checks.push_back(
+          {{"name", check.name}, {"outcome", outcome(check)}, {"detail", describe(check)}});
+    }
+  }
+  return checks;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,43 @@
+// All studies of the simulator's physics, and the documents that they make: Markdown, CSV, JSON.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/output/provenance.h"
+#include "bench/studies/validate/study_report.h"
+
+namespace wobblebench::bench {
+
+struct NamedStudy {
+  std::string id;
+  double usual_s = 1;                ///< wall time on two cores, for the time that is left
+  std::function<StudyReport()> run;  ///< with the default inputs
+};
+
+/// In the order of the Markdown document.
+const std::vector<NamedStudy>& validation_studies();
+
+/// Runs one. An exception becomes a failed check.
+StudyReport run_study(const NamedStudy& study);
+
+[[nodiscard]] int failed_checks(const std::vector<StudyReport>& reports);
+
+/// "1.869; 1.913 +- 0.02 expected (…); n = …; seeds …"
+std::string describe(const Check& check);
+
+/// validation.md. `figure_path`: prefix of the figures' file names in its links.
+std::string validation_markdown(const std::vector<StudyReport>& reports,
+                                const Provenance& provenance,
+                                const std::string& figure_path);
+/// validation.csv: every point of every study.
+std::string validation_csv(const std::vector<StudyReport>& reports);
+/// "checks" of report.json.
+nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports);
+
+/// File of a figure.
+std::string figure_file(const Figure& figure);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,192 @@
+// A correction as a file, what it refuses, and what it does to z.
+#include "bench/evaluation/error_model/correction.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+#include <functional>
+
+#include "base/user_error.h"
+#include "render/camera.h"
+#include "tests/bench/cli/program_under_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+Scene small_scene(std::vector<std::string> settings = {}) {
+  settings.insert(settings.begin(), {"phantom.name=sphere", "render.ray_casting.image_size=32"});
+  return load_scene({}, settings);
+}
+
+Correction correction_of(const Scene& scene, double constant_mm) {
+  Correction correction{
+      {}, correction_conditions(scene), render::step_m(scene.render) / kMillimetre};
+  correction.model.bias[kConstantTerm] = {constant_mm, constant_mm, constant_mm, true};
+  return correction;
+}
+
+class CorrectionFile : public testing::Test {
+ protected:
+  std::string write(const std::string& text) {
+    const auto path = folder_.path() / "correction.json";
+    std::ofstream(path) << text;
+    return path.string();
+  }
+  /// What read_correction() says of a scene with these settings and the file.
+  std::string refusal(const std::string& file, std::vector<std::string> settings = {}) {
+    settings.push_back("render.correction=" + file);
+    try {
+      read_correction(small_scene(settings));
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(CorrectionFile, IsReadAsItWasWritten) {
+  const Scene scene = small_scene();
+  const std::string file = write(correction_text(correction_of(scene, -1.25)));
+  const auto read = read_correction(small_scene({"render.correction=" + file}));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->model.bias[kConstantTerm].value, -1.25);
+  EXPECT_EQ(read->model.bias[kDepthTerm].value, 0);
+  EXPECT_FALSE(read_correction(scene)) << "none is named";
+}
+
+TEST_F(CorrectionFile, OfOtherConditionsIsRefusedInOneLine) {
+  const std::string file = write(correction_text(correction_of(small_scene(), 1)));
+  for (const std::string other : {"probe.preset=c5-2v",
+                                  "probe.wobble_radius_mm=20",
+                                  "acquisition.frames_per_volume=20",
+                                  "acquisition.sticks_per_frame=32",
+                                  "acquisition.samples_per_stick=256",
+                                  "render.ray_casting.buffer_length=16",
+                                  "render.ray_casting.detector=floor",
+                                  "render.ray_casting.iso_level=0.6",
+                                  "render.ray_casting.incidence_correction_mm=1",
+                                  "render.reconstruction.sticks=plain",
+                                  "render.ray_casting.steps=512",
+                                  "render.ray_casting.threshold=0.2",
+                                  "render.shading.depth_filter_size=5",
+                                  "simulation.dynamic_range_db=70"}) {
+    const std::string said = refusal(file, {other});
+    EXPECT_NE(said.find(other.substr(0, other.find('='))), std::string::npos) << other << said;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+  }
+  for (const std::string same : {"phantom.name=plane",
+                                 "render.view.yaw_deg=20",
+                                 "render.ray_casting.image_size=64",
+                                 "render.pipeline.mode=plain",
+                                 "simulation.seed=9"}) {
+    EXPECT_EQ(refusal(file, {same}), "");
+  }
+}
+
+TEST_F(CorrectionFile, ThatIsNoneIsRefusedInOneLine) {
+  for (const std::string text : {"", "{}", "[1]", "{\"kind\": \"other\"}", "no json"}) {
+    EXPECT_NE(refusal(write(text)).find("is not a correction"), std::string::npos) << text;
+  }
+  EXPECT_NE(refusal("nowhere.json").find("no such file"), std::string::npos);
+}
+
+TEST_F(CorrectionFile, OfAnotherStepIsRefused) {
+  const Scene scene = small_scene();
+  Correction correction = correction_of(scene, 1);
+  EXPECT_NO_THROW(check_correction_step(correction, scene));
+  correction.step_mm *= 1.2;
+  EXPECT_THROW(check_correction_step(correction, scene), UserError);
+}
+
+TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
+  const std::string file = write(correction_text(correction_of(small_scene(), 1)));
+  for (const std::string other : {"probe.preset=c5-2v",
+                                  "render.ray_casting.buffer_length=16",
+                                  "render.ray_casting.steps=512",
+                                  "render.ray_casting.detector=paper"}) {
+    const auto result = bench({"run",
+                               "--set",
+                               "phantom.name=sphere",
+                               "--set",
+                               other,
+                               "--set",
+                               "render.correction=" + file},
+                              folder_);
+    EXPECT_EQ(result.exit_code, 2) << other;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_NE(result.err.find(other.substr(0, other.find('='))), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
+  }
+}
+
+/// A slanting surface in the middle of the picture.
+render::Picture slanting(const Scene& scene) {
+  const int size = scene.render.ray_casting.image_size;
+  render::Picture picture;
+  picture.depth_m = Image<float>(size, size, kNoSurface);
+  for (int row = 4; row < size - 4; ++row) {
+    for (int column = 4; column < size - 4; ++column) {
+      picture.depth_m.at(column, row) = 0.05f + 1e-4f * static_cast<float>(column);
+    }
+  }
+  picture.filtered_depth_m = picture.depth_m;
+  picture.volume = Image<glm::vec3>(size, size);
+  return picture;
+}
+
+TEST(CorrectedDepth, WithoutTermsHasTheSameBits) {
+  const Scene scene = small_scene();
+  const hw::PolarVolume volume(scene.plan());
+  const auto picture = slanting(scene);
+  const auto corrected = corrected_depth(correction_of(scene, 0), picture, volume, scene);
+  EXPECT_EQ(std::memcmp(corrected.pixels.data(),
+                        picture.depth_m.pixels.data(),
+                        corrected.pixels.size() * sizeof(float)),
+            0);
+}
+
+TEST(CorrectedDepth, SubtractsTheBiasWhereASurfaceIs) {
+  const Scene scene = small_scene();
+  const hw::PolarVolume volume(scene.plan());
+  const auto picture = slanting(scene);
+  const auto corrected = corrected_picture(correction_of(scene, -1), picture, volume, scene);
+  for (const int column : {6, 16, 25}) {
+    EXPECT_NEAR(corrected.depth_m.at(column, 16) - picture.depth_m.at(column, 16), 1e-3, 1e-8);
+  }
+  EXPECT_TRUE(std::isnan(corrected.depth_m.at(0, 0)));
+  EXPECT_NEAR(corrected.filtered_depth_m.at(16, 16), corrected.depth_m.at(16, 16), 2e-4);
+}
+
+TEST(TermMeter, MeasuresIncidenceAndContrastOfAKnownSurface) {
+  const Scene scene = small_scene();
+  hw::PolarVolume volume(scene.plan());
+  const auto picture = slanting(scene);
+  const auto view = render::make_camera(scene.render);
+  const int middle = scene.render.ray_casting.image_size / 2;
+  // Samples are 0.3 before and 0.7 behind the surface's range in the middle.
+  const auto point = scene.plan().geometry().to_polar(
+      view.ray(middle, middle).at(static_cast<double>(picture.depth_m.at(middle, middle))));
+  const auto& scan = scene.acquisition;
+  for (std::uint32_t frame = 0; frame < static_cast<std::uint32_t>(scan.frames_per_volume);
+       ++frame) {
+    for (std::uint32_t line = 0; line < static_cast<std::uint32_t>(scan.sticks_per_frame); ++line) {
+      hw::Stick stick;
+      stick.index = {0, frame, line};
+      for (int k = 0; k < scan.samples_per_stick; ++k) {
+        stick.samples.push_back(scene.plan().sample_range_m(k) < point.range_m ? 0.3f : 0.7f);
+      }
+      volume.place(stick);
+    }
+  }
+  const TermMeter meter(scene.plan(), scene.simulation, scene.render);
+  const auto terms = meter.measure(picture.filtered_depth_m, volume).at(middle, middle);
+  EXPECT_NEAR(terms.x[kContrastTerm], 0.4, 0.02);
+  // z grows by 0.1 mm a pixel along x; the stick in the middle is almost the ray.
+  const double slope = std::atan(1e-4 / view.pixel_m());
+  EXPECT_NEAR(terms.incidence_rad, std::abs(slope + point.theta_rad), 0.02);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

@@ -1,0 +1,146 @@
+// Pictures on disk, and how alike two are.
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "bench/evaluation/measures/image_similarity.h"
+#include "bench/output/image_io.h"
+#include "tests/support/file_limit.h"
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+Image<glm::vec3> ramp(int size) {
+  Image<glm::vec3> image(size, size);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      image.at(column, row) = glm::vec3(static_cast<float>(column) / static_cast<float>(size));
+    }
+  }
+  return image;
+}
+
+std::filesystem::path temporary(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) / name;
+}
+
+TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
+  Image<glm::vec3> image(7, 5);
+  image.at(6, 0) = {1, 0, 0};
+  image.at(0, 4) = {0, 0.5f, 1};
+  const auto path = temporary("pixels.png");
+  write_png(path, image);
+  const auto input = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(input);
+  std::vector<unsigned char> values(7 * 5 * 3);
+  ASSERT_EQ(input->spec().width, 7);
+  ASSERT_EQ(input->spec().height, 5);
+  ASSERT_TRUE(input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, values.data()));
+  EXPECT_EQ(values[6 * 3], 255);
+  EXPECT_EQ(values[(4 * 7) * 3 + 1], 128);
+  EXPECT_EQ(values[(4 * 7) * 3 + 2], 255);
+  std::filesystem::remove(path);
+}
+
+/// Values by IEC 61966-2-1: 255 (1.055 x^(1/2.4) - 0.055), below 0.0031308 255 x 12.92.
+TEST(ImageIo, LightIsEncodedInSrgbAndTheFileSaysSo) {
+  Image<glm::vec3> image(2, 1);
+  image.at(0, 0) = {0, 0.002f, 0.0214f};
+  image.at(1, 0) = {0.2f, 0.5f, 1};
+  const auto path = temporary("light.png");
+  for (const auto& [meaning, expected] :
+       {std::pair{Values::light, std::vector<unsigned char>{0, 7, 40, 124, 188, 255}},
+        std::pair{Values::display, std::vector<unsigned char>{0, 1, 5, 51, 128, 255}}}) {
+    write_png(path, image, meaning);
+    const auto input = OIIO::ImageInput::open(path.string());
+    ASSERT_TRUE(input);
+    EXPECT_EQ(input->spec().get_string_attribute("oiio:ColorSpace"), "sRGB");
+    std::vector<unsigned char> values(6);
+    ASSERT_TRUE(input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, values.data()));
+    EXPECT_EQ(values, expected);
+    std::ostringstream bytes;
+    bytes << std::ifstream(path, std::ios::binary).rdbuf();
+    EXPECT_NE(bytes.str().find("sRGB"), std::string::npos) << "the chunk, not a reader's guess";
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
+  Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
+  depth.at(2, 1) = kNoSurface;
+  const auto path = temporary("maps.exr");
+  write_exr_mm(path, {{"Z", &depth}, {"Z_filtered", &other}});
+  const auto input = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(input);
+  ASSERT_EQ(input->spec().nchannels, 2);
+  std::vector<float> values(3 * 2 * 2);
+  ASSERT_TRUE(input->read_image(0, 0, 0, 2, OIIO::TypeDesc::FLOAT, values.data()));
+  const auto z = static_cast<std::size_t>(input->spec().channelindex("Z"));
+  EXPECT_EQ(values[z], 62.5f);
+  EXPECT_EQ(values[1 - z], 500.0f);
+  EXPECT_TRUE(std::isnan(values[(1 * 3 + 2) * 2 + z]));
+  std::filesystem::remove(path);
+}
+
+TEST(ImageIo, WhatCannotBeWrittenIsNamed) {
+  try {
+    write_png("/proc/no/such.png", ramp(4));
+    FAIL() << "wrote into /proc";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()).find("/proc/no/such.png: "), 0u) << error.what();
+  }
+}
+
+/// Writes with the disk full some bytes before the end, at several positions in the buffers.
+template <class Write>
+void expect_full_disk_is_said(const std::filesystem::path& path, const Write& write) {
+  write(path);
+  const auto size = std::filesystem::file_size(path);
+  for (const std::uintmax_t missing : {std::uintmax_t{1}, std::uintmax_t{100}, size / 2, size}) {
+    const testing_support::FileLimit limit(size - missing);
+    EXPECT_THROW(write(path), std::runtime_error) << missing << " of " << size << " bytes missing";
+  }
+  EXPECT_NO_THROW(write(path));
+  EXPECT_EQ(std::filesystem::file_size(path), size);
+}
+
+TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
+  const testing_support::ScratchFolder scratch;
+  for (const int size : {4, 64, 200}) {
+    expect_full_disk_is_said(scratch.path() / "a.png",
+                             [&](const auto& path) { write_png(path, ramp(size)); });
+    const Image<float> depth(size, size, 0.1f);
+    expect_full_disk_is_said(scratch.path() / "a.exr", [&](const auto& path) {
+      write_exr_mm(path, {{"Z", &depth}});
+    });
+  }
+}
+
+TEST(ImageSimilarity, OfEqualPicturesIsPerfect) {
+  const auto same = compare_images(ramp(32), ramp(32));
+  EXPECT_NEAR(same.ssim, 1, 1e-12);
+  EXPECT_TRUE(std::isinf(same.psnr_db));
+}
+
+TEST(ImageSimilarity, OfAConstantOffsetFollowsItsFormulas) {
+  Image<glm::vec3> a(24, 24, glm::vec3(0.4f)), b(24, 24, glm::vec3(0.6f));
+  const auto result = compare_images(a, b);
+  EXPECT_NEAR(result.psnr_db, -20 * std::log10(0.2), 1e-5);
+  // No structure: the luminance term alone, (2 mx my + C1) / (mx^2 + my^2 + C1).
+  EXPECT_NEAR(result.ssim, (2 * 0.24 + 1e-4) / (0.16 + 0.36 + 1e-4), 1e-6);
+}
+
+TEST(ImageSimilarity, RefusesDifferentSizes) {
+  EXPECT_THROW(compare_images(ramp(32), ramp(33)), std::invalid_argument);
+  EXPECT_THROW(compare_images(ramp(8), ramp(8)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

@@ -1,0 +1,151 @@
+// Measurements and documents of the comparison of rungs. No time is asserted.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "bench/studies/rungs/rung_memory.h"
+#include "bench/studies/rungs/rungs_report.h"
+#include "bench/studies/validate/scan.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using sim::Rung;
+
+hw::AcquisitionOptions few_sticks() {
+  return {.sticks_per_frame = 9, .samples_per_stick = 512, .frames_per_volume = 5};
+}
+
+RungScene sphere_scene() {
+  const auto sphere = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  return {phantoms::still_at(sphere, sphere.suggested_position_m()), {{}, few_sticks()}, {}};
+}
+
+TEST(Rungs, ExponentsAreSlopesOfLogarithms) {
+  std::vector<GrowthPoint> points;
+  for (const double size : {1.0, 2.0, 4.0, 8.0}) {
+    points.push_back({"sticks", size, Rung::field, {{3 * size}, {5 * std::sqrt(size)}}});
+    points.push_back({"frames", size, Rung::field, {{7}, {7}}});
+  }
+  EXPECT_NEAR(growth_exponent(points, "sticks", Rung::field, &VolumeTime::first_ms), 1, 1e-12);
+  EXPECT_NEAR(growth_exponent(points, "sticks", Rung::field, &VolumeTime::moving_ms), 0.5, 1e-12);
+  EXPECT_NEAR(growth_exponent(points, "frames", Rung::field, &VolumeTime::first_ms), 0, 1e-12);
+}
+
+TEST(Rungs, GrowthVariesOneSizeAtATime) {
+  GrowthInputs inputs;
+  inputs.acquisition = few_sticks();
+  inputs.sticks = {4, 8};
+  inputs.frames = {2};
+  inputs.samples = {128};
+  inputs.scatterers = {5};
+  inputs.front_mm = {400, 70, -50};
+  inputs.repeats = 1;
+  const auto points = measure_growth({Rung::geometry}, {}, inputs);
+  std::vector<double> tissue;
+  for (const auto& point : points) {
+    EXPECT_GT(point.time.first_ms.min, 0) << point.what;
+    if (point.what == "tissue") tissue.push_back(point.size);
+  }
+  EXPECT_EQ(points.size(), 2u + 1 + 1 + 1 + 3);
+  ASSERT_EQ(tissue.size(), 3u);
+  EXPECT_EQ(tissue[0], 0);
+  EXPECT_GT(tissue[1], 0.3);
+  EXPECT_LT(tissue[1], 0.7);
+  EXPECT_EQ(tissue[2], 1);
+}
+
+TEST(Rungs, StagesCoverTheRungTheyBelongTo) {
+  const auto scene = sphere_scene();
+  for (const Rung rung : volume_rungs()) {
+    const auto stages = measure_stages(scene, rung);
+    EXPECT_EQ(stages.stages.front().first, "follow");
+    EXPECT_GT(stages.total_ms(), 0);
+    EXPECT_EQ(stages.scatterers > 0, rung == Rung::scatterers);
+  }
+}
+
+TEST(Rungs, TrueRangesMeetTheSphere) {
+  const auto scene = sphere_scene();
+  const auto ranges = true_ranges(scene);
+  ASSERT_EQ(ranges.size(), 45u);
+  // The middle stick meets the sphere's front 50 mm from the face; the outermost ones miss it.
+  EXPECT_NEAR(ranges[2 * 9 + 4], 50e-3, 1e-5);
+  EXPECT_TRUE(std::isnan(ranges[0]));
+}
+
+TEST(Rungs, GeometryFindsTheSurfaceWhereItIs) {
+  const auto scene = sphere_scene();
+  const auto errors = measure_rung_errors("sphere", scene, {Rung::geometry, Rung::field}, {1});
+  ASSERT_EQ(errors.size(), 2u);
+  // The mean of three samples rises over as many: half a sample's doubt, and the slope of the
+  // level.
+  EXPECT_LT(errors[0].against_truth.p95_abs_mm, 0.5);
+  EXPECT_EQ(errors[0].against_truth.missed_percent, 0);
+  ASSERT_TRUE(errors[0].image_rms_db);
+  EXPECT_GT(*errors[0].image_rms_db, 0);
+  EXPECT_FALSE(errors[1].against_above);
+}
+
+TEST(Rungs, AFrameIsASectorOnWhite) {
+  const hw::AcquisitionPlan plan({}, few_sticks());
+  const std::vector<float> volume(static_cast<std::size_t>(plan.sticks_per_volume()) * 512, 0.25f);
+  const auto picture = frame_picture(plan, volume, 2, 200);
+  EXPECT_EQ(picture.width, 200);
+  EXPECT_EQ(picture.at(100, picture.height / 2), 0.25f);
+  EXPECT_EQ(picture.at(0, 0), 1.0f);
+  EXPECT_EQ(picture.at(199, picture.height - 1), 1.0f);
+}
+
+TEST(Rungs, FrontHoldsWhatNothingBeats) {
+  RungsResults results;
+  results.phantom = "ball";
+  results.sound_ms = 100;
+  const auto add = [&](Rung rung, double ms, double error_mm) {
+    RungTime time;
+    time.rung = rung;
+    time.first_ms = {ms, ms, ms};
+    results.times.push_back(time);
+    RungError error;
+    error.body = "ball";
+    error.rung = rung;
+    error.against_truth.p95_abs_mm = error_mm;
+    results.errors.push_back(error);
+  };
+  add(Rung::geometry, 10, 3);
+  add(Rung::field, 20, 4);
+  add(Rung::scatterers, 30, 1);
+  const auto rungs = rungs_json(results);
+  EXPECT_EQ(rungs.at("points").size(), 3u);
+  EXPECT_EQ(rungs.at("points")[0].at("time_ratio"), 0.1);
+  EXPECT_EQ(rungs.at("front"), (nlohmann::ordered_json{"geometry", "scatterers"}));
+}
+
+// The address sanitizer keeps an eighth of what is held besides.
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define WOBBLEBENCH_TEST_ASAN
+#endif
+#endif
+#if defined(WOBBLEBENCH_TEST_ASAN) || defined(__SANITIZE_ADDRESS__)
+constexpr double kShadow = 1.125;
+#else
+constexpr double kShadow = 1;
+#endif
+
+TEST(PeakMemory, SeesWhatABodyHolds) {
+  constexpr std::size_t kBytes = 200u << 20;
+  const double idle = peak_memory_bytes([] {});
+  const double busy = peak_memory_bytes([] {
+    std::vector<char> held(kBytes);
+    for (std::size_t i = 0; i < held.size(); i += 4096) held[i] = 1;
+    if (held[kBytes / 2] == 3) throw std::logic_error("unreachable");
+  });
+  const double expected = kShadow * static_cast<double>(kBytes);
+  EXPECT_NEAR(busy - idle, expected, 0.1 * static_cast<double>(kBytes));
+  EXPECT_THROW(peak_memory_bytes([] { throw std::runtime_error("expected"); }), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

@@ -1,0 +1,151 @@
+// Plans of the command `trade`, and the points that they make.
+#include "bench/studies/trade/trade_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "base/user_error.h"
+#include "tests/support/folder_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+const std::string kBall = "[scenes.ball]\nphantom.name = \"sphere\"\n";
+const std::string kAxes =
+    "[axes]\n\"render.ray_casting.steps\" = [64, 128, 256]\n"
+    "\"render.ray_casting.detector\" = [\"paper\", \"iso\"]\n";
+const std::string kRange =
+    "\"render.ray_casting.iso_level\" = { from = 0.5, to = 0.9 }\n"
+    "\"render.reconstruction.spacing_mm\" = { from = 0.5, to = 8, logarithmic = true }\n";
+
+class TradePlanFile : public testing_support::FolderTest {
+ protected:
+  TradePlan load(const std::string& text) {
+    std::ofstream(folder_ / "plan.toml") << text;
+    return load_trade_plan(folder_ / "plan.toml");
+  }
+  std::string refusal(const std::string& text) {
+    try {
+      load(text);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "";
+  }
+};
+
+std::map<std::string, int> counts(const std::vector<TradePoint>& points, std::size_t axis) {
+  std::map<std::string, int> result;
+  for (const TradePoint& point : points) ++result[point.values[axis]];
+  return result;
+}
+
+TEST_F(TradePlanFile, NamesScenesReferenceSeedsAndAxes) {
+  const TradePlan plan = load(
+      "seeds = 2\nfirst_seed = 7\nrepeats = 5\n[reference.render]\n"
+      "preset = \"paper\"\n" +
+      kBall + kAxes);
+  EXPECT_EQ(plan.seeds, (std::vector<std::uint64_t>{7, 8}));
+  EXPECT_EQ(plan.repeats, 5);
+  ASSERT_EQ(plan.reference.settings.size(), 1U);
+  EXPECT_EQ(plan.scenes.at(0).name, "ball");
+  ASSERT_EQ(plan.axes.size(), 2U);
+  const auto points = design_points(plan);
+  const Scene scene = load_scene({}, settings_of(plan, points.at(0)));
+  EXPECT_EQ(scene.render.ray_casting.steps, 64);
+}
+
+TEST_F(TradePlanFile, AGridHasEveryCombinationOnce) {
+  const auto points = design_points(load(kBall + kAxes));
+  std::set<std::vector<std::string>> different;
+  for (const TradePoint& point : points) different.insert(point.values);
+  EXPECT_EQ(points.size(), 6U);
+  EXPECT_EQ(different.size(), 6U);
+}
+
+/// McKay, Beckman and Conover 1979: one point in each of N strata of each axis.
+TEST_F(TradePlanFile, ALatinHypercubeHasAPointInEachStratum) {
+  const int n = 60;
+  const TradePlan plan =
+      load("design = \"latin_hypercube\"\npoints = 60\n" + kBall + kAxes + kRange);
+  const auto points = design_points(plan);
+  ASSERT_EQ(points.size(), std::size_t{n});
+  for (std::size_t axis = 0; axis < plan.axes.size(); ++axis) {
+    if (!plan.axes[axis].range) {
+      for (const auto& [value, count] : counts(points, axis)) {
+        EXPECT_EQ(count, n / static_cast<int>(plan.axes[axis].levels.size())) << value;
+      }
+      continue;
+    }
+    const auto& range = *plan.axes[axis].range;
+    std::set<int> strata;
+    for (const TradePoint& point : points) {
+      const double value = std::stod(point.values[axis]);
+      const double share = range.logarithmic
+                               ? std::log(value / range.from) / std::log(range.to / range.from)
+                               : (value - range.from) / (range.to - range.from);
+      strata.insert(static_cast<int>(share * n));
+      EXPECT_EQ(point.levels[axis], static_cast<int>(share * 4));
+    }
+    EXPECT_EQ(strata.size(), std::size_t{n});
+  }
+}
+
+/// The first 2^k points of a Sobol sequence are even in each axis, whatever it is shifted by but
+/// for one point at each end of a level.
+TEST_F(TradePlanFile, ASobolSequenceIsEvenInEachAxis) {
+  const TradePlan plan = load("design = \"sobol\"\npoints = 128\n" + kBall + kAxes + kRange);
+  const auto points = design_points(plan);
+  for (std::size_t axis = 0; axis < plan.axes.size(); ++axis) {
+    std::map<int, int> levels;
+    for (const TradePoint& point : points) ++levels[point.levels[axis]];
+    const double even = 128.0 / static_cast<double>(plan.axes[axis].levels.size());
+    for (const auto& [level, count] : levels) EXPECT_NEAR(count, even, 2) << axis << " " << level;
+  }
+}
+
+TEST_F(TradePlanFile, PointsAreTheSameEachTimeAndOthersForAnotherSeed) {
+  for (const std::string design : {"latin_hypercube", "sobol"}) {
+    const std::string text = "design = \"" + design + "\"\npoints = 20\n";
+    const auto points = design_points(load(text + kBall + kAxes + kRange));
+    EXPECT_EQ(points, design_points(load(text + kBall + kAxes + kRange)));
+    EXPECT_NE(points, design_points(load(text + "design_seed = 2\n" + kBall + kAxes + kRange)));
+  }
+}
+
+TEST_F(TradePlanFile, IsRefusedWithKeyAndWhatIsAllowed) {
+  const std::string sampled = "design = \"sobol\"\npoints = 8\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {kAxes, "scenes: must be one or more tables"},
+      {kBall, "axes: must be a table"},
+      {kBall + "[axes]\n", "axes: must be a table"},
+      {"seeds = 0\n" + kBall + kAxes, "plan.seeds = 0: must be within 1 and 1000"},
+      {"point = 5\n" + kBall + kAxes, "point: unknown; keys of a plan are"},
+      {"points = 5\n" + kBall + kAxes, "points: follows from the axes of a grid"},
+      {"design = \"sobol\"\n" + kBall + kAxes, "points: must be given"},
+      {"design = \"best\"\n" + kBall + kAxes, "plan.design = 'best': must be one of"},
+      {kBall + kAxes + kRange, "must be a list of values for a grid"},
+      {kBall + "[axes]\nsteps = [1, 2]\n", "axes.steps: must be a quoted"},
+      {kBall + "[axes]\n\"simulation.seed\" = [1, 2]\n", "is set by seeds; leave it out"},
+      {kBall + "[axes]\n\"a.b\" = [1]\n", "axes.\"a.b\": must have 2 to 64 values"},
+      {kBall + "[axes]\n\"a.b\" = [1, 1]\n", "axes.\"a.b\": has a value twice"},
+      {kBall + "[axes]\n\"a.b\" = 1\n", "axes.\"a.b\": must be a list of values"},
+      {sampled + kBall + "[axes]\n\"a.b\" = { from = 2, to = 1 }\n", "from must be less than to"},
+      {sampled + kBall + "[axes]\n\"a.b\" = { from = \"x\", to = 1 }\n", "from must be a number"},
+      {sampled + kBall + "[axes]\n\"a.b\" = { from = 0, to = 1, logarithmic = true }\n",
+       "from of a logarithmic range must be above 0"},
+      {sampled + kBall + "[axes]\n\"a.b\" = { from = 0, to = 1, step = 2 }\n", "step: unknown"}};
+  for (const auto& [text, words] : cases) {
+    const std::string line = refusal(text);
+    EXPECT_NE(line.find(words), std::string::npos) << text << "\n" << line;
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  }
+}
+
+}  // namespace
+}  // namespace wobblebench::bench

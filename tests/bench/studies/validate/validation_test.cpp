@@ -1,0 +1,113 @@
+// The validation documents, and the commands validate and rungs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/studies/validate/validation.h"
+#include "tests/support/process.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using testing_support::run_process;
+using testing_support::ScratchFolder;
+using Words = std::vector<std::string>;
+
+Check check(Check::Kind kind, double measured, double expected, double tolerance) {
+  return {
+      "study.what", kind, measured, expected, tolerance, "mm", "closed form", 5, "places", {1, 2}};
+}
+
+TEST(Check, PassesWithinWhatItAllows) {
+  EXPECT_TRUE(check(Check::Kind::within, 1.09, 1, 0.1).passed());
+  EXPECT_FALSE(check(Check::Kind::within, 0.89, 1, 0.1).passed());
+  EXPECT_TRUE(check(Check::Kind::at_least, 1, 1, 0).passed());
+  EXPECT_FALSE(check(Check::Kind::at_least, 0.99, 1, 0).passed());
+  EXPECT_TRUE(check(Check::Kind::at_most, 1, 1, 0).passed());
+  EXPECT_FALSE(check(Check::Kind::at_most, 1.01, 1, 0).passed());
+  for (const auto kind : {Check::Kind::within, Check::Kind::at_least, Check::Kind::at_most}) {
+    EXPECT_FALSE(check(kind, std::nan(""), 1, 0.1).passed());
+  }
+}
+
+TEST(Validation, WhatAStudyThrowsIsACheckThatFailed) {
+  const auto report =
+      run_study({"broken", 1, []() -> StudyReport { throw std::runtime_error("a\nb"); }});
+  ASSERT_EQ(report.checks.size(), 1u);
+  EXPECT_FALSE(report.checks.front().passed());
+  EXPECT_EQ(report.checks.front().name, "broken.ran");
+  EXPECT_EQ(failed_checks({report}), 1);
+  EXPECT_NE(validation_markdown({report}, {}, "").find("a\\nb"), std::string::npos);
+}
+
+StudyReport example() {
+  StudyReport report{"study", "A study", "What was done.", {}, {}, {}};
+  report.checks = {check(Check::Kind::within, 1.05, 1, 0.1), check(Check::Kind::at_most, 3, 2, 0)};
+  report.points = {{"a, b", "x_mm", 1.5, "y_db", -2, {}}, {"c", "x_mm", 2, "y_db", -3, 4.0}};
+  report.figures = {{"picture", "A caption.", Picture3(4, 4, Colour(1))}};
+  return report;
+}
+
+TEST(Validation, MarkdownNamesFailuresAndLinksFigures) {
+  const auto markdown = validation_markdown({example()}, {.commit = "abc"}, "figures/");
+  EXPECT_NE(markdown.find("2 checks, 1 passed, 1 failed"), std::string::npos) << markdown;
+  EXPECT_NE(markdown.find("](figures/validation_picture.png)"), std::string::npos);
+  EXPECT_NE(markdown.find("Commit abc"), std::string::npos);
+  EXPECT_NE(markdown.find("1.05 mm | 1 ± 0.1"), std::string::npos);
+  EXPECT_NE(markdown.find("**failed**"), std::string::npos);
+  EXPECT_NE(markdown.find("tests/yardstick"), std::string::npos);
+  EXPECT_NE(markdown.find("## Not modelled"), std::string::npos);
+}
+
+TEST(Validation, CsvHasEveryPoint) {
+  EXPECT_EQ(validation_csv({example()}),
+            "study,series,x_name,x,y_name,y,expected\n"
+            "study,\"a, b\",x_mm,1.5,y_db,-2,\n"
+            "study,c,x_mm,2,y_db,-3,4\n");
+}
+
+TEST(Validation, ReportHasNameOutcomeDetail) {
+  const auto checks = checks_json({example()});
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0].at("name"), "study.what");
+  EXPECT_EQ(checks[0].at("outcome"), "passed");
+  EXPECT_EQ(checks[1].at("outcome"), "failed");
+  EXPECT_EQ(checks[0].at("detail"),
+            "1.05 mm; expected 1 ± 0.1 mm (closed form); n = 5 places; seeds 1 to 2");
+}
+
+TEST(ValidateCommand, WritesMarkdownPointsFiguresAndReport) {
+  const ScratchFolder folder;
+  const auto result =
+      run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "shear", "--json"}, folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(folder.files("out"),
+            (Words{"report.json", "validation.csv", "validation.md", "validation_shear.png"}));
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report.at("command"), "validate");
+  EXPECT_EQ(report.at("checks").size(), 3u);
+}
+
+TEST(ValidateCommand, RefusesAnUnknownStudy) {
+  const ScratchFolder folder;
+  const auto result =
+      run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "weather"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("wobblebench: --study = weather: must be one of speckle, "), 0u)
+      << result.err;
+  EXPECT_TRUE(folder.files("out").empty());
+}
+
+TEST(RungsCommand, RefusesWhatItSetsItself) {
+  const ScratchFolder folder;
+  const auto result = run_process(
+      WOBBLEBENCH_PROGRAM, {"rungs", "--set", "simulation.fidelity=field"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("wobblebench: simulation.fidelity: is set by the command"), 0u)
+      << result.err;
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
