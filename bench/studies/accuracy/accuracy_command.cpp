@@ -1,14 +1,12 @@
 // Every measure of the picture against the truth, over scenes, rungs, render settings and seeds.
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
@@ -85,19 +83,17 @@ Json report_of(const AccuracyResults& results,
   return report;
 }
 
-int accuracy(const Arguments& arguments) {
-  const AccuracyPlan plan = plan_of(arguments);
-  const auto scenes = scenes_of(plan, arguments.plan.settings);
-  const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"measure", 95}, {"write", 5}});
+CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
+                                const Arguments& arguments,
+                                const render::GlContext& context,
+                                OutputFolder& out,
+                                Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const AccuracyResults results = progress.step("measure", [&](const PartDone& done) {
     return measure_accuracy(
-        scenes, *context, cache, done, [&](const std::string& what) { progress.note(what); });
+        scenes, context, cache, done, [&](const std::string& what) { progress.note(what); });
   });
-
-  const Provenance provenance = provenance_of_simulation(*context, results.seeds.front());
+  const Provenance provenance = provenance_of_simulation(context, results.seeds.front());
   const std::string markdown = accuracy_markdown(results, provenance);
   progress.step("write", [&] {
     out.write_text("accuracy.csv", accuracy_csv(results));
@@ -107,11 +103,19 @@ int accuracy(const Arguments& arguments) {
       write_png(out.stage(accuracy_picture_file(picture)), picture.surface, Values::light);
     }
   });
-  const std::string report = report_text(report_of(results, scenes, provenance, progress.times()));
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : markdown);
-  return 0;
+  return {.report = report_text(report_of(results, scenes, provenance, progress.times())),
+          .summary = markdown};
+}
+
+int accuracy(const Arguments& arguments) {
+  const AccuracyPlan plan = plan_of(arguments);
+  const auto scenes = scenes_of(plan, arguments.plan.settings);
+  const auto context = render::make_context(arguments.gl);
+  return run_in_folder(arguments.output,
+                       {{"measure", 95}, {"write", 5}},
+                       [&](OutputFolder& out, Progress& progress) {
+                         return measure_and_write(scenes, arguments, *context, out, progress);
+                       });
 }
 
 }  // namespace

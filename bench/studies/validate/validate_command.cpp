@@ -1,16 +1,14 @@
 // The physics of the simulated probe against an independent sum over its elements, closed forms and
 // publications.
 #include <algorithm>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/studies/validate/validation.h"
 
@@ -46,13 +44,15 @@ std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
   return studies;
 }
 
-void print_outcomes(const std::vector<StudyReport>& reports) {
+std::string outcomes_text(const std::vector<StudyReport>& reports) {
+  std::string text;
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {
-      std::cout << (check.passed() ? "passed  " : "FAILED  ") << check.name << "  "
-                << describe(check) << "\n";
+      text +=
+          (check.passed() ? "passed  " : "FAILED  ") + check.name + "  " + describe(check) + "\n";
     }
   }
+  return text;
 }
 
 Json report_of(const std::vector<StudyReport>& reports,
@@ -64,20 +64,16 @@ Json report_of(const std::vector<StudyReport>& reports,
   return report;
 }
 
-int validate(const Arguments& arguments) {
-  const auto studies = chosen(arguments.studies);
-  OutputFolder out(arguments.output.folder);
-  std::vector<PlannedStep> steps;
-  for (const auto& study : studies) steps.push_back({study.id, study.usual_s});
-  Progress progress(steps);
+CommandResult run_and_write(const std::vector<NamedStudy>& studies,
+                            const Arguments& arguments,
+                            OutputFolder& out,
+                            Progress& progress) {
   std::vector<StudyReport> reports;
   for (const auto& study : studies) {
     reports.push_back(progress.step(study.id, [&] { return run_study(study); }));
   }
-
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
-  const std::string report = report_text(report_of(reports, provenance, progress.times()));
   out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
   out.write_text("validation.csv", validation_csv(reports));
   for (const auto& study : reports) {
@@ -85,14 +81,18 @@ int validate(const Arguments& arguments) {
       write_png(out.stage(figure_file(figure)), figure.picture);
     }
   }
-  out.write_text("report.json", report);
-  out.commit();
-  if (arguments.output.json) {
-    std::cout << report;
-  } else {
-    print_outcomes(reports);
-  }
-  return failed_checks(reports) == 0 ? 0 : 1;
+  return {.report = report_text(report_of(reports, provenance, progress.times())),
+          .summary = outcomes_text(reports),
+          .exit_code = failed_checks(reports) == 0 ? kDone : kFailed};
+}
+
+int validate(const Arguments& arguments) {
+  const auto studies = chosen(arguments.studies);
+  std::vector<PlannedStep> steps;
+  for (const auto& study : studies) steps.push_back({study.id, study.usual_s});
+  return run_in_folder(arguments.output, steps, [&](OutputFolder& out, Progress& progress) {
+    return run_and_write(studies, arguments, out, progress);
+  });
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+// What every command that fills a folder does around its own work.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/command/common_options.h"
+#include "bench/command/program.h"
+#include "bench/output/output_folder.h"
+#include "bench/output/progress.h"
+
+namespace wobblebench::bench {
+
+/// What a command has found.
+struct CommandResult {
+  std::string report;   ///< text of report.json
+  std::string summary;  ///< printed on stdout, unless --json prints the report
+  int exit_code = kDone;
+  std::string failure;  ///< one line for stderr that says why the code is not kDone; empty: none
+};
+
+/// Makes and locks the folder, runs `work`, which stages the command's files and times its steps,
+/// adds report.json, gives the files their final names and prints. Returns the result's exit code.
+/// Whatever is thrown leaves the folder as it was. `steps`: as Progress takes them.
+int run_in_folder(const OutputArguments& output,
+                  const std::vector<PlannedStep>& steps,
+                  const std::function<CommandResult(OutputFolder&, Progress&)>& work);
+
+}  // namespace wobblebench::bench
