@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// x[index].
-double order_statistic(std::vector<double>& values, std::size_t index) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(index);
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 double interpolated(const std::vector<double>& sorted, double q) {
   if (sorted.empty()) return kNone;
   const double position = q * static_cast<double>(sorted.size() - 1);
@@ -29,27 +22,30 @@ double interpolated(const std::vector<double>& sorted, double q) {
 
 }  // namespace
 
-double quantile_linear(std::vector<double> values, double q) {
+double quantile(std::vector<double> values, double q) {
   std::sort(values.begin(), values.end());
   return interpolated(values, q);
 }
 
-double quantile_nearest(std::vector<double> values, double q) {
-  if (values.empty()) return kNone;
-  const auto index = std::lround(q * static_cast<double>(values.size() - 1));
-  return order_statistic(values, static_cast<std::size_t>(index));
+double root_mean_square(std::span<const double> values) {
+  double squares = 0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-double quantile_lower(std::vector<double> values, double q) {
-  if (values.empty()) return kNone;
-  return order_statistic(values,
-                         static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
-}
-
-double quantile_upper(std::vector<double> values, double q) {
-  if (values.empty()) return kNone;
-  const auto index = static_cast<std::size_t>(q * static_cast<double>(values.size()));
-  return order_statistic(values, std::min(index, values.size() - 1));
+double correlation(std::span<const double> a, std::span<const double> b) {
+  const double n = static_cast<double>(a.size());
+  double mean_a = 0, mean_b = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    mean_a += a[i] / n;
+    mean_b += b[i] / n;
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean_a) * (a[i] - mean_a);
+    bb += (b[i] - mean_b) * (b[i] - mean_b);
+    ab += (a[i] - mean_a) * (b[i] - mean_b);
+  }
+  return ab / std::sqrt(aa * bb);
 }
 
 Spread spread_of(std::vector<double> values) {

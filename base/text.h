@@ -1,8 +1,9 @@
-// Checks of text: UTF-8, control characters.
+// Text: UTF-8, control characters, fields of CSV.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 #include <string_view>
 
 namespace wobblebench {
@@ -39,6 +40,14 @@ inline bool is_utf8(std::string_view text) {
     text.remove_prefix(length);
   }
   return true;
+}
+
+/// A field of a CSV row, in quotes where it needs them (RFC 4180).
+inline std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
 }
 
 /// UTF-8 without ASCII control characters: text that terminals and JSON reports can show.

@@ -1,5 +1,6 @@
 #include "sim/probe_simulator.h"
 
+#include "base/duration.h"
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
 #include "sim/echo/echo_model.h"
@@ -10,7 +11,7 @@ namespace wobblebench::sim {
 namespace {
 
 double milliseconds_since(hw::HostTime start) {
-  return std::chrono::duration<double, std::milli>(hw::HostClock::now() - start).count();
+  return to_milliseconds(hw::HostClock::now() - start);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ void report_simulation(Json& report,
   report_fidelity(report,
                   simulated ? std::optional(simulated->fidelity) : std::optional<sim::Fidelity>());
   if (!simulated) return;
-  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   report["simulation"].update({{"map_ms", simulated->map_ms},
                                {"once_ms", simulated->once_ms},
                                {"ms_per_volume", simulated->volume_ms},
@@ -64,7 +64,7 @@ std::string in_mm(double metres) {
 
 std::string volume_line(const RunResult& result, const Scene& scene) {
   const Acquisition& acquisition = result.acquisition;
-  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
   if (!acquisition.simulated) {
     return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +

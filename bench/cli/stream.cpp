@@ -94,7 +94,7 @@ VolumeError error_of(const KeptDepth& kept,
   const DepthError error = measure_depth_error(kept.depth_m, truth, view.camera);
   const auto first = plan.stick_time(plan.first_sequence(kept.volume));
   return {.volume = kept.volume,
-          .time_s = 1e-3 * hw::to_milliseconds(first.time_since_epoch()),
+          .time_s = 1e-3 * to_milliseconds(first.time_since_epoch()),
           .depth = error.depth,
           .missed_percent = error.missed_percent(),
           .false_percent = error.false_percent()};
@@ -173,7 +173,7 @@ StreamSummary summary_of(const StreamReport& report,
                          bool in_real_time,
                          const Scene& scene,
                          const Arguments& arguments) {
-  const double sound_ms = hw::to_milliseconds(scene.plan().volume_duration());
+  const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const auto volumes = std::max<std::uint64_t>(report.result.reader.volumes, 1);
   const double simulated_ms = report.simulated ? report.simulated->volume_ms : 0;
   return summarize(report.result,

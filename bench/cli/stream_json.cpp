@@ -100,7 +100,7 @@ std::string stream_report(const StreamReport& report,
                           const StepTimes& times) {
   Json json = report_head("stream", std::move(provenance), scene);
   json["acquisition"] = acquisition_json(scene.plan());
-  report_simulation(json, report, hw::to_milliseconds(scene.plan().volume_duration()));
+  report_simulation(json, report, to_milliseconds(scene.plan().volume_duration()));
   json["board"] = account_json(report.result.account);
   json["board"]["link"] = link_json(report.result.link);
   json["stream"] = {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kLongestVideo_s = 1200;
 
 double seconds(hw::DeviceDuration time) {
-  return 1e-3 * hw::to_milliseconds(time);
+  return 1e-3 * to_milliseconds(time);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "base/duration.h"
 #include "bench/cache/kept_maps.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
@@ -32,10 +33,7 @@ decltype(auto) timed(double& ms, const Body& body) {
   struct Watch {
     double& ms;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    ~Watch() {
-      ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-                .count();
-    }
+    ~Watch() { ms += to_milliseconds(std::chrono::steady_clock::now() - start); }
   };
   const Watch watch{ms};
   return body();

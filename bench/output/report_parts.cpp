@@ -13,7 +13,7 @@ nlohmann::ordered_json number(double value) {
 
 nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan) {
   const auto& acquisition = plan.acquisition();
-  return {{"volume_time_ms", hw::to_milliseconds(plan.volume_duration())},
+  return {{"volume_time_ms", to_milliseconds(plan.volume_duration())},
           {"sticks", plan.sticks_per_volume()},
           {"frames", acquisition.frames_per_volume},
           {"samples", acquisition.samples_per_stick}};

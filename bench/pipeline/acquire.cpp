@@ -12,10 +12,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-double milliseconds(hw::HostClock::duration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
-}
-
 void check_balance(const hw::BoardAccount& account) {
   if (account.balanced()) return;
   throw std::logic_error("board account: emitted " + std::to_string(account.emitted) +
@@ -135,8 +131,9 @@ Acquisition BoardConnection::acquire(const StreamSource& source,
   KeptVolume& kept = *result.kept;
   const hw::HostTime delivered = result.records.back().last.acquired;
   // The volume may have been computed before the stream began.
-  const double transport_ms = std::min(milliseconds(delivered - connected_) - figures_->volume_ms,
-                                       milliseconds(delivered - result.begin));
+  const double transport_ms =
+      std::min(to_milliseconds(delivered - connected_) - figures_->volume_ms,
+               to_milliseconds(delivered - result.begin));
   return {.volume = std::move(kept.volume),
           .samples = kept.samples,
           .account = result.account,

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "base/hash.h"
 #include "base/options.h"
 
 namespace wobblebench::hw {
@@ -16,12 +17,8 @@ constexpr auto kPollInterval = std::chrono::milliseconds(5);
 /// Longest delay of the release of a closed file in the kernel.
 constexpr auto kReleaseTimeout = std::chrono::seconds(1);
 
-/// Uniform hash (splitmix64).
 std::uint64_t hash(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed + 0x9E3779B97F4A7C15U * (index + 1);
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-  return z ^ (z >> 31U);
+  return mix64(seed + kGoldenGamma * (index + 1));
 }
 
 const XdmaEmulatorOptions& checked(const XdmaEmulatorOptions& options) {

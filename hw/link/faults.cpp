@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 
+#include "base/hash.h"
 #include "base/options.h"
 
 namespace wobblebench::hw {
@@ -20,13 +21,6 @@ constexpr std::array<std::string_view, kFaultKinds> kNames = {"drop",
                                                               "short_reads"};
 
 constexpr int kLongestWaitMs = 60000;
-
-/// The finaliser of splitmix64.
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
-  return x ^ (x >> 31);
-}
 
 [[noreturn]] void refuse(const std::string& term, const std::string& allowed) {
   throw InvalidOption("faults", term, allowed);
@@ -79,16 +73,15 @@ std::string_view to_string(FaultKind kind) {
 }
 
 std::uint64_t FaultPlan::draw(FaultKind kind, std::uint64_t packet, std::uint64_t purpose) const {
-  constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15;
   const auto stream = purpose * kFaultKinds + static_cast<std::uint64_t>(kind);
-  return mix(mix(mix(seed + kGolden) + stream + kGolden) + packet + kGolden);
+  return mix64(mix64(mix64(seed + kGoldenGamma) + stream + kGoldenGamma) + packet + kGoldenGamma);
 }
 
 bool FaultPlan::affects(FaultKind kind, std::uint64_t packet) const {
   return std::any_of(faults.begin(), faults.end(), [&](const Fault& fault) {
     if (fault.kind != kind) return false;
     if (fault.at) return *fault.at == packet;
-    return static_cast<double>(draw(kind, packet, 0) >> 11) * 0x1p-53 < fault.rate;
+    return unit_interval(draw(kind, packet, 0)) < fault.rate;
   });
 }
 

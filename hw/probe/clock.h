@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <ratio>
 
+#include "base/duration.h"
+
 namespace wobblebench::hw {
 
 /// Clock of the acquisition: nanoseconds since the first stick of the stream was fired. It has no
@@ -41,9 +43,5 @@ class HostTimeSource {
   virtual ~HostTimeSource() = default;
   virtual HostTime now() const { return HostClock::now(); }
 };
-
-inline double to_milliseconds(DeviceDuration duration) {
-  return std::chrono::duration<double, std::milli>(duration).count();
-}
 
 }  // namespace wobblebench::hw

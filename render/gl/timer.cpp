@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/duration.h"
+
 namespace wobblebench::render {
 
 /// llvmpipe returns the time since boot for a context's first query that times anything.
@@ -31,8 +33,7 @@ void PassTimer::begin() {
 void PassTimer::end(PassTime& total) {
   if (is_querying_) glEndQuery(GL_TIME_ELAPSED);
   glFinish();
-  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
-  total.ms += wall.count();
+  total.ms += to_milliseconds(std::chrono::steady_clock::now() - start_);
   if (!is_querying_) return;
   GLuint64 nanoseconds = 0;
   glGetQueryObjectui64v(query_.id(), GL_QUERY_RESULT, &nanoseconds);

@@ -16,16 +16,12 @@
 namespace wobblebench::sim {
 namespace {
 
-double milliseconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 /// Adds the wall time of computing each volume to the statistics.
 VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics> statistics) {
   return [make = std::move(make), statistics = std::move(statistics)](std::uint32_t volume) {
     const auto start = hw::HostClock::now();
     VolumeSamples samples = make(volume);
-    statistics->volume_ms += milliseconds(hw::HostClock::now() - start);
+    statistics->volume_ms += to_milliseconds(hw::HostClock::now() - start);
     return samples;
   };
 }
@@ -203,7 +199,7 @@ void SimLink::Impl::delay_probe(hw::DeviceTime begin, hw::HostTime ready) {
   const hw::HostTime due = *epoch_ + begin.time_since_epoch();
   if (time_ != nullptr || ready <= due) return;
   set_epoch(*epoch_ + (ready - due));
-  if (sequence_ > 0) statistics_->late_ms += milliseconds(ready - due);
+  if (sequence_ > 0) statistics_->late_ms += to_milliseconds(ready - due);
 }
 
 hw::DeviceTime SimLink::Impl::stick_end() const {

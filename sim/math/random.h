@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/hash.h"
 #include "sim/math/fast_math.h"
 
 namespace wobblebench::sim {
@@ -12,29 +13,19 @@ namespace wobblebench::sim {
 /// What the random numbers are used for; each use has a stream of its own.
 enum class RandomStream : std::uint64_t { speckle = 1, noise = 2, scatterers = 3 };
 
-/// The finaliser of SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): a bijection that passes
-/// BigCrush when fed a counter.
-constexpr std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
-}
-
-inline constexpr std::uint64_t kGoldenGamma = 0x9e3779b97f4a7c15ULL;
-
 /// Key of one sequence of numbers, whose elements are uniform_bits(key, i).
 constexpr std::uint64_t random_key(std::uint64_t seed,
                                    RandomStream stream,
                                    std::uint64_t a,
                                    std::uint64_t b = 0) {
-  std::uint64_t key = mix(seed + kGoldenGamma);
-  key = mix(key ^ (static_cast<std::uint64_t>(stream) * kGoldenGamma));
-  key = mix(key ^ (a + kGoldenGamma));
-  return mix(key ^ (b + kGoldenGamma));
+  std::uint64_t key = mix64(seed + kGoldenGamma);
+  key = mix64(key ^ (static_cast<std::uint64_t>(stream) * kGoldenGamma));
+  key = mix64(key ^ (a + kGoldenGamma));
+  return mix64(key ^ (b + kGoldenGamma));
 }
 
 constexpr std::uint64_t uniform_bits(std::uint64_t key, std::uint64_t index) {
-  return mix(key + (index + 1) * kGoldenGamma);
+  return mix64(key + (index + 1) * kGoldenGamma);
 }
 
 /// Hash of 32 bits, a bijection, for vectorised loops (Wellons, "lowbias32").

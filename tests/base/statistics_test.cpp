@@ -1,4 +1,4 @@
-// Quantiles against their closed forms.
+// Statistics against closed forms and published values.
 #include "base/statistics.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "base/units.h"
 
 namespace wobblebench {
 namespace {
@@ -18,34 +20,43 @@ std::vector<double> shuffled(int n) {
   return values;
 }
 
-TEST(Quantile, FollowsItsDefinition) {
+TEST(Quantile, OfWholeNumbersIsItsPosition) {
   for (const int n : {1, 2, 3, 4, 10, 101}) {
-    const auto values = shuffled(n);
     for (const double q : {0.0, 0.1, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0}) {
-      const double position = q * (n - 1);
-      EXPECT_NEAR(quantile_linear(values, q), position, 1e-12) << n << " " << q;
-      EXPECT_EQ(quantile_nearest(values, q), std::round(position)) << n << " " << q;
-      EXPECT_EQ(quantile_lower(values, q), std::floor(position)) << n << " " << q;
-      EXPECT_EQ(quantile_upper(values, q), std::min(std::floor(q * n), n - 1.0)) << n << " " << q;
+      EXPECT_NEAR(quantile(shuffled(n), q), q * (n - 1), 1e-12) << n << " " << q;
     }
   }
 }
 
-TEST(Quantile, DefinitionsDifferForFewValues) {
-  const std::vector<double> values = {40, 10, 20, 30};
-  EXPECT_DOUBLE_EQ(quantile_linear(values, 0.6), 28);
-  EXPECT_EQ(quantile_nearest(values, 0.6), 30);
-  EXPECT_EQ(quantile_lower(values, 0.6), 20);
-  EXPECT_EQ(quantile_upper(values, 0.6), 30);
-  EXPECT_EQ(quantile_nearest(values, 0.5), 30) << "halfway: the upper one";
-  EXPECT_EQ(quantile_upper(values, 0.25), 20) << "more than a quarter is not above it";
+TEST(Quantile, IsThatOfNumpy) {
+  // numpy.quantile([15, 20, 35, 40, 50], q), and numpy.median of an even number.
+  const std::vector<double> values = {50, 15, 40, 20, 35};
+  EXPECT_DOUBLE_EQ(quantile(values, 0.05), 16);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.3), 23);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.4), 29);
+  EXPECT_DOUBLE_EQ(quantile(values, 0.95), 48);
+  EXPECT_DOUBLE_EQ(quantile({40, 10, 20, 30}, 0.5), 25);
 }
 
 TEST(Quantile, OfNothingIsNan) {
-  EXPECT_TRUE(std::isnan(quantile_linear({}, 0.5)));
-  EXPECT_TRUE(std::isnan(quantile_nearest({}, 0.5)));
-  EXPECT_TRUE(std::isnan(quantile_lower({}, 0.5)));
-  EXPECT_TRUE(std::isnan(quantile_upper({}, 0.5)));
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
+TEST(RootMeanSquare, IsThatOfASine) {
+  std::vector<double> sine;
+  for (int i = 0; i < 1000; ++i) sine.push_back(3 * std::sin(2 * kPi * i / 1000));
+  EXPECT_NEAR(root_mean_square(sine), 3 / std::sqrt(2.0), 1e-12);
+  EXPECT_TRUE(std::isnan(root_mean_square({})));
+}
+
+TEST(Correlation, IsOneOfALineAndThatOfAnscombe) {
+  // Anscombe, Am. Stat. 27, 17 (1973), the first of his four sets.
+  const std::vector<double> x = {10, 8, 13, 9, 11, 14, 6, 4, 12, 7, 5};
+  const std::vector<double> y = {8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68};
+  EXPECT_NEAR(correlation(x, y), 0.81642, 1e-5);
+  const std::vector<double> line = {-1, 1, 3}, steps = {1, 0, -1}, level = {2, 2, 2};
+  EXPECT_NEAR(correlation(line, steps), -1, 1e-12);
+  EXPECT_TRUE(std::isnan(correlation(line, level)));
 }
 
 TEST(Spread, IsMedianAndRange) {

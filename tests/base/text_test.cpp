@@ -64,5 +64,12 @@ TEST(Text, IsPrintableWithoutControlCharacters) {
   EXPECT_FALSE(is_printable_text("\xff"));
 }
 
+TEST(CsvField, IsQuotedWhereRfc4180AsksForIt) {
+  EXPECT_EQ(csv_field("plain text"), "plain text");
+  EXPECT_EQ(csv_field("1,5"), "\"1,5\"");
+  EXPECT_EQ(csv_field("say \"no\""), "\"say \"\"no\"\"\"");
+  EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
+}
+
 }  // namespace
 }  // namespace wobblebench

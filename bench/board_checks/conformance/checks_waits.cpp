@@ -3,6 +3,7 @@
 #include <atomic>
 #include <thread>
 
+#include "base/duration.h"
 #include "bench/board_checks/conformance/board_fixture.h"
 #include "bench/board_checks/conformance/board_session.h"
 #include "bench/board_checks/conformance/suite.h"
@@ -20,7 +21,7 @@ constexpr milliseconds kSchedulingNoise{90};
 constexpr int kCancels = 9;
 
 double ms_since(hw::HostTime start) {
-  return duration<double, std::milli>(hw::HostClock::now() - start).count();
+  return to_milliseconds(hw::HostClock::now() - start);
 }
 
 std::string in_ms(double value) {
@@ -97,7 +98,7 @@ std::string cancel_wakes(const ConformanceFixture& fixture) {
     session.board.cancel();
     waiter.join();
     require(cancelled_event, "a cancelled waiter is not told so");
-    waking_ms.push_back(duration<double, std::milli>(woken - cancelled).count());
+    waking_ms.push_back(to_milliseconds(woken - cancelled));
     session.board.stop();
   }
   std::nth_element(waking_ms.begin(), waking_ms.begin() + kCancels / 2, waking_ms.end());

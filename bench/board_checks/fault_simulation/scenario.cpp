@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "base/hash.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -53,14 +55,11 @@ hw::FaultPlan draw_faults(Draws& draws) {
 }  // namespace
 
 std::uint64_t Draws::next() {
-  std::uint64_t x = seed_ * 0x9E3779B97F4A7C15 + ++count_ * 0xD1B54A32D192ED03;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
-  return x ^ (x >> 31);
+  return mix64(seed_ * kGoldenGamma + ++count_ * 0xD1B54A32D192ED03);
 }
 
 double Draws::uniform() {
-  return static_cast<double>(next() >> 11) * 0x1p-53;
+  return unit_interval(next());
 }
 
 int Draws::between(int least, int most) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "base/units.h"
 #include "bench/evaluation/bound/plane_scan.h"
 
@@ -34,12 +35,6 @@ std::vector<std::vector<double>> oracle_errors(const PlaneScan& scan) {
     for (double& error : errors[at]) error -= stick.edge_m;
   });
   return errors;
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 /// Mean squares of a lone stick's bounds.

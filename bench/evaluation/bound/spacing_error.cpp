@@ -138,13 +138,6 @@ Image<PixelError> pixel_errors(const Truth& truth,
   return errors;
 }
 
-double rms_of(const std::vector<double>& values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double squares = 0;
-  for (const double value : values) squares += value * value;
-  return std::sqrt(squares / static_cast<double>(values.size()));
-}
-
 }  // namespace
 
 StickRanges stick_ranges_m(const phantoms::PlacedPhantom& subject,
@@ -193,9 +186,9 @@ SpacingError spacing_error(const Truth& truth,
   }
   result.n = static_cast<int>(whole.size());
   result.unsupported = result.hidden + result.outside + result.parted;
-  result.rms_m = rms_of(whole);
-  result.with_parted_rms_m = rms_of(all);
-  result.p95_m = quantile_nearest(whole, 0.95);
+  result.rms_m = root_mean_square(whole);
+  result.with_parted_rms_m = root_mean_square(all);
+  result.p95_m = quantile(whole, 0.95);
   return result;
 }
 

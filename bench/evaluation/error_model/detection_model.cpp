@@ -146,7 +146,7 @@ double robust_scale_mm(const std::vector<ErrorRow>& rows, const DetectionModel& 
   for (const ErrorRow& row : rows) {
     left.push_back(std::abs(static_cast<double>(row.error_m) - model.bias_m(row.pixel)));
   }
-  const double scale_mm = kOfMedian * quantile_linear(std::move(left), 0.5) / kMillimetre;
+  const double scale_mm = kOfMedian * quantile(std::move(left), 0.5) / kMillimetre;
   return std::max(scale_mm, kLeastSpread_mm);
 }
 

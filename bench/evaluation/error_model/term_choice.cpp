@@ -41,7 +41,7 @@ double scale_mm(const std::vector<ErrorRow>& rows) {
   std::vector<double> errors;
   errors.reserve(rows.size());
   for (const ErrorRow& row : rows) errors.push_back(std::abs(static_cast<double>(row.error_m)));
-  return kOfMedian * quantile_linear(std::move(errors), 0.5) / kMillimetre;
+  return kOfMedian * quantile(std::move(errors), 0.5) / kMillimetre;
 }
 
 std::vector<Sums> sums_by_set(const std::vector<ErrorRow>& rows) {

@@ -27,10 +27,10 @@ DepthStatistics depth_statistics(std::vector<double> errors_m) {
   const double n = static_cast<double>(errors_m.size());
   result.bias_m = sum / n;
   result.rms_m = std::sqrt(squares / n);
-  result.median_m = quantile_nearest(errors_m, 0.5);
+  result.median_m = quantile(errors_m, 0.5);
   for (double& e : errors_m) e = std::abs(e);
   result.max_m = *std::max_element(errors_m.begin(), errors_m.end());
-  result.p95_m = quantile_nearest(std::move(errors_m), 0.95);
+  result.p95_m = quantile(std::move(errors_m), 0.95);
   return result;
 }
 
@@ -38,8 +38,8 @@ NormalStatistics normal_statistics(std::vector<double> angles_rad) {
   NormalStatistics result{kUnset, kUnset, kUnset, static_cast<int>(angles_rad.size())};
   if (angles_rad.empty()) return result;
   result.mean_rad = std::accumulate(angles_rad.begin(), angles_rad.end(), 0.0) / result.n;
-  result.median_rad = quantile_nearest(angles_rad, 0.5);
-  result.p95_rad = quantile_nearest(std::move(angles_rad), 0.95);
+  result.median_rad = quantile(angles_rad, 0.5);
+  result.p95_rad = quantile(std::move(angles_rad), 0.95);
   return result;
 }
 

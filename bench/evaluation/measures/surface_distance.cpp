@@ -35,7 +35,7 @@ double mean(const std::vector<double>& values) {
 DirectedDistance directed(const std::vector<double>& values) {
   if (values.empty()) return {kUnset, kUnset, kUnset, 0};
   return {mean(values),
-          quantile_nearest(values, 0.95),
+          quantile(values, 0.95),
           *std::max_element(values.begin(), values.end()),
           static_cast<int>(values.size())};
 }
@@ -60,7 +60,7 @@ SurfaceDistance surface_distance(const Image<float>& depth_m,
   std::vector<double> both = std::move(to_true);
   both.insert(both.end(), to_found.begin(), to_found.end());
   result.mean_m = mean(both);
-  result.p95_m = quantile_nearest(std::move(both), 0.95);
+  result.p95_m = quantile(std::move(both), 0.95);
   return result;
 }
 

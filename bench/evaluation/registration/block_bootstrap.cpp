@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/hash.h"
 #include "base/statistics.h"
 #include "sim/math/random.h"
 
@@ -15,7 +16,7 @@ namespace {
 /// Uniform and normal numbers in a fixed order.
 class Draws {
  public:
-  explicit Draws(std::uint64_t seed) : key_(sim::mix(seed + sim::kGoldenGamma)) {}
+  explicit Draws(std::uint64_t seed) : key_(mix64(seed + kGoldenGamma)) {}
   std::size_t below(std::size_t count) {
     return static_cast<std::size_t>(unit() * static_cast<double>(count));
   }
@@ -28,7 +29,7 @@ class Draws {
  private:
   static constexpr double kTurn = 6.283185307179586;
   /// In [0, 1).
-  double unit() { return static_cast<double>(sim::uniform_bits(key_, next_++) >> 11) * 0x1p-53; }
+  double unit() { return unit_interval(sim::uniform_bits(key_, next_++)); }
 
   std::uint64_t key_;
   std::uint64_t next_ = 0;
@@ -68,8 +69,8 @@ BootstrapResult summarise(const Eigen::MatrixXd& changes) {
     for (Eigen::Index r = 0; r < changes.cols(); ++r) {
       values[static_cast<std::size_t>(r)] = changes(i, r);
     }
-    result.low[i] = quantile_linear(values, 0.025);
-    result.high[i] = quantile_linear(std::move(values), 0.975);
+    result.low[i] = quantile(values, 0.025);
+    result.high[i] = quantile(std::move(values), 0.975);
   }
   const Eigen::MatrixXd centred = changes.colwise() - changes.rowwise().mean();
   result.covariance = centred * centred.transpose() /

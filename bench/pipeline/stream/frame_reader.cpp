@@ -13,10 +13,6 @@ namespace {
 /// A board that is stopped wakes next(): the deadline is for boards whose stop was missed.
 constexpr std::chrono::seconds kLongestWait{1};
 
-double milliseconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 }  // namespace
 
 FrameReader::FrameReader(const StreamSource& source,
@@ -50,12 +46,12 @@ void FrameReader::read() {
   for (bool more = true; more;) {
     const auto asked = hw::HostClock::now();
     hw::Event event = source_.board.next(asked + kLongestWait);
-    waited_ms += milliseconds(hw::HostClock::now() - asked);
+    waited_ms += to_milliseconds(hw::HostClock::now() - asked);
     statistics_.least_free_slots =
         std::min(statistics_.least_free_slots, source_.board.free_slots());
     more = has_all() ? take_behind_last(event) : take(event);
     statistics_.busy_ms =
-        milliseconds(hw::HostClock::now() - start) - waited_ms - queue_.statistics().blocked_ms;
+        to_milliseconds(hw::HostClock::now() - start) - waited_ms - queue_.statistics().blocked_ms;
   }
 }
 

@@ -10,10 +10,6 @@ namespace {
 using Pictures = std::vector<const PictureTimes*>;
 using Of = std::function<double(const PictureTimes&)>;
 
-double milliseconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 double passes_2_to_4_ms(const PictureTimes& times) {
   double sum_ms = 0;
   for (const render::PassTime& pass : times.passes) {
@@ -58,7 +54,7 @@ class Chain {
 
 void Chain::add_acquisition(const std::optional<CardDelay>& card) {
   const auto notified_after_ms = [this](const PictureTimes& times) {
-    return milliseconds((times.*stick_).received - *(times.*stick_).fired);
+    return to_milliseconds((times.*stick_).received - *(times.*stick_).fired);
   };
   if (!is_scheduled_) {
     add_unknown("emission", "notified");
@@ -72,19 +68,19 @@ void Chain::add_acquisition(const std::optional<CardDelay>& card) {
     });
   }
   add("notified", "acquired", [this](const PictureTimes& times) {
-    return milliseconds((times.*stick_).acquired - (times.*stick_).received);
+    return to_milliseconds((times.*stick_).acquired - (times.*stick_).received);
   });
 }
 
 void Chain::add_rendering() {
   add("acquired", "frame complete", [](const PictureTimes& times) {
-    return milliseconds(times.complete - times.last.acquired);
+    return to_milliseconds(times.complete - times.last.acquired);
   });
   add("frame complete", "taken", [](const PictureTimes& times) {
-    return milliseconds(times.taken - times.complete);
+    return to_milliseconds(times.taken - times.complete);
   });
   add("taken", "uploaded", [](const PictureTimes& times) {
-    return milliseconds(times.uploaded - times.taken) - times.pass_1_ms;
+    return to_milliseconds(times.uploaded - times.taken) - times.pass_1_ms;
   });
   add("uploaded", "scan_conversion", [](const PictureTimes& times) { return times.pass_1_ms; });
   std::string from = "scan_conversion";
@@ -96,7 +92,7 @@ void Chain::add_rendering() {
     from = pass;
   }
   add(from, "ready", [](const PictureTimes& times) {
-    return milliseconds(times.ready - times.uploaded) - passes_2_to_4_ms(times);
+    return to_milliseconds(times.ready - times.uploaded) - passes_2_to_4_ms(times);
   });
 }
 

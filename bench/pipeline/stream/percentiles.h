@@ -6,7 +6,7 @@
 
 namespace wobblebench::bench {
 
-/// Observed values (quantile_upper of base/statistics.h), ms.
+/// Quantiles, ms.
 struct Percentiles {
   double p50 = 0, p90 = 0, p99 = 0, p999 = 0, max = 0;
   std::size_t n = 0;

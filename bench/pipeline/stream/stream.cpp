@@ -17,10 +17,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kAskEvery{20};
 
-double milliseconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 /// Spans that one thread reports.
 class Spans {
  public:
@@ -132,10 +128,10 @@ void Running::render() {
   auto asked = hw::HostClock::now();
   while (auto frame = frames_.pop()) {
     const auto popped = hw::HostClock::now();
-    current_.waited_ms += milliseconds(popped - asked);
+    current_.waited_ms += to_milliseconds(popped - asked);
     take_frame(std::move(*frame));
     asked = hw::HostClock::now();
-    result_.renderer_busy_ms += milliseconds(asked - popped);
+    result_.renderer_busy_ms += to_milliseconds(asked - popped);
   }
 }
 
@@ -214,7 +210,7 @@ void Running::write() {
       const auto begin = hw::HostClock::now();
       sink_(*shown);
       shown->times.written = hw::HostClock::now();
-      write_ms_ += milliseconds(shown->times.written - begin);
+      write_ms_ += to_milliseconds(shown->times.written - begin);
       write_spans_.add(
           {StreamSpan::Kind::picture_written, shown->times.volume, 0, begin, shown->times.written});
       if (shown->times.whole) {

@@ -10,10 +10,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-double milliseconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 using OfPicture = std::function<double(const PictureTimes&)>;
 
 std::vector<double> values_of(const StreamResult& result, const OfPicture& value) {
@@ -36,7 +32,7 @@ hw::HostTime start_of(const StickTimes& stick, bool scheduled) {
 std::vector<double> intervals_of(const StreamResult& result) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < result.records.size(); ++i) {
-    intervals.push_back(milliseconds(result.records[i].ready - result.records[i - 1].ready));
+    intervals.push_back(to_milliseconds(result.records[i].ready - result.records[i - 1].ready));
   }
   return intervals;
 }
@@ -55,7 +51,8 @@ void summarize_rates(const StreamResult& result, StreamSummary& summary) {
   summary.interval = percentiles_of(intervals);
   summary.jitter_ms = deviation_of(intervals);
   if (intervals.empty()) return;
-  summary.seconds = 1e-3 * milliseconds(result.records.back().ready - result.records.front().ready);
+  summary.seconds =
+      1e-3 * to_milliseconds(result.records.back().ready - result.records.front().ready);
   const auto whole = static_cast<double>(
       std::ranges::count_if(result.records, [](const auto& times) { return times.whole; }));
   summary.pictures_per_s = static_cast<double>(intervals.size()) / summary.seconds;
@@ -88,14 +85,14 @@ StreamSummary summarize(const StreamResult& result,
   const bool scheduled = summary.scheduled = is_scheduled(result);
   const auto of = [&](const OfPicture& value) { return percentiles_of(values_of(result, value)); };
   summary.age_oldest = of([scheduled](const PictureTimes& times) {
-    return milliseconds(times.ready - start_of(times.first, scheduled));
+    return to_milliseconds(times.ready - start_of(times.first, scheduled));
   });
   summary.age_newest = of([scheduled](const PictureTimes& times) {
-    return milliseconds(times.ready - start_of(times.last, scheduled));
+    return to_milliseconds(times.ready - start_of(times.last, scheduled));
   });
   summary.spans = latency_spans(result, card);
   summary.ready_to_written =
-      of([](const PictureTimes& times) { return milliseconds(times.written - times.ready); });
+      of([](const PictureTimes& times) { return to_milliseconds(times.written - times.ready); });
   summarize_rates(result, summary);
   summary.loads = loads_of(result, sound_ms, simulator_ms);
   return summary;

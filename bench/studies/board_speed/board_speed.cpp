@@ -14,6 +14,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "base/duration.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/synthetic_sticks.h"
 #include "hw/board/board.h"
@@ -195,16 +196,16 @@ CancelTimes measure_cancels(int cancels, int load_threads, const PartDone& done)
     const auto cancelled_at = Clock::now();
     board.cancel();
     woken.acquire();
-    ms.push_back(std::chrono::duration<double, std::milli>(woken_at - cancelled_at).count());
+    ms.push_back(to_milliseconds(woken_at - cancelled_at));
     board.stop();
     parts.finish_one();
   }
   waiter.join();
   return {cancels,
           load_threads,
-          quantile_upper(ms, 0.5),
-          quantile_upper(ms, 0.99),
-          quantile_upper(ms, 0.999),
+          quantile(ms, 0.5),
+          quantile(ms, 0.99),
+          quantile(ms, 0.999),
           *std::max_element(ms.begin(), ms.end())};
 }
 

@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
+#include "base/text.h"
 #include "bench/studies/extremes/extremes_report.h"
 
 namespace wobblebench::bench {
@@ -9,13 +10,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr int kDigits = 4;
-
-/// As RFC 4180 has it.
-std::string quoted(const std::string& text) {
-  std::string cell = "\"";
-  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return cell + "\"";
-}
 
 std::string joined(const std::vector<std::string>& words) {
   std::string line;
@@ -47,20 +41,21 @@ std::string extremes_csv(const ExtremesResults& results) {
   for (const ExtremeOutcome& outcome : results.cases) {
     const auto& changed = outcome.changed_out_of_reach;
     std::ostringstream head;
-    head << quoted(outcome.of.name) << "," << outcome.preset << ","
-         << quoted(joined(outcome.of.settings)) << "," << quoted(verdict(outcome)) << ","
-         << quoted(outcome.refusal) << "," << (outcome.rendered ? (outcome.finite ? "1" : "0") : "")
-         << "," << (changed ? std::to_string(*changed) : "");
+    head << csv_field(outcome.of.name) << "," << outcome.preset << ","
+         << csv_field(joined(outcome.of.settings)) << "," << csv_field(verdict(outcome)) << ","
+         << csv_field(outcome.refusal) << ","
+         << (outcome.rendered ? (outcome.finite ? "1" : "0") : "") << ","
+         << (changed ? std::to_string(*changed) : "");
     if (outcome.errors.empty()) csv << head.str() << ",,,,,\n";
     for (const PassError& error : outcome.errors) {
-      csv << head.str() << "," << quoted(error.pass) << "," << significant(error.worst, kDigits)
+      csv << head.str() << "," << csv_field(error.pass) << "," << significant(error.worst, kDigits)
           << "," << significant(error.bound, kDigits) << "," << error.compared << ","
           << error.outside << "\n";
     }
   }
   for (const NumberOutcome& number : results.numbers) {
-    csv << quoted(number.name) << ",,," << (number.passed() ? "passed" : "FAILED") << ",,,,"
-        << quoted(number.unit) << "," << significant(number.worst, kDigits) << ","
+    csv << csv_field(number.name) << ",,," << (number.passed() ? "passed" : "FAILED") << ",,,,"
+        << csv_field(number.unit) << "," << significant(number.worst, kDigits) << ","
         << significant(number.bound, kDigits) << ",,\n";
   }
   return csv.str();

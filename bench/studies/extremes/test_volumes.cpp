@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/hash.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -13,12 +15,9 @@ namespace {
 constexpr double kMiddle = 0.55, kRadius = 0.25, kRamp = 0.1;  // of the depth
 constexpr double kInside = 0.9, kOutside = 0.1, kNoise = 0.05;
 
-/// Uniform in [-1, 1], of an index: splitmix64's finaliser.
+/// Uniform in [-1, 1], of an index.
 double noise(std::uint64_t index) {
-  std::uint64_t x = index + 0x9e3779b97f4a7c15ULL;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return 2 * (static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-53) - 1;
+  return 2 * unit_interval(mix64(index + kGoldenGamma)) - 1;
 }
 
 double ball(const glm::dvec3& position_m, const hw::AcquisitionPlan& plan) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/statistics.h"
 #include "base/units.h"
 
 namespace wobblebench::bench {
@@ -47,15 +48,14 @@ class Bins {
 };
 
 /// Over the pixels that both have; NaN where one does not vary.
-double correlation(const Image<float>& one, const Image<float>& other) {
-  double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
+double picture_correlation(const Image<float>& one, const Image<float>& other) {
+  std::vector<double> a, b;
   for (std::size_t i = 0; i < one.pixels.size(); ++i) {
     if (!std::isfinite(one.pixels[i]) || !std::isfinite(other.pixels[i])) continue;
-    const double x = static_cast<double>(one.pixels[i]), y = static_cast<double>(other.pixels[i]);
-    n += 1, sa += x, sb += y, aa += x * x, bb += y * y, ab += x * y;
+    a.push_back(static_cast<double>(one.pixels[i]));
+    b.push_back(static_cast<double>(other.pixels[i]));
   }
-  const double scale = std::sqrt((aa - sa * sa / n) * (bb - sb * sb / n));
-  return scale > 0 ? (ab - sa * sb / n) / scale : kNone;
+  return correlation(a, b);
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ double reproducible_variance(const std::vector<ScannedErrors>& scans) {
   double sum = 0, pairs = 0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     for (std::size_t j = i + 1; j < scans.size(); ++j, ++pairs) {
-      sum += correlation(scans[i].error_m, scans[j].error_m);
+      sum += picture_correlation(scans[i].error_m, scans[j].error_m);
     }
   }
   return pairs > 0 ? sum / pairs : kNone;

@@ -100,7 +100,7 @@ Recovery recovery_of(const std::vector<Aged>& ages, double stall_at_s, double st
   for (const Aged& aged : ages) {
     if (aged.ready_s < stall_at_s) before.push_back(aged.age_s);
   }
-  const double usual = quantile_upper(before, 0.9);
+  const double usual = quantile(before, 0.9);
   Recovery recovery{kNever, 0};
   for (const Aged& aged : ages) {
     if (aged.ready_s < stall_at_s) continue;
@@ -180,13 +180,11 @@ void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
     rate.push_back(rate_of(ages));
   }
   const auto of = [](const std::vector<double>& values) {
-    return Drawn{quantile_linear(values, 0.5),
-                 quantile_linear(values, 0.025),
-                 quantile_linear(values, 0.975)};
+    return Drawn{quantile(values, 0.5), quantile(values, 0.025), quantile(values, 0.975)};
   };
   check.predicted_p50_ms = of(p50);
   check.predicted_p99_ms = of(p99);
-  check.predicted_volumes_per_s = quantile_linear(rate, 0.5);
+  check.predicted_volumes_per_s = quantile(rate, 0.5);
 }
 
 /// For each variant its rounds.
@@ -209,7 +207,7 @@ LatencyCheck Study::check(const Variant& variant, const Rounds& wall, const Scen
   const int frames = plan.acquisition().frames_per_volume;
   LatencyCheck check{.name = variant.name,
                      .calibrated_on = false,
-                     .sound_ms = hw::to_milliseconds(plan.volume_duration()),
+                     .sound_ms = to_milliseconds(plan.volume_duration()),
                      .wall = age_percentiles(wall_ages(wall, plan)),
                      .predicted_p50_ms = {},
                      .predicted_p99_ms = {},
@@ -231,7 +229,7 @@ StallRecovery Study::recover(double stall_ms) {
   const StreamResult wall =
       run_wall_stream({scene_, {.policy = result_.policy}, faults}, context_, cache_);
   const auto first = plan.first_sequence(static_cast<std::uint32_t>(middle));
-  const double at_s = 1e-3 * hw::to_milliseconds(plan.stick_time(first).time_since_epoch());
+  const double at_s = 1e-3 * to_milliseconds(plan.stick_time(first).time_since_epoch());
   const double end_s = at_s + 1e-3 * stall_ms;
   VirtualSetting setting = virtual_setting(plan);
   setting.volumes = result_.volumes;
@@ -260,7 +258,7 @@ LatencyStudy Study::run() {
   const auto plan = scene_.plan();
   result_.times = times_[0];
   result_.summary = summarize(walls[0].front(),
-                              hw::to_milliseconds(plan.volume_duration()),
+                              to_milliseconds(plan.volume_duration()),
                               /*simulator_ms=*/0,
                               card_delays(plan, card_));
   for (const double stall_ms : kStalls_ms) {

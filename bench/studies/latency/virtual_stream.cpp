@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/hash.h"
 #include "bench/studies/latency/card_times.h"
 #include "sim/math/random.h"
 
@@ -31,8 +32,8 @@ class VirtualStream {
  private:
   /// `each`: how many the pool has of a volume, of which this is number `which`.
   double draw(const TimePool& pool, std::uint64_t volume, int each = 1, int which = 0) const {
-    const std::uint64_t hash = sim::mix(sim::mix(setting_.seed) + volume / kRun);
-    const double share = static_cast<double>(hash >> 11) * 0x1p-53;
+    const std::uint64_t hash = mix64(mix64(setting_.seed) + volume / kRun);
+    const double share = unit_interval(hash);
     return pool.at(
         share,
         volume % kRun * static_cast<std::uint64_t>(each) + static_cast<std::uint64_t>(which));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/statistics.h"
@@ -103,7 +104,7 @@ RangeError range_error(const std::vector<double>& detected, const std::vector<do
   if (abs_mm.empty()) return result;
   result.median_mm = spread_of(signed_mm).median;
   result.median_abs_mm = spread_of(abs_mm).median;
-  result.p95_abs_mm = quantile_lower(abs_mm, 0.95);
+  result.p95_abs_mm = quantile(abs_mm, 0.95);
   result.missed_percent =
       100.0 * static_cast<double>(missed) / static_cast<double>(missed + result.n);
   return result;
@@ -121,9 +122,9 @@ struct ImagePair {
     }
   }
   double rms() const {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-    return std::sqrt(sum / static_cast<double>(a.size()));
+    std::vector<double> differences(a.size());
+    std::transform(a.begin(), a.end(), b.begin(), differences.begin(), std::minus<>());
+    return root_mean_square(differences);
   }
 };
 

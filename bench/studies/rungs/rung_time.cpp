@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 
+#include "base/duration.h"
 #include "base/units.h"
 #include "sim/probe_simulator.h"
 
@@ -20,7 +21,7 @@ phantoms::MotionOptions slow() {
 }
 
 double milliseconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  return to_milliseconds(Clock::now() - begin);
 }
 
 double volume_ms(const sim::ProbeSimulator& simulator, std::uint32_t index) {

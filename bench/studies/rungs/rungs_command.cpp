@@ -142,7 +142,7 @@ RungsResults measure(const Scene& scene, int repeats, Progress& progress) {
       progress.step("memory", [&](const PartDone& done) { return measure_memory(scene, done); });
   const auto subject = progress.step(
       "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
-  results.sound_ms = hw::to_milliseconds(subject.plan.volume_duration());
+  results.sound_ms = to_milliseconds(subject.plan.volume_duration());
   results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
                     subject.plan.acquisition().samples_per_stick;
   results.times = progress.step("times", [&](const PartDone& done) {

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <numeric>
 
+#include "base/duration.h"
 #include "bench/studies/tables/measure.h"
 #include "render/renderer.h"
 
@@ -16,7 +17,7 @@ std::vector<double> add_frames(render::Renderer& renderer, const hw::PolarVolume
     const auto start = Clock::now();
     renderer.add_frame(f, volume.frame(f));
     renderer.update();
-    each_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+    each_ms.push_back(to_milliseconds(Clock::now() - start));
   }
   return each_ms;
 }

@@ -143,7 +143,7 @@ TableResults measure_tables(const TableVolumes& volumes,
   TableResults results;
   const hw::PolarVolume& volume = volumes.by_frames.at(reference_row().frames);
   results.frame_acquisition_ms =
-      hw::to_milliseconds(volume.plan().volume_duration()) / reference_row().frames;
+      to_milliseconds(volume.plan().volume_duration()) / reference_row().frames;
   TimedSettings settings = make_settings(volumes, base, context, run);
   PartCount pictures(count_pictures(settings), done);
   for (int repeat = -1; repeat < std::max(run.repeats, run.plain_repeats); ++repeat) {

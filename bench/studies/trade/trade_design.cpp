@@ -7,6 +7,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "base/hash.h"
 #include "base/number_text.h"
 #include "bench/studies/trade/trade_plan.h"
 
@@ -70,13 +71,12 @@ std::vector<TradePoint> latin_hypercube(const TradePlan& plan) {
 std::vector<TradePoint> sobol(const TradePlan& plan) {
   boost::random::sobol sequence(plan.axes.size());
   std::mt19937_64 random(plan.design_seed);
-  const auto unit = [](std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; };
   std::vector<double> shifts(plan.axes.size());
-  std::generate(shifts.begin(), shifts.end(), [&] { return unit(random()); });
+  std::generate(shifts.begin(), shifts.end(), [&] { return unit_interval(random()); });
   std::vector<TradePoint> points(static_cast<std::size_t>(plan.points));
   for (TradePoint& point : points) {
     for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-      const double share = unit(sequence()) + shifts[i];
+      const double share = unit_interval(sequence()) + shifts[i];
       add_value(plan.axes[i], share - std::floor(share), point);
     }
   }

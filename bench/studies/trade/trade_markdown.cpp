@@ -68,7 +68,7 @@ void write_evaluation(const TradeResults& results, std::ostream& markdown) {
   if (all.empty()) return;
   const Quartiles quartiles = quartiles_of(all);
   const auto median = [](const std::vector<double>& times) {
-    return fixed(quantile_linear(times, 0.5), 0) + " ms";
+    return fixed(quantile(times, 0.5), 0) + " ms";
   };
   markdown << "\nAn evaluation (a setting's first picture and its measures, without the timing in "
               "turn) took "

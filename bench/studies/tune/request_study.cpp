@@ -5,6 +5,7 @@
 #include <random>
 #include <utility>
 
+#include "base/hash.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {
@@ -46,7 +47,7 @@ SceneTrade trade_of_scene(const TradeWork& work, const TradeRecords& known, std:
 }
 
 double share(std::mt19937_64& random) {
-  return static_cast<double>(random() >> 11) * 0x1p-53;
+  return unit_interval(random());
 }
 
 TuneRequest draw_request(const std::vector<TradeScore>& front, std::mt19937_64& random) {

@@ -66,7 +66,7 @@ void write_summary(const RequestStudy& study, std::ostream& markdown) {
     const MethodSummary summary(study, method);
     markdown << "| " << kMethodNames[method] << " | " << of(summary.answered, study.outcomes.size())
              << " | " << of(summary.held, summary.answered) << " | "
-             << significant(quantile_linear(summary.time, 0.5), 3) << " | "
+             << significant(quantile(summary.time, 0.5), 3) << " | "
              << against(study, method, std::size(kRequestMethods) - 1) << " | "
              << of(MethodSummary::within(summary.of_ratio), summary.answered) << " | "
              << of(MethodSummary::within(summary.of_time), summary.answered) << " |\n";

@@ -11,6 +11,8 @@
 #include <random>
 #include <utility>
 
+#include "base/hash.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -96,7 +98,7 @@ struct Problem {
 SearchPoint random_point(const std::vector<SearchAxis>& axes, std::mt19937_64& random) {
   SearchPoint point;
   for (const SearchAxis& axis : axes) {
-    const double place = static_cast<double>(random() >> 11) * 0x1p-53;
+    const double place = unit_interval(random());
     point.push_back(axis.levels == 0 ? place : std::floor(place * axis.levels));
   }
   return point;

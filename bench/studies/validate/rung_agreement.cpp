@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "bench/studies/validate/point_echoes.h"
 #include "bench/studies/validate/statistics.h"
 #include "hw/probe/acquisition_plan.h"
@@ -36,12 +37,6 @@ double at_range(const std::vector<double>& envelope, double spacing_m, double ra
   const auto before = static_cast<std::size_t>(at);
   const double share = at - static_cast<double>(before);
   return (1 - share) * envelope.at(before) + share * envelope.at(before + 1);
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  Moments moments;
-  for (const double value : values) moments.add(value);
-  return std::sqrt(moments.mean_square());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "base/statistics.h"
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "bench/studies/validate/autocovariance.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/speckle_statistics.h"
@@ -102,9 +103,9 @@ SpeckleWidth width_at(const ScanWindow& window,
 }
 
 double root_mean_square(const std::vector<SpeckleWidth>& widths) {
-  double squares = 0;
-  for (const SpeckleWidth& width : widths) squares += width.relative_error * width.relative_error;
-  return std::sqrt(squares / static_cast<double>(widths.size()));
+  std::vector<double> errors;
+  for (const SpeckleWidth& width : widths) errors.push_back(width.relative_error);
+  return wobblebench::root_mean_square(errors);
 }
 
 }  // namespace

@@ -43,21 +43,6 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
   return {slope, mean_y - slope * mean_x};
 }
 
-double correlation(std::span<const double> a, std::span<const double> b) {
-  const double n = static_cast<double>(a.size());
-  double mean_a = 0, mean_b = 0, aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    mean_a += a[i] / n;
-    mean_b += b[i] / n;
-  }
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    aa += (a[i] - mean_a) * (a[i] - mean_a);
-    bb += (b[i] - mean_b) * (b[i] - mean_b);
-    ab += (a[i] - mean_a) * (b[i] - mean_b);
-  }
-  return ab / std::sqrt(aa * bb);
-}
-
 double full_width_at_half(std::span<const double> x, std::span<const double> y) {
   const auto top = std::max_element(y.begin(), y.end());
   const double half = 0.5 * *top;

@@ -47,9 +47,6 @@ struct Line {
 /// Least squares; at least two different x.
 Line fit_line(std::span<const double> x, std::span<const double> y);
 
-/// Pearson's.
-double correlation(std::span<const double> a, std::span<const double> b);
-
 /// Full width at half of the largest value, linear between samples. Throws
 /// std::runtime_error where the values do not fall below half on both sides.
 double full_width_at_half(std::span<const double> x, std::span<const double> y);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/number_text.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/studies/validate/study_reports.h"
 
@@ -105,14 +106,6 @@ Neither the simulator nor the yardstick has these. What leaving each out does to
 - Shear waves in bone: beyond the critical angle of longitudinal waves nothing passes, where in truth a part passes as shear waves, so that shadows of slanted bone are too dark (Clement, White, Hynynen, J. Acoust. Soc. Am. 115, 1356 (2004)).
 - Cross-talk between elements, and the obliquity factor of a baffle: elements are as directive as their width makes them; off an element's axis real ones are weaker (Selfridge, Kino, Khuri-Yakub, Appl. Phys. Lett. 37, 35 (1980)).
 )";
-
-/// Fields with a comma or a quote are quoted.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::string exact(double value) {
   return significant(value, 9);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/hash.h"
+
 namespace wobblebench::sim {
 
 namespace {
@@ -18,8 +20,8 @@ constexpr int kMaxOctaves = static_cast<int>(std::size(kDivisions));
 
 std::uint32_t Octave::block_key(const glm::ivec3& block) const {
   const auto bits = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)); };
-  const std::uint64_t xy = mix(key ^ (bits(block.x) << 32 | bits(block.y)));
-  return static_cast<std::uint32_t>(mix(xy + bits(block.z) * kGoldenGamma) >> 32);
+  const std::uint64_t xy = mix64(key ^ (bits(block.x) << 32 | bits(block.y)));
+  return static_cast<std::uint32_t>(mix64(xy + bits(block.z) * kGoldenGamma) >> 32);
 }
 
 ScattererCells::ScattererCells(double per_m3, double largest, std::uint64_t seed) {

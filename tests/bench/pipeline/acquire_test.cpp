@@ -43,7 +43,7 @@ TEST_F(Acquiring, ARecordingInRealTimeTakesItsTimeHoweverLateItIsAskedFor) {
   const auto waited = hw::HostClock::now() - asked;
   // Sticks that came before the board was stopped need not come again.
   EXPECT_GE(waited, plan.volume_duration() * 3 / 4);
-  EXPECT_GE(acquisition.transport_ms, 0.75 * hw::to_milliseconds(plan.volume_duration()));
+  EXPECT_GE(acquisition.transport_ms, 0.75 * to_milliseconds(plan.volume_duration()));
 }
 
 TEST_F(Acquiring, TheTransportOfASimulatedVolumeIsNeverNegative) {

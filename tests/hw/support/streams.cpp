@@ -2,19 +2,17 @@
 
 #include <cmath>
 
+#include "base/hash.h"
 #include "hw/wire/layout.h"
 
 namespace wobblebench::hw {
 
 std::uint64_t hash(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed * 0xD1B54A32D192ED03U + (index + 1) * 0x9E3779B97F4A7C15U;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-  return z ^ (z >> 31);
+  return mix64(seed * 0xD1B54A32D192ED03U + (index + 1) * kGoldenGamma);
 }
 
 double uniform(std::uint64_t seed, std::uint64_t index, double low, double high) {
-  return low + (high - low) * std::ldexp(static_cast<double>(hash(seed, index) >> 11), -53);
+  return low + (high - low) * unit_interval(hash(seed, index));
 }
 
 AcquisitionPlan small_plan(int volumes, MotorMode motor) {

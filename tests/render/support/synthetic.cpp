@@ -6,20 +6,16 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "base/hash.h"
+
 namespace wobblebench::render::testing {
 namespace {
 
-std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
-}
-
 /// Uniform in [-1, 1].
 double hash(const glm::dvec3& position, std::uint64_t seed) {
-  std::uint64_t h = mix(seed + 0x9e3779b97f4a7c15ULL);
-  for (int axis = 0; axis < 3; ++axis) h = mix(h ^ std::bit_cast<std::uint64_t>(position[axis]));
-  return 2 * (static_cast<double>(h >> 11) * 0x1p-53) - 1;
+  std::uint64_t h = mix64(seed + kGoldenGamma);
+  for (int axis = 0; axis < 3; ++axis) h = mix64(h ^ std::bit_cast<std::uint64_t>(position[axis]));
+  return 2 * (unit_interval(h)) - 1;
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ VirtualSetting setting_of(double frame_s, double picture_s, StreamPolicy policy)
 }
 
 double volume_s(const VirtualSetting& setting) {
-  return 1e-3 * hw::to_milliseconds(setting.plan.volume_duration());
+  return 1e-3 * to_milliseconds(setting.plan.volume_duration());
 }
 
 TEST(VirtualStream, AFastRendererAddsItsOwnTimeToTheCards) {
