@@ -11,7 +11,7 @@
 #include "hw/link/shared_epoch.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
-#include "sim/card/volume_feed.h"
+#include "sim/card/stick_feed.h"
 
 namespace wobblebench::sim {
 namespace {

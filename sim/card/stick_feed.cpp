@@ -1,4 +1,4 @@
-#include "sim/card/volume_feed.h"
+#include "sim/card/stick_feed.h"
 
 #include <utility>
 
