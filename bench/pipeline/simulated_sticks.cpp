@@ -16,14 +16,9 @@ SimulatedScan simulated_scan(Scene scene, PhantomCache cache) {
 
 MakeSticks simulated_sticks(SimulatedScan scan, std::shared_ptr<IqFile> iq) {
   return [scan = std::move(scan), iq = std::move(iq)] {
-    sim::StickSource source = sim::stick_source(scan.simulator, scan.subject);
-    if (iq) {
-      source.volume = [simulator = scan.simulator, iq](std::uint32_t volume) {
-        return simulator.volume(
-            volume, [&](const hw::StickIndex& index, auto samples) { iq->write(index, samples); });
-      };
-    }
-    return source;
+    sim::IqSink write;
+    if (iq) write = [iq](const hw::StickIndex& index, auto samples) { iq->write(index, samples); };
+    return sim::stick_source(scan.simulator, scan.subject, write);
   };
 }
 

@@ -10,18 +10,17 @@ float synthetic_sample(std::uint64_t seed, std::uint64_t sequence, std::uint32_t
 }
 
 sim::StickSource synthetic_sticks(const hw::AcquisitionPlan& plan, std::uint64_t seed) {
-  return {plan, hw::SampleScale::log_compressed, [plan, seed](std::uint32_t volume) {
+  return {plan, hw::SampleScale::log_compressed, [plan, seed](std::uint64_t first) {
             const auto samples = static_cast<std::uint32_t>(plan.acquisition().samples_per_stick);
-            const std::uint64_t first = plan.first_sequence(volume);
-            const std::uint64_t end = first + static_cast<std::uint64_t>(plan.sticks_per_volume());
-            sim::VolumeSamples volume_samples;
-            volume_samples.reserve((end - first) * samples);
-            for (std::uint64_t sequence = first; sequence < end; ++sequence) {
+            const auto lines = static_cast<std::uint64_t>(plan.acquisition().sticks_per_frame);
+            std::vector<float> frame;
+            frame.reserve(lines * samples);
+            for (std::uint64_t sequence = first; sequence < first + lines; ++sequence) {
               for (std::uint32_t k = 0; k < samples; ++k) {
-                volume_samples.push_back(synthetic_sample(seed, sequence, k));
+                frame.push_back(synthetic_sample(seed, sequence, k));
               }
             }
-            return volume_samples;
+            return frame;
           }};
 }
 

@@ -4,60 +4,83 @@
 
 namespace wobblebench::sim {
 
-VolumeFeed::VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> notify)
+StickFeed::StickFeed(Make make,
+                     const hw::AcquisitionPlan& plan,
+                     bool whole_volumes,
+                     int ahead,
+                     std::function<void()> notify)
     : make_(std::move(make)),
-      volumes_(volumes),
-      ahead_(static_cast<std::size_t>(ahead)),
+      volume_samples_(static_cast<std::size_t>(plan.sticks_per_volume()) *
+                      static_cast<std::size_t>(plan.acquisition().samples_per_stick)),
+      stick_samples_(static_cast<std::size_t>(plan.acquisition().samples_per_stick)),
+      most_samples_(static_cast<std::size_t>(ahead) * volume_samples_),
+      sticks_(static_cast<std::uint64_t>(plan.acquisition().volumes) *
+              static_cast<std::uint64_t>(plan.sticks_per_volume())),
+      whole_volumes_(whole_volumes),
       notify_(std::move(notify)) {
-  if (ahead_ > 0) thread_ = std::jthread([this] { fill_queue(); });
+  if (most_samples_ > 0) thread_ = std::jthread([this] { fill_queue(); });
 }
 
-VolumeFeed::~VolumeFeed() {
+StickFeed::~StickFeed() {
   std::lock_guard lock(mutex_);
   stopping_ = true;
   changed_.notify_all();
 }
 
-bool VolumeFeed::ready() const {
-  if (ahead_ == 0) return true;
+bool StickFeed::ready() const {
+  if (most_samples_ == 0) return true;
   std::lock_guard lock(mutex_);
   return !queue_.empty() || failure_ != nullptr;
 }
 
-TimedVolume VolumeFeed::take() {
-  if (ahead_ == 0) return make();
+TimedBlock StickFeed::take() {
+  if (most_samples_ == 0) return make();
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return !queue_.empty() || failure_ != nullptr; });
   if (queue_.empty()) std::rethrow_exception(failure_);
-  TimedVolume volume = std::move(queue_.front());
+  TimedBlock block = std::move(queue_.front());
   queue_.pop_front();
+  queued_samples_ -= block.samples.size();
   changed_.notify_all();
-  return volume;
+  return block;
 }
 
-TimedVolume VolumeFeed::make() {
-  VolumeSamples samples = make_(next_++);
+TimedBlock StickFeed::make() {
+  std::vector<float> samples;
+  do {
+    std::vector<float> part = make_(next_);
+    next_ += part.size() / stick_samples_;
+    if (samples.empty()) {
+      samples = std::move(part);
+      if (whole_volumes_) samples.reserve(volume_samples_);
+    } else {
+      samples.insert(samples.end(), part.begin(), part.end());
+    }
+  } while (whole_volumes_ && samples.size() < volume_samples_);
   return {std::move(samples), hw::HostClock::now()};
 }
 
-void VolumeFeed::fill_queue() {
-  while (next_ < volumes_) {
+void StickFeed::fill_queue() {
+  while (next_ < sticks_) {
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return stopping_ || queue_.size() < ahead_; });
+      changed_.wait(lock, [this] { return stopping_ || queued_samples_ < most_samples_; });
       if (stopping_) return;
     }
-    TimedVolume volume;
+    TimedBlock block;
     std::exception_ptr failure;
     try {
-      volume = make();
+      block = make();
     } catch (...) {
       failure = std::current_exception();
     }
     {
       std::lock_guard lock(mutex_);
       failure_ = failure;
-      if (!failure) queue_.push_back(std::move(volume));
+      if (!failure) {
+        queued_samples_ += block.samples.size();
+        queue_.push_back(std::move(block));
+      }
       changed_.notify_all();
     }
     notify_();

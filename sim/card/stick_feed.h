@@ -1,4 +1,4 @@
-// A bounded queue of simulated volumes, filled by a thread of its own.
+// A bounded queue of simulated sticks, filled by a thread of its own.
 #pragma once
 
 #include <condition_variable>
@@ -8,47 +8,60 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
+#include "hw/probe/acquisition_plan.h"
 #include "hw/probe/clock.h"
-#include "sim/probe_simulator.h"
 
 namespace wobblebench::sim {
 
-struct TimedVolume {
-  VolumeSamples samples;
+/// The samples of some sticks that follow each other.
+struct TimedBlock {
+  std::vector<float> samples;
   hw::HostTime ready_at;
 };
 
-/// Computes volumes 0, 1, … on a thread, so that a caller that waits for one can be interrupted
-/// during the computation, which may take seconds. One thread calls take() and ready().
-class VolumeFeed {
+/// Computes the sticks of all volumes of a plan, block after block, on a thread, so that a caller
+/// that waits for one can be interrupted during the computation, which may take seconds. One thread
+/// calls take() and ready().
+class StickFeed {
  public:
-  using Make = std::function<VolumeSamples(std::uint32_t)>;
+  /// Samples of the sticks from a sequence number on; a block lies within one volume.
+  using Make = std::function<std::vector<float>(std::uint64_t first_sequence)>;
 
-  /// `ahead`: capacity of the queue; 0: no thread, take() computes the volume itself. `notify` is
-  /// called on the thread when a volume is ready.
-  VolumeFeed(Make make, std::uint32_t volumes, int ahead, std::function<void()> notify);
-  ~VolumeFeed();
-  VolumeFeed(const VolumeFeed&) = delete;
-  VolumeFeed& operator=(const VolumeFeed&) = delete;
+  /// `whole_volumes`: blocks are joined to volumes. `ahead`: volumes that may wait in the queue; 0:
+  /// no thread, take() computes the block itself. `notify` is called on the thread when a block is
+  /// ready.
+  StickFeed(Make make,
+            const hw::AcquisitionPlan& plan,
+            bool whole_volumes,
+            int ahead,
+            std::function<void()> notify);
+  ~StickFeed();
+  StickFeed(const StickFeed&) = delete;
+  StickFeed& operator=(const StickFeed&) = delete;
 
   /// Whether take() returns without waiting for the thread.
   bool ready() const;
-  /// The next volume, waiting for it. Throws what its computation threw.
-  TimedVolume take();
+  /// The next block, waiting for it. Throws what its computation threw.
+  TimedBlock take();
 
  private:
-  TimedVolume make();
+  TimedBlock make();
   void fill_queue();
 
   const Make make_;
-  const std::uint32_t volumes_;
-  const std::size_t ahead_;
+  const std::size_t volume_samples_;
+  const std::size_t stick_samples_;
+  const std::size_t most_samples_;  ///< that may wait before another block is computed
+  const std::uint64_t sticks_;      ///< of all volumes
+  const bool whole_volumes_;
   const std::function<void()> notify_;
-  std::uint32_t next_ = 0;  ///< number of the volume that is computed next
+  std::uint64_t next_ = 0;  ///< sequence number of the stick that is computed next
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<TimedVolume> queue_;
+  std::deque<TimedBlock> queue_;
+  std::size_t queued_samples_ = 0;
   std::exception_ptr failure_;
   bool stopping_ = false;
   std::jthread thread_;  ///< last: joined before what it uses is destroyed
