@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
@@ -31,10 +32,19 @@ class PolarVolume {
   /// All sticks missing. `volume` is the index in the stream, from 0.
   explicit PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume = 0);
 
+  /// All sticks, of their samples: stick after stick in the order of firing.
+  static PolarVolume of_samples(const AcquisitionPlan& plan,
+                                std::uint32_t volume,
+                                SampleScale scale,
+                                std::span<const float> samples);
+
   /// Copies the stick to its frame and line, in any order. Throws std::out_of_range for an index
   /// outside the plan (which the board rejects before) or of another volume, std::invalid_argument
   /// for a wrong number of samples.
   void place(const Stick& stick);
+  /// Copies those lines of a frame of another volume that arrived in it. Throws std::out_of_range
+  /// and std::invalid_argument where the plan has another number of lines or samples.
+  void place_frame(int frame, const PolarFrame& from, SampleScale scale);
 
   const AcquisitionPlan& plan() const { return plan_; }
   const std::vector<PolarFrame>& frames() const { return frames_; }
@@ -50,6 +60,11 @@ class PolarVolume {
   std::uint32_t volume_index() const { return volume_index_; }
 
  private:
+  void place_line(const StickIndex& index,
+                  std::span<const float> samples,
+                  double motor_angle_rad,
+                  SampleScale scale);
+
   AcquisitionPlan plan_;
   std::vector<PolarFrame> frames_;
   SampleScale scale_ = SampleScale::log_compressed;

@@ -26,4 +26,8 @@ struct Stick {
   std::vector<float> samples;  ///< [samples_per_stick], nearest range first
 };
 
+/// Sets number, index, time, motor angle and sweep direction to those of the plan. Throws as
+/// AcquisitionPlan::index().
+void schedule(Stick& stick, const AcquisitionPlan& plan, std::uint64_t sequence);
+
 }  // namespace wobblebench::hw

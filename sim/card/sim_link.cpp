@@ -224,11 +224,7 @@ void SimLink::Impl::send_stick() {
   const auto per_volume = static_cast<std::uint64_t>(plan.sticks_per_volume());
   const auto stick_samples = std::span(block_).subspan(sent_, samples);
   sent_ += samples;
-  stick_.sequence = sequence_;
-  stick_.index = plan.index(sequence_);
-  stick_.time = plan.stick_time(sequence_);
-  stick_.motor_angle_rad = plan.motor_angle_rad(stick_.index);
-  stick_.sweep_direction = plan.sweep_direction(stick_.index.volume);
+  hw::schedule(stick_, plan, sequence_);
   stick_.scale = source_.scale;
   stick_.samples.assign(stick_samples.begin(), stick_samples.end());
   bytes_.clear();

@@ -14,10 +14,8 @@ constexpr std::size_t kSequenceOffset = 16;  // as in docs/wire_format.md
 
 hw::Stick sent_stick(const Scenario& scenario, std::uint64_t sequence) {
   const hw::AcquisitionPlan& plan = scenario.plan;
-  hw::Stick stick{
-      .sequence = sequence, .index = plan.index(sequence), .time = plan.stick_time(sequence)};
-  stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
-  stick.sweep_direction = plan.sweep_direction(stick.index.volume);
+  hw::Stick stick;
+  hw::schedule(stick, plan, sequence);
   const auto samples = static_cast<std::uint32_t>(plan.acquisition().samples_per_stick);
   for (std::uint32_t k = 0; k < samples; ++k) {
     stick.samples.push_back(synthetic_sample(scenario.seed, sequence, k));
