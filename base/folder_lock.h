@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 
 namespace wobblebench {
 

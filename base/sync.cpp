@@ -7,7 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 
 namespace wobblebench {
 

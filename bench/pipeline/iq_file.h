@@ -9,7 +9,7 @@
 #include <shared_mutex>
 #include <span>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/iq_sink.h"
 

@@ -11,7 +11,7 @@
 #include <chrono>
 #include <system_error>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "hw/emulator/fuse_node.h"
 
 namespace wobblebench::hw {

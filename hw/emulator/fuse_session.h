@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 
 struct fuse_session;
 

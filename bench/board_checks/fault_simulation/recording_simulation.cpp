@@ -10,7 +10,7 @@
 #include <system_error>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "bench/board_checks/fault_simulation/recording_oracle.h"
 #include "bench/board_checks/fault_simulation/virtual_time.h"
 #include "bench/pipeline/synthetic_sticks.h"

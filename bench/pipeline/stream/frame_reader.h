@@ -8,8 +8,8 @@
 
 #include "bench/pipeline/stream/display_samples.h"
 #include "bench/pipeline/stream/stream_frame.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
-#include "bench/pipeline/stream/volume_queue.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "bench/pipeline/stream/shown_picture.h"
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 
 namespace wobblebench::bench {
 

@@ -10,8 +10,8 @@
 
 #include "bench/pipeline/stream/frame_reader.h"
 #include "bench/pipeline/stream/shown_picture.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
-#include "bench/pipeline/stream/volume_queue.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <thread>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/options.h"
 #include "hw/link/device_gone.h"
 #include "tests/hw/support/collect.h"

@@ -1,4 +1,4 @@
-#include "bench/pipeline/simulated_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 
 #include <utility>
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/pipeline/simulated_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/emulator/fifo_emulator.h"
 #include "hw/emulator/xdma_emulator.h"
 #include "hw/link/fault_link.h"

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/sync.h"
 
 namespace wobblebench {

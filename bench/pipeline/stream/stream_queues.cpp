@@ -1,4 +1,4 @@
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 
 #include <algorithm>
 #include <chrono>
