@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "base/file.h"
-#include "hw/emulator/fuse_node.h"
+#include "hw/emulator/fuse_session.h"
 
 namespace wobblebench::hw {
 namespace {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/file.h"
-#include "hw/emulator/fuse_node.h"
 #include "hw/emulator/fuse_session.h"
 #include "hw/emulator/xdma_card.h"
 #include "hw/link/xdma_node.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "hw/link/interruptible_wait.h"
-#include "hw/link/shared_epoch.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
 #include "sim/card/stick_feed.h"

@@ -10,8 +10,7 @@
 #include <string>
 
 #include "hw/link/link.h"
-#include "hw/link/pace.h"
-#include "hw/wire/subject_hash.h"
+#include "hw/wire/configuration.h"
 #include "sim/options.h"
 #include "sim/probe_simulator.h"
 

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "base/duration.h"
-#include "bench/board_checks/conformance/board_fixture.h"
 #include "bench/board_checks/conformance/board_session.h"
+#include "bench/board_checks/conformance/fixture.h"
 #include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/board_checks/conformance/board_fixture.h"
+#include "bench/board_checks/conformance/fixture.h"
 
 #include <algorithm>
 #include <cstdlib>

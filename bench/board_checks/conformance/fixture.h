@@ -6,7 +6,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "bench/pipeline/board_link.h"
+#include "bench/scene/scene.h"
 #include "hw/board/board.h"
 #include "hw/link/link.h"
 
@@ -60,5 +63,16 @@ struct ConformanceCheck {
   /// Returns the observation, in a few words. Throws CheckFailed, CheckSkipped.
   std::function<std::string(const ConformanceFixture&)> run;
 };
+
+/// The fixture for --board ARGS: a new link for each opening. Besides what --board takes elsewhere:
+/// "xdma=stand-in", the emulated driver of the card, which lives as long as the fixture, and
+/// "xdma=fifo-stand-in". Throws UserError, also if the first opening fails.
+ConformanceFixture fixture_of(const BoardArguments& board, const Scene& scene);
+
+/// The fixture with these faults injected into each link (hw/link/fault_link.h).
+ConformanceFixture with_faults(const ConformanceFixture& fixture, const std::string& faults);
+
+/// One of each kind of fault, as parse_faults() takes them.
+const std::vector<std::string>& each_fault();
 
 }  // namespace wobblebench::bench

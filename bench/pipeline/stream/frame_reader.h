@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/pipeline/stream/display_samples.h"
-#include "bench/pipeline/stream/stream_frame.h"
 #include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
 #include "hw/board/volume_assembly.h"

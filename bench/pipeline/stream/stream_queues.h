@@ -1,4 +1,5 @@
-// Frames between the thread that acquires and the one that renders.
+// What travels between the threads of a stream, and the queues that hold it: frames from the board
+// to the renderer, pictures from there to the sink.
 #pragma once
 
 #include <condition_variable>
@@ -7,11 +8,60 @@
 #include <mutex>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/options.h"
-#include "bench/pipeline/stream/stream_frame.h"
+#include "hw/probe/clock.h"
+#include "hw/probe/polar_volume.h"
+#include "render/picture.h"
 
 namespace wobblebench::bench {
+
+/// The host's clock throughout. `fired`: scheduled, by the link's epoch; unset where the device has
+/// a clock of its own.
+struct StickTimes {
+  std::optional<hw::HostTime> fired;
+  hw::HostTime received;  ///< by the board, which the device notified (StickSlot::received())
+  hw::HostTime acquired;  ///< taken from the board
+  hw::HostTime placed;    ///< copied into its frame
+  bool arrived = true;    ///< false: all times but `fired` are those of the nearest that did
+};
+
+/// A frame, with the times of its sticks.
+struct StreamFrame {
+  std::uint32_t volume = 0;
+  int frame = 0;
+  hw::PolarFrame samples;
+  int sticks = 0;  ///< that arrived
+  /// Of the first and the last line. Where no line arrived, their times are when that was known.
+  StickTimes first, last;
+  hw::HostTime complete;     ///< its last line was placed, or was known not to come
+  bool ends_volume = false;  ///< the last that the volume will get
+};
+
+/// Times of the echoes in a picture, and of what was done with them. The host's clock throughout.
+struct PictureTimes {
+  std::uint32_t volume = 0;  ///< of the newest frame
+  bool whole = true;         ///< shows one volume; mid-volume pictures show two
+  int sticks = 0;            ///< of that volume, so far
+  int lost = 0;              ///< sticks that it lacks of the frames so far
+  StickTimes first, last;    ///< of that volume: its first stick, and the newest in the picture
+  hw::HostTime begun;        ///< pass 1 of the volume's first frame begins
+  double update_ms = 0;      ///< pass 1 of the frames since the last picture
+  double waited_ms = 0;      ///< since the last picture, for frames
+  hw::HostTime complete;     ///< the newest frame was
+  hw::HostTime taken;        ///< the newest frame, from the queue
+  double pass_1_ms = 0;      ///< of the newest frame
+  hw::HostTime uploaded;     ///< pass 1 of the newest frame is done; pass 2 begins
+  std::vector<render::PassTime> passes;  ///< 2 to 4
+  hw::HostTime ready;
+  hw::HostTime written;  ///< the sink is done; ready where the picture was superseded
+};
+
+struct ShownPicture {
+  PictureTimes times;
+  render::Picture picture;
+};
 
 /// What happens to volumes that come faster than they are rendered.
 enum class StreamPolicy {
@@ -25,7 +75,7 @@ constexpr std::string_view to_string(StreamPolicy policy) {
 
 struct QueueOptions {
   StreamPolicy policy = StreamPolicy::newest;
-  int volumes = 2;  ///< every: so many volumes wait, the one under way included
+  int volumes = 2;  ///< every: volumes that wait, the one under way included
 };
 
 template <OptionsOf<QueueOptions> O, class Visitor>
@@ -51,9 +101,10 @@ struct QueueStatistics {
   double blocked_ms = 0;          ///< that push() waited for room
 };
 
-/// Bounded, for one thread that pushes and one that pops. A frame waits for room with `every`
-/// alone: with `newest` at most three volumes are here, the one that is being rendered, a whole one
-/// and the one that is being acquired. A volume whose first frame was popped is never dropped.
+/// Frames between the thread that acquires and the one that renders. Bounded, for one thread that
+/// pushes and one that pops. A frame waits for room with `every` alone: with `newest` at most three
+/// volumes are here, the one that is being rendered, a whole one and the one that is being
+/// acquired. A volume whose first frame was popped is never dropped.
 class VolumeQueue {
  public:
   /// Throws InvalidOption.
@@ -96,6 +147,29 @@ class VolumeQueue {
   QueueStatistics statistics_;
   std::optional<hw::HostTime> first_, counted_;
   double volume_seconds_ = 0;
+};
+
+/// Pictures between the thread that renders and the one that writes them. Holds one. With `every`
+/// push() waits until it is taken; with `newest` a later picture replaces it. For one thread that
+/// pushes and one that pops.
+class PictureQueue {
+ public:
+  explicit PictureQueue(StreamPolicy policy) : policy_(policy) {}
+
+  /// Returns the picture that will not be taken: the one that was replaced, if one was, or, once
+  /// the queue is closed, `picture`.
+  std::optional<ShownPicture> push(ShownPicture picture);
+  /// No more pictures will come; the one here can still be popped.
+  void close();
+  /// The next picture, waiting for it. None: closed and empty.
+  std::optional<ShownPicture> pop();
+
+ private:
+  const StreamPolicy policy_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<ShownPicture> waiting_;
+  bool closed_ = false;
 };
 
 }  // namespace wobblebench::bench

@@ -16,7 +16,7 @@
 
 #include "base/duration.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"
 #include "hw/recording/recorder.h"

@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "base/user_error.h"
-#include "bench/pipeline/stream/one_volume.h"
+#include "bench/pipeline/stream/stream.h"
 #include "bench/studies/tables/paper.h"
 
 namespace wobblebench::bench {

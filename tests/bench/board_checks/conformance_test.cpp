@@ -3,8 +3,8 @@
 
 #include <set>
 
-#include "bench/board_checks/conformance/board_fixture.h"
 #include "bench/board_checks/conformance/defects.h"
+#include "bench/board_checks/conformance/fixture.h"
 #include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {
