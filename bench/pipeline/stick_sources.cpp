@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "base/hash.h"
 #include "bench/scene/subject_hash.h"
 #include "phantoms/phantom.h"
 
@@ -24,7 +25,7 @@ MakeSticks simulated_sticks(SimulatedScan scan, std::shared_ptr<IqFile> iq) {
 
 float synthetic_sample(std::uint64_t seed, std::uint64_t sequence, std::uint32_t sample) {
   // One multiplication a sample: cheap, and enough for sticks to differ.
-  const std::uint64_t stick = (seed * 0x9E3779B97F4A7C15 + sequence + 1) * 0xBF58476D1CE4E5B9;
+  const std::uint64_t stick = (seed * kGoldenGamma + sequence + 1) * 0xBF58476D1CE4E5B9;
   const std::uint64_t bits = (stick ^ (stick >> 29)) * (2 * std::uint64_t{sample} + 1);
   return static_cast<float>(bits >> 40) * 0x1p-24F;
 }

@@ -1,6 +1,6 @@
-#define FUSE_USE_VERSION 35
 #include "hw/emulator/fuse_session.h"
 
+#define FUSE_USE_VERSION 35
 #include <fcntl.h>
 #include <fuse_lowlevel.h>
 #include <poll.h>

@@ -1,6 +1,7 @@
 #include "bench/board_checks/fault_simulation/fault_simulation.h"
 
 #include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -178,7 +179,7 @@ FaultSimulationResult simulate_faults(std::uint64_t seed,
 }
 
 SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = hw::HostClock::now();
   std::atomic<std::size_t> finished = 0;
   SeedRangeResult all{.first_seed = first_seed, .seeds = seeds};
   EventHash hash;
@@ -192,7 +193,7 @@ SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDo
     });
     for (FaultSimulationResult& result : block) add(all, hash, std::move(result));
   }
-  all.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  all.wall_s = 1e-3 * to_milliseconds(hw::HostClock::now() - start);
   all.hash = hash.value();
   return all;
 }

@@ -146,7 +146,7 @@ class VolumeQueue {
   bool closed_ = false, stopped_ = false;
   QueueStatistics statistics_;
   std::optional<hw::HostTime> first_, counted_;
-  double volume_seconds_ = 0;
+  double volume_ms_ = 0;
 };
 
 /// Pictures between the thread that renders and the one that writes them. Holds one. With `every`
