@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "bench/board_checks/conformance/defects.h"
-#include "bench/board_checks/conformance/fixture.h"
+#include "bench/board_checks/conformance/suite.h"
 #include "bench/cli/conformance_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"

@@ -1,10 +1,9 @@
-// Rule 3: every stick is delivered, or counted as lost by its cause. Rule 4: which errors are not
-// fatal.
+// Rule 2: ownership of slots. Rule 3: every stick is delivered, or counted as lost by its cause.
+// Rule 4: which errors are not fatal.
 #include <thread>
 #include <vector>
 
 #include "bench/board_checks/conformance/board_session.h"
-#include "bench/board_checks/conformance/fixture.h"
 #include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,6 @@
 #include "base/duration.h"
 #include "base/statistics.h"
 #include "bench/board_checks/conformance/board_session.h"
-#include "bench/board_checks/conformance/fixture.h"
 #include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {

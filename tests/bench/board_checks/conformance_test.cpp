@@ -4,7 +4,6 @@
 #include <set>
 
 #include "bench/board_checks/conformance/defects.h"
-#include "bench/board_checks/conformance/fixture.h"
 #include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {
