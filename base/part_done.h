@@ -7,8 +7,8 @@
 namespace wobblebench {
 
 /// Called after each part with the number of parts that are finished, and of all of them. Empty:
-/// nobody wants to know. Parts take about the same time each; from several threads at once only
-/// where the computation says so.
+/// nothing is called. Parts take about the same time each; from several threads at once only where
+/// the computation says so.
 using PartDone = std::function<void(std::size_t done, std::size_t all)>;
 
 /// Counts the parts of a computation, which must be as many as announced.

@@ -3,18 +3,15 @@
 include_guard()
 
 set(public_headers
-  hw/probe/acquisition_plan.h hw/probe/polar_volume.h hw/probe/probe_presets.h
+  hw/probe/acquisition_plan.h hw/probe/polar_volume.h hw/probe/probe.h
   hw/link/fault_link.h hw/link/link.h hw/link/xdma_link.h
   hw/recording/file_link.h hw/recording/recorder.h hw/recording/recording.h
-  hw/wire/display_scale.h
+  hw/wire/configuration.h hw/wire/unreadable_stream.h
   hw/board/board.h hw/board/volume_assembly.h
   render/options.h render/renderer.h render/view.h render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers
-  base/image.h base/options.h base/units.h
-  hw/link/faults.h hw/link/pace.h
-  hw/probe/clock.h hw/probe/probe.h hw/probe/stick.h
-  hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h
-  hw/wire/subject_hash.h hw/wire/unreadable_stream.h hw/wire/version.h
+  base/duration.h base/image.h base/options.h base/units.h
+  hw/probe/clock.h hw/wire/account.h
   render/camera.h render/picture.h render/gl/texel_format.h render/gl/texture_fetch.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers

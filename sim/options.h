@@ -5,8 +5,8 @@
 
 #include "base/options.h"
 #include "base/units.h"
-#include "hw/probe/stick.h"
-#include "hw/wire/display_scale.h"
+#include "hw/probe/polar_volume.h"
+#include "hw/wire/configuration.h"
 
 namespace wobblebench::sim {
 

@@ -1,5 +1,7 @@
 #include "sim/probe_simulator.h"
 
+#include <algorithm>
+
 #include "base/duration.h"
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
@@ -68,6 +70,24 @@ VolumeSamples ProbeSimulator::volume(std::uint32_t index, const IqSink& iq) cons
     }
   });
   return volume;
+}
+
+std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence, const IqSink& iq) const {
+  const auto lines = static_cast<std::uint64_t>(plan().acquisition().sticks_per_frame);
+  const auto per_volume = static_cast<std::uint64_t>(plan().sticks_per_volume());
+  const std::uint64_t left = per_volume - first_sequence % per_volume;
+  const std::uint64_t frames = std::min(std::uint64_t{kFramesTogether}, left / lines);
+  const auto samples = static_cast<std::size_t>(plan().acquisition().samples_per_stick);
+  std::vector<float> block(frames * lines * samples);
+  impl_->model->prepare(plan().index(first_sequence).volume);
+  parallel_ranges(static_cast<int>(frames * lines), options().threads, [&](int first, int last) {
+    const StickMaker make = impl_->model->stick_maker(iq);
+    for (auto i = static_cast<std::uint64_t>(first); i < static_cast<std::uint64_t>(last); ++i) {
+      const std::uint64_t stick = i % frames * lines + i / frames;
+      make(first_sequence + stick, std::span(block).subspan(stick * samples, samples));
+    }
+  });
+  return block;
 }
 
 const hw::AcquisitionPlan& ProbeSimulator::plan() const {

@@ -50,6 +50,10 @@ class ProbeSimulator {
   /// threads at once, in no order, once for each stick. Throws std::logic_error if it is given on
   /// the rung geometry, which makes none.
   VolumeSamples volume(std::uint32_t index, const IqSink& iq = {}) const;
+  /// A part of volume(), stick after stick as there: the frame whose first stick has the number
+  /// `first_sequence`, and the frames fired after it, 16 in all or as many as the volume has left.
+  /// They are computed together because neighbouring frames share tissue and tables of the beam.
+  std::vector<float> block(std::uint64_t first_sequence, const IqSink& iq = {}) const;
 
   const hw::AcquisitionPlan& plan() const;
   const SimulationOptions& options() const;

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "bench/cache/sha256.h"
 
 namespace wobblebench::bench {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "bench/cache/sha256.h"
 #include "phantom_sources.h"
 #include "phantoms/io/phantom_bytes.h"

@@ -2,8 +2,8 @@
 #include <iostream>
 #include <memory>
 
-#include "bench/board_checks/conformance/board_fixture.h"
-#include "bench/board_checks/conformance/findings.h"
+#include "bench/board_checks/conformance/defects.h"
+#include "bench/board_checks/conformance/suite.h"
 #include "bench/cli/conformance_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"

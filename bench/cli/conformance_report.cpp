@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "bench/board_checks/conformance/board_fixture.h"
+#include "bench/board_checks/conformance/suite.h"
 #include "bench/output/report.h"
 
 namespace wobblebench::bench {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bench/board_checks/conformance/findings.h"
+#include "bench/board_checks/conformance/defects.h"
 #include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/scene/scene.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bench/board_checks/fault_simulation/seed_range.h"
+#include "bench/board_checks/fault_simulation/fault_simulation.h"
 
 namespace wobblebench::bench {
 

@@ -16,7 +16,7 @@
 #include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/pipeline/simulated_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/recording/recorder.h"
 #include "sim/echo/echo_model.h"
 

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <memory>
 
-#include "bench/board_checks/fault_simulation/seed_range.h"
+#include "bench/board_checks/fault_simulation/fault_simulation.h"
 #include "bench/cli/fault_simulation_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"

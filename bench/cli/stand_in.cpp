@@ -10,7 +10,7 @@
 #include "bench/command/common_options.h"
 #include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
-#include "bench/pipeline/simulated_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/emulator/xdma_emulator.h"
 
 namespace wobblebench::bench {

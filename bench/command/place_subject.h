@@ -6,7 +6,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/output/progress.h"
 #include "bench/scene/scene.h"
-#include "hw/wire/stream_origin.h"
+#include "hw/wire/configuration.h"
 #include "phantoms/placed_phantom.h"
 
 namespace wobblebench::bench {

@@ -10,7 +10,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "base/standard_descriptors.h"
+#include "base/file.h"
 #include "base/user_error.h"
 #include "bench/output/provenance.h"
 

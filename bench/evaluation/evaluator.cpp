@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <utility>
 
 #include "base/duration.h"
@@ -57,22 +56,10 @@ render::RenderOptions view_of(const render::RenderOptions& options) {
 }
 
 hw::PolarVolume volume_of(const sim::ProbeSimulator& simulator) {
-  const hw::AcquisitionPlan& plan = simulator.plan();
-  const sim::VolumeSamples samples = simulator.volume(0);
-  const auto length = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
-  hw::PolarVolume volume(plan);
-  hw::Stick stick;
-  stick.scale = simulator.options().output;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(plan.sticks_per_volume()); ++i) {
-    stick.index = plan.index(i);
-    stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
-    const auto part = std::span(samples).subspan(i * length, length);
-    stick.samples.assign(part.begin(), part.end());
-    volume.place(stick);
-  }
-  if (simulator.options().output == hw::SampleScale::linear_envelope) {
-    volume.log_compress(simulator.options().dynamic_range_db);
-  }
+  const sim::SimulationOptions& options = simulator.options();
+  auto volume =
+      hw::PolarVolume::of_samples(simulator.plan(), 0, options.output, simulator.volume(0));
+  volume.log_compress(options.dynamic_range_db);
   return volume;
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "base/write_file.h"
+#include "base/file.h"
 #include "bench/output/encoders.h"
 
 namespace wobblebench::bench {

@@ -8,9 +8,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/sync.h"
+#include "base/file.h"
 #include "base/user_error.h"
-#include "base/write_file.h"
 
 namespace wobblebench::bench {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/folder_lock.h"
+#include "base/file.h"
 #include "bench/output/removals.h"
 
 namespace wobblebench::bench {

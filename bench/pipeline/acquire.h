@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/pipeline/board_link.h"
-#include "bench/pipeline/stream/one_volume.h"
+#include "bench/pipeline/stream/stream.h"
 #include "bench/scene/scene.h"
 #include "hw/board/board.h"
 #include "hw/probe/polar_volume.h"

@@ -1,4 +1,4 @@
-// The IQ samples of a simulated recording, on disk.
+// The IQ samples of a simulated recording, on disk, as NumPy reads them.
 #pragma once
 
 #include <array>
@@ -8,12 +8,17 @@
 #include <filesystem>
 #include <shared_mutex>
 #include <span>
+#include <string>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/iq_sink.h"
 
 namespace wobblebench::bench {
+
+/// The header of an array of complex64 in C order, in this machine's byte order: NumPy format
+/// version 1.0 (numpy.lib.format). Data follow at a multiple of 64 bytes.
+std::string npy_header(std::span<const std::uint64_t> shape);
 
 /// volumes x frames x lines x IQ samples. Frames are numbered as on the wire: by their plane in the
 /// fan, whatever the order of acquisition.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/sync.h"
+#include "base/file.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <span>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 
 namespace wobblebench::bench {
 

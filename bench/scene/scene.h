@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "phantoms/placed_phantom.h"
 #include "render/presets.h"
 #include "sim/options.h"

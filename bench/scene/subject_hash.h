@@ -4,7 +4,7 @@
 #include <string>
 
 #include "bench/scene/scene.h"
-#include "hw/wire/subject_hash.h"
+#include "hw/wire/configuration.h"
 
 namespace wobblebench::bench {
 

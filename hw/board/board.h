@@ -12,7 +12,7 @@
 #include "base/options.h"
 #include "hw/link/link.h"
 #include "hw/probe/clock.h"
-#include "hw/probe/stick.h"
+#include "hw/probe/polar_volume.h"
 #include "hw/wire/account.h"
 #include "hw/wire/configuration.h"
 

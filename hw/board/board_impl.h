@@ -49,7 +49,7 @@ class Board::Impl {
   using QueuedEvent = std::variant<Configuration, StickSlot, Gap, VolumeEnd>;
   enum class Ending { none, end_of_stream, lost };
 
-  // board_impl.cpp: the program's side.
+  // board.cpp: the program's side.
   void end_reader();
   void interrupt_reader();  ///< holding wake_
   void join_reader();

@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "hw/probe/stick.h"
+#include "hw/probe/polar_volume.h"
 
 namespace wobblebench::hw {
 

@@ -1,6 +1,6 @@
 #include "hw/board/volume_assembly.h"
 
-#include <utility>
+#include <variant>
 
 namespace wobblebench::hw {
 
@@ -24,31 +24,53 @@ std::optional<PolarVolume> VolumeAssembly::next(HostTime deadline) {
   for (;;) {
     Event event = board_.next(deadline);
     if (const auto* slot = std::get_if<StickSlot>(&event)) {
-      if (auto finished = add(**slot)) return finished;
+      std::optional<PolarVolume> finished;
+      if (is_of_another_volume(**slot)) finished = take_volume();
+      place(**slot);
+      if (finished) return finished;
     } else if (auto* configuration = std::get_if<Configuration>(&event)) {
       configuration_ = *configuration;
-      if (volume_) return std::exchange(volume_, std::nullopt);
+      if (volume_) return take_volume();
     } else if (std::holds_alternative<VolumeEnd>(event)) {
-      if (volume_) return std::exchange(volume_, std::nullopt);
+      if (volume_) return take_volume();
     } else if (std::holds_alternative<TimedOut>(event) ||
                std::holds_alternative<Cancelled>(event)) {
       return {};
     } else if (!std::holds_alternative<Gap>(event)) {
       ended_ = true;
-      return std::exchange(volume_, std::nullopt);
+      return take_volume();
     }
   }
 }
 
-/// Returns the current volume if the stick belongs to another.
-std::optional<PolarVolume> VolumeAssembly::add(const Stick& stick) {
-  std::optional<PolarVolume> finished;
-  if (volume_ && volume_->volume_index() != stick.index.volume) {
-    finished = std::exchange(volume_, std::nullopt);
-  }
-  if (!volume_) volume_.emplace(configuration_.value().plan, stick.index.volume);
+void VolumeAssembly::begin_volume(std::uint32_t index) {
+  volume_.emplace(configuration_.value().plan, index);
+  finished_frames_ = 0;
+}
+
+void VolumeAssembly::place(const Stick& stick) {
+  if (!volume_) begin_volume(stick.index.volume);
   volume_->place(stick);
-  return finished;
+}
+
+int VolumeAssembly::mirrored(int frame) const {
+  const AcquisitionPlan& plan = volume_->plan();
+  return plan.sweep_direction(volume_->volume_index()) > 0
+             ? frame
+             : plan.acquisition().frames_per_volume - 1 - frame;
+}
+
+int VolumeAssembly::unfinished_frames() const {
+  if (!volume_) return 0;
+  return volume_->plan().acquisition().frames_per_volume - finished_frames_;
+}
+
+bool VolumeAssembly::is_of_later_frame(const Stick& stick) const {
+  return volume_ && finished_frames_ < mirrored(static_cast<int>(stick.index.frame));
+}
+
+int VolumeAssembly::finish_frame() {
+  return mirrored(finished_frames_++);
 }
 
 }  // namespace wobblebench::hw

@@ -1,15 +1,18 @@
-// Assembles the events of a board into volumes.
+// Puts the sticks of a board into frames and volumes.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "hw/board/board.h"
 #include "hw/probe/polar_volume.h"
 
 namespace wobblebench::hw {
 
-/// Takes the events of a board and returns volumes. Used by one thread, the only one that calls
-/// board.next().
+/// Takes the events of a board and returns volumes. A program that needs frames as they come takes
+/// the events itself, and has place() and finish_frame() do the rest. Used by one thread, the only
+/// one that calls board.next().
 ///
 /// @code
 /// #include "hw/recording/file_link.h"
@@ -40,12 +43,39 @@ class VolumeAssembly {
   /// The plan and source in force; unset before the first configuration.
   const std::optional<Configuration>& configuration() const { return configuration_; }
 
+  // For programs that take the board's events themselves.
+
+  void configure(const Configuration& configuration) { configuration_ = configuration; }
+  /// All sticks of the volume `index` are missing. Throws std::bad_optional_access before the first
+  /// configuration.
+  void begin_volume(std::uint32_t index);
+  /// Copies the stick to its frame and line of the volume under way; where there is none, the
+  /// stick's begins. Throws as begin_volume() and PolarVolume::place().
+  void place(const Stick& stick);
+  /// The volume under way: it was begun, and not taken.
+  std::optional<PolarVolume>& volume() { return volume_; }
+  const std::optional<PolarVolume>& volume() const { return volume_; }
+  std::optional<PolarVolume> take_volume() { return std::exchange(volume_, std::nullopt); }
+  /// The stick is of another volume than the one under way.
+  bool is_of_another_volume(const Stick& stick) const {
+    return volume_ && volume_->volume_index() != stick.index.volume;
+  }
+
+  /// Frames of the volume under way that finish_frame() has not returned; 0 without a volume.
+  int unfinished_frames() const;
+  /// The stick is of the volume under way, of a frame that is fired after the first unfinished one.
+  bool is_of_later_frame(const Stick& stick) const;
+  /// Returns the first unfinished frame in the order of firing: no more sticks of it will come.
+  int finish_frame();
+
  private:
-  std::optional<PolarVolume> add(const Stick& stick);
+  /// A frame's number in the order of firing, from its number in the fan; and back.
+  int mirrored(int frame) const;
 
   Board& board_;
   std::optional<Configuration> configuration_;
-  std::optional<PolarVolume> volume_;  ///< the current one, with at least one stick
+  std::optional<PolarVolume> volume_;  ///< the one under way
+  int finished_frames_ = 0;            ///< of it
   bool ended_ = false;
 };
 

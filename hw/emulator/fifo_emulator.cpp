@@ -11,8 +11,8 @@
 #include <chrono>
 #include <system_error>
 
-#include "base/file_descriptor.h"
-#include "hw/emulator/fuse_node.h"
+#include "base/file.h"
+#include "hw/emulator/fuse_session.h"
 
 namespace wobblebench::hw {
 namespace {

@@ -1,4 +1,4 @@
-// A mounted FUSE file system and the threads that serve it.
+// A FUSE file system of one file, the device node of an emulated card.
 #pragma once
 
 #include <atomic>
@@ -7,14 +7,18 @@
 #include <thread>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 
 struct fuse_session;
 
 namespace wobblebench::hw {
 
+/// Name of the file: the driver's name of its first card-to-host stream.
+inline constexpr char kNodeName[] = "xdma0_c2h_0";
+
 class XdmaCard;
 
+/// The mounted file system, and the threads that serve it.
 class FuseSession {
  public:
   /// Mounts the node of `card` on `folder`. Throws std::runtime_error "FOLDER: reason".

@@ -8,8 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/file_descriptor.h"
-#include "hw/emulator/fuse_node.h"
+#include "base/file.h"
 #include "hw/emulator/fuse_session.h"
 #include "hw/emulator/xdma_card.h"
 #include "hw/link/xdma_node.h"

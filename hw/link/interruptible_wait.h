@@ -1,8 +1,10 @@
-// A wait that cancel() and close() of a link end, from any thread.
+// What a link shares with other threads: its waits, which cancel() and close() end, and its epoch.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -11,7 +13,7 @@
 
 namespace wobblebench::hw {
 
-/// All functions may be called from any thread.
+/// A wait that cancel() and close() of a link end. All functions may be called from any thread.
 class InterruptibleWait {
  public:
   void cancel();
@@ -36,6 +38,21 @@ class InterruptibleWait {
   bool cancelled_ = false;
   bool closed_ = false;
   std::uint64_t wakes_ = 0;
+};
+
+/// The epoch of a link, as Link::epoch() gives it: set by the thread that reads, read by others.
+class SharedEpoch {
+ public:
+  void set(HostTime epoch) { since_.store(epoch.time_since_epoch().count()); }
+  std::optional<HostTime> get() const {
+    const auto since = since_.load();
+    if (since == kNone) return {};
+    return HostTime(HostClock::duration(since));
+  }
+
+ private:
+  static constexpr HostClock::rep kNone = std::numeric_limits<HostClock::rep>::min();
+  std::atomic<HostClock::rep> since_ = kNone;
 };
 
 }  // namespace wobblebench::hw

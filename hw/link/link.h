@@ -8,10 +8,22 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/options.h"
 #include "hw/probe/clock.h"
-#include "hw/wire/stream_origin.h"
+#include "hw/wire/configuration.h"
 
 namespace wobblebench::hw {
+
+/// Rate at which a simulated or recorded link delivers its bytes.
+enum class Pace {
+  asap,      ///< as fast as they are read
+  realtime,  ///< at the device's times, on the host's clock
+};
+
+template <OptionsOf<Pace> P, class Visitor>
+void describe_pace(P& pace, Visitor& v) {
+  v.choice("pace", pace, {{"asap", Pace::asap}, {"realtime", Pace::realtime}});
+}
 
 enum class ReadStatus {
   ok,             ///< at least one byte was read

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "hw/probe/clock.h"
 
 namespace wobblebench::hw {

@@ -31,8 +31,8 @@ struct AcquisitionOptions {
   int volumes = 1;
   double sound_speed_m_s = 1540;  ///< as assumed by the scanner, for time and for range
   double dead_time_s = 0;         ///< added after each stick's echo time 2 d / c
-  /// Transmissions for each stick, one for each of so many equal zones of its depth, each focused
-  /// at the middle of its zone: a stick takes so many echo times. 1: one, at the probe's focus.
+  /// Number of equal zones of the depth, each with a transmission of its own, which is focused at
+  /// the zone's middle: a stick takes that number of echo times. 1: one, at the probe's focus.
   int focal_zones = 1;
   /// Mode fly_back: from the end of a volume's last stick to the first of the next. In the modes
   /// stepped and continuous the motor returns in no time.
@@ -146,7 +146,7 @@ class AcquisitionPlan {
   double sample_range_m(int sample) const { return (sample + 0.5) * sample_spacing_m(); }
 
  private:
-  /// When so many sticks and fly-backs have passed.
+  /// Time at which these numbers of sticks and of fly-backs have passed.
   DeviceTime time_after(std::uint64_t sticks, std::uint64_t fly_backs) const;
 
   ProbeOptions probe_;

@@ -23,6 +23,14 @@ PolarFrame empty_frame(const AcquisitionPlan& plan, std::uint32_t volume, std::u
 
 }  // namespace
 
+void schedule(Stick& stick, const AcquisitionPlan& plan, std::uint64_t sequence) {
+  stick.sequence = sequence;
+  stick.index = plan.index(sequence);
+  stick.time = plan.stick_time(sequence);
+  stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+  stick.sweep_direction = plan.sweep_direction(stick.index.volume);
+}
+
 PolarVolume::PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume)
     : plan_(plan), volume_index_(volume) {
   const auto count = static_cast<std::uint32_t>(plan.acquisition().frames_per_volume);
@@ -32,24 +40,56 @@ PolarVolume::PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume)
   }
 }
 
+PolarVolume PolarVolume::of_samples(const AcquisitionPlan& plan,
+                                    std::uint32_t volume,
+                                    SampleScale scale,
+                                    std::span<const float> samples) {
+  const auto length = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
+  const auto count = static_cast<std::size_t>(plan.sticks_per_volume());
+  const std::uint64_t first = plan.first_sequence(volume);
+  PolarVolume made(plan, volume);
+  for (std::size_t i = 0; i < count; ++i) {
+    const StickIndex index = plan.index(first + i);
+    made.place_line(index, samples.subspan(i * length, length), plan.motor_angle_rad(index), scale);
+  }
+  return made;
+}
+
 void PolarVolume::place(const Stick& stick) {
   if (stick.index.volume != volume_index_) {
     throw std::out_of_range("a stick of volume " + std::to_string(stick.index.volume) +
                             " where volume " + std::to_string(volume_index_) + " is put together");
   }
-  PolarFrame& frame = frames_.at(stick.index.frame);
-  std::uint8_t& arrived = frame.arrived.at(stick.index.line);
-  const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
-  if (stick.samples.size() != samples) {
-    throw std::invalid_argument("a stick of " + std::to_string(stick.samples.size()) +
-                                " samples where the plan has " + std::to_string(samples));
+  place_line(stick.index, stick.samples, stick.motor_angle_rad, stick.scale);
+}
+
+void PolarVolume::place_frame(int frame, const PolarFrame& from, SampleScale scale) {
+  const std::size_t samples = from.samples.size() / from.arrived.size();
+  for (std::size_t line = 0; line < from.arrived.size(); ++line) {
+    if (from.arrived[line] == 0) continue;
+    place_line({volume_index_, static_cast<std::uint32_t>(frame), static_cast<std::uint32_t>(line)},
+               std::span(from.samples).subspan(line * samples, samples),
+               from.motor_angle_rad[line],
+               scale);
   }
-  const auto first =
-      frame.samples.begin() + static_cast<std::ptrdiff_t>(stick.index.line * samples);
-  std::copy(stick.samples.begin(), stick.samples.end(), first);
-  frame.motor_angle_rad[stick.index.line] = stick.motor_angle_rad;
+}
+
+void PolarVolume::place_line(const StickIndex& index,
+                             std::span<const float> samples,
+                             double motor_angle_rad,
+                             SampleScale scale) {
+  PolarFrame& frame = frames_.at(index.frame);
+  std::uint8_t& arrived = frame.arrived.at(index.line);
+  const auto planned = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
+  if (samples.size() != planned) {
+    throw std::invalid_argument("a stick of " + std::to_string(samples.size()) +
+                                " samples where the plan has " + std::to_string(planned));
+  }
+  const auto first = frame.samples.begin() + static_cast<std::ptrdiff_t>(index.line * planned);
+  std::copy(samples.begin(), samples.end(), first);
+  frame.motor_angle_rad[index.line] = motor_angle_rad;
   arrived = 1;
-  scale_ = stick.scale;
+  scale_ = scale;
 }
 
 void PolarVolume::log_compress(double dynamic_range_db) {

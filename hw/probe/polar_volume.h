@@ -1,13 +1,36 @@
-// Polar frames and volumes, assembled from sticks.
+// Sticks, and the polar frames and volumes that they are placed in.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "hw/probe/stick.h"
+#include "hw/probe/clock.h"
 
 namespace wobblebench::hw {
+
+/// Scale of a stick's samples.
+enum class SampleScale : std::uint8_t {
+  log_compressed = 0,  ///< [0, 1] over the dynamic range
+  linear_envelope = 1,
+};
+
+/// One stick (scan line): the detected samples along one beam axis, as the board delivers them.
+struct Stick {
+  std::uint64_t sequence = 0;  ///< counts the sticks of the stream from 0
+  StickIndex index;
+  DeviceTime time{};
+  double motor_angle_rad = 0;
+  int sweep_direction = 1;  ///< +1: phi grows over the volume, -1: it falls
+  SampleScale scale = SampleScale::log_compressed;
+  bool checked = true;         ///< false: the source sent no CRC, damage would not be detected
+  std::vector<float> samples;  ///< [samples_per_stick], nearest range first
+};
+
+/// Sets number, index, time, motor angle and sweep direction to those of the plan. Throws as
+/// AcquisitionPlan::index().
+void schedule(Stick& stick, const AcquisitionPlan& plan, std::uint64_t sequence);
 
 /// One image plane, sticks_per_frame x samples_per_stick samples.
 struct PolarFrame {
@@ -31,10 +54,19 @@ class PolarVolume {
   /// All sticks missing. `volume` is the index in the stream, from 0.
   explicit PolarVolume(const AcquisitionPlan& plan, std::uint32_t volume = 0);
 
+  /// All sticks, of their samples: stick after stick in the order of firing.
+  static PolarVolume of_samples(const AcquisitionPlan& plan,
+                                std::uint32_t volume,
+                                SampleScale scale,
+                                std::span<const float> samples);
+
   /// Copies the stick to its frame and line, in any order. Throws std::out_of_range for an index
   /// outside the plan (which the board rejects before) or of another volume, std::invalid_argument
   /// for a wrong number of samples.
   void place(const Stick& stick);
+  /// Copies those lines of a frame of another volume that arrived in it. Throws std::out_of_range
+  /// and std::invalid_argument where the plan has another number of lines or samples.
+  void place_frame(int frame, const PolarFrame& from, SampleScale scale);
 
   const AcquisitionPlan& plan() const { return plan_; }
   const std::vector<PolarFrame>& frames() const { return frames_; }
@@ -50,6 +82,11 @@ class PolarVolume {
   std::uint32_t volume_index() const { return volume_index_; }
 
  private:
+  void place_line(const StickIndex& index,
+                  std::span<const float> samples,
+                  double motor_angle_rad,
+                  SampleScale scale);
+
   AcquisitionPlan plan_;
   std::vector<PolarFrame> frames_;
   SampleScale scale_ = SampleScale::log_compressed;

@@ -12,7 +12,6 @@
 
 #include "base/options.h"
 #include "hw/link/interruptible_wait.h"
-#include "hw/link/shared_epoch.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/recording/recording_reader.h"
 

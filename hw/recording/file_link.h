@@ -8,7 +8,6 @@
 
 #include "base/options.h"
 #include "hw/link/link.h"
-#include "hw/link/pace.h"
 
 namespace wobblebench::hw {
 

@@ -12,7 +12,7 @@
 #include "hw/link/link.h"
 #include "hw/wire/account.h"
 #include "hw/wire/configuration.h"
-#include "hw/wire/version.h"
+#include "hw/wire/unreadable_stream.h"
 
 namespace wobblebench::hw {
 

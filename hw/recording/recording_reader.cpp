@@ -1,6 +1,83 @@
 #include "hw/recording/recording_reader.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "hw/link/link.h"
+#include "hw/wire/decoder.h"
+
 namespace wobblebench::hw {
+
+namespace {
+
+[[noreturn]] void refuse(OpenFault fault, const std::filesystem::path& path, const char* what) {
+  throw LinkOpenError(fault, path.string() + ": " + what + "; must be a recording");
+}
+
+OpenFault fault_of(int reason) {
+  if (reason == ENOENT || reason == ENOTDIR) return OpenFault::missing;
+  if (reason == EACCES || reason == EPERM) return OpenFault::not_permitted;
+  return OpenFault::gone;
+}
+
+/// Skips damage at the start.
+void check_first_packet(const RecordingFile& recording) {
+  Decoder decoder;
+  std::vector<std::byte> chunk(recording.chunk_bytes());
+  for (std::uint64_t offset = 0; offset < recording.bytes();) {
+    const std::size_t count = recording.read(offset, chunk);
+    if (count == 0) break;
+    decoder.feed(std::span(chunk).first(count));
+    offset += count;
+    if (offset >= recording.bytes()) decoder.finish();
+    try {
+      if (decoder.next()) return;
+    } catch (const UnsupportedWireVersion& version) {
+      throw LinkOpenError(OpenFault::later_version,
+                          recording.path().string() + ": " + version.what());
+    }
+  }
+  refuse(OpenFault::foreign, recording.path(), "holds no packet of the wire format");
+}
+
+}  // namespace
+
+RecordingFile::RecordingFile(const std::filesystem::path& path) : path_(path) {
+  // Does not wait for the writer of a FIFO, which is refused below.
+  file_ = FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file_.is_open()) refuse(fault_of(errno), path, std::strerror(errno));
+  struct stat status {};
+  if (::fstat(file_.get(), &status) != 0) refuse(OpenFault::gone, path, std::strerror(errno));
+  if (S_ISDIR(status.st_mode)) refuse(OpenFault::wrong_kind, path, "is a folder");
+  if (!S_ISREG(status.st_mode)) {
+    refuse(OpenFault::wrong_kind, path, "is no file (a device or FIFO is opened with xdma=)");
+  }
+  if (status.st_size == 0) refuse(OpenFault::empty, path, "is empty");
+  bytes_ = static_cast<std::uint64_t>(status.st_size);
+  check_first_packet(*this);
+}
+
+std::size_t RecordingFile::read(std::uint64_t offset, std::span<std::byte> buffer) const {
+  std::size_t done = 0;
+  while (done < buffer.size()) {
+    const ssize_t count = ::pread(
+        file_.get(), buffer.data() + done, buffer.size() - done, static_cast<off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) {
+      throw std::runtime_error(path_.string() + ": cannot be read: " + std::strerror(errno));
+    }
+    if (count == 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
 
 std::optional<PacketFrame> RecordingReader::next_frame() {
   for (;;) {

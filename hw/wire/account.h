@@ -13,7 +13,19 @@ enum class LossCause {
 };
 
 /// "ring_full", "link", "corrupt" or "out_of_order", as in reports.
-const char* to_string(LossCause cause);
+constexpr const char* to_string(LossCause cause) {
+  switch (cause) {
+    case LossCause::ring_full:
+      return "ring_full";
+    case LossCause::link:
+      return "link";
+    case LossCause::corrupt:
+      return "corrupt";
+    case LossCause::out_of_order:
+      return "out_of_order";
+  }
+  return "unknown";
+}
 
 /// Consecutive sticks that were not delivered.
 struct Gap {

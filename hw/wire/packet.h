@@ -12,11 +12,9 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/clock.h"
-#include "hw/probe/stick.h"
-#include "hw/wire/display_scale.h"
-#include "hw/wire/stream_origin.h"
-#include "hw/wire/subject_hash.h"
-#include "hw/wire/version.h"
+#include "hw/probe/polar_volume.h"
+#include "hw/wire/configuration.h"
+#include "hw/wire/unreadable_stream.h"
 
 namespace wobblebench::hw {
 

@@ -1,8 +1,10 @@
-// What ends a stream before its bytes do: from some packet on nothing can be interpreted.
+// The version of the wire format, and what ends a stream before its bytes do: from some packet on
+// nothing can be interpreted.
 #pragma once
 
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 
 namespace wobblebench::hw {
 
@@ -37,5 +39,29 @@ inline void check_skipped(std::uint64_t bytes_in_a_row) {
   if (bytes_in_a_row <= kMostSkippedBytes) return;
   throw UnreadableStream("no sound packet in 64 MiB: this is no stream of the wire format");
 }
+
+inline constexpr std::uint16_t kWireVersion = 1;
+
+/// The stream has a version that this program cannot read.
+///
+/// @code
+/// #include "hw/recording/recording.h"
+/// try {
+///   const hw::RecordingContents contents = hw::inspect_recording("scan.wbst");
+/// } catch (const hw::UnsupportedWireVersion& error) {
+///   if (error.version() > hw::kWireVersion) return;
+/// }
+/// @endcode
+class UnsupportedWireVersion : public UnreadableStream {
+ public:
+  explicit UnsupportedWireVersion(std::uint16_t version)
+      : UnreadableStream("wire format version " + std::to_string(version) +
+                         ": this program reads version " + std::to_string(kWireVersion)),
+        version_(version) {}
+  std::uint16_t version() const { return version_; }
+
+ private:
+  std::uint16_t version_;
+};
 
 }  // namespace wobblebench::hw

@@ -14,7 +14,7 @@
 #include <string>
 #include <system_error>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "phantoms/io/message.h"
 
 namespace wobblebench::phantoms {

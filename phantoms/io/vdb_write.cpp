@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/write_file.h"
+#include "base/file.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/scatterer_csv.h"

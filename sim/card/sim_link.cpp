@@ -8,19 +8,18 @@
 #include <vector>
 
 #include "hw/link/interruptible_wait.h"
-#include "hw/link/shared_epoch.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
-#include "sim/card/volume_feed.h"
+#include "sim/card/stick_feed.h"
 
 namespace wobblebench::sim {
 namespace {
 
-/// Adds the wall time of computing each volume to the statistics.
-VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics> statistics) {
-  return [make = std::move(make), statistics = std::move(statistics)](std::uint32_t volume) {
+/// Adds the wall time of computing each block to the statistics.
+MakeBlock timed(MakeBlock make, std::shared_ptr<SimLinkStatistics> statistics) {
+  return [make = std::move(make), statistics = std::move(statistics)](std::uint64_t first) {
     const auto start = hw::HostClock::now();
-    VolumeSamples samples = make(volume);
+    std::vector<float> samples = make(first);
     statistics->volume_ms += to_milliseconds(hw::HostClock::now() - start);
     return samples;
   };
@@ -28,17 +27,20 @@ VolumeFeed::Make timed(VolumeFeed::Make make, std::shared_ptr<SimLinkStatistics>
 
 }  // namespace
 
-StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject) {
+StickSource stick_source(ProbeSimulator simulator,
+                         const hw::SubjectHash& subject,
+                         const IqSink& iq) {
   const hw::AcquisitionPlan plan = simulator.plan();
   const SimulationOptions options = simulator.options();
-  return {
-      plan,
-      options.output,
-      [simulator = std::move(simulator)](std::uint32_t volume) { return simulator.volume(volume); },
-      subject,
-      {.full_scale_db = options.full_scale_db,
-       .dynamic_range_db = options.dynamic_range_db,
-       .tgc_db_per_cm_mhz = options.tgc_db_per_cm_mhz}};
+  return {plan,
+          options.output,
+          [simulator = std::move(simulator), iq](std::uint64_t first) {
+            return simulator.block(first, iq);
+          },
+          subject,
+          {.full_scale_db = options.full_scale_db,
+           .dynamic_range_db = options.dynamic_range_db,
+           .tgc_db_per_cm_mhz = options.tgc_db_per_cm_mhz}};
 }
 
 class SimLink::Impl {
@@ -60,7 +62,8 @@ class SimLink::Impl {
   hw::ReadResult read_card(std::span<std::byte> buffer, hw::HostTime deadline);
   hw::DeviceTime device_now() const;
   void send_until(hw::DeviceTime time);
-  bool begin_volume();
+  bool take_block();
+  void begin_volume();
   void delay_probe(hw::DeviceTime begin, hw::HostTime ready);
   void send_stick();
   void end_volume(std::uint32_t volume);
@@ -75,15 +78,16 @@ class SimLink::Impl {
   CardModel card_;
   std::string loss_;
   std::uint64_t sequence_ = 0;         ///< of the stick that is sent next
-  bool inside_volume_ = false;         ///< volume_ is filled and its configuration was sent
+  bool inside_volume_ = false;         ///< its configuration was sent
   bool over_ = false;                  ///< all volumes were sent
-  VolumeSamples volume_;               ///< the volume under way
+  std::vector<float> block_;           ///< samples that were taken from feed_ last
+  std::size_t sent_ = 0;               ///< of block_
   hw::Stick stick_;                    ///< the stick sent last
   std::vector<std::byte> bytes_;       ///< one packet
   std::optional<hw::HostTime> epoch_;  ///< host time of device time 0; set by the first read
   hw::SharedEpoch shared_epoch_;       ///< realtime: the same
   const hw::DeviceDuration stick_period_;
-  VolumeFeed feed_;  ///< last: its thread wakes waiting_
+  StickFeed feed_;  ///< last: its thread wakes waiting_
 };
 
 SimLink::Impl::Impl(StickSource source,
@@ -96,8 +100,9 @@ SimLink::Impl::Impl(StickSource source,
       time_(time),
       card_(options.card),
       stick_period_(std::llround(source_.plan.stick_period_s() * 1e9)),
-      feed_(timed(source_.volume, statistics_),
-            static_cast<std::uint32_t>(source_.plan.acquisition().volumes),
+      feed_(timed(source_.block, statistics_),
+            source_.plan,
+            options.pace == hw::Pace::realtime,
             options.volumes_ahead,
             [this] { waiting_.wake(); }) {
   check_options(options_);
@@ -149,7 +154,7 @@ hw::DeviceTime SimLink::Impl::device_now() const {
   return hw::DeviceTime(now() - *epoch_);
 }
 
-/// Time of the next interrupt or end of a stick. A volume that becomes ready ends a sleep earlier.
+/// Time of the next interrupt or end of a stick. A block that becomes ready ends a sleep earlier.
 hw::HostTime SimLink::Impl::next_event() const {
   if (options_.pace == hw::Pace::asap) return hw::HostTime::max();
   hw::DeviceTime event = hw::DeviceTime::max();
@@ -164,20 +169,27 @@ void SimLink::Impl::send_until(hw::DeviceTime time) {
   const bool asap = options_.pace == hw::Pace::asap;
   while (!over_) {
     if (asap && card_.next_interrupt()) return;
-    if (!inside_volume_ && !begin_volume()) return;
+    if (sent_ == block_.size() && !take_block()) return;
+    if (!inside_volume_) begin_volume();
     if (stick_end() > time) return;
     send_stick();
   }
 }
 
-/// Sends the configuration of the next volume; false: its samples are not ready.
-bool SimLink::Impl::begin_volume() {
+/// False: the next samples are not ready.
+bool SimLink::Impl::take_block() {
   if (!feed_.ready()) return false;
+  auto next = feed_.take();
+  block_ = std::move(next.samples);
+  sent_ = 0;
+  if (!inside_volume_) delay_probe(source_.plan.stick_time(sequence_), next.ready_at);
+  return true;
+}
+
+/// Sends the configuration of the next volume.
+void SimLink::Impl::begin_volume() {
   const hw::AcquisitionPlan& plan = source_.plan;
   const hw::DeviceTime begin = plan.stick_time(sequence_);
-  auto next = feed_.take();
-  volume_ = std::move(next.samples);
-  delay_probe(begin, next.ready_at);
   bytes_.clear();
   hw::encode(hw::ConfigurationPacket{.sequence = sequence_,
                                      .volume = plan.index(sequence_).volume,
@@ -190,7 +202,6 @@ bool SimLink::Impl::begin_volume() {
              bytes_);
   card_.push(bytes_, begin, false);
   inside_volume_ = true;
-  return true;
 }
 
 /// Moves the epoch so that a volume does not begin before its samples are ready. The first volume
@@ -210,13 +221,9 @@ void SimLink::Impl::send_stick() {
   const hw::AcquisitionPlan& plan = source_.plan;
   const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
   const auto per_volume = static_cast<std::uint64_t>(plan.sticks_per_volume());
-  const std::uint64_t in_volume = sequence_ % per_volume;
-  const auto stick_samples = std::span(volume_).subspan(in_volume * samples, samples);
-  stick_.sequence = sequence_;
-  stick_.index = plan.index(sequence_);
-  stick_.time = plan.stick_time(sequence_);
-  stick_.motor_angle_rad = plan.motor_angle_rad(stick_.index);
-  stick_.sweep_direction = plan.sweep_direction(stick_.index.volume);
+  const auto stick_samples = std::span(block_).subspan(sent_, samples);
+  sent_ += samples;
+  hw::schedule(stick_, plan, sequence_);
   stick_.scale = source_.scale;
   stick_.samples.assign(stick_samples.begin(), stick_samples.end());
   bytes_.clear();
@@ -224,7 +231,7 @@ void SimLink::Impl::send_stick() {
   card_.push(bytes_, stick_end(), false);
   ++sequence_;
   ++statistics_->sticks_emitted;
-  if (in_volume + 1 == per_volume) end_volume(stick_.index.volume);
+  if (sequence_ % per_volume == 0) end_volume(stick_.index.volume);
 }
 
 void SimLink::Impl::end_volume(std::uint32_t volume) {

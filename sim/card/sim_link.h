@@ -10,8 +10,7 @@
 #include <string>
 
 #include "hw/link/link.h"
-#include "hw/link/pace.h"
-#include "hw/wire/subject_hash.h"
+#include "hw/wire/configuration.h"
 #include "sim/options.h"
 #include "sim/probe_simulator.h"
 
@@ -20,8 +19,8 @@ namespace wobblebench::sim {
 struct SimLinkOptions {
   hw::Pace pace = hw::Pace::asap;
   CardOptions card;
-  /// Volumes computed before they are sent. 0: read() computes them, and cannot be cancelled
-  /// meanwhile.
+  /// Sticks of this number of volumes are computed before they are sent. 0: read() computes them,
+  /// and cannot be cancelled meanwhile.
   int volumes_ahead = 1;
 };
 
@@ -32,30 +31,39 @@ void describe(O& o, Visitor& v) {
   describe(o.card, v);
 }
 
+/// Makes the samples of a block: stick after stick in the order of firing, whole frames of one
+/// volume, from the stick `first_sequence` on, which is the first of a frame.
+using MakeBlock = std::function<std::vector<float>(std::uint64_t first_sequence)>;
+
 /// Where the link's sticks come from: a simulator, or a pattern for studies without one.
 struct StickSource {
   hw::AcquisitionPlan plan;
   hw::SampleScale scale = hw::SampleScale::log_compressed;
-  std::function<VolumeSamples(std::uint32_t)> volume;  ///< called for volumes 0, 1, … in turn
+  MakeBlock block;  ///< called for one block after the other
   // Put into each configuration.
   hw::SubjectHash subject = {};
   hw::DisplayScale display_scale = {};
 };
-StickSource stick_source(ProbeSimulator simulator, const hw::SubjectHash& subject = {});
+/// Blocks are those of ProbeSimulator::block(). `iq`: as there.
+StickSource stick_source(ProbeSimulator simulator,
+                         const hw::SubjectHash& subject = {},
+                         const IqSink& iq = {});
 
 /// Counts and times of a link, which may be read while the link writes them.
 struct SimLinkStatistics {
   std::atomic<std::uint64_t> sticks_emitted = 0;   ///< by the probe
   std::atomic<std::uint64_t> packets_dropped = 0;  ///< by the card, when its ring is full
-  std::atomic<double> volume_ms = 0;               ///< wall time of computing volumes
+  std::atomic<double> volume_ms = 0;               ///< wall time of computing the volumes' sticks
   /// Realtime: total delay of the probe by volumes that were not computed in time.
   std::atomic<double> late_ms = 0;
 };
 
 /// Sends `acquisition.volumes` volumes as wire packets through a CardModel. asap: in virtual time,
-/// where device time passes only while the link is read, so that slow reading loses nothing.
-/// realtime: by the host's clock from the first read on, whether the link is read or not; only
-/// a volume that is not computed in time delays the probe, as the statistics report.
+/// where device time passes only while the link is read, so that slow reading loses nothing; sticks
+/// are sent while the following blocks of their volume are computed. realtime: by the host's clock
+/// from the first read on, whether the link is read or not. A probe does not pause within a volume:
+/// the link waits until the whole volume is computed, and only a volume that is not computed in
+/// time delays the probe, as the statistics report.
 ///
 /// @code
 /// #include "hw/board/board.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/options.h"
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"

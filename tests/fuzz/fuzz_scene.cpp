@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/user_error.h"
 #include "bench/scene/scene.h"
 

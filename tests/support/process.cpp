@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "tests/support/bytes_of.h"
 
 namespace wobblebench::testing_support {

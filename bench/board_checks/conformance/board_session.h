@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/board_checks/conformance/fixture.h"
+#include "bench/board_checks/conformance/suite.h"
 
 namespace wobblebench::bench {
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "base/duration.h"
-#include "bench/board_checks/conformance/board_fixture.h"
+#include "base/statistics.h"
 #include "bench/board_checks/conformance/board_session.h"
 #include "bench/board_checks/conformance/suite.h"
 
@@ -12,7 +12,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-using std::chrono::duration;
 using std::chrono::milliseconds;
 
 /// The contract's bound on a wake-up is 10 ms; the scheduler of a busy machine may add to it.
@@ -101,8 +100,7 @@ std::string cancel_wakes(const ConformanceFixture& fixture) {
     waking_ms.push_back(to_milliseconds(woken - cancelled));
     session.board.stop();
   }
-  std::nth_element(waking_ms.begin(), waking_ms.begin() + kCancels / 2, waking_ms.end());
-  const double median = waking_ms[kCancels / 2];
+  const double median = quantile(waking_ms, 0.5);
   require(median <= kWakeUp.count(), "a waiter wakes " + in_ms(median) + " after cancel()");
   return "woken within 10 ms, median of " + std::to_string(kCancels);
 }

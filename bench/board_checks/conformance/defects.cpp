@@ -1,10 +1,14 @@
 #include "bench/board_checks/conformance/defects.h"
 
 #include <algorithm>
+#include <atomic>
 #include <iterator>
+#include <memory>
+#include <thread>
+#include <utility>
 
 #include "bench/pipeline/board_link.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 
 namespace wobblebench::bench {
 
@@ -45,6 +49,160 @@ std::vector<DefectOutcome> check_defects(const PartDone& done) {
     parts.finish_one();
   }
   return outcomes;
+}
+
+bool ConformanceFindings::passed() const {
+  return std::all_of(runs.begin(),
+                     runs.end(),
+                     [](const SuiteRun& run) {
+                       return count(run.outcomes, CheckOutcome::Kind::failed) == 0;
+                     }) &&
+         std::all_of(defects.begin(), defects.end(), [](const DefectOutcome& defect) {
+           return defect.detected();
+         });
+}
+
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Forwards every call; a defect overrides one.
+class ForwardingLink : public hw::Link {
+ public:
+  explicit ForwardingLink(std::unique_ptr<hw::Link> inner) : inner_(std::move(inner)) {}
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override {
+    return inner_->read(buffer, deadline);
+  }
+  void cancel() override { inner_->cancel(); }
+  void resume() override { inner_->resume(); }
+  void close() override { inner_->close(); }
+  hw::LinkCapabilities capabilities() const override { return inner_->capabilities(); }
+  std::string loss() const override { return inner_->loss(); }
+
+ private:
+  std::unique_ptr<hw::Link> inner_;
+};
+
+class OkWithoutBytes : public ForwardingLink {
+ public:
+  using ForwardingLink::ForwardingLink;
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override {
+    if (++reads_ % 5 == 0) return {0, hw::ReadStatus::ok};
+    return ForwardingLink::read(buffer, deadline);
+  }
+
+ private:
+  int reads_ = 0;
+};
+
+class PollsSlowly : public ForwardingLink {
+ public:
+  using ForwardingLink::ForwardingLink;
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override {
+    std::this_thread::sleep_for(milliseconds(60));
+    return ForwardingLink::read(buffer, deadline);
+  }
+};
+
+/// Only the first read after cancel() returns cancelled.
+class CancelWearsOff : public ForwardingLink {
+ public:
+  using ForwardingLink::ForwardingLink;
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override {
+    const hw::ReadResult result = ForwardingLink::read(buffer, deadline);
+    if (result.status == hw::ReadStatus::cancelled) ForwardingLink::resume();
+    return result;
+  }
+};
+
+class OpenAfterClose : public ForwardingLink {
+ public:
+  using ForwardingLink::ForwardingLink;
+  void close() override {}
+};
+
+class CapabilitiesContradict : public ForwardingLink {
+ public:
+  using ForwardingLink::ForwardingLink;
+  hw::LinkCapabilities capabilities() const override {
+    hw::LinkCapabilities said = ForwardingLink::capabilities();
+    said.buffers_per_interrupt = said.buffers + 1;
+    return said;
+  }
+};
+
+/// Reports the end of the stream when the card is pulled out.
+class SilentWhenUnplugged : public ForwardingLink {
+ public:
+  SilentWhenUnplugged(std::unique_ptr<hw::Link> inner, std::shared_ptr<std::atomic<bool>> unplugged)
+      : ForwardingLink(std::move(inner)), unplugged_(std::move(unplugged)) {}
+  hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override {
+    if (*unplugged_) return {0, hw::ReadStatus::end_of_stream};
+    return ForwardingLink::read(buffer, deadline);
+  }
+
+ private:
+  std::shared_ptr<std::atomic<bool>> unplugged_;
+};
+
+template <class DefectiveLink>
+Defect make_defect(const std::string& check, const std::string& what) {
+  Defect defect{check, what, correct_fixture()};
+  defect.fixture.open = [open = defect.fixture.open] {
+    return std::make_unique<DefectiveLink>(open());
+  };
+  return defect;
+}
+
+/// Faults are injected, and the fixture does not say so.
+Defect hidden_faults() {
+  Defect defect{"stream.undamaged", "packets come twice", correct_fixture(",faults=duplicate:0.1")};
+  defect.fixture.faulty = false;
+  return defect;
+}
+
+Defect busy_after_close() {
+  Defect defect{"link.reopen",
+                "the device stays busy after close() until somebody has asked for it in vain",
+                correct_fixture()};
+  auto busy = std::make_shared<bool>(false);
+  defect.fixture.open = [open = defect.fixture.open, busy] {
+    if (*busy) {
+      *busy = false;
+      throw hw::LinkOpenError(hw::OpenFault::busy, "card: is busy; must be free");
+    }
+    *busy = true;
+    return open();
+  };
+  return defect;
+}
+
+Defect silent_when_unplugged() {
+  Defect defect{
+      "unplug.card", "a card pulled out looks like the end of the stream", correct_fixture()};
+  auto unplugged = std::make_shared<std::atomic<bool>>(false);
+  defect.fixture.unplug = [unplugged] { *unplugged = true; };
+  defect.fixture.replug = [unplugged] { *unplugged = false; };
+  defect.fixture.open = [open = defect.fixture.open, unplugged] {
+    return std::make_unique<SilentWhenUnplugged>(open(), unplugged);
+  };
+  return defect;
+}
+
+}  // namespace
+
+std::vector<Defect> link_defects() {
+  return {
+      hidden_faults(),
+      silent_when_unplugged(),
+      make_defect<OkWithoutBytes>("link.read", "a read is ok and gives no byte"),
+      make_defect<PollsSlowly>("link.poll", "a poll sleeps for 60 ms"),
+      make_defect<CancelWearsOff>("link.cancel", "cancel() wears off by itself"),
+      make_defect<OpenAfterClose>("link.close", "a closed link goes on sending"),
+      busy_after_close(),
+      make_defect<CapabilitiesContradict>("link.capabilities",
+                                          "more buffers an interrupt than buffers"),
+  };
 }
 
 }  // namespace wobblebench::bench

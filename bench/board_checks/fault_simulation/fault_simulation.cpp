@@ -1,13 +1,18 @@
 #include "bench/board_checks/fault_simulation/fault_simulation.h"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "bench/board_checks/fault_simulation/oracle.h"
 #include "bench/board_checks/fault_simulation/recording_simulation.h"
 #include "bench/board_checks/fault_simulation/scenario.h"
-#include "bench/board_checks/fault_simulation/virtual_time.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/board/board.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/link/fault_link.h"
@@ -129,6 +134,31 @@ class Simulation {
   bool ended_ = false;
 };
 
+void add(hw::BoardAccount& sum, const hw::BoardAccount& account) {
+  sum.emitted += account.emitted;
+  sum.delivered += account.delivered;
+  sum.lost.ring_full += account.lost.ring_full;
+  sum.lost.link += account.lost.link;
+  sum.lost.corrupt += account.lost.corrupt;
+  sum.lost.out_of_order += account.lost.out_of_order;
+  sum.duplicates += account.duplicates;
+}
+
+/// Seeds that are simulated together: what they return is kept until they are added up.
+constexpr int kBlock = 4096;
+
+void add(SeedRangeResult& all, EventHash& hash, FaultSimulationResult&& result) {
+  hash.add(result.hash);
+  all.device_time_s += result.device_time_s;
+  all.acquired_s += result.acquired_s;
+  all.steps += result.steps;
+  all.sticks += result.sticks_emitted;
+  add(all.account, result.account);
+  all.bytes_recorded += result.bytes_recorded;
+  all.sticks_salvaged += result.sticks_salvaged;
+  if (!result.failure.empty()) all.failed.push_back(std::move(result));
+}
+
 }  // namespace
 
 FaultSimulationResult simulate_faults(std::uint64_t seed,
@@ -146,6 +176,26 @@ FaultSimulationResult simulate_faults(std::uint64_t seed,
   result.sticks_salvaged = recorded.sticks_salvaged;
   result.failure = recorded.failure;
   return result;
+}
+
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done) {
+  const auto start = hw::HostClock::now();
+  std::atomic<std::size_t> finished = 0;
+  SeedRangeResult all{.first_seed = first_seed, .seeds = seeds};
+  EventHash hash;
+  for (int first = 0; first < seeds; first += kBlock) {
+    std::vector<FaultSimulationResult> block(
+        static_cast<std::size_t>(std::min(kBlock, seeds - first)));
+    tbb::parallel_for(std::size_t{0}, block.size(), [&](std::size_t i) {
+      block[i] = simulate_faults(first_seed + static_cast<std::uint64_t>(first) + i);
+      const std::size_t count = ++finished;
+      if (done) done(count, static_cast<std::size_t>(seeds));
+    });
+    for (FaultSimulationResult& result : block) add(all, hash, std::move(result));
+  }
+  all.wall_s = 1e-3 * to_milliseconds(hw::HostClock::now() - start);
+  all.hash = hash.value();
+  return all;
 }
 
 }  // namespace wobblebench::bench

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "base/part_done.h"
 #include "hw/wire/account.h"
 
 namespace wobblebench::bench {
@@ -31,5 +33,24 @@ struct FaultSimulationResult {
 /// faults are recorded (recording_simulation.h).
 FaultSimulationResult simulate_faults(std::uint64_t seed,
                                       const std::function<void(const std::string&)>& trace = {});
+
+/// The fault simulation over a range of seeds: sums over all of them.
+struct SeedRangeResult {
+  std::uint64_t first_seed = 1;
+  int seeds = 0;
+  std::vector<FaultSimulationResult> failed;
+  std::uint64_t hash = 0;  ///< of all hashes, in the order of the seeds
+  double device_time_s = 0;
+  double acquired_s = 0;
+  double wall_s = 0;
+  std::uint64_t steps = 0;
+  std::uint64_t sticks = 0;
+  hw::BoardAccount account;
+  std::uint64_t bytes_recorded = 0;
+  std::uint64_t sticks_salvaged = 0;
+};
+
+/// `seeds` simulations, from `first_seed` on, on all threads, each of which calls `done`.
+SeedRangeResult simulate_seeds(std::uint64_t first_seed, int seeds, const PartDone& done = {});
 
 }  // namespace wobblebench::bench

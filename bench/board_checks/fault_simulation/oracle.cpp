@@ -3,7 +3,7 @@
 #include <bit>
 #include <variant>
 
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/wire/packet.h"
 
 namespace wobblebench::bench {

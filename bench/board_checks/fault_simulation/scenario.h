@@ -1,11 +1,12 @@
-// The scenario of one fault simulation, drawn from its seed.
+// The scenario of one fault simulation, drawn from its seed, and its clock.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
-#include "hw/link/faults.h"
+#include "hw/link/fault_link.h"
 #include "hw/probe/acquisition_plan.h"
+#include "hw/probe/clock.h"
 #include "sim/card/sim_link.h"
 
 namespace wobblebench::bench {
@@ -42,5 +43,15 @@ struct Scenario {
 };
 
 Scenario draw_scenario(std::uint64_t seed);
+
+/// The clock of a fault simulation.
+class VirtualTime : public hw::HostTimeSource {
+ public:
+  hw::HostTime now() const override { return now_; }
+  void advance(hw::HostClock::duration duration) { now_ += duration; }
+
+ private:
+  hw::HostTime now_{};
+};
 
 }  // namespace wobblebench::bench

@@ -24,7 +24,8 @@ FrameReader::FrameReader(const StreamSource& source,
       queue_(queue),
       volumes_(volumes),
       keeps_volume_(keep_volume),
-      configuration_(source.configuration) {
+      assembly_(source.board) {
+  if (source.configuration) assembly_.configure(*source.configuration);
   statistics_.least_free_slots = source.board.ring_slots();
 }
 
@@ -83,26 +84,24 @@ bool FrameReader::take_configuration(const hw::Configuration& configuration) {
   const bool same = configuration.plan.probe() == plan_.probe() &&
                     configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());
   if (!same) throw std::runtime_error("--board = " + source_.name + ": the acquisition changes");
-  configuration_ = configuration;
+  assembly_.configure(configuration);
   return true;
 }
 
 bool FrameReader::take_stick(const hw::StickSlot& slot) {
   const hw::Stick& stick = *slot;
   ++statistics_.sticks;
-  const auto is_of_another = [&] {
-    return volume_ && volume_->volume_index() != stick.index.volume;
-  };
-  if (is_of_another() && !end_volume()) return false;
-  if (is_of_another()) leave_volume();
-  if (!volume_) begin_volume(stick);
-  const int place_of_stick = place(static_cast<int>(stick.index.frame), stick.index.volume);
-  while (next_ < place_of_stick) {
+  if (assembly_.is_of_another_volume(stick)) {
+    if (!end_volume()) return false;
+    leave_volume();
+  }
+  if (!assembly_.volume()) begin_volume(stick);
+  while (assembly_.is_of_later_frame(stick)) {
     if (!finish_frame()) return false;
   }
   frame_.last.received = slot.received();
   frame_.last.acquired = hw::HostClock::now();
-  volume_->place(stick);
+  assembly_.place(stick);
   frame_.last.placed = hw::HostClock::now();
   if (frame_.sticks++ == 0) frame_.first = frame_.last;
   const bool is_last =
@@ -114,14 +113,13 @@ void FrameReader::begin_volume(const hw::Stick& stick) {
   is_first_stick_missed_ =
       !has_begun_ && stick.sequence != plan_.first_sequence(stick.index.volume);
   has_begun_ = true;
-  volume_.emplace(configuration_.value().plan, stick.index.volume);
-  next_ = 0;
+  assembly_.begin_volume(stick.index.volume);
   frame_ = {.volume = stick.index.volume, .samples = {}, .first = {}, .last = {}};
 }
 
 /// Pushes the frames that did not come.
 bool FrameReader::end_volume() {
-  while (volume_ && next_ < plan_.acquisition().frames_per_volume) {
+  while (assembly_.unfinished_frames() > 0) {
     if (!finish_frame()) return false;
   }
   return true;
@@ -136,12 +134,12 @@ void FrameReader::end_stream(const std::string& why) {
 }
 
 bool FrameReader::finish_frame() {
-  frame_.frame = place(next_++, frame_.volume);
-  frame_.ends_volume = next_ == plan_.acquisition().frames_per_volume;
+  frame_.frame = assembly_.finish_frame();
+  frame_.ends_volume = assembly_.unfinished_frames() == 0;
   set_times();
   StreamFrame following{.volume = frame_.volume, .samples = {}, .first = {}, .last = {}};
   finished_.push_back(std::exchange(frame_, std::move(following)));
-  const bool is_linear = volume_->scale() == hw::SampleScale::linear_envelope;
+  const bool is_linear = assembly_.volume()->scale() == hw::SampleScale::linear_envelope;
   const bool waits = is_first_stick_missed_ || (is_linear && !finished_.back().ends_volume);
   return waits || push_frames();
 }
@@ -149,7 +147,7 @@ bool FrameReader::finish_frame() {
 bool FrameReader::push_frames() {
   const bool ends_volume = finished_.back().ends_volume;
   if (ends_volume) check_samples();
-  for (StreamFrame& frame : finished_) frame.samples = volume_->frame(frame.frame);
+  for (StreamFrame& frame : finished_) frame.samples = assembly_.volume()->frame(frame.frame);
   if (ends_volume) finish_volume();
   bool is_open = true;
   for (StreamFrame& frame : std::exchange(finished_, {})) {
@@ -160,18 +158,18 @@ bool FrameReader::push_frames() {
 
 /// Of the first volume, and of those that are kept; log-compresses linear ones.
 void FrameReader::check_samples() {
-  const bool is_linear = volume_->scale() == hw::SampleScale::linear_envelope;
+  hw::PolarVolume& volume = *assembly_.volume();
+  const bool is_linear = volume.scale() == hw::SampleScale::linear_envelope;
   if (std::exchange(is_checked_, true) && !keeps_volume_ && !is_linear) return;
+  const hw::Configuration& configuration = *assembly_.configuration();
   std::optional<double> range_db;
-  if (source_.dynamic_range_db) {
-    range_db = source_.dynamic_range_db(configuration_->display_scale);
-  }
-  samples_ = make_displayable(*volume_, configuration_->source, range_db, source_.name);
+  if (source_.dynamic_range_db) range_db = source_.dynamic_range_db(configuration.display_scale);
+  samples_ = make_displayable(volume, configuration.source, range_db, source_.name);
 }
 
 void FrameReader::finish_volume() {
-  if (keeps_volume_) kept_ = KeptVolume{std::move(*volume_), samples_, *configuration_};
-  volume_.reset();
+  hw::PolarVolume volume = assembly_.take_volume().value();
+  if (keeps_volume_) kept_ = KeptVolume{std::move(volume), samples_, *assembly_.configuration()};
   ++statistics_.volumes;
 }
 
@@ -183,7 +181,7 @@ void FrameReader::set_times() {
     frame_.last = {.fired = {}, .received = now, .acquired = now, .placed = now};
     frame_.first = frame_.last;
   }
-  const auto& arrived = volume_->frame(frame_.frame).arrived;
+  const auto& arrived = assembly_.volume()->frame(frame_.frame).arrived;
   frame_.first.arrived = arrived.front() != 0;
   frame_.last.arrived = arrived.back() != 0;
   const auto epoch = source_.board.epoch();
@@ -194,20 +192,14 @@ void FrameReader::set_times() {
   frame_.last.fired = *epoch + plan_.stick_time(first + lines - 1).time_since_epoch();
 }
 
-int FrameReader::place(int frame, std::uint32_t volume) const {
-  return plan_.sweep_direction(volume) > 0 ? frame
-                                           : plan_.acquisition().frames_per_volume - 1 - frame;
-}
-
 /// What it holds will not be shown.
 void FrameReader::leave_volume() {
-  if (!volume_) return;
+  if (!assembly_.take_volume()) return;
   statistics_.left_sticks += static_cast<std::uint64_t>(frame_.sticks);
   for (const StreamFrame& frame : finished_) {
     statistics_.left_sticks += static_cast<std::uint64_t>(frame.sticks);
   }
   finished_.clear();
-  volume_.reset();
 }
 
 }  // namespace wobblebench::bench

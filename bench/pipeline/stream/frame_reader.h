@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/pipeline/stream/display_samples.h"
-#include "bench/pipeline/stream/stream_frame.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
-#include "bench/pipeline/stream/volume_queue.h"
+#include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
 
 namespace wobblebench::bench {
@@ -30,11 +29,12 @@ struct KeptVolume {
   hw::Configuration configuration;
 };
 
-/// Takes the events of a board and pushes each frame as soon as its last line is here, or a later
-/// stick is. Frames of which no stick arrived are pushed, too, so that each volume has them all. A
-/// first volume whose first stick was missed is left out, unless the stream ends with it. Frames of
-/// linear envelopes wait for the end of their volume, and are log-compressed. Used by one thread,
-/// the only one that calls board.next().
+/// Takes the events of a board, has hw::VolumeAssembly place the sticks, notes the times, and
+/// pushes each frame as soon as its last line is here, or a later stick is. Frames of which no
+/// stick arrived are pushed, too, so that each volume has them all. A first volume whose first
+/// stick was missed is left out, unless the stream ends with it. Frames of linear envelopes wait
+/// for the end of their volume, and are log-compressed. Used by one thread, the only one that calls
+/// board.next().
 class FrameReader {
  public:
   /// `source` and `queue` must outlive it. `volumes`: how many are wanted; 0: any number.
@@ -69,8 +69,6 @@ class FrameReader {
   void check_samples();
   void finish_volume();
   void set_times();
-  /// Place of a frame in the order of acquisition, and back.
-  int place(int frame, std::uint32_t volume) const;
   void leave_volume();
 
   const StreamSource& source_;
@@ -79,15 +77,13 @@ class FrameReader {
   const std::uint64_t volumes_;
   const bool keeps_volume_;
   ReaderStatistics statistics_;
-  std::optional<hw::Configuration> configuration_;
-  std::optional<hw::PolarVolume> volume_;  ///< under way
-  std::vector<StreamFrame> finished_;      ///< of it, not pushed yet; without their samples
-  int next_ = 0;                           ///< place of the frame under way
-  StreamFrame frame_;                      ///< that frame, without its samples
-  bool has_begun_ = false;                 ///< a volume did
-  bool is_first_stick_missed_ = false;     ///< of the volume under way, the first of the stream
-  bool is_checked_ = false;                ///< the samples of the first whole volume
-  ReceivedSamples samples_;                ///< of the last volume that was checked
+  hw::VolumeAssembly assembly_;
+  std::vector<StreamFrame> finished_;   ///< of the volume under way, not pushed yet; no samples
+  StreamFrame frame_;                   ///< the frame under way, without its samples
+  bool has_begun_ = false;              ///< a volume did
+  bool is_first_stick_missed_ = false;  ///< of the volume under way, the first of the stream
+  bool is_checked_ = false;             ///< the samples of the first whole volume
+  ReceivedSamples samples_;             ///< of the last volume that was checked
   std::optional<KeptVolume> kept_;
 };
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/pipeline/stream/picture_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 
 namespace wobblebench::bench {
 
@@ -272,6 +272,20 @@ StreamResult run_stream(const StreamSource& source,
                         const std::function<bool()>& stopped) {
   Running running(source, renderer, options, sink, stopped);
   return running.run();
+}
+
+StreamResult stream_one_volume(const StreamSource& source,
+                               StreamRenderer& renderer,
+                               const PictureSink& sink) {
+  const auto deadline = hw::HostClock::now() + kVolumeTimeout;
+  StreamResult result =
+      run_stream(source,
+                 renderer,
+                 {.queue = {.policy = StreamPolicy::every}, .volumes = 1, .keep_volume = true},
+                 sink,
+                 [&] { return hw::HostClock::now() > deadline; });
+  if (!result.kept) throw nothing_came(source.name, "volume", result.reader.ending);
+  return result;
 }
 
 }  // namespace wobblebench::bench

@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "bench/pipeline/stream/frame_reader.h"
-#include "bench/pipeline/stream/shown_picture.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
-#include "bench/pipeline/stream/volume_queue.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {
@@ -89,5 +88,21 @@ StreamResult run_stream(const StreamSource& source,
                         const StreamOptions& options,
                         const PictureSink& sink,
                         const std::function<bool()>& stopped);
+
+/// For a stream of which only the sticks are needed.
+class NoRenderer : public StreamRenderer {
+ public:
+  double add_frame(int, const hw::PolarFrame&) override { return 0; }
+  render::Picture render() override { return {}; }
+};
+
+/// Streams one volume, the first whose beginning was not missed. It is `kept` of the result; its
+/// picture goes to `sink`. A volume that the end of the stream cut short is one, too, and so is one
+/// without its first stick where no other follows: `reader.ending` says that the stream ended.
+/// Throws NothingCame if no volume came, and what run_stream() throws.
+StreamResult stream_one_volume(
+    const StreamSource& source,
+    StreamRenderer& renderer,
+    const PictureSink& sink = [](const ShownPicture&) {});
 
 }  // namespace wobblebench::bench

@@ -1,7 +1,12 @@
 #include "bench/pipeline/stream/stream_source.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <variant>
 
+#include "base/number_text.h"
+#include "base/user_error.h"
 #include "hw/board/volume_assembly.h"
 
 namespace wobblebench::bench {
@@ -29,6 +34,64 @@ NothingCame nothing_came(const std::string& name, const std::string& what, std::
     ending = "nothing arrived for " + std::to_string(kVolumeTimeout.count()) + " minutes";
   }
   return NothingCame("--board " + name + ": no " + what + " came; " + ending);
+}
+
+namespace {
+
+void count_samples(ReceivedSamples& received, const float* samples, std::size_t count) {
+  const float limit =
+      received.scale == hw::SampleScale::log_compressed ? 1.0f : std::numeric_limits<float>::max();
+  received.count += count;
+  for (std::size_t k = 0; k < count; ++k) {
+    const float sample = samples[k];
+    received.out_of_range += !(sample >= 0.0f && sample <= limit);
+    if (!std::isfinite(sample)) continue;
+    received.least = std::min(received.least, sample);
+    received.most = std::max(received.most, sample);
+  }
+}
+
+ReceivedSamples received_samples(const hw::PolarVolume& volume) {
+  ReceivedSamples received;
+  received.scale = volume.scale();
+  received.least = std::numeric_limits<float>::max();
+  received.most = std::numeric_limits<float>::lowest();
+  for (const hw::PolarFrame& frame : volume.frames()) {
+    const std::size_t samples = frame.samples.size() / frame.arrived.size();
+    for (std::size_t line = 0; line < frame.arrived.size(); ++line) {
+      if (frame.arrived[line] == 0) continue;
+      count_samples(received, frame.samples.data() + line * samples, samples);
+    }
+  }
+  if (received.least > received.most) received.least = received.most = 0;
+  return received;
+}
+
+}  // namespace
+
+ReceivedSamples make_displayable(hw::PolarVolume& volume,
+                                 hw::StreamOrigin source,
+                                 std::optional<double> dynamic_range_db,
+                                 const std::string& board) {
+  ReceivedSamples received = received_samples(volume);
+  const auto refuse = [&](const std::string& why) {
+    throw UserError("--board = " + board + ": " + why);
+  };
+  if (received.scale == hw::SampleScale::linear_envelope) {
+    if (source != hw::StreamOrigin::simulated || !dynamic_range_db) {
+      refuse("its samples are linear envelopes of unknown full scale; they must be log-compressed");
+    }
+    received.dynamic_range_db = dynamic_range_db;
+    volume.log_compress(*dynamic_range_db);
+  }
+  const double percent =
+      100 * static_cast<double>(received.out_of_range) / static_cast<double>(received.count);
+  if (percent > kMostOutOfRangePercent) {
+    refuse("its samples go from " + significant(static_cast<double>(received.least), 3) + " to " +
+           significant(static_cast<double>(received.most), 3) + ", " + significant(percent, 3) +
+           " % of them out of range; they must be finite, and log-compressed from 0 to 1");
+  }
+  return received;
 }
 
 }  // namespace wobblebench::bench

@@ -16,7 +16,7 @@
 
 #include "base/duration.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/board/board.h"
 #include "hw/recording/file_link.h"
 #include "hw/recording/recorder.h"
@@ -28,10 +28,6 @@ namespace wobblebench::bench {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 hw::AcquisitionPlan paper_plan(int volumes) {
   hw::AcquisitionOptions acquisition;
@@ -155,7 +151,8 @@ Throughput measure_throughput(int volumes, int repeats, const PartDone& done) {
     for (Stage& stage : stages) {
       const auto start = Clock::now();
       stage.run(recording.path());
-      const double mb_s = static_cast<double>(throughput.bytes) / 1e6 / seconds_since(start);
+      const double mb_s =
+          static_cast<double>(throughput.bytes) / 1e3 / to_milliseconds(Clock::now() - start);
       if (repeat >= 0) stage.mb_s.push_back(mb_s);
       parts.finish_one();
     }

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/pipeline/stream/latency_spans.h"
+#include "bench/pipeline/stream/stream_summary.h"
 
 namespace wobblebench::bench {
 

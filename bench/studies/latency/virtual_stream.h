@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/studies/latency/service_times.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"

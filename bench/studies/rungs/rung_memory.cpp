@@ -12,7 +12,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/user_error.h"
 #include "bench/scene/late_refusal.h"
 

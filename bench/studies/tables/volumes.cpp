@@ -1,10 +1,9 @@
 #include "bench/studies/tables/volumes.h"
 
-#include <cstddef>
 #include <stdexcept>
 
 #include "base/user_error.h"
-#include "bench/pipeline/stream/one_volume.h"
+#include "bench/pipeline/stream/stream.h"
 #include "bench/studies/tables/paper.h"
 
 namespace wobblebench::bench {
@@ -16,17 +15,6 @@ hw::AcquisitionPlan narrowed(const hw::AcquisitionPlan& plan, int frames) {
   acquisition.frames_per_volume = frames;
   acquisition.fan_rad = plan.phi_step_rad() * (frames - 1);
   return {plan.probe(), acquisition};
-}
-
-/// One line of a frame, as the stick that it came as; `frame` counts in the narrower volume.
-hw::Stick stick_of(const hw::PolarFrame& from, std::uint32_t frame, std::uint32_t line) {
-  const std::size_t samples = from.samples.size() / from.arrived.size();
-  const auto first = from.samples.begin() + static_cast<std::ptrdiff_t>(line * samples);
-  hw::Stick stick;
-  stick.index = {0, frame, line};
-  stick.motor_angle_rad = from.motor_angle_rad.at(line);
-  stick.samples.assign(first, first + static_cast<std::ptrdiff_t>(samples));
-  return stick;
 }
 
 hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& board_text) {
@@ -68,13 +56,7 @@ hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count) {
   hw::PolarVolume middle(narrowed(volume.plan(), count));
   const int first = (all - count) / 2;
   for (int frame = 0; frame < count; ++frame) {
-    const hw::PolarFrame& from = volume.frame(first + frame);
-    for (std::uint32_t line = 0; line < from.arrived.size(); ++line) {
-      if (!from.arrived[line]) continue;
-      hw::Stick stick = stick_of(from, static_cast<std::uint32_t>(frame), line);
-      stick.scale = volume.scale();
-      middle.place(stick);
-    }
+    middle.place_frame(frame, volume.frame(first + frame), volume.scale());
   }
   return middle;
 }

@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/sync.h"
+#include "base/file.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {

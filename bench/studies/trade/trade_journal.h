@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "bench/studies/trade/trade_record.h"
 
 namespace wobblebench::bench {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hw/probe/acquisition_plan.h"
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 
 namespace wobblebench::bench {
 

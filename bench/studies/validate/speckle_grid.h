@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

@@ -3,7 +3,6 @@
 
 #include <set>
 
-#include "bench/board_checks/conformance/board_fixture.h"
 #include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
 

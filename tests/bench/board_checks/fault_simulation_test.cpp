@@ -4,7 +4,7 @@
 
 #include "bench/board_checks/fault_simulation/oracle.h"
 #include "bench/board_checks/fault_simulation/scenario.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/board/ring.h"
 #include "hw/wire/packet.h"
 

@@ -1,12 +1,12 @@
 // The oracle of simulated recordings sees what a broken recorder, inspection or salvage would do.
-#include "bench/board_checks/fault_simulation/recording_oracle.h"
+#include "bench/board_checks/fault_simulation/recording_simulation.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "bench/board_checks/fault_simulation/oracle.h"
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <vector>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <thread>
 
-#include "bench/pipeline/synthetic_sticks.h"
+#include "bench/pipeline/stick_sources.h"
 #include "hw/recording/recorder.h"
 #include "tests/support/folder_test.h"
 

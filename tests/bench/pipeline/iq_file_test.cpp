@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "bench/pipeline/npy_header.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"

@@ -1,6 +1,6 @@
 // Headers of arrays, byte for byte those that NumPy 1.24 writes
 // (numpy.lib.format.write_array_header_1_0).
-#include "bench/pipeline/npy_header.h"
+#include "bench/pipeline/iq_file.h"
 
 #include <gtest/gtest.h>
 

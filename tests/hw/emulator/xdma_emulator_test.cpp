@@ -9,7 +9,7 @@
 #include <atomic>
 #include <thread>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/options.h"
 #include "hw/link/xdma_link.h"
 #include "tests/hw/support/collect.h"

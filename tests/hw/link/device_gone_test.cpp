@@ -1,4 +1,4 @@
-#include "hw/link/device_gone.h"
+#include "hw/link/xdma_reader.h"
 
 #include <gtest/gtest.h>
 

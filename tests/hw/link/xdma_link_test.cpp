@@ -12,9 +12,9 @@
 #include <numeric>
 #include <thread>
 
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/options.h"
-#include "hw/link/device_gone.h"
+#include "hw/link/xdma_reader.h"
 #include "tests/hw/support/collect.h"
 #include "tests/hw/support/streams.h"
 #include "tests/support/folder_test.h"

@@ -57,6 +57,25 @@ TEST(PolarVolume, RejectsInvalidSticksAndIsUnchanged) {
   EXPECT_EQ(volume.missing_sticks(), 12);
 }
 
+TEST(PolarVolume, HoldsTheSamplesThatItIsMadeOf) {
+  const AcquisitionPlan plan = small_plan(2, MotorMode::alternating);
+  PolarVolume placed(plan, 1);
+  std::vector<float> samples;
+  for (std::uint64_t sequence = 12; sequence < 24; ++sequence) {
+    const Stick stick = test_stick(plan, sequence);
+    placed.place(stick);
+    samples.insert(samples.end(), stick.samples.begin(), stick.samples.end());
+  }
+  const auto made = PolarVolume::of_samples(plan, 1, SampleScale::linear_envelope, samples);
+  EXPECT_EQ(made.volume_index(), 1U);
+  EXPECT_EQ(made.scale(), SampleScale::linear_envelope);
+  EXPECT_EQ(made.missing_sticks(), 0);
+  for (int frame = 0; frame < 3; ++frame) {
+    EXPECT_EQ(made.frame(frame).samples, placed.frame(frame).samples);
+    EXPECT_EQ(made.frame(frame).motor_angle_rad, placed.frame(frame).motor_angle_rad);
+  }
+}
+
 TEST(PolarVolume, LogCompressesLinearEnvelopes) {
   const AcquisitionPlan plan = small_plan();
   PolarVolume volume(plan);

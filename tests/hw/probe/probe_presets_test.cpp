@@ -1,4 +1,4 @@
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 
 #include <gtest/gtest.h>
 

@@ -27,11 +27,7 @@ AcquisitionPlan small_plan(int volumes, MotorMode motor) {
 
 Stick test_stick(const AcquisitionPlan& plan, std::uint64_t sequence) {
   Stick stick;
-  stick.sequence = sequence;
-  stick.index = plan.index(sequence);
-  stick.time = plan.stick_time(sequence);
-  stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
-  stick.sweep_direction = plan.sweep_direction(stick.index.volume);
+  schedule(stick, plan, sequence);
   const int samples = plan.acquisition().samples_per_stick;
   for (int k = 0; k < samples; ++k) {
     const auto value = static_cast<float>(hash(sequence, static_cast<std::uint64_t>(k)) >> 40);

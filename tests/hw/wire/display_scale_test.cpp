@@ -1,5 +1,5 @@
 // Samples back to echo amplitudes, and streams that state their scale or do not.
-#include "hw/wire/display_scale.h"
+#include "hw/wire/configuration.h"
 
 #include <gtest/gtest.h>
 

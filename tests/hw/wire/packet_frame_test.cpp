@@ -1,8 +1,7 @@
-#include "hw/wire/packet_frame.h"
+#include "hw/wire/decoder.h"
 
 #include <gtest/gtest.h>
 
-#include "hw/wire/decoder.h"
 #include "tests/hw/support/streams.h"
 
 namespace wobblebench::hw {

@@ -1,4 +1,4 @@
-#include "hw/wire/sequence_tracker.h"
+#include "hw/wire/stream_audit.h"
 
 #include <gtest/gtest.h>
 

@@ -132,6 +132,23 @@ TEST(SimLink, ArrivesCompleteThroughTheBoard) {
   EXPECT_TRUE(board.account().balanced());
 }
 
+TEST(SimLink, BlocksHoldTheSticksOfTheirVolume) {
+  hw::AcquisitionOptions acquisition = small_plan(2, hw::MotorMode::alternating).acquisition();
+  acquisition.frames_per_volume = 20;  // a block of 16 frames, and one of 4
+  const hw::AcquisitionPlan plan({}, acquisition);
+  const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
+  const ProbeSimulator simulator(
+      phantoms::still_at(phantom, phantom.suggested_position_m()), plan, {});
+  for (std::uint32_t v = 0; v < 2; ++v) {
+    const std::uint64_t first = plan.first_sequence(v);
+    VolumeSamples samples = simulator.block(first);
+    EXPECT_EQ(samples.size(), 16u * 16 * 128);
+    const auto rest = simulator.block(first + 16 * 16);
+    samples.insert(samples.end(), rest.begin(), rest.end());
+    EXPECT_EQ(samples, simulator.volume(v)) << "volume " << v;
+  }
+}
+
 TEST(SimLink, CancelAndCloseEndReading) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimLink link(stick_source(
@@ -157,10 +174,11 @@ class ManualTime : public hw::HostTimeSource {
 
 /// Sticks of zeros, without simulation.
 StickSource blank_sticks(const hw::AcquisitionPlan& plan) {
-  return {plan, hw::SampleScale::log_compressed, [plan](std::uint32_t) {
-            return VolumeSamples(static_cast<std::size_t>(plan.sticks_per_volume()) *
-                                 static_cast<std::size_t>(plan.acquisition().samples_per_stick));
-          }};
+  return {
+      plan, hw::SampleScale::log_compressed, [plan](std::uint64_t) {
+        return std::vector<float>(static_cast<std::size_t>(plan.acquisition().sticks_per_frame) *
+                                  static_cast<std::size_t>(plan.acquisition().samples_per_stick));
+      }};
 }
 
 TEST(SimLink, RealtimeSendsAStickAfterItsPeriod) {
@@ -223,9 +241,9 @@ TEST(SimLink, TheFirstReadStartsTheAcquisition) {
 TEST(SimLink, CancelDoesNotWaitForAComputation) {
   const auto plan = small_plan();
   StickSource slow = blank_sticks(plan);
-  slow.volume = [make = slow.volume](std::uint32_t volume) {
+  slow.block = [make = slow.block](std::uint64_t first) {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    return make(volume);
+    return make(first);
   };
   SimLink link(std::move(slow));
   std::vector<std::byte> buffer(64);
@@ -243,7 +261,9 @@ TEST(SimLink, CancelDoesNotWaitForAComputation) {
 
 TEST(SimLink, AFailedSimulationIsALossWithItsReason) {
   StickSource failing = blank_sticks(small_plan());
-  failing.volume = [](std::uint32_t) -> VolumeSamples { throw std::runtime_error("no tissue"); };
+  failing.block = [](std::uint64_t) -> std::vector<float> {
+    throw std::runtime_error("no tissue");
+  };
   for (const int ahead : {0, 1}) {
     SimLink link(failing, {.volumes_ahead = ahead});
     std::vector<std::byte> buffer(64);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "sim/beam/point_spread.h"
 #include "sim/beam/profile/line_covariance.h"
 #include "sim/echo/iq_field.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/studies/validate/yardstick/csv_table.h"
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 
 namespace wobblebench::bench {
 

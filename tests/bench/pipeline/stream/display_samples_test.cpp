@@ -1,4 +1,4 @@
-#include "bench/pipeline/stream/display_samples.h"
+#include "bench/pipeline/stream/stream_source.h"
 
 #include <gtest/gtest.h>
 

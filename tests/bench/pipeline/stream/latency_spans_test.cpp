@@ -1,5 +1,5 @@
 // The parts of an age whose times are known.
-#include "bench/pipeline/stream/latency_spans.h"
+#include "bench/pipeline/stream/stream_summary.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "bench/pipeline/stream/one_volume.h"
+#include "bench/pipeline/stream/stream.h"
 #include "hw/link/fault_link.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"

@@ -1,5 +1,5 @@
 // What the queue drops, what it keeps, and when its writer waits.
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 
 #include <gtest/gtest.h>
 

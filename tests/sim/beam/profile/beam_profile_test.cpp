@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "sim/beam/profile/speckle_kernels.h"
 #include "tests/support/yardstick.h"
 

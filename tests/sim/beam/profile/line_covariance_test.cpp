@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "tests/support/yardstick.h"
 
 namespace wobblebench::sim {

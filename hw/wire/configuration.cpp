@@ -1,4 +1,4 @@
-#include "hw/wire/display_scale.h"
+#include "hw/wire/configuration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,18 +1,11 @@
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
+#include "base/duration.h"
+
 namespace wobblebench::bench {
-
-namespace {
-
-double seconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
-}  // namespace
 
 VolumeQueue::VolumeQueue(const QueueOptions& options) : options_(options) {
   check_options(options_);
@@ -29,7 +22,7 @@ bool VolumeQueue::push(StreamFrame frame) {
   if (!has_room(frame.volume) && !stopped_) {
     const auto start = hw::HostClock::now();
     changed_.wait(lock, [&] { return stopped_ || has_room(frame.volume); });
-    statistics_.blocked_ms += 1e3 * seconds(hw::HostClock::now() - start);
+    statistics_.blocked_ms += to_milliseconds(hw::HostClock::now() - start);
   }
   if (stopped_) {
     statistics_.left_sticks += static_cast<std::uint64_t>(frame.sticks);
@@ -105,16 +98,41 @@ int VolumeQueue::volumes() const {
 void VolumeQueue::count_occupancy() {
   const auto now = hw::HostClock::now();
   if (!first_) first_ = counted_ = now;
-  volume_seconds_ += static_cast<double>(waiting_.size()) * seconds(now - *counted_);
+  volume_ms_ += static_cast<double>(waiting_.size()) * to_milliseconds(now - *counted_);
   counted_ = now;
 }
 
 QueueStatistics VolumeQueue::statistics() const {
   const std::lock_guard lock(mutex_);
   QueueStatistics statistics = statistics_;
-  const double all_s = first_ ? seconds(*counted_ - *first_) : 0;
-  statistics.mean_volumes = all_s > 0 ? volume_seconds_ / all_s : 0;
+  const double all_ms = first_ ? to_milliseconds(*counted_ - *first_) : 0;
+  statistics.mean_volumes = all_ms > 0 ? volume_ms_ / all_ms : 0;
   return statistics;
+}
+
+std::optional<ShownPicture> PictureQueue::push(ShownPicture picture) {
+  std::unique_lock lock(mutex_);
+  if (policy_ == StreamPolicy::every) {
+    changed_.wait(lock, [&] { return closed_ || !waiting_; });
+  }
+  if (closed_) return picture;
+  std::optional<ShownPicture> replaced = std::exchange(waiting_, std::move(picture));
+  changed_.notify_all();
+  return replaced;
+}
+
+void PictureQueue::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
+
+std::optional<ShownPicture> PictureQueue::pop() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return closed_ || waiting_; });
+  auto picture = std::exchange(waiting_, std::nullopt);
+  changed_.notify_all();
+  return picture;
 }
 
 }  // namespace wobblebench::bench

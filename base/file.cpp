@@ -1,0 +1,110 @@
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace wobblebench {
+
+namespace {
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+/// errno, unless it says that there is no disk to wait for.
+int failure(int result) {
+  return result == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+void sync_path(const std::filesystem::path& path, int flags) {
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags));
+  const int error = file.is_open() ? sync_file(file.get()) : errno;
+  if (error == 0) return;
+  throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(error));
+}
+
+/// False if the file was removed, as by a process that had the lock until now.
+bool has_name(int file, const char* path) {
+  struct stat open {
+  }, named{};
+  return ::fstat(file, &open) == 0 && ::lstat(path, &named) == 0 && open.st_dev == named.st_dev &&
+         open.st_ino == named.st_ino;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path) {
+  throw std::system_error(errno, std::generic_category(), path.string());
+}
+
+}  // namespace
+
+void write_file(const std::filesystem::path& path, std::string_view bytes) {
+  const auto refuse = [&](int reason) {
+    throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(reason));
+  };
+  FileDescriptor file(::open(path.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file.is_open()) refuse(errno);
+  const int write_error = write_all(file.get(), bytes) ? sync_file(file.get()) : errno;
+  const int close_error = file.close();
+  if (write_error != 0 || close_error != 0) refuse(write_error != 0 ? write_error : close_error);
+}
+
+int sync_file(int descriptor) {
+  return failure(::fsync(descriptor));
+}
+
+int sync_data(int descriptor) {
+  return failure(::fdatasync(descriptor));
+}
+
+void sync_file(const std::filesystem::path& path) {
+  sync_path(path, O_NOFOLLOW);
+}
+
+void sync_folder(const std::filesystem::path& path) {
+  sync_path(path, O_DIRECTORY);
+}
+
+FolderLock::FolderLock(const std::filesystem::path& folder) : path_(folder / kFileName) {
+  do {
+    file_ = FileDescriptor(
+        ::open(path_.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
+    if (!file_.is_open()) fail(path_);
+    if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
+      if (errno == EWOULDBLOCK) throw FolderInUse();
+      fail(path_);
+    }
+  } while (!has_name(file_.get(), path_.c_str()));
+}
+
+FolderLock::~FolderLock() {
+  // Somebody else may have removed it, and a third made a new one.
+  if (has_name(file_.get(), path_.c_str())) ::unlink(path_.c_str());
+}
+
+void occupy_standard_descriptors() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(number, F_GETFD) >= 0) continue;
+    // The wrong way round, so that use of the stream is an error, as it is when it is closed.
+    const int flags = number == STDIN_FILENO ? O_WRONLY : O_RDONLY;
+    // The lowest free number is this one, as those below are open.
+    if (::open("/dev/null", flags) != number) {
+      throw std::system_error(errno, std::generic_category(), "/dev/null");
+    }
+  }
+}
+
+}  // namespace wobblebench
