@@ -1,4 +1,4 @@
-#include "bench/evaluation/registration/probe_fit.h"
+#include "bench/evaluation/registration/registration.h"
 
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
@@ -9,8 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/evaluation/registration/block_bootstrap.h"
-#include "bench/evaluation/registration/identifiability.h"
+#include "bench/evaluation/registration/uncertainty.h"
 
 namespace wobblebench::bench {
 
