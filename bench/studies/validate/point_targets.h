@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

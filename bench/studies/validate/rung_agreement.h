@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 
 namespace wobblebench::bench {
 

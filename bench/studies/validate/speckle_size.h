@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/studies/validate/seeds.h"
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

@@ -7,7 +7,7 @@
 
 #include "bench/studies/validate/seeds.h"
 #include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

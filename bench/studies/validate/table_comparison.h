@@ -8,7 +8,7 @@
 
 #include "bench/output/figure.h"
 #include "bench/studies/validate/study_report.h"
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

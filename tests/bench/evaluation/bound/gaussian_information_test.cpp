@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 #include "tests/bench/evaluation/bound/bound_samples.h"
 
 namespace wobblebench::bench {

@@ -1,5 +1,5 @@
 // The oracle reaches the bound: on drawn samples, and on sticks of the simulator.
-#include "bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "base/units.h"
-#include "bench/evaluation/bound/plane_oracle.h"
+#include "tests/bench/evaluation/bound/plane_oracle.h"
 #include "tests/bench/evaluation/bound/bound_samples.h"
 
 namespace wobblebench::bench {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bench/studies/validate/attenuation.h"
-#include "bench/studies/validate/half_plane.h"
+#include "bench/studies/validate/losses.h"
 #include "bench/studies/validate/point_targets.h"
 #include "bench/studies/validate/reflection.h"
 #include "bench/studies/validate/repeatability.h"

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/yardstick/csv_table.h"
+#include "bench/studies/validate/csv_table.h"
 
 #include <algorithm>
 #include <charconv>

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 
 namespace wobblebench::bench {
 

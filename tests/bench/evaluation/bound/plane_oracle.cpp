@@ -1,4 +1,4 @@
-#include "bench/evaluation/bound/plane_oracle.h"
+#include "tests/bench/evaluation/bound/plane_oracle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "base/units.h"
-#include "bench/evaluation/bound/plane_scan.h"
+#include "tests/bench/evaluation/bound/plane_scan.h"
 
 namespace wobblebench::bench {
 

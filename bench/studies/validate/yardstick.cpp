@@ -1,4 +1,4 @@
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/yardstick.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/evaluation/bound/beam_pair.h"
+#include "tests/bench/evaluation/bound/beam_pair.h"
 
 #include <algorithm>
 #include <array>

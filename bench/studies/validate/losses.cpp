@@ -1,4 +1,4 @@
-#include "bench/studies/validate/half_plane.h"
+#include "bench/studies/validate/losses.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/evaluation/bound/plane_scan.h"
+#include "tests/bench/evaluation/bound/plane_scan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/units.h"
-#include "bench/evaluation/bound/beam_pair.h"
+#include "tests/bench/evaluation/bound/beam_pair.h"
 #include "phantoms/phantom.h"
 #include "sim/beam/point_spread.h"
 #include "sim/echo/iq_field.h"

@@ -1,4 +1,4 @@
-#include "bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

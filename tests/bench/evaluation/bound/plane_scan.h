@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/evaluation/bound/detection_bound.h"
-#include "bench/evaluation/bound/oracle.h"
-#include "bench/evaluation/bound/plane_oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/plane_oracle.h"
 #include "phantoms/placed_phantom.h"
 #include "sim/beam/table/beam_table.h"
 
