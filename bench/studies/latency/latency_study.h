@@ -10,7 +10,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/pipeline/stream/stream_summary.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/latency/service_times.h"
+#include "bench/studies/latency/virtual_stream.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {
@@ -46,12 +46,6 @@ struct CrossoverCurve {
   int lines = 0;
   std::vector<double> depth_mm;
   std::vector<double> frames;  ///< NaN: sound never does
-};
-
-/// Sticks a second at which loss begins, over draws of service times.
-struct LineRate {
-  std::string loss;  ///< of what, with which policy
-  Spread per_s;
 };
 
 struct LatencyStudy {

@@ -1,14 +1,33 @@
-// How long the stages of a stream take, as a model of its latency takes them.
+// How long the stages of a stream take: the modelled card, by its schedule, and the host, as
+// observed.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "bench/pipeline/stream/latency_spans.h"
 #include "bench/pipeline/stream/stream.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
+
+/// Of one stick, on the device's clock, seconds after the volume's first stick was fired.
+struct CardTimes {
+  double dma_complete_s = 0;  ///< the last byte of its packet has come over the PCIe link
+  double interrupt_s = 0;     ///< that announces this byte
+};
+
+/// Of all sticks of a volume, in the order of acquisition, as sim::SimLink sends them through a
+/// card (sim/card/card_model.h) whose buffers are read at each interrupt.
+std::vector<CardTimes> card_times(const hw::AcquisitionPlan& plan, const sim::CardOptions& card);
+
+/// For each frame of a volume, in the order of acquisition: when the card's interrupt announces its
+/// last stick, seconds after the volume's first stick was fired (sim/card/card_model.h).
+std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
+                                          const sim::CardOptions& card);
+
+CardDelays card_delays(const hw::AcquisitionPlan& plan, const sim::CardOptions& card);
 
 /// Observed times in the order in which they were observed, seconds; a model draws from them.
 struct TimePool {

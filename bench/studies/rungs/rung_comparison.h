@@ -1,18 +1,27 @@
-// Speed and accuracy of the simulator's rungs: the measurements of the command `rungs`.
+// Speed and accuracy of the rungs of the simulator: the measurements of the command `rungs`.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "base/image.h"
+#include "bench/output/progress.h"
+#include "bench/scene/scene.h"
 #include "bench/studies/rungs/rung_error.h"
-#include "bench/studies/rungs/rung_growth.h"
 #include "bench/studies/rungs/rung_stages.h"
 #include "bench/studies/rungs/rung_time.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 
 namespace wobblebench::bench {
+
+/// Runs `body` in a fork of this process and returns the peak resident size of that, in bytes
+/// (getrusage). Must be called before this process works on other threads, which a fork does not
+/// have. (Threads that libraries start idle when loaded, as OpenVDB's logging does, are not
+/// needed.) Throws UserError for what the user gave (bench/scene/late_refusal.h), and
+/// std::runtime_error for every other failure of the body.
+double peak_memory_bytes(const std::function<void()>& body);
 
 /// The rungs that scan whole volumes, in rising order.
 const std::vector<sim::Rung>& volume_rungs();
@@ -50,14 +59,17 @@ RungScene small_sheet(const sim::SimulationOptions& options);
 /// Repeats after one warm-up; `reference` takes two seconds for a volume.
 inline constexpr int kSmallRepeats = 3;
 
-/// Estimated lower bound of the time of a volume on two AVX2 cores (docs/architecture.md): 10 ms
-/// for the 1.21 million samples of `field`, 0.2 s for 47 million scatterers. 0: no estimate.
-double floor_ms(sim::Rung rung, const RungsResults& results);
-
 /// One frame, scan-converted in its plane: grey values as displayed, white outside the sector.
 Image<float> frame_picture(const hw::AcquisitionPlan& plan,
                            const std::vector<float>& volume,
                            int frame,
                            int width);
+
+/// Steps of measure_rungs(), with their usual shares of its time.
+std::vector<PlannedStep> rungs_steps(int repeats);
+
+/// Measures all of the above. Nothing may have worked on other threads before, because memory is
+/// measured in forks of this process.
+RungsResults measure_rungs(const Scene& scene, int repeats, Progress& progress);
 
 }  // namespace wobblebench::bench

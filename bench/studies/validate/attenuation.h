@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "base/units.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -51,5 +52,7 @@ struct ShadowResult {
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
 /// The same for a sphere of fluid, with each stick's chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);
+
+StudyReport attenuation_report(const AttenuationInputs& inputs = {});
 
 }  // namespace wobblebench::bench

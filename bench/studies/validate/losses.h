@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/study_report.h"
 
 namespace wobblebench::bench {
 
@@ -25,5 +25,7 @@ std::vector<ShadowEdge> measure_shadow_edges();
 /// Distance between the first places from the dark end, the last crossing, on at which the
 /// amplitude has risen by 10 and by 90 % of the step between the two ends.
 double rise_m(const std::vector<double>& crossing_m, const std::vector<double>& level_db);
+
+StudyReport losses_report();
 
 }  // namespace wobblebench::bench

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -35,5 +36,7 @@ std::vector<RepeatabilityResult> measure_repeatability(const RepeatabilityInputs
 RepeatabilityResult measure_repeatability(sim::Rung rung,
                                           bool moving,
                                           const RepeatabilityInputs& inputs);
+
+StudyReport repeatability_report(const RepeatabilityInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bench/studies/validate/speckle_statistics.h"
+#include "bench/studies/validate/study_report.h"
 
 namespace wobblebench::bench {
 
@@ -33,5 +34,7 @@ double intensity_snr(double effective);
 /// The same for the envelope of that intensity: K distribution of shape 2 N (Jakeman and Pusey
 /// 1976).
 double envelope_snr(double effective);
+
+StudyReport scatterer_density_report(const DensityInputs& inputs = {});
 
 }  // namespace wobblebench::bench

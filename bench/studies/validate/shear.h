@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/motion.h"
 
@@ -32,5 +33,7 @@ struct ShearResult {
 };
 
 std::vector<ShearResult> measure_shear(const ShearInputs& inputs);
+
+StudyReport shear_report(const ShearInputs& inputs = {});
 
 }  // namespace wobblebench::bench

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -31,5 +32,7 @@ struct MotionResult {
 /// rotates about the motor's axis by one frame between two volumes. All are exact: each stick scans
 /// the tissue that it, or its neighbour, scanned one volume before.
 std::vector<MotionResult> measure_speckle_motion(sim::Rung rung, const SpeckleMotionInputs& inputs);
+
+StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs = {});
 
 }  // namespace wobblebench::bench

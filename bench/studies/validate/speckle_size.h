@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "bench/studies/validate/seeds.h"
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/study_report.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
@@ -42,5 +42,17 @@ struct SpeckleSize {
   double relative_error[3] = {};       ///< of a width: root mean square over places, by direction
 };
 SpeckleSize measure_speckle_size(const SpeckleSizeInputs& inputs, std::span<const BeamRow> places);
+
+struct NeighbourInputs {
+  std::vector<std::uint64_t> seeds = seeds_from(1, 3);
+  double half_window_m = 3e-3;  ///< of range, about each depth
+};
+
+/// Correlations of the intensity in the middle 16 lines, at the ranges of neighbour_rows().
+std::vector<NeighbourRow> measure_neighbours(sim::Rung rung,
+                                             bool side_lobes,
+                                             const NeighbourInputs& inputs);
+
+StudyReport speckle_size_report();
 
 }  // namespace wobblebench::bench

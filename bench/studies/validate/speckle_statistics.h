@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/seeds.h"
 #include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/study_report.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
@@ -50,5 +49,7 @@ double level_over_material_db(double power);
 
 /// mean / sigma of a Rayleigh envelope, sqrt(pi / (4 - pi)) = 1.913.
 double rayleigh_snr();
+
+StudyReport speckle_statistics_report();
 
 }  // namespace wobblebench::bench

@@ -9,7 +9,17 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "base/user_error.h"
-#include "bench/studies/validate/study_reports.h"
+#include "bench/studies/validate/attenuation.h"
+#include "bench/studies/validate/losses.h"
+#include "bench/studies/validate/point_targets.h"
+#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/repeatability.h"
+#include "bench/studies/validate/rung_agreement.h"
+#include "bench/studies/validate/scatterer_density.h"
+#include "bench/studies/validate/shear.h"
+#include "bench/studies/validate/speckle_motion.h"
+#include "bench/studies/validate/speckle_size.h"
+#include "bench/studies/validate/speckle_statistics.h"
 
 namespace wobblebench::bench {
 
@@ -136,16 +146,7 @@ StudyReport run_study(const NamedStudy& study) {
     StudyReport report;
     report.id = report.title = study.id;
     report.text = "This study could not be run: " + one_line(error.what());
-    report.checks.push_back({study.id + ".ran",
-                             Check::Kind::at_least,
-                             0,
-                             1,
-                             0,
-                             "1",
-                             one_line(error.what()),
-                             1,
-                             "run",
-                             {}});
+    report.check(study.id + ".ran").at_least(0, 1, "1").from(one_line(error.what())).over(1, "run");
     return report;
   }
 }

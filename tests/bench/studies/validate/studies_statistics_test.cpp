@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/statistics.h"
 #include "bench/studies/validate/scatterer_density.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/math/random.h"

@@ -12,7 +12,6 @@
 #include "bench/studies/validate/rung_agreement.h"
 #include "bench/studies/validate/shear.h"
 #include "bench/studies/validate/speckle_motion.h"
-#include "bench/studies/validate/speckle_neighbours.h"
 #include "bench/studies/validate/speckle_size.h"
 #include "bench/studies/validate/speckle_statistics.h"
 #include "phantoms/material.h"
