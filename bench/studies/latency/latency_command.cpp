@@ -33,8 +33,7 @@ Scene scene_of(const Arguments& arguments) {
   }
   if (scene.render.pipeline.mid_volume) {
     throw UserError(
-        "render.pipeline.mid_volume = true: must be false; pictures of whole volumes "
-        "are modelled");
+        "render.pipeline.mid_volume = true: must be false; pictures of whole volumes are modelled");
   }
   return scene;
 }

@@ -125,24 +125,22 @@ void write_head(const LatencyStudy& study,
 }
 
 void write_spans(const LatencyStudy& study, std::ostream& text) {
-  text << "\n## From the echo to the picture\n\nThe scene's first stream on the wall clock. "
-          "Emission is "
-          "as "
-          "scheduled, of a volume's first and last stick. Until the interrupt by the model of the "
-          "card, on the device's clock; from there on by the host's clock, on which the link's "
-          "epoch lays the interrupt. From the last pass to ready: reading back.\n\n"
-       << latency_spans_markdown(study.summary.spans);
+  text
+      << "\n## From the echo to the picture\n\nThe scene's first stream on the wall clock. "
+         "Emission is as scheduled, of a volume's first and last stick. Until the interrupt by the "
+         "model of the card, on the device's clock; from there on by the host's clock, on which "
+         "the link's epoch lays the interrupt. From the last pass to ready: reading back.\n\n"
+      << latency_spans_markdown(study.summary.spans);
 }
 
 void write_checks(const LatencyStudy& study, std::ostream& text) {
   text << "\n## Virtual time against the wall clock\n\nAge of the newest echo, from its scheduled "
           "emission until the picture is ready. Service times are those of the settings marked "
           "with *, drawn in runs of 16 volumes; they depend on the number of frames linearly "
-          "between "
-          "them. Virtual: median of 200 streams as long as those on the wall, and in brackets what "
-          "95 % of them lie between: P99 of n pictures is one of their largest. Pass 1 of a "
-          "shallower scan makes more pixels, which the model does not know: slices have as many "
-          "over less depth.\n\n"
+          "between them. Virtual: median of 200 streams as long as those on the wall, and in "
+          "brackets what 95 % of them lie between: P99 of n pictures is one of their largest. Pass "
+          "1 of a shallower scan makes more pixels, which the model does not know: slices have as "
+          "many over less depth.\n\n"
           "| setting | sound, ms | n | P50 wall, ms | virtual | off by | P99 wall, ms | virtual | "
           "off by | volumes/s wall | virtual | rendering a volume, ms wall | virtual |\n"
           "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | "
@@ -161,12 +159,11 @@ void write_checks(const LatencyStudy& study, std::ostream& text) {
 }
 
 void write_stalls(const LatencyStudy& study, std::ostream& text) {
-  text
-      << "\n## Recovery from stalls\n\nThe link sends nothing for so long, from the first stick of "
-         "the middle volume on. Recovered: the first picture whose newest echo is no older than 90 "
-         "% of those before the stall; the time counts from the stall's end.\n\n"
-         "| stall, ms | recovered after, wall, ms | virtual | oldest newest echo, wall, ms | "
-         "virtual |\n| ---: | ---: | ---: | ---: | ---: |\n";
+  text << "\n## Recovery from stalls\n\nThe link sends nothing for so long, from the first stick "
+          "of the middle volume on. Recovered: the first picture whose newest echo is no older "
+          "than 90 % of those before the stall; the time counts from the stall's end.\n\n"
+          "| stall, ms | recovered after, wall, ms | virtual | oldest newest echo, wall, ms | "
+          "virtual |\n| ---: | ---: | ---: | ---: | ---: |\n";
   for (const StallRecovery& stall : study.stalls) {
     text << "| " << ms(stall.stall_ms) << " | " << ms(stall.wall_ms) << " | "
          << ms(stall.predicted_ms) << " | " << ms(stall.wall_worst_ms) << " | "
@@ -175,10 +172,9 @@ void write_stalls(const LatencyStudy& study, std::ostream& text) {
 }
 
 void write_crossovers(const LatencyStudy& study, const Scene& scene, std::ostream& text) {
-  text
-      << "\n## Where sound becomes the limit\n\nThe least number of frames a volume from which on "
-         "the sound of a volume takes longer than its rendering (`2 d / c` a stick). Virtual time; "
-         "paper: Table I, on its GPU.\n\n| times of | lines |";
+  text << "\n## Where sound becomes the limit\n\nThe least number of frames a volume from which on "
+          "the sound of a volume takes longer than its rendering (`2 d / c` a stick). Virtual "
+          "time; paper: Table I, on its GPU.\n\n| times of | lines |";
   const double depth_mm = scene.acquisition.depth_m / kMillimetre;
   const std::vector<double> depths = {60, 80, 120, 160, 240};
   for (const double depth : depths) text << " " << fixed(depth, 0) << " mm |";
@@ -203,8 +199,7 @@ void write_crossovers(const LatencyStudy& study, const Scene& scene, std::ostrea
 
 void write_line_rates(const LatencyStudy& study, std::ostream& text) {
   text << "\n## Highest line rate before the first loss\n\nBy bisection of the depth in virtual "
-          "time, "
-          "300 volumes, 9 draws of service times: median (least to most). The scene sends "
+          "time, 300 volumes, 9 draws of service times: median (least to most). The scene sends "
        << fixed(study.scene_line_rate_per_s, 0) << " sticks a second.\n\n"
        << "| first loss | sticks a second |\n| --- | ---: |\n";
   for (const LineRate& rate : study.line_rates) {

@@ -18,7 +18,7 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr int kDraws = 200;  ///< of virtual streams, for one prediction
-/// Each setting is streamed so many times, all in turn: a machine whose speed drifts within minutes
+/// Streams of each setting, all settings in turn: a machine whose speed drifts within minutes
 /// is as fast for those that the model is made on as for those that it is held against.
 constexpr int kRounds = 3;
 constexpr double kStalls_ms[] = {10, 100, 500};
@@ -227,7 +227,7 @@ void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
   check.predicted_volumes_per_s = quantile(rate, 0.5);
 }
 
-/// For each variant its rounds.
+/// The rounds of each variant.
 std::vector<Study::Rounds> Study::stream(const std::vector<Variant>& all) {
   std::vector<Rounds> walls(all.size());
   for (int round = 0; round < kRounds; ++round) {

@@ -27,7 +27,8 @@ struct LatencyCheck {
   bool calibrated_on = false;  ///< the service times were measured at this setting
   double sound_ms = 0;         ///< one volume
   Percentiles wall;
-  /// Of virtual streams as long as those on the wall: P99 of so few pictures is a matter of chance.
+  /// From virtual streams as long as those on the wall: P99 of so few pictures is a matter of
+  /// chance.
   Drawn predicted_p50_ms, predicted_p99_ms;
   double wall_volumes_per_s = 0, predicted_volumes_per_s = 0;
   double wall_renderer_ms = 0, predicted_renderer_ms = 0;  ///< one volume, mean
@@ -72,7 +73,7 @@ LatencyStudy study_latency(const Scene& scene,
                            PhantomCache& cache,
                            const PartDone& done = {});
 
-/// Of service times that are known, without a stream.
+/// Curves of service times that are known, without a stream.
 std::vector<CrossoverCurve> crossover_curves(const std::string& name,
                                              const ServiceTimes& one,
                                              int frames_of_one,

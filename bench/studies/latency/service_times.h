@@ -12,18 +12,18 @@
 
 namespace wobblebench::bench {
 
-/// Of one stick, on the device's clock, seconds after the volume's first stick was fired.
+/// Times of one stick on the device's clock, seconds after the volume's first stick was fired.
 struct CardTimes {
   double dma_complete_s = 0;  ///< the last byte of its packet has come over the PCIe link
   double interrupt_s = 0;     ///< that announces this byte
 };
 
-/// Of all sticks of a volume, in the order of acquisition, as sim::SimLink sends them through a
-/// card (sim/card/card_model.h) whose buffers are read at each interrupt.
+/// Times of all sticks of a volume, in the order of acquisition, as sim::SimLink sends them through
+/// a card (sim/card/card_model.h) whose buffers are read at each interrupt.
 std::vector<CardTimes> card_times(const hw::AcquisitionPlan& plan, const sim::CardOptions& card);
 
-/// For each frame of a volume, in the order of acquisition: when the card's interrupt announces its
-/// last stick, seconds after the volume's first stick was fired (sim/card/card_model.h).
+/// Time at which the card's interrupt announces the last stick of each frame, in the order of
+/// acquisition: seconds after the volume's first stick was fired (sim/card/card_model.h).
 std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
                                           const sim::CardOptions& card);
 
@@ -34,8 +34,8 @@ struct TimePool {
   std::vector<double> values;
 
   double mean() const;
-  /// So many behind the place that is this share of all, 0 to 1, and from the beginning on behind
-  /// the last; 0 if there is none.
+  /// The value `behind` entries after the one at this share of the pool, 0 to 1; the first follows
+  /// the last. 0 if there is none.
   double at(double share, std::uint64_t behind) const;
   TimePool scaled(double factor) const;
 };
@@ -47,7 +47,7 @@ struct ServiceTimes {
   TimePool picture;     ///< passes 2 to 4
   TimePool written;     ///< by the sink
 
-  /// Of one volume with so many frames, on average: what limits the rate of volumes.
+  /// Mean time of one volume with this number of frames: what limits the rate of volumes.
   double renderer_s(int frames) const;
 };
 

@@ -87,7 +87,7 @@ void VirtualStream::acquire(int volume) {
   }
 }
 
-/// With `newest` the last one that is whole when the renderer is free; else the next.
+/// The next volume; with `newest` the last one that is whole when the renderer is free.
 int VirtualStream::volume_to_begin(int last) const {
   int begun = last + 1;
   if (setting_.queue.policy == StreamPolicy::every) return begun;

@@ -62,8 +62,9 @@ struct LineRate {
   Spread per_s;
 };
 
-/// With `every` the first stick that finds the board's ring full, with `newest` the first volume
-/// that is superseded; lines and frames are the setting's, the depth makes the rate.
+/// Line rates at the first loss: with `every` the first stick that finds the board's ring full,
+/// with `newest` the first volume that is superseded; lines and frames are the setting's, the depth
+/// makes the rate.
 std::vector<LineRate> first_losses(const VirtualSetting& setting);
 
 }  // namespace wobblebench::bench

@@ -95,8 +95,8 @@ void write_times(const RungsResults& results, std::ostream& markdown) {
   markdown
       << "\n## Time of a volume\n\n"
          "Map: the phantom's surfaces brought onto one lattice, once for a phantom. Once for a "
-         "seed: tables, even speckle and, as nothing moves, all echoes. Still: a further volume, "
-         "its noise and receive chain. Moving: of "
+         "seed: tables, homogeneous speckle and, as nothing moves, all echoes. Still: a further "
+         "volume, its noise and receive chain. Moving: of "
       << kVolumesInARow
       << " volumes in a row of the phantom on a path, each; bending: and its head turning. Behind "
          "a slash: times real time.\n\n"
@@ -140,7 +140,7 @@ void write_stages(const RungsResults& results, std::ostream& markdown) {
     if (stages.once_ms > 0) {
       markdown << "\n"
                << sim::to_string(stages.rung) << ": " << fixed(stages.once_ms, 0)
-               << " ms of CPU time before the first stick (tables, even speckle).\n";
+               << " ms of CPU time before the first stick (tables, homogeneous speckle).\n";
     }
     if (stages.scatterers == 0) continue;
     const double search_ms = stages.stages.at(2).second;

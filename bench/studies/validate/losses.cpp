@@ -1,6 +1,5 @@
 #include "bench/studies/validate/losses.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -198,47 +197,44 @@ double mean_distance_db(const ShadowEdge& edge) {
   return sum / count;
 }
 
-Check worst_edge_level(const std::string& name,
-                       const std::vector<ShadowEdge>& edges,
-                       bool across_lines) {
-  Check check{name, Check::Kind::at_most, 0, kEdgeBar_db, 0, "dB", "", 0, "ranges", {}};
-  for (const ShadowEdge& edge : edges) {
-    if (edge.across_lines != across_lines || edge.range_m < kBehind_m) continue;
-    const double distance_db = mean_distance_db(edge);
-    ++check.n;
-    if (!check.source.empty() && distance_db <= check.measured) continue;
-    check.measured = distance_db;
-    check.source =
-        "mean distance from the table, worst at " + significant(edge.range_m * 1e3, 3) + " mm";
-  }
-  return check;
+double rise_error_percent(const ShadowEdge& edge) {
+  return 100 * std::abs(edge.rise_m / edge.expected_rise_m - 1);
 }
 
-Check worst_rise(const std::string& name, const std::vector<ShadowEdge>& edges, bool across_lines) {
-  Check check{name, Check::Kind::at_most, 0, kRiseBar, 0, "%", "", 0, "ranges", {}};
-  for (const ShadowEdge& edge : edges) {
-    if (edge.across_lines != across_lines || edge.range_m < kBehind_m) continue;
-    const double error = 100 * std::abs(edge.rise_m / edge.expected_rise_m - 1);
-    ++check.n;
-    if (!check.source.empty() && error <= check.measured) continue;
-    check.measured = error;
-    check.source = "worst at " + significant(edge.range_m * 1e3, 3) +
-                   " mm: " + significant(edge.rise_m * 1e3, 3) + " mm, table " +
-                   significant(edge.expected_rise_m * 1e3, 3) + " mm";
-  }
-  return check;
+std::string mm_text(double metres) {
+  return significant(metres * 1e3, 3) + " mm";
+}
+
+/// The worst rise and the worst level of one direction.
+void add_shadow_checks(const std::string& name,
+                       const std::vector<ShadowEdge>& edges,
+                       bool across_lines,
+                       StudyReport& report) {
+  std::vector<ShadowEdge> here;
+  std::ranges::copy_if(edges, std::back_inserter(here), [&](const ShadowEdge& edge) {
+    return edge.across_lines == across_lines && edge.range_m >= kBehind_m;
+  });
+  const auto n = static_cast<long>(here.size());
+  const ShadowEdge& rise = *std::ranges::max_element(here, {}, rise_error_percent);
+  report.check(name + ".rise")
+      .at_most(rise_error_percent(rise), kRiseBar, "%")
+      .from("worst at " + mm_text(rise.range_m) + ": " + mm_text(rise.rise_m) + ", table " +
+            mm_text(rise.expected_rise_m))
+      .over(n, "ranges");
+  const ShadowEdge& level = *std::ranges::max_element(here, {}, mean_distance_db);
+  report.check(name + ".level")
+      .at_most(mean_distance_db(level), kEdgeBar_db, "dB")
+      .from("mean distance from the table, worst at " + mm_text(level.range_m))
+      .over(n, "ranges");
 }
 
 void add_shadow(StudyReport& report) {
   const auto edges = measure_shadow_edges();
-  for (const bool across_lines : {true, false}) {
-    const std::string name = across_lines ? "losses.shadow.lateral" : "losses.shadow.elevation";
-    report.checks.push_back(worst_rise(name + ".rise", edges, across_lines));
-    report.checks.push_back(worst_edge_level(name + ".level", edges, across_lines));
-  }
+  add_shadow_checks("losses.shadow.lateral", edges, true, report);
+  add_shadow_checks("losses.shadow.elevation", edges, false, report);
   for (const ShadowEdge& edge : edges) {
     const std::string across = edge.across_lines ? "lateral" : "elevation";
-    const std::string name = "shadow " + across + " " + significant(edge.range_m * 1e3, 3) + " mm";
+    const std::string name = "shadow " + across + " " + mm_text(edge.range_m);
     for (std::size_t i = 0; i < edge.crossing_m.size(); ++i) {
       report.point(name,
                    {"crossing_mm", edge.crossing_m[i] * 1e3},
@@ -260,10 +256,8 @@ Picture3 draw_edges(const std::string& title, bool across_lines, const StudyRepo
       chart.series.push_back({"field, " + range, {}, {}, Stroke::none, Mark::square, colour});
     }
     Series &table = chart.series[chart.series.size() - 2], &rung = chart.series.back();
-    table.x.push_back(point.x);
-    table.y.push_back(*point.expected);
-    rung.x.push_back(point.x);
-    rung.y.push_back(point.y);
+    add_to(table, point.x, *point.expected);
+    add_to(rung, point.x, point.y);
   }
   return draw(chart, {620, 460});
 }
@@ -271,29 +265,25 @@ Picture3 draw_edges(const std::string& title, bool across_lines, const StudyRepo
 constexpr char kText[] =
     "Attenuated: a point on the middle stick, rung `scatterers`, all tissue attenuating by 0.3 and "
     "0.5 dB/cm/MHz (1 in the CSV file alone), against `attenuation.csv`, which attenuates each "
-    "frequency by itself, as the simulator does at the eight frequencies of its beam "
-    "(decision 27). "
-    "Both end at a fifth of the frequency sent. At 30 mm the lateral profile has shoulders of half "
-    "its height, whose width changes by a quarter from 0 to 0.5 dB/cm/MHz.\n\n"
-    "Shadow: even tissue behind a plane at 60 mm that passes a tenth of the amplitude each way and "
-    "ends beside the stick, rung `field` without speckle, against `shadow.csv`; rise is from 10 to "
-    "90 % of the amplitude, level is from 0.1 to 25 dB below no plane; both are checked from 20 mm "
-    "behind the plane on. At 130 mm the rise begins on a shoulder 0.9 dB below the top, so that "
-    "0.1 dB there are 1 mm. Nearer than 8 mm behind the plane the simulator's edge is as sharp as "
-    "a "
-    "stick (decision 26).";
+    "frequency by itself, as the simulator does at the eight frequencies of its beam (decision "
+    "27). Both end at a fifth of the frequency sent. At 30 mm the lateral profile has shoulders of "
+    "half its height, whose width changes by a quarter from 0 to 0.5 dB/cm/MHz.\n\n"
+    "Shadow: uniform tissue behind a plane at 60 mm that passes a tenth of the amplitude each way "
+    "and ends beside the stick, rung `field` without speckle, against `shadow.csv`; rise is from "
+    "10 to 90 % of the amplitude, level is from 0.1 to 25 dB below no plane; both are checked from "
+    "20 mm behind the plane on. At 130 mm the rise begins on a shoulder 0.9 dB below the top, so "
+    "that 0.1 dB there are 1 mm. Nearer than 8 mm behind the plane the simulator's edge is as "
+    "sharp as a stick (decision 26).";
 
 }  // namespace
 
 StudyReport losses_report() {
   StudyReport report;
-  report.id = "losses";
-  report.title = "Losses over the band and over the aperture";
   add_attenuation(report);
   add_shadow(report);
   report.figures.push_back({"losses_shadow",
-                            "Behind a half plane that lies at positive places, across lines and "
-                            "across frames. Lines: shadow.csv.",
+                            "Behind a half plane at positive coordinates, across lines and across "
+                            "frames. Lines: shadow.csv.",
                             side_by_side({draw_edges("Across lines", true, report),
                                           draw_edges("Across frames", false, report)})});
   report.text = kText;

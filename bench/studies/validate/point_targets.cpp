@@ -23,17 +23,12 @@ namespace wobblebench::bench {
 PointEchoes::PointEchoes(sim::Rung rung,
                          const hw::AcquisitionPlan& plan,
                          bool side_lobes,
-                         WayLoss loss)
+                         PathLoss loss)
     : plan_(plan), loss_(std::move(loss)) {
   if (sim::iq_oversampling(plan) != 1) throw std::invalid_argument("PointEchoes: coarse samples");
   auto options = lossless_envelope(rung, 1);
   options.side_lobes = side_lobes;
-  const auto water = open_tissue("amniotic_fluid");
-  const sim::ScannedTissue subject{
-      std::make_shared<const sim::TissueMap>(water, 1e-3, options.threads),
-      water.materials(),
-      {},
-      {}};
+  const auto subject = scanned(open_tissue("amniotic_fluid"), options.threads);
   if (rung == sim::Rung::reference) {
     const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
     add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
@@ -104,6 +99,16 @@ class PointScan {
       : plan_(plan_of(preset)),
         echoes_(rung.rung, plan_, rung.side_lobes, loss_of(db_per_cm_mhz)) {}
 
+  std::vector<BeamComparison> compare(std::span<const BeamRow> places) const {
+    std::vector<BeamComparison> results(places.size());
+    parallel_rows(static_cast<int>(places.size()), [&](int i) {
+      const auto at = static_cast<std::size_t>(i);
+      results[at] = {places[at], measure(places[at])};
+    });
+    return results;
+  }
+
+ private:
   BeamRow measure(const BeamRow& place) const {
     const hw::ProbeGeometry geometry = plan_.geometry();
     const sim::PointEcho point{geometry.to_cartesian({place.range_m, place.theta_rad, 0}), 1};
@@ -125,15 +130,14 @@ class PointScan {
     return found;
   }
 
- private:
   std::vector<double> sample_ranges_m() const {
     std::vector<double> ranges_m;
     for (int k = 0; k < kSamples; ++k) ranges_m.push_back(plan_.sample_range_m(k));
     return ranges_m;
   }
 
-  WayLoss loss_of(double db_per_cm_mhz) const {
-    WayLoss loss;
+  PathLoss loss_of(double db_per_cm_mhz) const {
+    PathLoss loss;
     if (db_per_cm_mhz == 0) return loss;
     const sim::BandLoss band(plan_.probe());
     for (const double range_m : sample_ranges_m()) {
@@ -175,24 +179,13 @@ std::vector<BeamComparison> measure_points(hw::ProbePreset preset,
                                            const PointRung& rung,
                                            std::span<const BeamRow> places) {
   if (rung.rung == sim::Rung::field) return field_widths(preset, places);
-  const PointScan scan(preset, rung);
-  std::vector<BeamComparison> results(places.size());
-  parallel_rows(static_cast<int>(places.size()), [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    results[at] = {places[at], scan.measure(places[at])};
-  });
-  return results;
+  return PointScan(preset, rung).compare(places);
 }
 
 std::vector<BeamComparison> measure_attenuated_points(double db_per_cm_mhz,
                                                       std::span<const BeamRow> places) {
-  const PointScan scan(hw::ProbePreset::standard, {sim::Rung::scatterers, false}, db_per_cm_mhz);
-  std::vector<BeamComparison> results(places.size());
-  parallel_rows(static_cast<int>(places.size()), [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    results[at] = {places[at], scan.measure(places[at])};
-  });
-  return results;
+  return PointScan(hw::ProbePreset::standard, {sim::Rung::scatterers, false}, db_per_cm_mhz)
+      .compare(places);
 }
 
 namespace {
@@ -232,18 +225,16 @@ void add_checks(const std::string& name,
 }
 
 constexpr char kText[] =
-    "One point on the axis of a stick, heard by sticks that turn past it in the image plane and "
+    "One point on the axis of a stick, received by sticks that turn past it in the image plane and "
     "by frames that turn past it about the motor's axis, at every depth, angle and preset of "
-    "`tests/yardstick/point_widths.csv`. Widths are those at half amplitude (-6 dB), between "
-    "the first places on either side of the maximum. `scatterers` (main lobe, and with side "
-    "lobes) and `reference` hear the point by their own sums of echoes; `field` has no points: "
-    "shown are the widths by which it blurs the edges of tissue, across lines against "
-    "`stick_beam.csv`: the beam of one stick over places is what blurs them, and towards the "
-    "array's "
-    "end, where each stick has another aperture, it is narrower than what sticks that turn past "
-    "a place make of it. A level is that of the stick "
-    "through the point over the middle stick's at the same range, since both rungs are "
-    "normalised to the middle stick at every range; how the level falls with range there is "
+    "`tests/yardstick/point_widths.csv`. Widths are those at half amplitude (-6 dB), between the "
+    "first crossings on either side of the maximum. `scatterers` (main lobe, and with side lobes) "
+    "and `reference` receive the point by their own sums of echoes; `field` has no points: shown "
+    "are the widths by which it blurs the edges of tissue, across lines against `stick_beam.csv`: "
+    "the beam of one stick blurs them, and towards the array's end, where each stick has another "
+    "aperture, it is narrower than the profile of sticks that turn past a point. A level is that "
+    "of the stick through the point over the middle stick's at the same range, since both rungs "
+    "are normalised to the middle stick at every range; how the level falls with range there is "
     "left out of both. A few sticks beyond the sector's edge are scanned where a profile needs "
     "them; the array ends where it does. Checks name the worst of the depths from 30 mm on: "
     "`axis`, the middle stick; `edge`, all others up to the last one.";
@@ -252,8 +243,6 @@ constexpr char kText[] =
 
 StudyReport point_target_report() {
   StudyReport report;
-  report.id = "points";
-  report.title = "Point targets";
   for (const hw::ProbePreset preset : kPresets) {
     const std::string preset_name(table_name(preset));
     const auto places = point_width_rows(preset);

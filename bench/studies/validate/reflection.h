@@ -45,6 +45,6 @@ std::vector<AnglePoint> measure_fresnel(const ReflectionInputs& inputs);
 /// mean amplitude of an echo as long as the pulse; against |R| cos i.
 std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& inputs);
 
-StudyReport reflection_report(const ReflectionInputs& inputs = {});
+StudyReport reflection_report();
 
 }  // namespace wobblebench::bench

@@ -177,29 +177,23 @@ void add_points(const Variant& variant,
 
 StudyReport rung_agreement_report() {
   StudyReport report;
-  report.id = "agreement";
-  report.title = "Echoes of many points";
   const auto places = echo_places();
   std::ostringstream text;
-  text
-      << "At each of " << places.size() << " places " << places.front().points.size()
-      << " points of either sign, within 6 mm across the stick, 5 mm across the image plane and "
-         "1.5 mm along the stick (`tests/yardstick/echo_points.csv`): the envelope of their summed "
-         "echo on one stick of the standard preset, against that of the yardstick's sum over "
-         "elements (`echoes.csv`). `scatterers` with side lobes looks up the beam in a table; "
-         "`reference` sums over the elements itself. Without `simulation.side_lobes` it hears the "
-         "main lobe alone. It is checked (`main_lobe`) where that is all there is to hear: as many "
-         "points within 0.57 of the ways to the first zeros of the focused beam "
-         "(`main_lobe_points.csv`, `main_lobe_echoes.csv`). What leaving side lobes out costs "
-         "where "
-         "points lie there, too (`main_lobe_hears_all`, the first points), has no bar: the element "
-         "sum itself, of the points within 3 mm of the stick alone, correlates with that of all to "
-         "0.92 where it is lowest (decision 27), so that no model of the main lobe can reach 0.95. "
-         "The level checked is that of the places of a range together, as tissue's: the points of "
-         "one "
-         "place weigh a few parts of the beam alone. In the table: correlation and, in brackets, "
-         "level in dB, by part of the half sector and "
-         "depth.\n\n| rung | angle";
+  text << "At each of " << places.size() << " places " << places.front().points.size()
+       << " points of either sign, within 6 mm across the stick, 5 mm across the image plane and "
+          "1.5 mm along the stick (`tests/yardstick/echo_points.csv`): the envelope of their "
+          "summed echo on one stick of the standard preset, against that of the yardstick's sum "
+          "over elements (`echoes.csv`). `scatterers` with side lobes looks up the beam in a "
+          "table; `reference` sums over the elements itself. Without `simulation.side_lobes` it "
+          "has the main lobe alone. It is checked (`main_lobe`) with points in the main lobe "
+          "alone: as many within 0.57 of the distances to the first zeros of the focused beam "
+          "(`main_lobe_points.csv`, `main_lobe_echoes.csv`). What leaving side lobes out costs "
+          "with points in them (`main_lobe_hears_all`, the first points) has no bar: the element "
+          "sum itself, of the points within 3 mm of the stick alone, correlates with that of all "
+          "to 0.92 where it is lowest (decision 27), so that no model of the main lobe can reach "
+          "0.95. The level checked is that of all places of a range together, as for tissue: the "
+          "points of one place sample few parts of the beam. In the table: correlation and, in "
+          "brackets, level in dB, by part of the half sector and depth.\n\n| rung | angle";
   for (const EchoPlace& place : places) {
     if (place.sector_fraction == places.front().sector_fraction) {
       text << " | " << std::lround(place.range_m * 1e3) << " mm";

@@ -77,10 +77,7 @@ Chart make_chart(const std::vector<DensityPoint>& found) {
   Series poisson{"1/sqrt(1 + 1/N)", {}, {}, Stroke::solid, Mark::none, 1};
   Series limit{"Rayleigh: 1.913", {}, {}, Stroke::dashed, Mark::none, 6};
   for (const DensityPoint& point : found) {
-    const auto add = [&](Series& series, double y) {
-      series.x.push_back(point.per_cell);
-      series.y.push_back(y);
-    };
+    const auto add = [&](Series& series, double y) { add_to(series, point.per_cell, y); };
     add(envelope, point.envelope_snr);
     envelope.error.push_back(2 * point.envelope_error);
     add(intensity, point.intensity_snr);
@@ -97,10 +94,9 @@ Chart make_chart(const std::vector<DensityPoint>& found) {
 
 }  // namespace
 
-StudyReport scatterer_density_report(const DensityInputs& inputs) {
+StudyReport scatterer_density_report() {
+  const DensityInputs inputs;
   StudyReport report;
-  report.id = "density";
-  report.title = "Speckle against scatterers per resolution cell";
   const auto found = measure_density(inputs);
   for (const DensityPoint& point : found) {
     report.point("envelope mean / sigma",
@@ -127,14 +123,13 @@ StudyReport scatterer_density_report(const DensityInputs& inputs) {
        "Mean over sigma of envelope and intensity; bars are two standard errors.",
        draw(make_chart(found))});
   std::ostringstream text;
-  text
-      << "The rung `scatterers`, standard preset, middle stick, " << 1e3 * inputs.speckle.from_m
-      << " to " << 1e3 * inputs.speckle.to_m
-      << " mm from the face. `simulation.scatterers_per_cell` counts scatterers in the product of "
-         "the three -6 dB widths; in a Gaussian beam the effective number N that a sample hears is "
-         "1.064 cubed times that. Intensity follows 1/sqrt(1 + 1/N); the envelope that of a K "
-         "distribution with the same (Jakeman and Pusey, IEEE Trans. Antennas Propag. 24, 806 "
-         "(1976)).";
+  text << "The rung `scatterers`, standard preset, middle stick, " << 1e3 * inputs.speckle.from_m
+       << " to " << 1e3 * inputs.speckle.to_m
+       << " mm from the face. `simulation.scatterers_per_cell` counts scatterers in the product of "
+          "the three -6 dB widths; in a Gaussian beam the effective number N in a sample is 1.064 "
+          "cubed times that. Intensity follows 1/sqrt(1 + 1/N); the envelope that of a K "
+          "distribution with the same (Jakeman and Pusey, IEEE Trans. Antennas Propag. 24, 806 "
+          "(1976)).";
   report.text = text.str();
   return report;
 }

@@ -35,6 +35,6 @@ double intensity_snr(double effective);
 /// 1976).
 double envelope_snr(double effective);
 
-StudyReport scatterer_density_report(const DensityInputs& inputs = {});
+StudyReport scatterer_density_report();
 
 }  // namespace wobblebench::bench

@@ -12,7 +12,7 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kLeastCosine = 0.5;
-/// Of the distance to a sphere of 20 mm on a grid of 0.5 mm, at 60 degrees.
+/// Rounding of the distance to a sphere of 20 mm on a grid of 0.5 mm, at 60 degrees.
 constexpr double kGridRounding_m = 5e-6;
 
 struct Case {
@@ -86,14 +86,13 @@ ShearResult measure(const Case& moving, const ShearInputs& inputs) {
     if (!expected) continue;
     // Samples of a volume lie in the order of their sequence numbers.
     const auto found = found_m(volume, stick / inputs.sticks, stick % inputs.sticks);
+    const auto still = front_m(ray, center, sphere.radius_m);
     const double error = found ? std::abs(*found - *expected) : acquisition.depth_m;
+    const double shear = still ? std::abs(*still - *expected) : 0;
     result.largest_error_m = std::max(result.largest_error_m, error);
+    result.largest_shear_m = std::max(result.largest_shear_m, shear);
     result.mean_error_m += error;
     ++result.n;
-    const auto still = front_m(ray, center, sphere.radius_m);
-    if (still) {
-      result.largest_shear_m = std::max(result.largest_shear_m, std::abs(*still - *expected));
-    }
     if (line == inputs.sticks / 2 && found && still) {
       result.middle.push_back({time_s, *found, *expected, *still});
     }
@@ -115,16 +114,13 @@ namespace {
 Picture3 draw_shear(const ShearResult& result) {
   Chart chart{
       "Front of a moving sphere, middle stick of each frame", {"device time (ms)"}, {"range (mm)"}};
-  Series expected{"closed form"}, still{"were it still"};
+  Series expected{"closed form", {}, {}, Stroke::solid, Mark::none, 6};
+  Series still{"were it still", {}, {}, Stroke::dashed, Mark::none, 1};
   Series found{"geometry", {}, {}, Stroke::none, Mark::disc, 0};
-  expected.colour = 6;
-  still.colour = 1;
-  still.stroke = Stroke::dashed;
   for (const auto& at : result.middle) {
-    for (Series* series : {&expected, &still, &found}) series->x.push_back(at.time_s * 1e3);
-    expected.y.push_back(at.expected_m * 1e3);
-    still.y.push_back(at.still_m * 1e3);
-    found.y.push_back(at.found_m * 1e3);
+    add_to(expected, at.time_s * 1e3, at.expected_m * 1e3);
+    add_to(still, at.time_s * 1e3, at.still_m * 1e3);
+    add_to(found, at.time_s * 1e3, at.found_m * 1e3);
   }
   chart.series = {still, expected, found};
   return draw(chart, {680, 360});
@@ -132,22 +128,18 @@ Picture3 draw_shear(const ShearResult& result) {
 
 }  // namespace
 
-StudyReport shear_report(const ShearInputs& inputs) {
+StudyReport shear_report() {
+  const ShearInputs inputs;
   StudyReport report;
-  report.id = "shear";
-  report.title = "A moving sphere is sheared";
   for (const ShearResult& result : measure_shear(inputs)) {
     report.check("shear." + result.motion)
         .at_most(result.largest_error_m * 1e3, result.allowed_m * 1e3, "mm")
         .from("half a sample, and 0.005 mm for the phantom's grid")
         .over(result.n, "sticks");
     const std::string name = result.motion;
-    report.point(name,
-                 {"sticks", static_cast<double>(result.n)},
-                 {"mean_error_mm", result.mean_error_m * 1e3});
-    report.point(name,
-                 {"sticks", static_cast<double>(result.n)},
-                 {"largest_shear_mm", result.largest_shear_m * 1e3});
+    const StudyReport::X sticks{"sticks", static_cast<double>(result.n)};
+    report.point(name, sticks, {"mean_error_mm", result.mean_error_m * 1e3});
+    report.point(name, sticks, {"largest_shear_mm", result.largest_shear_m * 1e3});
     for (const auto& at : result.middle) {
       report.point(
           name, {"time_ms", at.time_s * 1e3}, {"range_mm", at.found_m * 1e3, at.expected_m * 1e3});

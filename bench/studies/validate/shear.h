@@ -34,6 +34,6 @@ struct ShearResult {
 
 std::vector<ShearResult> measure_shear(const ShearInputs& inputs);
 
-StudyReport shear_report(const ShearInputs& inputs = {});
+StudyReport shear_report();
 
 }  // namespace wobblebench::bench

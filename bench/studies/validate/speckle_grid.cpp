@@ -21,7 +21,8 @@ namespace {
 
 /// Past the sector's edge, wider than any speckle, so that the scan's end is not seen.
 constexpr double kBeyond_rad = 6 * kDegree;
-/// Of the plan by which beam tables of `scatterers` are made: no sparser than tables ever are.
+/// Lines of the plan by which beam tables of `scatterers` are made: no sparser than tables ever
+/// are.
 constexpr int kTableLines = 257, kTableLinesBeyond = 24;
 
 SpeckleGrid empty_grid(const GridPlan& plan) {
@@ -75,12 +76,7 @@ std::vector<SpeckleGrid> scattered_grids(hw::ProbePreset preset,
                                                 .frames_per_volume = 1},
                                                kTableLinesBeyond);
   if (sim::iq_oversampling(plan) != 1) throw std::invalid_argument("speckle_grids: coarse samples");
-  const auto tissue = open_tissue();
-  const sim::ScannedTissue subject{
-      std::make_shared<const sim::TissueMap>(tissue, 1e-3, options.threads),
-      tissue.materials(),
-      {},
-      {}};
+  const auto subject = scanned(open_tissue(), options.threads);
   const sim::ScattererField field(subject, plan, options);
   std::vector<SpeckleGrid> grids;
   for (const GridPlan& one : plans) grids.push_back(scattered(field, plan.geometry(), one));
@@ -126,8 +122,7 @@ std::vector<SpeckleGrid> scanned_grids(hw::ProbePreset preset,
 }  // namespace
 
 int SpeckleGrid::sample_at(double range_m) const {
-  const int index = static_cast<int>(std::ceil(range_m / spacing_m - 0.5 - 1e-9));
-  return std::clamp(index, 0, samples);
+  return first_sample_at(range_m, spacing_m, samples);
 }
 
 std::vector<SpeckleGrid> speckle_grids(hw::ProbePreset preset,

@@ -1,4 +1,5 @@
-// Envelopes of even tissue on a grid of sticks about one place of the sector.
+// Envelopes of uniform tissue on a grid of sticks about one angle of the sector, and autocovariance
+// of their intensity with its width.
 #pragma once
 
 #include <cmath>
@@ -10,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-/// Sticks by motor angle and stick angle; steps between both are even.
+/// Sticks by motor angle and stick angle; steps of both are equal.
 struct SpeckleGrid {
   std::vector<double> theta_rad;  ///< of the lines
   int frames = 0;

@@ -17,7 +17,7 @@ constexpr double kDepth_m = 0.09;
 constexpr double kFrom_m = 45e-3;
 constexpr double kTo_m = 85e-3;
 constexpr double kMiddle_m = 75e-3;
-/// Between sticks, so that the velocities stay within the limits of MotionOptions.
+/// Time between sticks, so that the velocities stay within the limits of MotionOptions.
 constexpr double kDeadTime_s = 1e-3;
 
 double seconds(hw::DeviceDuration duration) {
@@ -142,10 +142,9 @@ constexpr double kLeast = 0.95;
 
 }  // namespace
 
-StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs) {
+StudyReport speckle_motion_report() {
+  const SpeckleMotionInputs inputs;
   StudyReport report;
-  report.id = "speckle_motion";
-  report.title = "Speckle moves with the tissue";
   std::ostringstream table;
   table << "| rung | motion | shift at 75 mm | correlation at the place it moved to | at the place "
            "it was |\n| --- | --- | ---: | ---: | ---: |\n";

@@ -33,6 +33,6 @@ struct MotionResult {
 /// the tissue that it, or its neighbour, scanned one volume before.
 std::vector<MotionResult> measure_speckle_motion(sim::Rung rung, const SpeckleMotionInputs& inputs);
 
-StudyReport speckle_motion_report(const SpeckleMotionInputs& inputs = {});
+StudyReport speckle_motion_report();
 
 }  // namespace wobblebench::bench

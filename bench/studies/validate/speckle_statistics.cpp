@@ -133,8 +133,7 @@ Series histogram(const SpeckleRung& variant, const SpeckleResult& result) {
   for (int bin = 0; bin < kBins; ++bin) {
     const double share =
         counts[static_cast<std::size_t>(bin)] / static_cast<double>(result.values.size());
-    series.x.push_back((bin + 0.5) * kHighest / kBins);
-    series.y.push_back(share * kBins / kHighest);
+    add_to(series, (bin + 0.5) * kHighest / kBins, share * kBins / kHighest);
   }
   return series;
 }
@@ -144,8 +143,7 @@ Series rayleigh_density() {
   series.colour = 6;
   for (int i = 0; i <= 120; ++i) {
     const double x = 0.025 * i;
-    series.x.push_back(x);
-    series.y.push_back(2 * x * std::exp(-x * x));
+    add_to(series, x, 2 * x * std::exp(-x * x));
   }
   return series;
 }
@@ -186,25 +184,22 @@ void add_row(const std::string& series, const SpeckleResult& result, std::ostrea
 
 std::string introduction(const SpeckleInputs& inputs) {
   std::ostringstream text;
-  text
-      << "Soft tissue without losses, three lines and 80 frames about the middle of the sector "
-         "(axis) and about its last stick (edge), "
-      << 1e3 * inputs.from_m << " to " << 1e3 * inputs.to_m
-      << " mm from the face, one sample in every " << 1e3 * inputs.step_m
-      << " mm: about as far apart as speckle is wide. The density of scatterers is the default, "
-      << inputs.scatterers_per_cell
-      << " in a resolution cell. Each envelope is divided by the root mean square of its line and "
-         "10 "
-         "mm of range. Level: mean power at the depths of `tests/yardstick/speckle.csv`, over that "
-         "of the material, against the table's over its middle stick at the same range.\n\n"
-         "Kolmogorov-Smirnov distances are stated, not checked: with N scatterers in the beam's "
-         "effective volume the distribution departs from Rayleigh's by 0.115/N (the first term of "
-         "its Laguerre series), so that enough samples tell any density from it. Critical "
-         "distances "
-         "at 1 % are those of an exponential of unknown mean (the envelope's square), Stephens, J. "
-         "Am. Stat. Assoc. 69, 730 (1974).\n\n"
-         "| rung, preset, place | mean / sigma | largest distance | critical | seeds beyond it |\n"
-         "| --- | ---: | ---: | ---: | ---: |\n";
+  text << "Soft tissue without losses, three lines and 80 frames about the middle of the sector "
+          "(axis) and about its last stick (edge), "
+       << 1e3 * inputs.from_m << " to " << 1e3 * inputs.to_m
+       << " mm from the face, one sample in every " << 1e3 * inputs.step_m
+       << " mm: about as far apart as speckle is wide. The density of scatterers is the default, "
+       << inputs.scatterers_per_cell
+       << " in a resolution cell. Each envelope is divided by the root mean square of its line and "
+          "10 mm of range. Level: mean power at the depths of `tests/yardstick/speckle.csv`, over "
+          "that of the material, against the table's over its middle stick at the same range.\n\n"
+          "Kolmogorov-Smirnov distances are stated, not checked: with N scatterers in the beam's "
+          "effective volume the distribution departs from Rayleigh's by 0.115/N (the first term of "
+          "its Laguerre series), so that enough samples tell any density from it. Critical "
+          "distances at 1 % are those of an exponential of unknown mean (the envelope's square), "
+          "Stephens, J. Am. Stat. Assoc. 69, 730 (1974).\n\n"
+          "| rung, preset, place | mean / sigma | largest distance | critical | seeds beyond it |\n"
+          "| --- | ---: | ---: | ---: | ---: |\n";
   return text.str();
 }
 
@@ -235,8 +230,6 @@ void add_place(const SpeckleRung& variant, SpeckleInputs inputs, Parts& parts) {
 
 StudyReport speckle_statistics_report() {
   Parts parts;
-  parts.report.id = "speckle";
-  parts.report.title = "Speckle statistics";
   parts.chart = {"Envelope of speckle", {"envelope / root mean square"}, {"probability density"}};
   parts.chart.series.push_back(rayleigh_density());
   SpeckleInputs inputs;

@@ -72,8 +72,7 @@ Series width_series(const std::string& name,
   series.name = name;
   for (const auto& one : found) {
     if (one.expected.sector_fraction != fraction) continue;
-    series.x.push_back(one.expected.range_m * 1e3);
-    series.y.push_back((one.*row).*value * 1e3);
+    add_to(series, one.expected.range_m * 1e3, (one.*row).*value * 1e3);
   }
   return series;
 }
@@ -159,6 +158,11 @@ Check& StudyReport::check(const std::string& name) {
 
 void StudyReport::point(const std::string& series, const X& x, const Y& y) {
   points.push_back({series, x.name, x.value, y.name, y.value, y.expected});
+}
+
+void add_to(Series& series, double x, double y) {
+  series.x.push_back(x);
+  series.y.push_back(y);
 }
 
 std::vector<BeamComparison> at_places(std::span<const BeamComparison> found,

@@ -54,7 +54,7 @@ struct DataPoint {
 };
 
 struct StudyReport {
-  std::string id;  ///< as --study takes it
+  std::string id;  ///< these two by run_study()
   std::string title;
   std::string text;  ///< Markdown: method and findings
   std::vector<Check> checks;
@@ -76,6 +76,9 @@ struct StudyReport {
   /// Adds a point.
   void point(const std::string& series, const X& x, const Y& y);
 };
+
+/// Adds a point to a chart's series.
+void add_to(Series& series, double x, double y);
 
 struct BeamWidth {
   const char* name;

@@ -54,6 +54,10 @@ const std::string& CsvTable::text(std::size_t row, std::string_view column) cons
   return rows_.at(row)[static_cast<std::size_t>(found - columns_.begin())];
 }
 
+bool CsvTable::has(std::string_view column) const {
+  return std::find(columns_.begin(), columns_.end(), column) != columns_.end();
+}
+
 double CsvTable::number(std::size_t row, std::string_view column) const {
   const std::string& field = text(row, column);
   double value = 0;
@@ -66,25 +70,49 @@ double CsvTable::number(std::size_t row, std::string_view column) const {
 
 namespace {
 
-CsvTable table(std::string_view file) {
-  return CsvTable(yardstick_text(file));
+/// One line of a table.
+struct TableLine {
+  const CsvTable& table;
+  std::size_t row;
+
+  const std::string& text(std::string_view column) const { return table.text(row, column); }
+  double number(std::string_view column) const { return table.number(row, column); }
+  double metres(std::string_view mm_column) const { return number(mm_column) * 1e-3; }
+  /// `otherwise` where the table has no such column.
+  double number(std::string_view column, double otherwise) const {
+    return table.has(column) ? number(column) : otherwise;
+  }
+};
+
+/// Calls `visit` for each line of an embedded table.
+template <class Visit>
+void for_lines(std::string_view file, const Visit& visit) {
+  const CsvTable table(yardstick_text(file));
+  for (std::size_t i = 0; i < table.rows(); ++i) visit(TableLine{table, i});
+}
+
+/// Rows of the lines that are wanted. A table without stick angles is of the middle stick; widths
+/// and levels that it does not have are NaN.
+template <class Wanted>
+std::vector<BeamRow> beam_rows(std::string_view file, const Wanted& wanted) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<BeamRow> rows;
+  for_lines(file, [&](const TableLine& line) {
+    if (!wanted(line)) return;
+    rows.push_back({line.number("sector_fraction", 0),
+                    line.metres("depth_mm"),
+                    line.number("theta_deg", 0) * kDegree,
+                    line.metres("lateral_mm"),
+                    line.number("elevation_mm", kNone) * 1e-3,
+                    line.number("axial_mm", kNone) * 1e-3,
+                    line.number("level_db", kNone)});
+  });
+  return rows;
 }
 
 std::vector<BeamRow> beam_rows(std::string_view file, hw::ProbePreset preset) {
-  const CsvTable csv = table(file);
-  std::vector<BeamRow> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (csv.text(i, "preset") != table_name(preset)) continue;
-    const auto length_m = [&](std::string_view column) { return csv.number(i, column) * 1e-3; };
-    rows.push_back({csv.number(i, "sector_fraction"),
-                    length_m("depth_mm"),
-                    csv.number(i, "theta_deg") * kDegree,
-                    length_m("lateral_mm"),
-                    length_m("elevation_mm"),
-                    length_m("axial_mm"),
-                    csv.number(i, "level_db")});
-  }
-  return rows;
+  return beam_rows(
+      file, [&](const TableLine& line) { return line.text("preset") == table_name(preset); });
 }
 
 /// Levels re the middle stick at the same range, instead of re one range.
@@ -98,6 +126,29 @@ std::vector<BeamRow> re_middle(std::vector<BeamRow> rows) {
     row.level_db -= middle->level_db;
   }
   return rows;
+}
+
+std::vector<EchoPlace> read_places(std::string_view points_file, std::string_view echoes_file) {
+  std::vector<EchoPlace> places;
+  const auto place_of = [&](const TableLine& line) -> EchoPlace& {
+    const auto number = static_cast<std::size_t>(line.number("place"));
+    if (number >= places.size()) places.resize(number + 1);
+    places[number].sector_fraction = line.number("sector_fraction");
+    places[number].range_m = line.metres("depth_mm");
+    return places[number];
+  };
+  for_lines(points_file, [&](const TableLine& line) {
+    place_of(line).points.push_back({line.metres("axial_mm"),
+                                     line.metres("lateral_mm"),
+                                     line.metres("elevation_mm"),
+                                     line.number("amplitude")});
+  });
+  for_lines(echoes_file, [&](const TableLine& line) {
+    EchoPlace& place = place_of(line);
+    place.ranges_m.push_back(line.metres("range_mm"));
+    place.envelope.push_back(line.number("envelope"));
+  });
+  return places;
 }
 
 }  // namespace
@@ -133,90 +184,36 @@ std::vector<BeamRow> speckle_rows(hw::ProbePreset preset) {
 }
 
 std::vector<BeamRow> stick_beam_rows(hw::ProbePreset preset) {
-  const CsvTable csv = table("stick_beam.csv");
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  std::vector<BeamRow> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (csv.text(i, "preset") != table_name(preset)) continue;
-    rows.push_back({csv.number(i, "sector_fraction"),
-                    csv.number(i, "depth_mm") * 1e-3,
-                    csv.number(i, "theta_deg") * kDegree,
-                    csv.number(i, "lateral_mm") * 1e-3,
-                    none,
-                    none,
-                    none});
-  }
-  return rows;
+  return beam_rows("stick_beam.csv", preset);
 }
 
 std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz) {
-  const CsvTable csv = table("attenuation.csv");
-  std::vector<BeamRow> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (csv.number(i, "alpha_db_cm_mhz") != db_per_cm_mhz) continue;
-    rows.push_back({0,
-                    csv.number(i, "depth_mm") * 1e-3,
-                    0,
-                    csv.number(i, "lateral_mm") * 1e-3,
-                    csv.number(i, "elevation_mm") * 1e-3,
-                    csv.number(i, "axial_mm") * 1e-3,
-                    csv.number(i, "level_db")});
-  }
-  return rows;
+  return beam_rows("attenuation.csv", [&](const TableLine& line) {
+    return line.number("alpha_db_cm_mhz") == db_per_cm_mhz;
+  });
 }
 
 std::vector<ShadowRow> shadow_rows() {
-  const CsvTable csv = table("shadow.csv");
   std::vector<ShadowRow> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    rows.push_back({csv.text(i, "edge") == "lateral",
-                    csv.number(i, "depth_mm") * 1e-3,
-                    csv.number(i, "crossing_mm") * 1e-3,
-                    csv.number(i, "power_db"),
-                    csv.number(i, "rise_mm") * 1e-3});
-  }
+  for_lines("shadow.csv", [&](const TableLine& line) {
+    rows.push_back({line.text("edge") == "lateral",
+                    line.metres("depth_mm"),
+                    line.metres("crossing_mm"),
+                    line.number("power_db"),
+                    line.metres("rise_mm")});
+  });
   return rows;
 }
 
 std::vector<NeighbourRow> neighbour_rows() {
-  const CsvTable csv = table("neighbours.csv");
   std::vector<NeighbourRow> rows;
-  for (std::size_t i = 0; i < csv.rows(); ++i) {
-    rows.push_back({csv.number(i, "depth_mm") * 1e-3,
-                    csv.number(i, "line_correlation"),
-                    csv.number(i, "frame_correlation")});
-  }
+  for_lines("neighbours.csv", [&](const TableLine& line) {
+    rows.push_back({line.metres("depth_mm"),
+                    line.number("line_correlation"),
+                    line.number("frame_correlation")});
+  });
   return rows;
 }
-
-namespace {
-
-std::vector<EchoPlace> read_places(std::string_view points_file, std::string_view echoes_file) {
-  std::vector<EchoPlace> places;
-  const auto place_of = [&](const CsvTable& csv, std::size_t i) -> EchoPlace& {
-    const auto number = static_cast<std::size_t>(csv.number(i, "place"));
-    if (number >= places.size()) places.resize(number + 1);
-    places[number].sector_fraction = csv.number(i, "sector_fraction");
-    places[number].range_m = csv.number(i, "depth_mm") * 1e-3;
-    return places[number];
-  };
-  const CsvTable points = table(points_file);
-  for (std::size_t i = 0; i < points.rows(); ++i) {
-    place_of(points, i).points.push_back({points.number(i, "axial_mm") * 1e-3,
-                                          points.number(i, "lateral_mm") * 1e-3,
-                                          points.number(i, "elevation_mm") * 1e-3,
-                                          points.number(i, "amplitude")});
-  }
-  const CsvTable echoes = table(echoes_file);
-  for (std::size_t i = 0; i < echoes.rows(); ++i) {
-    EchoPlace& place = place_of(echoes, i);
-    place.ranges_m.push_back(echoes.number(i, "range_mm") * 1e-3);
-    place.envelope.push_back(echoes.number(i, "envelope"));
-  }
-  return places;
-}
-
-}  // namespace
 
 std::vector<EchoPlace> echo_places() {
   return read_places("echo_points.csv", "echoes.csv");

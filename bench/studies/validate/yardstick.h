@@ -20,6 +20,7 @@ class CsvTable {
   explicit CsvTable(std::string_view text);
 
   std::size_t rows() const { return rows_.size(); }
+  bool has(std::string_view column) const;
   /// Throws std::invalid_argument for a column that is not in the heading.
   const std::string& text(std::size_t row, std::string_view column) const;
   /// Throws std::invalid_argument also for a field that is not a number.
@@ -39,7 +40,7 @@ inline constexpr hw::ProbePreset kPresets[] = {
 /// As in the tables: "standard", "c5_2v", "curvilinear_60".
 std::string_view table_name(hw::ProbePreset preset);
 
-/// A row of point_widths.csv or speckle.csv: the beam at one place.
+/// A row of point_widths.csv or speckle.csv: the beam at one point of the sector.
 struct BeamRow {
   double sector_fraction = 0;  ///< stick's angle over half the sector
   double range_m = 0;
@@ -49,7 +50,7 @@ struct BeamRow {
   double axial_m = 0;
   double level_db = 0;  ///< re the middle stick at the same range
 };
-/// What was measured at a row's place; NaN: the rung has no such figure.
+/// What was measured at a row's point; NaN: the rung has no such figure.
 struct BeamComparison {
   BeamRow expected;  ///< the table's
   BeamRow measured;
@@ -73,11 +74,11 @@ struct NeighbourRow {
 };
 std::vector<NeighbourRow> neighbour_rows();
 
-/// Echo of a point on the middle stick in tissue that attenuates so much one way, over that in
-/// tissue that does not: attenuation.csv.
+/// Echo of a point on the middle stick in tissue of this one-way attenuation, over that in tissue
+/// without any: attenuation.csv.
 std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz);
 
-/// Even tissue behind a half plane across the middle stick: shadow.csv.
+/// Uniform tissue behind a half plane across the middle stick: shadow.csv.
 struct ShadowRow {
   bool across_lines = false;  ///< the plane's edge lies across the image plane's lines
   double range_m = 0;
