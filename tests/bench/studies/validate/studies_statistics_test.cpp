@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "bench/studies/validate/scatterer_density.h"
+#include "bench/studies/validate/speckle_statistics.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/math/random.h"
 

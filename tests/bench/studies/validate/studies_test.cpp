@@ -6,12 +6,11 @@
 
 #include "bench/studies/validate/attenuation.h"
 #include "bench/studies/validate/losses.h"
+#include "bench/studies/validate/moving_tissue.h"
 #include "bench/studies/validate/point_targets.h"
 #include "bench/studies/validate/reflection.h"
 #include "bench/studies/validate/repeatability.h"
 #include "bench/studies/validate/rung_agreement.h"
-#include "bench/studies/validate/shear.h"
-#include "bench/studies/validate/speckle_motion.h"
 #include "bench/studies/validate/speckle_size.h"
 #include "bench/studies/validate/speckle_statistics.h"
 #include "phantoms/material.h"
