@@ -25,7 +25,7 @@
 #include "bench/pipeline/stream/stream.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
-#include "bench/studies/latency/card_times.h"
+#include "bench/studies/latency/service_times.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 

@@ -1,9 +1,10 @@
 // The least error of a surface's range that the echoes of a probe allow: what a detector reaches
-// that knows tissue, noise, beam and incidence, and looks only for the surface's place on a stick.
+// that knows tissue, noise, beam and incidence, and looks only for the surface's range on a stick.
 // docs/decisions/0030-detection-bound.md says what is assumed and what is left out.
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <vector>
 
 #include "base/units.h"
 #include "bench/evaluation/bound/edge_signal.h"
@@ -13,7 +14,7 @@
 
 namespace wobblebench::bench {
 
-/// Where a stick meets a plane surface, and how it is heard. Echo powers are in dB re a perfect
+/// Where a stick meets a plane surface, and how it is received. Echo powers are in dB re a perfect
 /// mirror, as received: with the losses on the way, without TGC. Defaults: soft tissue 70 mm from
 /// the default probe.
 struct DetectionConditions {
@@ -42,14 +43,18 @@ void validate(const DetectionConditions& conditions);
 /// where the surface lies between two samples. Throws as validate().
 double detection_bound_m(const DetectionConditions& conditions);
 
-/// The same of one stick, from its detected samples: one intensity for each `detected_spacing_m`,
-/// taken as independent. No phase and no display scale enters, so log compression loses nothing
-/// but what it clips.
-double envelope_bound_m(const DetectionConditions& conditions, double detected_spacing_m);
-
 /// Sigma, along the stick, of the rise from fluid to tissue: pulse and the beam's footprint on the
 /// slope.
 double rise_sigma_m(const DetectionConditions& conditions);
+
+/// Eigenvalues of the correlation of the speckle of the stick and its neighbours: those sticks of a
+/// line or frame whose axes lie within half the beam's -6 dB width. Where all meet the surface at
+/// the same range, their samples have the covariance C x S + N I (C: between sticks, S: along one),
+/// and their information is the sum over the eigenvalues l of C of that of one stick with echo l S.
+/// {1} where the sticks are farther apart. The correlation at a distance d is that of a Gaussian
+/// beam of flat wave fronts, exp(-(d / 2 sigma)^2); curved ones out of focus correlate less, so
+/// that neighbours closer than the beam is wide tell more than this.
+std::vector<double> neighbour_modes(const DetectionConditions& conditions);
 
 /// The samples of one stick as a random process, for a beam of Gaussian power. Powers are relative
 /// to a perfect mirror's.
@@ -69,19 +74,17 @@ struct StickSlope {
   double lateral = 0;
   double elevation = 0;
 };
-StickSlope stick_slope(const hw::PolarPoint& place,
+StickSlope stick_slope(const hw::PolarPoint& point,
                        const hw::ProbeGeometry& geometry,
                        const glm::dvec3& normal);
 
-/// Root mean square echo of a material of this mean echo (`Material::backscatter_db`).
-double speckle_power_db(double mean_echo_db);
-
-/// Of a surface with this unit normal at a place in the probe's field. Tissue and noise are the
-/// simulator's; the beam's level towards the end of the array counts against the tissue.
+/// Conditions of a surface with this unit normal at a point of the probe's field. Tissue and noise
+/// are the simulator's; the beam's level towards the end of the array counts against the tissue.
+/// `tissue_mean_db`: mean echo of the material (`Material::backscatter_db`).
 DetectionConditions conditions_at(const hw::AcquisitionPlan& plan,
                                   const sim::BeamProfile& profile,
                                   const sim::SimulationOptions& options,
-                                  const hw::PolarPoint& place,
+                                  const hw::PolarPoint& point,
                                   const glm::dvec3& normal,
                                   double tissue_mean_db);
 

@@ -1,18 +1,37 @@
-// The IQ samples of a stick across a surface between fluid and tissue, as a random process: complex
+// The IQ samples of a stick across a surface between fluid and tissue as a random process: complex
 // Gaussian of zero mean (fully developed speckle and noise), with a covariance that depends on
-// where the surface is.
+// where the surface is; and the Fisher information of such samples about the surface's range.
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <functional>
 #include <vector>
 
-#include "bench/evaluation/bound/gaussian_information.h"
-
 namespace wobblebench::bench {
 
+/// Row by row.
+struct SquareMatrix {
+  using Value = std::complex<double>;
+  int size = 0;
+  std::vector<Value> values;
+
+  explicit SquareMatrix(int n) : size(n), values(static_cast<std::size_t>(n) * n) {}
+  Value& at(int row, int column) { return values[static_cast<std::size_t>(row) * size + column]; }
+  Value at(int row, int column) const {
+    return values[static_cast<std::size_t>(row) * size + column];
+  }
+};
+
+/// Fisher information tr(R^-1 dR R^-1 dR) of circular zero-mean samples of covariance R, given its
+/// derivative by the parameter; both Hermitian. In the parameter's unit to the power -2; its
+/// inverse bounds the variance of any unbiased estimate (Cramer and Rao; S. M. Kay, Fundamentals of
+/// Statistical Signal Processing: Estimation Theory, chapters 3 and 15; docs/references.md [22]).
+/// Throws std::domain_error where R is not positive definite.
+double covariance_information(const SquareMatrix& covariance, const SquareMatrix& derivative);
+
 /// The share of the beam's power that lies in the tissue, at a distance along the stick behind the
-/// place where the axis meets the surface, and its derivative by that distance (1/m).
+/// point where the axis meets the surface, and its derivative by that distance (1/m).
 struct RiseValue {
   double share = 0;
   double slope_per_m = 0;
@@ -28,11 +47,11 @@ struct PairValue {
   std::complex<double> covariance = 0;
   std::complex<double> slope_per_m = 0;
 };
-/// For two ranges `distance_m` >= 0 apart, whose middle lies `behind_m` behind the surface: the
-/// nearer one's sample times the farther one's, conjugated.
+/// Takes two ranges `distance_m` >= 0 apart, whose middle lies `behind_m` behind the surface; the
+/// value is the nearer one's sample times the farther one's, conjugated.
 using EdgePair = std::function<PairValue(double behind_m, double distance_m)>;
 
-/// Of speckle in even tissue at two ranges so far apart; 1 at 0.
+/// Correlation of speckle in uniform tissue at two ranges `distance_m` apart; 1 at 0.
 using SpeckleCorrelation = std::function<double(double distance_m)>;
 
 /// The speckle correlation of a Gaussian pulse of this sigma of amplitude: exp(-(d / 2 sigma)^2).
@@ -41,8 +60,6 @@ SpeckleCorrelation gaussian_correlation(double pulse_sigma_m);
 /// Scatterers that end at the surface, then the pulse: correlation(distance) rise(middle), exact
 /// for a Gaussian pulse whose power is part of the rise.
 EdgePair pulse_after_edge(SpeckleCorrelation correlation, EdgeRise rise);
-/// Even speckle multiplied by the root of the mean power, as on the rung `field`.
-EdgePair edge_after_pulse(SpeckleCorrelation correlation, EdgeRise rise);
 
 /// Powers relative to any common one.
 struct EdgeSignal {
@@ -53,21 +70,15 @@ struct EdgeSignal {
   EdgePair pair;
 };
 
-/// Of the samples at first_m, first_m + spacing, ..., for a surface at `edge_m` on the stick.
+/// Covariance of the samples at first_m, first_m + spacing, ... for a surface at `edge_m` on the
+/// stick.
 struct EdgeCovariance {
   SquareMatrix value;
-  SquareMatrix derivative;  ///< by the surface's place
+  SquareMatrix derivative;  ///< by the surface's range
 };
 EdgeCovariance edge_covariance(const EdgeSignal& signal,
                                double edge_m,
                                double first_m,
                                int samples);
-
-/// The mean power of those samples, and its derivative by the surface's place.
-struct EdgePower {
-  std::vector<double> value;
-  std::vector<double> derivative;
-};
-EdgePower edge_power(const EdgeSignal& signal, double edge_m, double first_m, int samples);
 
 }  // namespace wobblebench::bench

@@ -1,14 +1,44 @@
 // The bound of each pixel of a picture: what a perfect detector's depth image would err by.
 #pragma once
 
+#include <array>
 #include <functional>
+#include <map>
+#include <vector>
 
 #include "base/image.h"
+#include "bench/evaluation/bound/detection_bound.h"
 #include "bench/evaluation/truth/truth.h"
 #include "render/camera.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
+
+/// Bounds of many similar conditions, which are brought onto a grid: 5 % of the rise's width, 1 dB
+/// of the tissue's echo, a tenth of the number of sticks within the beam.
+class BoundTable {
+ public:
+  /// `like`: pulse, sampling, noise and clutter, which all sticks share.
+  explicit BoundTable(const DetectionConditions& like) : like_(like) {}
+
+  using Entry = std::size_t;
+  /// Not to be called after compute().
+  Entry add(const DetectionConditions& conditions);
+  /// On all threads; throws std::invalid_argument as detection_bound_m().
+  void compute();
+  double bound_m(Entry entry) const { return bounds_[entry]; }
+  std::size_t size() const { return entries_.size(); }
+
+ private:
+  /// Steps of rise, echo, line and frame density.
+  using Key = std::array<int, 4>;
+  DetectionConditions conditions_of(const Key& key) const;
+
+  DetectionConditions like_;
+  std::map<Key, Entry> entries_;
+  std::vector<Key> keys_;
+  std::vector<double> bounds_;
+};
 
 struct PictureBound {
   /// Root mean square of the bounds of the counted pixels (m, along the picture's rays), of a
@@ -22,13 +52,14 @@ struct PictureBound {
   Image<float> map_m;  ///< bound; kNoSurface where there is none
 };
 
-/// Which pixels count: those away from silhouettes, say.
+/// Selects pixels, such as those away from silhouettes.
 using CountedPixel = std::function<bool(int column, int row)>;
 
-/// From the truth's normals, the beam at each point and the scan's spacing. `tissue_mean_db`: mean
-/// echo of the material behind the surface (`Material::backscatter_db`) less the losses on the way.
-/// The echo of the interface itself is left out. Bounds are looked up in steps of 5 % of the rise's
-/// width and 1 dB of the echo. Throws std::invalid_argument as detection_bound_m().
+/// Computes the bounds from the truth's normals, the beam at each point and the scan's spacing.
+/// `tissue_mean_db`: mean echo of the material behind the surface (`Material::backscatter_db`) less
+/// the losses on the way. The echo of the interface itself is left out. Bounds are looked up in
+/// steps of 5 % of the rise's width and 1 dB of the echo. Throws std::invalid_argument as
+/// detection_bound_m().
 ///
 /// @code
 /// const bench::PictureBound bound = bench::picture_bound(

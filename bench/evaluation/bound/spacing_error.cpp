@@ -85,7 +85,7 @@ class SticksAbout {
     return hit ? std::optional(hit->distance_m) : std::nullopt;
   }
 
-  /// Whether the surface runs on from the true point to all four sticks.
+  /// Whether the surface continues from the true point to all four sticks.
   bool joined(const hw::PolarPoint& truth, const Between& line, const Between& frame) const {
     for (int corner = 0; corner < 4; ++corner) {
       const double theta_rad = plan_.theta_rad(line.first + corner % 2);
@@ -98,8 +98,8 @@ class SticksAbout {
   bool runs_on(const hw::PolarPoint& truth, double theta_rad, double phi_rad) const {
     double last_m = truth.range_m;
     glm::dvec3 last = geometry_.stick(truth.theta_rad, truth.phi_rad).at(last_m);
-    for (int way = 1; way <= kWaySticks; ++way) {
-      const double share = double(way) / kWaySticks;
+    for (int traced = 1; traced <= kTracedSticks; ++traced) {
+      const double share = double(traced) / kTracedSticks;
       const hw::Ray stick = geometry_.stick(std::lerp(truth.theta_rad, theta_rad, share),
                                             std::lerp(truth.phi_rad, phi_rad, share));
       const auto hit = surfaces_.first(stick);

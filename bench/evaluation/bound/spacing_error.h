@@ -31,8 +31,8 @@ struct SpacingError {
   int unsupported = 0;  ///< counted pixels left out: the sum of the three below
   int hidden = 0;       ///< the stick through the pixel's point meets a surface before it
   int outside = 0;      ///< not between four sticks that meet a surface each
-  /// On the way from the pixel's stick to one of the four the range jumps: seen from the probe,
-  /// a silhouette passes between them, and no reconstruction joins both sides.
+  /// Between the pixel's stick and one of the four the range jumps: seen from the probe, a
+  /// silhouette passes between them, and no reconstruction joins both sides.
   int parted = 0;
   double with_parted_rms_m = 0;  ///< those counted, too
   Image<float> map_m;            ///< signed, positive too deep; kNoSurface where there is none
@@ -40,10 +40,10 @@ struct SpacingError {
 
 /// A stick's point is a pixel's if it lies this near; the truth's depths are exact to 0.02 mm.
 inline constexpr double kSamePoint_m = 0.3e-3;
-/// Sticks that are traced on the way from a pixel to each of its four. The range jumps where it
+/// Sticks that are traced between a pixel and each of its four. The range jumps where it
 /// changes by more from one to the next than along a surface at kGrazing_rad: by more than some 3
 /// mm where sticks are 2 mm apart. A smaller step counts as a slope.
-inline constexpr int kWaySticks = 8;
+inline constexpr int kTracedSticks = 8;
 
 /// The error of ranges interpolated in angle between the four sticks about each pixel's true point,
 /// to first order in it. The yardstick of a picture is sqrt(between_sticks_m^2 + rms_m^2), of

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 #include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::bench {

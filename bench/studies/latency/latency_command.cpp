@@ -1,14 +1,12 @@
 // Acquisition against rendering: what limits a stream on this machine, and elsewhere.
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
@@ -35,37 +33,41 @@ Scene scene_of(const Arguments& arguments) {
   }
   if (scene.render.pipeline.mid_volume) {
     throw UserError(
-        "render.pipeline.mid_volume = true: must be false; pictures of whole volumes "
-        "are modelled");
+        "render.pipeline.mid_volume = true: must be false; pictures of whole volumes are modelled");
   }
   return scene;
 }
 
-int latency(const Arguments& arguments) {
+CommandResult study_and_write(const Scene& scene,
+                              const Arguments& arguments,
+                              render::GlContext& context,
+                              OutputFolder& out,
+                              Progress& progress) {
   const bool is_every = arguments.policy == to_string(StreamPolicy::every);
   const auto policy = is_every ? StreamPolicy::every : StreamPolicy::newest;
-  const Scene scene = scene_of(arguments);
-  check_memory_of_run(scene, available_memory_bytes());
-  const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  Progress progress({{"streams", 100}});
   const LatencyStudy study = progress.step("streams", [&](const PartDone& done) {
-    return study_latency(scene, arguments.volumes, policy, *context, cache, done);
+    return study_latency(scene, arguments.volumes, policy, context, cache, done);
   });
-  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
+  const Provenance provenance = provenance_of_simulation(context, scene.simulation.seed);
   Json report = report_head("latency", provenance, scene);
   report["acquisition"] = acquisition_json(scene.plan());
   report["latency"] = latency_study_json(study);
   report["wall_ms"] = wall_json(progress.times());
-  const std::string text = report_text(report);
   const std::string markdown = latency_markdown(study, provenance, scene);
   write_png(out.stage(kCrossoverFigure), crossover_figure(study, scene).picture);
   out.write_text("latency.md", markdown);
-  out.write_text("report.json", text);
-  out.commit();
-  std::cout << (arguments.output.json ? text : markdown);
-  return 0;
+  return {.report = report_text(report), .summary = markdown};
+}
+
+int latency(const Arguments& arguments) {
+  const Scene scene = scene_of(arguments);
+  check_memory_of_run(scene, available_memory_bytes());
+  const auto context = render::make_context(arguments.gl);
+  return run_in_folder(
+      arguments.output, {{"streams", 100}}, [&](OutputFolder& out, Progress& progress) {
+        return study_and_write(scene, arguments, *context, out, progress);
+      });
 }
 
 }  // namespace

@@ -79,8 +79,7 @@ std::string latency_spans_text(const LatencySpans& spans) {
 
 std::string latency_spans_markdown(const LatencySpans& spans) {
   return "| echo | from | to | clock | P50, ms | P99, ms | max, ms | n |\n| --- | --- | --- | --- "
-         "| "
-         "---: | ---: | ---: | ---: |\n" +
+         "| ---: | ---: | ---: | ---: |\n" +
          rows("oldest", spans.oldest) + rows("newest", spans.newest);
 }
 

@@ -4,22 +4,62 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 
-#include "bench/studies/latency/card_times.h"
-#include "bench/studies/latency/line_rate.h"
-#include "bench/studies/latency/virtual_stream.h"
-#include "bench/studies/latency/wall_stream.h"
+#include "base/duration.h"
+#include "bench/cache/kept_maps.h"
+#include "bench/pipeline/acquire.h"
+#include "bench/pipeline/stream/gl_stream_renderer.h"
+#include "bench/pipeline/stream/stream.h"
+#include "render/renderer.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr int kDraws = 200;  ///< of virtual streams, for one prediction
-/// Each setting is streamed so many times, all in turn: a machine whose speed drifts within minutes
+/// Streams of each setting, all settings in turn: a machine whose speed drifts within minutes
 /// is as fast for those that the model is made on as for those that it is held against.
 constexpr int kRounds = 3;
 constexpr double kStalls_ms[] = {10, 100, 500};
 constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+
+/// The first volumes warm caches up; they are left out of records and spans.
+constexpr std::uint32_t kWarmUpVolumes = 2;
+
+struct WallSetting {
+  Scene scene;  ///< volumes and all
+  QueueOptions queue;
+  std::string faults;  ///< as --board takes them; empty: none
+};
+
+std::string board_text(const WallSetting& setting) {
+  const std::string board = "sim,pace=realtime";
+  return setting.faults.empty() ? board : board + ",faults=" + setting.faults;
+}
+
+/// Streams all volumes through the board, the queue and the renderer; pictures go nowhere. Throws
+/// what they throw, and std::runtime_error where the stream breaks off.
+StreamResult run_wall_stream(const WallSetting& setting,
+                             render::GlContext& context,
+                             PhantomCache& cache) {
+  Scene scene = setting.scene;
+  BoardConnection connection(parse_board(board_text(setting)));
+  const auto phantom = cache.phantom(scene.phantom);
+  complete_from_phantom(scene, phantom);
+  const auto subject = scene.place(phantom);
+  render::Renderer renderer(context, scene.plan(), scene.render);
+  renderer.compile();
+  const StreamSource source = connection.connect(scene, subject, kept_maps(cache.tissue_maps()));
+  GlStreamRenderer passes(renderer);
+  StreamResult result = run_stream(
+      source, passes, {.queue = setting.queue}, [](const ShownPicture&) {}, [] { return false; });
+  if (!result.failure.empty()) throw std::runtime_error(result.failure);
+  std::erase_if(result.records,
+                [](const PictureTimes& times) { return times.volume < kWarmUpVolumes; });
+  std::erase_if(result.spans, [](const StreamSpan& span) { return span.volume < kWarmUpVolumes; });
+  return result;
+}
 
 struct Variant {
   std::string name;
@@ -187,7 +227,7 @@ void Study::predict(const VirtualSetting& setting, LatencyCheck& check) const {
   check.predicted_volumes_per_s = quantile(rate, 0.5);
 }
 
-/// For each variant its rounds.
+/// The rounds of each variant.
 std::vector<Study::Rounds> Study::stream(const std::vector<Variant>& all) {
   std::vector<Rounds> walls(all.size());
   for (int round = 0; round < kRounds; ++round) {

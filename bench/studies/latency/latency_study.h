@@ -10,7 +10,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/pipeline/stream/stream_summary.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/latency/service_times.h"
+#include "bench/studies/latency/virtual_stream.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {
@@ -27,7 +27,8 @@ struct LatencyCheck {
   bool calibrated_on = false;  ///< the service times were measured at this setting
   double sound_ms = 0;         ///< one volume
   Percentiles wall;
-  /// Of virtual streams as long as those on the wall: P99 of so few pictures is a matter of chance.
+  /// From virtual streams as long as those on the wall: P99 of so few pictures is a matter of
+  /// chance.
   Drawn predicted_p50_ms, predicted_p99_ms;
   double wall_volumes_per_s = 0, predicted_volumes_per_s = 0;
   double wall_renderer_ms = 0, predicted_renderer_ms = 0;  ///< one volume, mean
@@ -46,12 +47,6 @@ struct CrossoverCurve {
   int lines = 0;
   std::vector<double> depth_mm;
   std::vector<double> frames;  ///< NaN: sound never does
-};
-
-/// Sticks a second at which loss begins, over draws of service times.
-struct LineRate {
-  std::string loss;  ///< of what, with which policy
-  Spread per_s;
 };
 
 struct LatencyStudy {
@@ -78,7 +73,7 @@ LatencyStudy study_latency(const Scene& scene,
                            PhantomCache& cache,
                            const PartDone& done = {});
 
-/// Of service times that are known, without a stream.
+/// Curves of service times that are known, without a stream.
 std::vector<CrossoverCurve> crossover_curves(const std::string& name,
                                              const ServiceTimes& one,
                                              int frames_of_one,

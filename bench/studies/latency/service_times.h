@@ -1,22 +1,41 @@
-// How long the stages of a stream take, as a model of its latency takes them.
+// How long the stages of a stream take: the modelled card, by its schedule, and the host, as
+// observed.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "bench/pipeline/stream/latency_spans.h"
 #include "bench/pipeline/stream/stream.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
 
+/// Times of one stick on the device's clock, seconds after the volume's first stick was fired.
+struct CardTimes {
+  double dma_complete_s = 0;  ///< the last byte of its packet has come over the PCIe link
+  double interrupt_s = 0;     ///< that announces this byte
+};
+
+/// Times of all sticks of a volume, in the order of acquisition, as sim::SimLink sends them through
+/// a card (sim/card/card_model.h) whose buffers are read at each interrupt.
+std::vector<CardTimes> card_times(const hw::AcquisitionPlan& plan, const sim::CardOptions& card);
+
+/// Time at which the card's interrupt announces the last stick of each frame, in the order of
+/// acquisition: seconds after the volume's first stick was fired (sim/card/card_model.h).
+std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
+                                          const sim::CardOptions& card);
+
+CardDelays card_delays(const hw::AcquisitionPlan& plan, const sim::CardOptions& card);
+
 /// Observed times in the order in which they were observed, seconds; a model draws from them.
 struct TimePool {
   std::vector<double> values;
 
   double mean() const;
-  /// So many behind the place that is this share of all, 0 to 1, and from the beginning on behind
-  /// the last; 0 if there is none.
+  /// The value `behind` entries after the one at this share of the pool, 0 to 1; the first follows
+  /// the last. 0 if there is none.
   double at(double share, std::uint64_t behind) const;
   TimePool scaled(double factor) const;
 };
@@ -28,7 +47,7 @@ struct ServiceTimes {
   TimePool picture;     ///< passes 2 to 4
   TimePool written;     ///< by the sink
 
-  /// Of one volume with so many frames, on average: what limits the rate of volumes.
+  /// Mean time of one volume with this number of frames: what limits the rate of volumes.
   double renderer_s(int frames) const;
 };
 

@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "bench/pipeline/stream/stream_queues.h"
+#include "base/statistics.h"
+#include "bench/pipeline/stream/volume_queue.h"
 #include "bench/studies/latency/service_times.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
@@ -49,14 +52,20 @@ struct VirtualResult {
   std::uint64_t sticks_lost = 0;          ///< the board's ring was full
 };
 
-/// For each frame of a volume, in the order of acquisition: when the card's interrupt announces its
-/// last stick, seconds after the volume's first stick was fired (sim/card/card_model.h).
-std::vector<double> frame_announcements_s(const hw::AcquisitionPlan& plan,
-                                          const sim::CardOptions& card);
-
 /// Reader, queue, renderer and sink as bench/pipeline/stream has them, with service times drawn
 /// from the pools. Whole volumes only; no volume ends early. With StreamPolicy::every a card that
 /// does not wait loses sticks once the ring is full of those that the reader cannot take.
 VirtualResult run_virtual_stream(const VirtualSetting& setting);
+
+/// Sticks a second at which loss begins, over draws of service times.
+struct LineRate {
+  std::string loss;  ///< of what, with which policy
+  Spread per_s;
+};
+
+/// Line rates at the first loss: with `every` the first stick that finds the board's ring full,
+/// with `newest` the first volume that is superseded; lines and frames are the setting's, the depth
+/// makes the rate.
+std::vector<LineRate> first_losses(const VirtualSetting& setting);
 
 }  // namespace wobblebench::bench

@@ -1,20 +1,100 @@
 #include "bench/studies/rungs/rung_comparison.h"
 
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
 
-#include "bench/studies/validate/bodies.h"
+#include "base/duration.h"
+#include "base/file_descriptor.h"
+#include "base/user_error.h"
+#include "bench/scene/late_refusal.h"
 #include "bench/studies/validate/scan.h"
+#include "sim/fidelity.h"
+#include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Estimates of docs/architecture.md.
-constexpr double kFieldFloor_ms = 10, kFieldSamples = 1.21e6;
-constexpr double kScattererFloor_ms = 200, kScatterers = 47e6;
+constexpr int kFailed = 1;
+constexpr int kRefused = 2;  ///< what the user gave
+
+/// What was measured says why it failed through a pipe, and the caller says it to the user.
+struct Pipe {
+  FileDescriptor read;
+  FileDescriptor write;
+};
+
+Pipe open_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
+  }
+  return {FileDescriptor(ends[0]), FileDescriptor(ends[1])};
+}
+
+[[noreturn]] void run_and_exit(const std::function<void()>& body, int message_to) {
+  // A signal ends the fork without clean-up, which is the parent's task.
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGHUP, SIG_DFL);
+  const auto fail = [&](const std::exception& error, int code) {
+    // The exit code says that it failed, even where the reason is lost.
+    static_cast<void>(!::write(message_to, error.what(), std::strlen(error.what())));
+    ::_exit(code);
+  };
+  try {
+    with_late_refusals(body);
+  } catch (const UserError& error) {
+    fail(error, kRefused);
+  } catch (const std::exception& error) {
+    fail(error, kFailed);
+  }
+  ::_exit(0);
+}
+
+std::string read_all(int descriptor) {
+  std::string text;
+  std::array<char, 4096> piece;
+  for (;;) {
+    const ssize_t count = ::read(descriptor, piece.data(), piece.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(piece.data(), static_cast<std::size_t>(count));
+  }
+}
 
 }  // namespace
+
+double peak_memory_bytes(const std::function<void()>& body) {
+  Pipe message = open_pipe();
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
+  if (child == 0) run_and_exit(body, message.write.get());
+  message.write.close();
+  const std::string reason = read_all(message.read.get());
+  int status = 0;
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0) {
+    if (errno != EINTR) throw std::runtime_error(std::string("wait4: ") + std::strerror(errno));
+  }
+  if (WIFSIGNALED(status)) {
+    throw std::runtime_error("memory: the process that was measured was ended by signal " +
+                             std::to_string(WTERMSIG(status)));
+  }
+  if (WEXITSTATUS(status) == kRefused) throw UserError(reason);
+  if (WEXITSTATUS(status) != 0) throw std::runtime_error("memory: " + reason);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);  // Linux counts kilobytes
+}
 
 const std::vector<sim::Rung>& volume_rungs() {
   static const std::vector<sim::Rung> rungs = {
@@ -34,15 +114,6 @@ RungScene small_sheet(const sim::SimulationOptions& options) {
                              {0, 0, plan.probe().radius_m + kRange_m}),
           plan,
           options};
-}
-
-double floor_ms(sim::Rung rung, const RungsResults& results) {
-  if (rung == sim::Rung::field) return kFieldFloor_ms * results.samples / kFieldSamples;
-  for (const StageTimes& stages : results.stages) {
-    if (stages.rung != rung || stages.scatterers == 0) continue;
-    return kScattererFloor_ms * static_cast<double>(stages.scatterers) / kScatterers;
-  }
-  return 0;
 }
 
 Image<float> frame_picture(const hw::AcquisitionPlan& plan,
@@ -75,6 +146,133 @@ Image<float> frame_picture(const hw::AcquisitionPlan& plan,
     }
   }
   return picture;
+}
+
+namespace {
+
+constexpr int kSeeds = 3;
+constexpr int kPanelWidth = 600;
+
+RungScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
+  complete_from_phantom(scene, phantom);
+  return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
+}
+
+/// In processes of their own, before this one works on other threads.
+std::vector<MemoryPeak> measure_memory(const Scene& scene, const PartDone& done) {
+  std::vector<MemoryPeak> peaks;
+  PartCount parts(1 + 2 * volume_rungs().size(), done);
+  const auto add = [&](const std::string& what, const auto& body) {
+    peaks.push_back({what, peak_memory_bytes(body)});
+    parts.finish_one();
+  };
+  add("phantom alone", [&] { phantoms::make_phantom(scene.phantom); });
+  for (const sim::Rung rung : volume_rungs()) {
+    for (const bool moving : {false, true}) {
+      add(sim::to_string(rung) + (moving ? ", moving" : ", still"), [&] {
+        auto subject = scene_of(scene, phantoms::make_phantom(scene.phantom));
+        subject.options.fidelity = rung;
+        subject.subject.motion = moving ? slow_path() : phantoms::Motion();
+        const sim::ProbeSimulator simulator(subject.subject, subject.plan, subject.options);
+        simulator.volume(0);
+      });
+    }
+  }
+  return peaks;
+}
+
+std::vector<RungFrame> middle_frames(const RungScene& scene) {
+  std::vector<RungFrame> panels;
+  for (const sim::Rung rung : volume_rungs()) {
+    auto options = scene.options;
+    options.fidelity = rung;
+    const auto volume = sim::ProbeSimulator(scene.subject, scene.plan, options).volume(0);
+    panels.push_back(
+        {sim::to_string(rung),
+         frame_picture(
+             scene.plan, volume, scene.plan.acquisition().frames_per_volume / 2, kPanelWidth)});
+  }
+  return panels;
+}
+
+/// The scene with another phantom in place of its own.
+RungScene body_in(Scene scene, const std::string& name) {
+  scene.phantom = {.name = name};
+  if (name == "plane") scene.phantom.tilt_y_rad = 10 * kDegree;
+  scene.given.clear();
+  return scene_of(scene, phantoms::make_phantom(scene.phantom));
+}
+
+/// The scene's own phantom, and two whose truth has a closed form.
+std::vector<RungError> measure_errors(const Scene& scene,
+                                      const RungScene& subject,
+                                      const std::vector<std::uint64_t>& seeds,
+                                      const PartDone& done) {
+  PartCount parts(4, done);
+  std::vector<RungError> errors =
+      measure_rung_errors(scene.phantom.name, subject, volume_rungs(), seeds);
+  parts.finish_one();
+  for (const std::string name : {"sphere", "plane"}) {
+    if (name != scene.phantom.name) {
+      const auto more = measure_rung_errors(name, body_in(scene, name), volume_rungs(), seeds);
+      errors.insert(errors.end(), more.begin(), more.end());
+    }
+    parts.finish_one();
+  }
+  const auto small = measure_rung_errors(
+      "sheet", small_sheet(scene.simulation), {sim::Rung::scatterers, sim::Rung::reference}, seeds);
+  errors.insert(errors.end(), small.begin(), small.end());
+  return errors;
+}
+
+}  // namespace
+
+std::vector<PlannedStep> rungs_steps(int repeats) {
+  return {{"memory", 50},
+          {"phantom", 4},
+          {"times", 6.0 + 6.0 * repeats},
+          {"stages", 4},
+          {"growth", 60},
+          {"errors", 15},
+          {"reference", 20},
+          {"frames", 6}};
+}
+
+RungsResults measure_rungs(const Scene& scene, int repeats, Progress& progress) {
+  RungsResults results;
+  results.phantom = scene.phantom.name;
+  results.repeats = repeats;
+  results.seeds = seeds_from(scene.simulation.seed, kSeeds);
+  results.memory =
+      progress.step("memory", [&](const PartDone& done) { return measure_memory(scene, done); });
+  const auto subject = progress.step(
+      "phantom", [&] { return scene_of(scene, phantoms::make_phantom(scene.phantom)); });
+  results.sound_ms = to_milliseconds(subject.plan.volume_duration());
+  results.samples = static_cast<double>(subject.plan.sticks_per_volume()) *
+                    subject.plan.acquisition().samples_per_stick;
+  results.times = progress.step("times", [&](const PartDone& done) {
+    return measure_times(subject, volume_rungs(), repeats, done);
+  });
+  progress.step("stages", [&](const PartDone& done) {
+    PartCount parts(volume_rungs().size(), done);
+    for (const sim::Rung rung : volume_rungs()) {
+      results.stages.push_back(measure_stages(subject, rung));
+      parts.finish_one();
+    }
+  });
+  results.growth = progress.step("growth", [&](const PartDone& done) {
+    return measure_growth(volume_rungs(), scene.simulation, {}, done);
+  });
+  results.errors = progress.step("errors", [&](const PartDone& done) {
+    return measure_errors(scene, subject, results.seeds, done);
+  });
+  progress.step("reference", [&] {
+    const auto small = small_sheet(scene.simulation);
+    results.small_scatterers = measure_volume(small, sim::Rung::scatterers, kSmallRepeats);
+    results.small_reference = measure_volume(small, sim::Rung::reference, kSmallRepeats);
+  });
+  results.frames = progress.step("frames", [&] { return middle_frames(subject); });
+  return results;
 }
 
 }  // namespace wobblebench::bench

@@ -1,4 +1,4 @@
-#include "bench/studies/rungs/rung_error.h"
+#include "bench/studies/rungs/rung_comparison.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "base/units.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
@@ -16,14 +17,14 @@ struct AttenuationInputs {
   std::vector<std::uint64_t> seeds = seeds_from(1, 2);
   int sticks = 24;
   int frames = 16;
-  /// Of the homogeneous tissue: no aperture reaches the array's end, where echoes fall with range.
+  /// Scan of homogeneous tissue: no aperture reaches the array's end, where echoes fall with range.
   double sector_rad = 30 * kDegree;
   double fan_rad = 61 * kDegree;
 };
 
-/// Level of a Gaussian spectrum's echo after a two-way loss of so many dB at its centre, which
-/// grows in proportion to frequency: -n + n^2 s^2 / 2 nepers, s the relative standard deviation of
-/// the amplitude over frequency.
+/// Level of a Gaussian spectrum's echo after a two-way loss of `loss_db` at its centre, which grows
+/// in proportion to frequency: -n + n^2 s^2 / 2 nepers, s the relative standard deviation of the
+/// amplitude over frequency.
 double band_level_db(double loss_db, const hw::AcquisitionPlan& plan);
 
 /// Mean echo of homogeneous tissue over depth.
@@ -46,10 +47,12 @@ struct ShadowResult {
   double expected_behind_db = 0;
   long n = 0;
 };
-/// Closed form: two-way transmission (1 - R^2) of both faces, and band_level_db() of the way with
-/// the plate less that of the way without it.
+/// Closed form: two-way transmission (1 - R^2) of both faces, and band_level_db() of the path with
+/// the plate less that of the path without it.
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
 /// The same for a sphere of fluid, with each stick's chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);
+
+StudyReport attenuation_report();
 
 }  // namespace wobblebench::bench

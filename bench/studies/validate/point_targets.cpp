@@ -3,17 +3,57 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "bench/studies/validate/point_echoes.h"
-#include "bench/studies/validate/preset_plan.h"
+#include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/study_report.h"
+#include "sim/beam/point_spread.h"
 #include "sim/beam/profile/beam_profile.h"
+#include "sim/echo/reference_scene.h"
 #include "sim/receive/band_loss.h"
+#include "sim/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
+
+PointEchoes::PointEchoes(sim::Rung rung,
+                         const hw::AcquisitionPlan& plan,
+                         bool side_lobes,
+                         PathLoss loss)
+    : plan_(plan), loss_(std::move(loss)) {
+  if (sim::iq_oversampling(plan) != 1) throw std::invalid_argument("PointEchoes: coarse samples");
+  auto options = lossless_envelope(rung, 1);
+  options.side_lobes = side_lobes;
+  const auto subject = scanned(open_tissue("amniotic_fluid"), options.threads);
+  if (rung == sim::Rung::reference) {
+    const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
+    add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
+  } else {
+    const auto settings =
+        sim::ScattererSettings::of(options, {plan.sample_spacing_m(), loss_.frequency_ratio});
+    const auto field =
+        std::make_shared<const sim::ScattererField>(subject, plan, options, settings);
+    add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };
+  }
+}
+
+std::vector<double> PointEchoes::envelope(double theta_rad,
+                                          double phi_rad,
+                                          std::span<const sim::PointEcho> points) const {
+  const auto samples = static_cast<std::size_t>(plan_.acquisition().samples_per_stick);
+  const std::vector<float> left =
+      loss_.remaining.empty() ? std::vector<float>(samples, 1.0f) : loss_.remaining;
+  std::vector<std::complex<float>> iq(samples);
+  const sim::TimedRay line{plan_.geometry().stick(theta_rad, phi_rad), 0};
+  add_({line, plan_.sample_spacing_m(), left, {}, loss_.frequency_ratio}, points, iq);
+  std::vector<double> envelope;
+  for (const auto& value : iq) envelope.push_back(static_cast<double>(std::abs(value)));
+  return envelope;
+}
 
 namespace {
 
@@ -59,6 +99,16 @@ class PointScan {
       : plan_(plan_of(preset)),
         echoes_(rung.rung, plan_, rung.side_lobes, loss_of(db_per_cm_mhz)) {}
 
+  std::vector<BeamComparison> compare(std::span<const BeamRow> places) const {
+    std::vector<BeamComparison> results(places.size());
+    parallel_rows(static_cast<int>(places.size()), [&](int i) {
+      const auto at = static_cast<std::size_t>(i);
+      results[at] = {places[at], measure(places[at])};
+    });
+    return results;
+  }
+
+ private:
   BeamRow measure(const BeamRow& place) const {
     const hw::ProbeGeometry geometry = plan_.geometry();
     const sim::PointEcho point{geometry.to_cartesian({place.range_m, place.theta_rad, 0}), 1};
@@ -80,15 +130,14 @@ class PointScan {
     return found;
   }
 
- private:
   std::vector<double> sample_ranges_m() const {
     std::vector<double> ranges_m;
     for (int k = 0; k < kSamples; ++k) ranges_m.push_back(plan_.sample_range_m(k));
     return ranges_m;
   }
 
-  WayLoss loss_of(double db_per_cm_mhz) const {
-    WayLoss loss;
+  PathLoss loss_of(double db_per_cm_mhz) const {
+    PathLoss loss;
     if (db_per_cm_mhz == 0) return loss;
     const sim::BandLoss band(plan_.probe());
     for (const double range_m : sample_ranges_m()) {
@@ -130,24 +179,84 @@ std::vector<BeamComparison> measure_points(hw::ProbePreset preset,
                                            const PointRung& rung,
                                            std::span<const BeamRow> places) {
   if (rung.rung == sim::Rung::field) return field_widths(preset, places);
-  const PointScan scan(preset, rung);
-  std::vector<BeamComparison> results(places.size());
-  parallel_rows(static_cast<int>(places.size()), [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    results[at] = {places[at], scan.measure(places[at])};
-  });
-  return results;
+  return PointScan(preset, rung).compare(places);
 }
 
 std::vector<BeamComparison> measure_attenuated_points(double db_per_cm_mhz,
                                                       std::span<const BeamRow> places) {
-  const PointScan scan(hw::ProbePreset::standard, {sim::Rung::scatterers, false}, db_per_cm_mhz);
-  std::vector<BeamComparison> results(places.size());
-  parallel_rows(static_cast<int>(places.size()), [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    results[at] = {places[at], scan.measure(places[at])};
-  });
-  return results;
+  return PointScan(hw::ProbePreset::standard, {sim::Rung::scatterers, false}, db_per_cm_mhz)
+      .compare(places);
+}
+
+namespace {
+
+constexpr double kFrom_m = 30e-3, kTo_m = 160e-3;
+constexpr double kAxisBar = 5, kEdgeBar = 10;  // percent
+constexpr double kLevelBar_db = 0.5;
+
+struct Variant {
+  const char* name;
+  PointRung rung;
+  Mark mark;
+};
+constexpr Variant kVariants[] = {
+    {"scatterers", {sim::Rung::scatterers, false}, Mark::disc},
+    {"scatterers_side_lobes", {sim::Rung::scatterers, true}, Mark::triangle},
+    {"reference", {sim::Rung::reference, false}, Mark::ring},
+    {"field", {sim::Rung::field, false}, Mark::square}};
+
+void add_checks(const std::string& name,
+                const Variant& variant,
+                std::span<const BeamComparison> found,
+                StudyReport& report) {
+  for (const StickPlaces places : {StickPlaces::axis, StickPlaces::edge}) {
+    const bool axis = places == StickPlaces::axis;
+    const auto here = at_places(found, places, kFrom_m, kTo_m);
+    const std::string where = axis ? ".axis" : ".edge";
+    const bool field = variant.rung.rung == sim::Rung::field;
+    for (const BeamWidth& width : {kLateral, kElevation, kAxial}) {
+      if (field && width.value == kAxial.value) continue;
+      report.checks.push_back(
+          worst_width(name + "." + width.name + where, here, width, axis ? kAxisBar : kEdgeBar));
+    }
+    if (field) continue;
+    report.checks.push_back(worst_level(name + ".level" + where, here, kLevelBar_db));
+  }
+}
+
+constexpr char kText[] =
+    "One point on the axis of a stick, received by sticks that turn past it in the image plane and "
+    "by frames that turn past it about the motor's axis, at every depth, angle and preset of "
+    "`tests/yardstick/point_widths.csv`. Widths are those at half amplitude (-6 dB), between the "
+    "first crossings on either side of the maximum. `scatterers` (main lobe, and with side lobes) "
+    "and `reference` receive the point by their own sums of echoes; `field` has no points: shown "
+    "are the widths by which it blurs the edges of tissue, across lines against `stick_beam.csv`: "
+    "the beam of one stick blurs them, and towards the array's end, where each stick has another "
+    "aperture, it is narrower than the profile of sticks that turn past a point. A level is that "
+    "of the stick through the point over the middle stick's at the same range, since both rungs "
+    "are normalised to the middle stick at every range; how the level falls with range there is "
+    "left out of both. A few sticks beyond the sector's edge are scanned where a profile needs "
+    "them; the array ends where it does. Checks name the worst of the depths from 30 mm on: "
+    "`axis`, the middle stick; `edge`, all others up to the last one.";
+
+}  // namespace
+
+StudyReport point_target_report() {
+  StudyReport report;
+  for (const hw::ProbePreset preset : kPresets) {
+    const std::string preset_name(table_name(preset));
+    const auto places = point_width_rows(preset);
+    std::vector<ChartedRung> rungs;
+    for (const Variant& variant : kVariants) {
+      const auto found = measure_points(preset, variant.rung, places);
+      add_checks("points." + std::string(variant.name) + "." + preset_name, variant, found, report);
+      add_points(std::string(variant.name) + " " + preset_name, found, report);
+      rungs.push_back({variant.name, variant.mark, found});
+    }
+    report.figures.push_back(widths_figure("points", "one point's echo", preset, rungs));
+  }
+  report.text = kText;
+  return report;
 }
 
 }  // namespace wobblebench::bench

@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/material.h"
 #include "sim/options.h"
@@ -43,5 +44,7 @@ std::vector<AnglePoint> measure_fresnel(const ReflectionInputs& inputs);
 /// A rough plane scanned by a whole volume: echo energy per stick, in bins of the angle, as the
 /// mean amplitude of an echo as long as the pulse; against |R| cos i.
 std::vector<AnglePoint> measure_diffuse(sim::Rung rung, const ReflectionInputs& inputs);
+
+StudyReport reflection_report();
 
 }  // namespace wobblebench::bench

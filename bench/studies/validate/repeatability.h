@@ -5,12 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {
 
 struct RepeatabilityInputs {
+  std::vector<sim::Rung> rungs = {
+      sim::Rung::geometry, sim::Rung::field, sim::Rung::scatterers, sim::Rung::reference};
   std::string phantom = "fetal_face";
   double voxel_m = 1e-3;
   hw::AcquisitionOptions acquisition = {.frames_per_volume = 6};
@@ -28,12 +31,10 @@ struct RepeatabilityResult {
   std::uint32_t crc32c = 0;  ///< of the samples
 };
 
-/// Every rung, still and moving, in this order.
+/// Each rung, still and moving, in this order. `reference` scans a small body with a few sticks,
+/// the others the phantom.
 std::vector<RepeatabilityResult> measure_repeatability(const RepeatabilityInputs& inputs);
 
-/// One rung. `reference` scans a small body with a few sticks, the others the phantom.
-RepeatabilityResult measure_repeatability(sim::Rung rung,
-                                          bool moving,
-                                          const RepeatabilityInputs& inputs);
+StudyReport repeatability_report();
 
 }  // namespace wobblebench::bench

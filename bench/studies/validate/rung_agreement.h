@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/study_report.h"
 
 namespace wobblebench::bench {
 
@@ -22,5 +22,7 @@ struct EchoAgreement {
 /// range: amplitudes are multiplied by the ratio, from the levels of point_widths.csv.
 std::vector<EchoAgreement> measure_agreement(const PointRung& rung,
                                              std::span<const EchoPlace> places);
+
+StudyReport rung_agreement_report();
 
 }  // namespace wobblebench::bench

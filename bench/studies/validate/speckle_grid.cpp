@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
-#include "bench/studies/validate/bodies.h"
-#include "bench/studies/validate/preset_plan.h"
+#include "base/units.h"
 #include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/statistics.h"
 #include "sim/beam/point_spread.h"
 #include "sim/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
@@ -21,7 +21,8 @@ namespace {
 
 /// Past the sector's edge, wider than any speckle, so that the scan's end is not seen.
 constexpr double kBeyond_rad = 6 * kDegree;
-/// Of the plan by which beam tables of `scatterers` are made: no sparser than tables ever are.
+/// Lines of the plan by which beam tables of `scatterers` are made: no sparser than tables ever
+/// are.
 constexpr int kTableLines = 257, kTableLinesBeyond = 24;
 
 SpeckleGrid empty_grid(const GridPlan& plan) {
@@ -75,12 +76,7 @@ std::vector<SpeckleGrid> scattered_grids(hw::ProbePreset preset,
                                                 .frames_per_volume = 1},
                                                kTableLinesBeyond);
   if (sim::iq_oversampling(plan) != 1) throw std::invalid_argument("speckle_grids: coarse samples");
-  const auto tissue = open_tissue();
-  const sim::ScannedTissue subject{
-      std::make_shared<const sim::TissueMap>(tissue, 1e-3, options.threads),
-      tissue.materials(),
-      {},
-      {}};
+  const auto subject = scanned(open_tissue(), options.threads);
   const sim::ScattererField field(subject, plan, options);
   std::vector<SpeckleGrid> grids;
   for (const GridPlan& one : plans) grids.push_back(scattered(field, plan.geometry(), one));
@@ -126,8 +122,7 @@ std::vector<SpeckleGrid> scanned_grids(hw::ProbePreset preset,
 }  // namespace
 
 int SpeckleGrid::sample_at(double range_m) const {
-  const int index = static_cast<int>(std::ceil(range_m / spacing_m - 0.5 - 1e-9));
-  return std::clamp(index, 0, samples);
+  return first_sample_at(range_m, spacing_m, samples);
 }
 
 std::vector<SpeckleGrid> speckle_grids(hw::ProbePreset preset,
@@ -135,6 +130,74 @@ std::vector<SpeckleGrid> speckle_grids(hw::ProbePreset preset,
                                        const std::vector<GridPlan>& plans) {
   return options.fidelity == sim::Rung::field ? scanned_grids(preset, options, plans)
                                               : scattered_grids(preset, options, plans);
+}
+
+namespace {
+
+/// Near the array's end the level falls by some dB a degree.
+constexpr double kMiddle_rad = 0.3 * kDegree;
+
+/// From the grid's middle to the middle of two lines.
+double away_rad(const SpeckleGrid& grid, int line, int other) {
+  const auto theta = [&](int i) { return grid.theta_rad[static_cast<std::size_t>(i)]; };
+  return 0.5 * std::abs(theta(line) + theta(other) - theta(0) - theta(grid.lines() - 1));
+}
+
+double intensity(const SpeckleGrid& grid, int frame, int line, int sample) {
+  const double amplitude = grid.at(frame, line, sample);
+  return amplitude * amplitude;
+}
+
+}  // namespace
+
+double intensity_correlation(const SpeckleGrid& grid,
+                             const ScanWindow& window,
+                             const ScanStep& step) {
+  const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
+  double covariance = 0, norm = 0;
+  for (int line = 0; line + step.lines < grid.lines(); ++line) {
+    if (away_rad(grid, line, line + step.lines) >= window.about_middle_rad) continue;
+    Moments here, there;
+    double products = 0;
+    for (int f = 0; f + step.frames < grid.frames; ++f) {
+      for (int k = first; k + step.samples < last; ++k) {
+        const double x = intensity(grid, f, line, k);
+        const double y = intensity(grid, f + step.frames, line + step.lines, k + step.samples);
+        here.add(x);
+        there.add(y);
+        products += x * y;
+      }
+    }
+    covariance += products / here.count - here.mean() * there.mean();
+    norm += here.sigma() * there.sigma();
+  }
+  return covariance / norm;
+}
+
+double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window) {
+  const int first = grid.sample_at(window.from_m), last = grid.sample_at(window.to_m);
+  Moments all;
+  for (int line = 0; line < grid.lines(); ++line) {
+    if (away_rad(grid, line, line) > kMiddle_rad) continue;
+    for (int f = 0; f < grid.frames; ++f) {
+      for (int k = first; k < last; ++k) all.add(intensity(grid, f, line, k));
+    }
+  }
+  return all.mean();
+}
+
+double autocovariance_fwhm_m(const std::vector<double>& values, double lag_m) {
+  double before = 0;  // minus the logarithm of the value at lag i
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double here = -std::log(std::max(values[i], 1e-3));
+    if (here >= std::log(2.0)) {
+      const double share = (std::log(2.0) - before) / (here - before);
+      const double low = static_cast<double>(i), high = low + 1;
+      return 2 * lag_m * std::sqrt(low * low + share * (high * high - low * low));
+    }
+    before = here;
+  }
+  throw std::runtime_error("speckle size: the autocovariance does not fall to half");
 }
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,8 @@
-// Envelopes of even tissue on a grid of sticks about one place of the sector.
+// Envelopes of uniform tissue on a grid of sticks about one angle of the sector, and autocovariance
+// of their intensity with its width.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -9,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-/// Sticks by motor angle and stick angle; steps between both are even.
+/// Sticks by motor angle and stick angle; steps of both are equal.
 struct SpeckleGrid {
   std::vector<double> theta_rad;  ///< of the lines
   int frames = 0;
@@ -44,5 +46,33 @@ struct GridPlan {
 std::vector<SpeckleGrid> speckle_grids(hw::ProbePreset preset,
                                        const sim::SimulationOptions& options,
                                        const std::vector<GridPlan>& plans);
+
+/// A step from one sample of a grid to another.
+struct ScanStep {
+  int frames = 0;
+  int lines = 0;
+  int samples = 0;
+};
+
+/// Ranges, and pairs of lines whose middle is nearer to the grid's than this.
+struct ScanWindow {
+  double from_m = 0;
+  double to_m = 0;
+  double about_middle_rad = HUGE_VAL;
+};
+
+/// Covariance of the intensities of all pairs in the window that lie `step` apart, over their
+/// standard deviations; means are those of each pair of lines. NaN where there is no pair.
+double intensity_correlation(const SpeckleGrid& grid,
+                             const ScanWindow& window,
+                             const ScanStep& step);
+
+/// Mean intensity in the window, of the lines next to the grid's middle; NaN if there is none.
+double mean_intensity(const SpeckleGrid& grid, const ScanWindow& window);
+
+/// Full width at half maximum of a covariance that is 1 at lag 0 and `values[i]` at (i + 1) *
+/// `lag_m`: between two lags as a Gaussian goes. Throws std::runtime_error where it does not fall
+/// to half.
+double autocovariance_fwhm_m(const std::vector<double>& values, double lag_m);
 
 }  // namespace wobblebench::bench

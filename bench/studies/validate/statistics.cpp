@@ -6,6 +6,12 @@
 
 namespace wobblebench::bench {
 
+std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count) {
+  std::vector<std::uint64_t> seeds;
+  for (int i = 0; i < count; ++i) seeds.push_back(first + static_cast<std::uint64_t>(i));
+  return seeds;
+}
+
 double Moments::sigma() const {
   return std::sqrt(std::max(0.0, mean_square() - mean() * mean()));
 }

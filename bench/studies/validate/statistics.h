@@ -1,11 +1,14 @@
-// Moments, least squares, correlation, widths, and distance from the Rayleigh distribution.
+// Seeds, moments, least squares, widths, and distance from the Rayleigh distribution.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace wobblebench::bench {
+
+/// first, first + 1, …
+std::vector<std::uint64_t> seeds_from(std::uint64_t first, int count);
 
 /// Sums for mean and variance.
 struct Moments {

@@ -9,7 +9,15 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "base/user_error.h"
-#include "bench/studies/validate/study_reports.h"
+#include "bench/studies/validate/attenuation.h"
+#include "bench/studies/validate/losses.h"
+#include "bench/studies/validate/moving_tissue.h"
+#include "bench/studies/validate/point_targets.h"
+#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/repeatability.h"
+#include "bench/studies/validate/rung_agreement.h"
+#include "bench/studies/validate/speckle_size.h"
+#include "bench/studies/validate/speckle_statistics.h"
 
 namespace wobblebench::bench {
 
@@ -52,19 +60,18 @@ void write_summary(const std::vector<StudyReport>& reports,
   std::size_t count = 0;
   for (const auto& report : reports) count += report.checks.size();
   const int failed = failed_checks(reports);
-  markdown
-      << "# Validation of the simulated probe\n\n"
-      << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
-      << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
-      << " threads. Every point is in `validation.csv`, every check in `report.json`. "
-         "Of the beam and of speckle, expected values are the tables of `tests/yardstick`: a sum "
-         "over the probe's elements in Python and NumPy, frequency by frequency, written apart "
-         "from the simulator, with which it shares no code; its own tests hold it against closed "
-         "forms. It is linear acoustics, as the simulator is: what both leave out is at the end. "
-         "Other expected values are closed forms or published ones. Numbers in brackets are those "
-         "of `docs/references.md`.\n\n"
-      << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, " << failed
-      << " failed.\n";
+  markdown << "# Validation of the simulated probe\n\n"
+           << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
+           << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
+           << " threads. Every point is in `validation.csv`, every check in `report.json`. Of the "
+              "beam and of speckle, expected values are the tables of `tests/yardstick`: a sum "
+              "over the probe's elements in Python and NumPy, frequency by frequency, written "
+              "apart from the simulator, with which it shares no code; its own tests hold it "
+              "against closed forms. It is linear acoustics, as the simulator is: what both leave "
+              "out is at the end. Other expected values are closed forms or published ones. "
+              "Numbers in brackets are those of `docs/references.md`.\n\n"
+           << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, "
+           << failed << " failed.\n";
   if (failed > 0) markdown << "\nFailed:\n\n";
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {
@@ -100,9 +107,9 @@ Neither the simulator nor the yardstick has these. What leaving each out does to
 
 - Refraction: sound goes straight on at interfaces. Bodies behind a lens of other sound speed, as fat beside muscle or a curved skull, are neither shifted nor doubled sideways, and the edge shadows of cysts and skulls are missing (Robinson, Wilson, Kossoff, J. Clin. Ultrasound 9, 181 (1981)).
 - Reverberation between strong reflectors: no repeated lines behind bone, gas or the probe's face, and fluid stays free of clutter (Pinton, Trahey, Dahl, IEEE Trans. UFFC 58, 754 (2011)).
-- Aberration by layers of uneven sound speed, as of the abdominal wall: beams stay as sharp, and side lobes as low, as in even tissue; real ones are wider (Hinkelman et al., J. Acoust. Soc. Am. 95, 530 (1994)).
+- Aberration by layers of varying sound speed, as of the abdominal wall: beams stay as sharp, and side lobes as low, as in uniform tissue; real ones are wider (Hinkelman et al., J. Acoust. Soc. Am. 95, 530 (1994)).
 - Harmonics of non-linear propagation: no harmonic imaging, with its lower side lobes and less clutter near the face; echoes are the fundamental's at any pressure (Averkiou, Roundhill, Powers, IEEE Ultrasonics Symp. 1997, 1561).
-- Focal gain: a machine's depth gain lifts what the beam weakens away from its focus (tissue by 15 dB at 20 mm and 9 dB at 150 mm), and noise with it. Here even tissue has the same echo at every range, a point on the axis its own, and noise before time gain is even: it is too low away from the focus.
+- Focal gain: a machine's depth gain lifts what the beam weakens away from its focus (tissue by 15 dB at 20 mm and 9 dB at 150 mm), and noise with it. Here uniform tissue has the same echo at every range, a point on the axis its own, and noise before time gain is the same at every range: it is too low away from the focus.
 - Shear waves in bone: beyond the critical angle of longitudinal waves nothing passes, where in truth a part passes as shear waves, so that shadows of slanted bone are too dark (Clement, White, Hynynen, J. Acoust. Soc. Am. 115, 1356 (2004)).
 - Cross-talk between elements, and the obliquity factor of a baffle: elements are as directive as their width makes them; off an element's axis real ones are weaker (Selfridge, Kino, Khuri-Yakub, Appl. Phys. Lett. 37, 35 (1980)).
 )";
@@ -115,39 +122,32 @@ std::string exact(double value) {
 
 const std::vector<NamedStudy>& validation_studies() {
   static const std::vector<NamedStudy> studies = {
-      {"speckle", 50, [] { return speckle_statistics_report(); }},
-      {"density", 23, [] { return scatterer_density_report(); }},
-      {"points", 23, [] { return point_target_report(); }},
-      {"agreement", 2.4, [] { return rung_agreement_report(); }},
-      {"speckle_size", 280, [] { return speckle_size_report(); }},
-      {"speckle_motion", 0.3, [] { return speckle_motion_report(); }},
-      {"attenuation", 3, [] { return attenuation_report(); }},
-      {"losses", 5, [] { return losses_report(); }},
-      {"reflection", 3.3, [] { return reflection_report(); }},
-      {"shear", 0.2, [] { return shear_report(); }},
-      {"repeatability", 55, [] { return repeatability_report(); }}};
+      {"speckle", "Speckle statistics", 50, speckle_statistics_report},
+      {"density", "Speckle against scatterers per resolution cell", 23, scatterer_density_report},
+      {"points", "Point targets", 23, point_target_report},
+      {"agreement", "Echoes of many points", 2.4, rung_agreement_report},
+      {"speckle_size", "Size of speckle", 280, speckle_size_report},
+      {"speckle_motion", "Speckle moves with the tissue", 0.3, speckle_motion_report},
+      {"attenuation", "Attenuation, shadow, enhancement", 3, attenuation_report},
+      {"losses", "Losses over the band and over the aperture", 5, losses_report},
+      {"reflection", "Reflection against angle", 3.3, reflection_report},
+      {"shear", "A moving sphere is sheared", 0.2, shear_report},
+      {"repeatability", "A seed means one set of bytes", 55, repeatability_report}};
   return studies;
 }
 
 StudyReport run_study(const NamedStudy& study) {
+  StudyReport report;
   try {
-    return study.run();
+    report = study.run();
+    report.title = study.title;
   } catch (const std::exception& error) {
-    StudyReport report;
-    report.id = report.title = study.id;
+    report.title = study.id;
     report.text = "This study could not be run: " + one_line(error.what());
-    report.checks.push_back({study.id + ".ran",
-                             Check::Kind::at_least,
-                             0,
-                             1,
-                             0,
-                             "1",
-                             one_line(error.what()),
-                             1,
-                             "run",
-                             {}});
-    return report;
+    report.check(study.id + ".ran").at_least(0, 1, "1").from(one_line(error.what())).over(1, "run");
   }
+  report.id = study.id;
+  return report;
 }
 
 int failed_checks(const std::vector<StudyReport>& reports) {

@@ -12,15 +12,16 @@
 namespace wobblebench::bench {
 
 struct NamedStudy {
-  std::string id;
-  double usual_s = 1;                ///< wall time on two cores, for the time that is left
-  std::function<StudyReport()> run;  ///< with the default inputs
+  std::string id;  ///< as --study takes it
+  std::string title;
+  double usual_s = 1;  ///< wall time on two cores, for the time that is left
+  std::function<StudyReport()> run;
 };
 
 /// In the order of the Markdown document.
 const std::vector<NamedStudy>& validation_studies();
 
-/// Runs one. An exception becomes a failed check.
+/// Runs one and gives its report id and title. An exception becomes a failed check.
 StudyReport run_study(const NamedStudy& study);
 
 [[nodiscard]] int failed_checks(const std::vector<StudyReport>& reports);

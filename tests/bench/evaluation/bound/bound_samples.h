@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/evaluation/bound/edge_signal.h"
-#include "bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 
 namespace wobblebench::bench {
 

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "base/units.h"
-#include "bench/evaluation/bound/neighbour_modes.h"
 #include "sim/beam/point_spread.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -1,15 +1,17 @@
 // The oracle reaches the bound: on drawn samples, and on sticks of the simulator.
-#include "bench/evaluation/bound/oracle.h"
+#include "tests/bench/evaluation/bound/oracle.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <numeric>
+#include <string>
 
 #include "base/units.h"
-#include "bench/evaluation/bound/plane_oracle.h"
 #include "tests/bench/evaluation/bound/bound_samples.h"
+#include "tests/bench/evaluation/bound/plane_oracle.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -76,59 +78,53 @@ INSTANTIATE_TEST_SUITE_P(Rungs,
                            return test.param == sim::Rung::field ? "field" : "scatterers";
                          });
 
-void print_row(const PlaneCell& cell) {
-  const PlaneBound b = measure_plane_bound(cell);
-  std::printf(
-      "| %s | %g | %g° %s | %.3f | %.3f | %.3f | %.3f | %+.3f | %.2f (%.2f–%.2f) | %.2f | %d |\n",
-      cell.rung == sim::Rung::field ? "field" : "scatterers",
-      cell.range_m / kMillimetre,
-      std::round(cell.incidence_rad / kDegree),
-      cell.across ? "across" : "in plane",
-      b.bound_m / kMillimetre,
-      b.rung_bound_m / kMillimetre,
-      b.envelope_m / kMillimetre,
-      b.oracle_rms_m / kMillimetre,
-      b.oracle_bias_m / kMillimetre,
-      b.ratio,
-      b.ratio_low,
-      b.ratio_high,
-      b.rung_ratio,
-      b.n);
-  std::fflush(stdout);
-}
+/// A row of the first table of docs/results/bound.md; lengths in mm.
+struct DocumentRow {
+  PlaneCell cell;
+  double bound = 0, rung_bound = 0, envelope = 0, oracle_rms = 0;
+};
 
-// The tables of docs/results/bound.md: --gtest_also_run_disabled_tests --gtest_filter=*BoundTable*
-TEST(BoundTable, DISABLED_Print) {
+std::vector<DocumentRow> document_rows() {
   std::vector<std::uint64_t> seeds(20);
   std::iota(seeds.begin(), seeds.end(), 101);
-  for (const auto rung : {sim::Rung::field, sim::Rung::scatterers}) {
-    for (const double range_mm : {50.0, 75.0, 100.0, 130.0}) {
-      for (const double incidence_deg : {0.0, 20.0, 40.0, 60.0}) {
-        print_row({.rung = rung,
-                   .range_m = range_mm * kMillimetre,
-                   .incidence_rad = incidence_deg * kDegree,
-                   .seeds = seeds});
-      }
-      print_row({.rung = rung,
-                 .range_m = range_mm * kMillimetre,
-                 .incidence_rad = 40 * kDegree,
-                 .across = true,
-                 .seeds = seeds});
-    }
+  std::ifstream file(WOBBLEBENCH_SOURCE_DIR "/docs/results/bound.md");
+  std::vector<DocumentRow> rows;
+  for (std::string line; std::getline(file, line);) {
+    char rung[16], tilt[16];
+    double range_mm = 0, incidence_deg = 0;
+    DocumentRow row;
+    const int fields = std::sscanf(line.c_str(),
+                                   "| %15[a-z] | %lf | %lf° %15[a-z ]| %lf | %lf | %lf | %lf |",
+                                   rung,
+                                   &range_mm,
+                                   &incidence_deg,
+                                   tilt,
+                                   &row.bound,
+                                   &row.rung_bound,
+                                   &row.envelope,
+                                   &row.oracle_rms);
+    if (fields != 8) continue;
+    row.cell = {.rung = std::string(rung) == "field" ? sim::Rung::field : sim::Rung::scatterers,
+                .range_m = range_mm * kMillimetre,
+                .incidence_rad = incidence_deg * kDegree,
+                .across = std::string(tilt) == "across ",
+                .seeds = seeds};
+    rows.push_back(row);
   }
+  return rows;
 }
 
-TEST(BoundTable, DISABLED_PrintDensities) {
-  for (const double per_cell : {6.0, 12.0, 25.0, 50.0, 100.0}) {
-    for (const double noise_db : {-95.0, -75.0}) {
-      std::printf("%g in a cell, noise %g dB ", per_cell, noise_db);
-      print_row({.rung = sim::Rung::scatterers,
-                 .range_m = 75e-3,
-                 .incidence_rad = 40 * kDegree,
-                 .noise_db = noise_db,
-                 .scatterers_per_cell = per_cell,
-                 .seeds = {101, 102, 103, 104, 105, 106, 107, 108, 109, 110}});
-    }
+// One row in nine: a range, an incidence and a tilt of each rung.
+TEST(BoundTable, DocumentsRowsAreMeasured) {
+  const auto rows = document_rows();
+  ASSERT_EQ(rows.size(), 40U);
+  for (std::size_t i = 3; i < rows.size(); i += 9) {
+    const PlaneBound found = measure_plane_bound(rows[i].cell);
+    EXPECT_NEAR(found.bound_m / kMillimetre, rows[i].bound, 0.001) << "row " << i;
+    EXPECT_NEAR(found.rung_bound_m / kMillimetre, rows[i].rung_bound, 0.001) << "row " << i;
+    EXPECT_NEAR(found.envelope_m / kMillimetre, rows[i].envelope, 0.001) << "row " << i;
+    EXPECT_NEAR(found.oracle_rms_m / kMillimetre, rows[i].oracle_rms, 0.002) << "row " << i;
+    EXPECT_EQ(found.n, 300);
   }
 }
 

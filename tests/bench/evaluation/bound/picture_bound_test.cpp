@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.h"
-#include "bench/evaluation/bound/bound_table.h"
 #include "phantoms/phantom.h"
 
 namespace wobblebench::bench {

@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/studies/latency/card_times.h"
 #include "bench/studies/latency/latency_study.h"
-#include "bench/studies/latency/line_rate.h"
+#include "bench/studies/latency/service_times.h"
 #include "hw/wire/packet.h"
 
 namespace wobblebench::bench {

@@ -1,5 +1,5 @@
 // Correlations and widths of speckle whose answers are known.
-#include "bench/studies/validate/autocovariance.h"
+#include "bench/studies/validate/speckle_grid.h"
 
 #include <gtest/gtest.h>
 

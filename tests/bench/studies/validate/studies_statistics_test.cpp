@@ -4,7 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "bench/studies/validate/scatterer_density.h"
+#include "base/statistics.h"
+#include "bench/studies/validate/speckle_statistics.h"
 #include "bench/studies/validate/statistics.h"
 #include "sim/math/random.h"
 

@@ -34,7 +34,7 @@ TEST(Check, PassesWithinWhatItAllows) {
 
 TEST(Validation, WhatAStudyThrowsIsACheckThatFailed) {
   const auto report =
-      run_study({"broken", 1, []() -> StudyReport { throw std::runtime_error("a\nb"); }});
+      run_study({"broken", "Broken", 1, []() -> StudyReport { throw std::runtime_error("a\nb"); }});
   ASSERT_EQ(report.checks.size(), 1u);
   EXPECT_FALSE(report.checks.front().passed());
   EXPECT_EQ(report.checks.front().name, "broken.ran");

@@ -1,4 +1,4 @@
-#include "bench/evaluation/bound/beam_pair.h"
+#include "tests/bench/evaluation/bound/beam_pair.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ constexpr double kBin_m = 20e-6;
 constexpr double kReachSigmas = 4.5;  ///< of the pulse, as the rung has it
 constexpr std::size_t kNodes = sim::PulseBand::kNodes;
 
-/// Response of a place across the stick, and by how much later than the axis it meets the surface.
+/// Response at a point across the stick, and by how much later than the axis it meets the surface.
 struct Part {
   double reach = 0;  ///< offset from the axis, 1 at the beam's rim
   double later_m = 0;
@@ -30,7 +30,7 @@ class Across {
         direction_(direction),
         both_sides_(direction.part_columns == 2 * beam.columns()) {}
 
-  /// Places on the surface, which lies elsewhere in the table than the axis does.
+  /// Points on the surface, which lie elsewhere in the table than the axis does.
   std::vector<Part> parts(double range_m, double slope) const {
     const double reach_m = beam_.reach_m(direction_, beam_.row(range_m));
     const double step_m = reach_m / beam_.columns();
@@ -84,7 +84,7 @@ std::complex<double> weighted(const Products& a, const Products& b, std::size_t 
   return sum;
 }
 
-/// Sums of the products over all places of the cross-section, by how late they meet the surface.
+/// Sums of the products over all points of the cross-section, by how late they meet the surface.
 struct Footprint {
   std::size_t nodes;
   double first_m = 0;
@@ -120,7 +120,7 @@ struct Footprint {
   }
 };
 
-/// Products of the nodes' pulses at two samples so far apart, by the distance of their middle
+/// Products of the nodes' pulses at two samples `distance_m` apart, by the distance of their middle
 /// behind the scatterer, and their integrals up to there.
 struct PulsePairs {
   std::ptrdiff_t half = 0;  ///< entry `half` is at distance 0
@@ -202,15 +202,15 @@ struct PairTable {
 
 EdgePair beam_pair(const sim::BeamTable& beam,
                    const sim::PulseBand& band,
-                   const hw::PolarPoint& place,
+                   const hw::PolarPoint& point,
                    const StickSlope& slope,
                    double spacing_m) {
   // Lateral offsets count away from the middle of the sector.
-  const double side = place.theta_rad < 0 ? -1 : 1;
-  const Across lateral(beam, beam.lateral()[beam.lateral_of(place.theta_rad)]);
+  const double side = point.theta_rad < 0 ? -1 : 1;
+  const Across lateral(beam, beam.lateral()[beam.lateral_of(point.theta_rad)]);
   const Across elevation(beam, beam.elevation());
-  const Footprint footprint(lateral.parts(place.range_m, side * slope.lateral),
-                            elevation.parts(place.range_m, slope.elevation),
+  const Footprint footprint(lateral.parts(point.range_m, side * slope.lateral),
+                            elevation.parts(point.range_m, slope.elevation),
                             static_cast<std::size_t>(band.nodes()));
   const int lags = static_cast<int>(2 * kReachSigmas * band.sigma_m() / spacing_m);
   const auto tables = std::make_shared<std::vector<PairTable>>();

@@ -7,12 +7,12 @@
 
 namespace wobblebench::bench {
 
-/// Of a stick at a range, for a surface of this slope, between samples of this spacing; distances
-/// are rounded to whole samples. The integral over scatterers in the tissue of the product of their
-/// echoes.
+/// Pair of a stick at a range, for a surface of this slope, between samples of this spacing;
+/// distances are rounded to whole samples. The integral over scatterers in the tissue of the
+/// product of their echoes.
 EdgePair beam_pair(const sim::BeamTable& beam,
                    const sim::PulseBand& band,
-                   const hw::PolarPoint& place,
+                   const hw::PolarPoint& point,
                    const StickSlope& slope,
                    double spacing_m);
 

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/table_comparison.h"
+#include "bench/studies/validate/study_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ std::string place_text(const BeamRow& place) {
   return range + ", " + significant(place.sector_fraction, 3) + " of the half sector";
 }
 
-/// Of the largest error; NaN is larger than any. Null where there is none.
+/// The comparison of the largest error; NaN is larger than any. Null where there is none.
 const BeamComparison* worst_of(std::span<const BeamComparison> found, const ErrorOf& error) {
   const auto rank = [&](const BeamComparison& one) {
     const double e = std::abs(error(one));
@@ -44,16 +44,10 @@ Check worst(const std::string& name,
                                  ? "no place"
                                  : "worst at " + place_text(at->expected) + ": " +
                                        text(at->measured) + ", table " + text(at->expected);
-  return {name,
-          Check::Kind::at_most,
-          at == nullptr ? std::nan("") : std::abs(error(*at)),
-          bar,
-          0,
-          unit,
-          source,
-          static_cast<long>(found.size()),
-          over.of,
-          over.seeds};
+  return Check{name}
+      .at_most(at == nullptr ? std::nan("") : std::abs(error(*at)), bar, unit)
+      .from(source)
+      .over(static_cast<long>(found.size()), over.of, over.seeds);
 }
 
 std::string fraction_text(double fraction) {
@@ -78,8 +72,7 @@ Series width_series(const std::string& name,
   series.name = name;
   for (const auto& one : found) {
     if (one.expected.sector_fraction != fraction) continue;
-    series.x.push_back(one.expected.range_m * 1e3);
-    series.y.push_back((one.*row).*value * 1e3);
+    add_to(series, one.expected.range_m * 1e3, (one.*row).*value * 1e3);
   }
   return series;
 }
@@ -114,6 +107,63 @@ Picture3 draw_widths(const std::string& title,
 }
 
 }  // namespace
+
+bool Check::passed() const {
+  switch (kind) {
+    case Kind::within:
+      return std::abs(measured - expected) <= tolerance;
+    case Kind::at_least:
+      return measured >= expected;
+    case Kind::at_most:
+      return measured <= expected;
+  }
+  return false;
+}
+
+Check& Check::within(double value, double wanted, double allowed, const std::string& their_unit) {
+  kind = Kind::within;
+  measured = value;
+  expected = wanted;
+  tolerance = allowed;
+  unit = their_unit;
+  return *this;
+}
+
+Check& Check::at_least(double value, double bar, const std::string& their_unit) {
+  within(value, bar, 0, their_unit).kind = Kind::at_least;
+  return *this;
+}
+
+Check& Check::at_most(double value, double bar, const std::string& their_unit) {
+  within(value, bar, 0, their_unit).kind = Kind::at_most;
+  return *this;
+}
+
+Check& Check::from(const std::string& text) {
+  source = text;
+  return *this;
+}
+
+Check& Check::over(long count, const std::string& kind_of, std::vector<std::uint64_t> with_seeds) {
+  n = count;
+  of = kind_of;
+  seeds = std::move(with_seeds);
+  return *this;
+}
+
+Check& StudyReport::check(const std::string& name) {
+  checks.push_back({.name = name});
+  return checks.back();
+}
+
+void StudyReport::point(const std::string& series, const X& x, const Y& y) {
+  points.push_back({series, x.name, x.value, y.name, y.value, y.expected});
+}
+
+void add_to(Series& series, double x, double y) {
+  series.x.push_back(x);
+  series.y.push_back(y);
+}
 
 std::vector<BeamComparison> at_places(std::span<const BeamComparison> found,
                                       StickPlaces places,
@@ -166,9 +216,7 @@ void add_points(const std::string& series,
     const std::string name = series + " " + fraction_text(one.expected.sector_fraction);
     const double mm = one.expected.range_m * 1e3;
     const auto add = [&](const std::string& what, double measured, double expected) {
-      if (!std::isnan(measured)) {
-        report.points.push_back({name, "range_mm", mm, what, measured, expected});
-      }
+      if (!std::isnan(measured)) report.point(name, {"range_mm", mm}, {what, measured, expected});
     };
     for (const BeamWidth& width : {kLateral, kElevation, kAxial}) {
       add(std::string(width.name) + "_mm",

@@ -2,13 +2,36 @@
 // simulator, makes of the presets' beams. They are embedded in the program at build time.
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "bench/studies/validate/yardstick/csv_table.h"
 #include "hw/probe/probe.h"
+#include "hw/probe/probe_presets.h"
 
 namespace wobblebench::bench {
+
+/// A comma-separated table with a heading: fields without quotes; lines that begin with # are
+/// comments.
+class CsvTable {
+ public:
+  /// Throws std::invalid_argument, which names the line, if a line has not as many fields as the
+  /// heading, or there is none.
+  explicit CsvTable(std::string_view text);
+
+  std::size_t rows() const { return rows_.size(); }
+  bool has(std::string_view column) const;
+  /// Throws std::invalid_argument for a column that is not in the heading.
+  const std::string& text(std::size_t row, std::string_view column) const;
+  /// Throws std::invalid_argument also for a field that is not a number.
+  double number(std::size_t row, std::string_view column) const;
+
+ private:
+  std::vector<std::string> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
 
 /// Text of a table, by its file name; empty if there is none of that name.
 std::string_view yardstick_text(std::string_view file);
@@ -19,7 +42,7 @@ inline constexpr hw::ProbePreset kPresets[] = {
 /// As in the tables: "standard", "c5_2v", "curvilinear_60".
 std::string_view table_name(hw::ProbePreset preset);
 
-/// A row of point_widths.csv or speckle.csv: the beam at one place.
+/// A row of point_widths.csv or speckle.csv: the beam at one point of the sector.
 struct BeamRow {
   double sector_fraction = 0;  ///< stick's angle over half the sector
   double range_m = 0;
@@ -29,7 +52,7 @@ struct BeamRow {
   double axial_m = 0;
   double level_db = 0;  ///< re the middle stick at the same range
 };
-/// What was measured at a row's place; NaN: the rung has no such figure.
+/// What was measured at a row's point; NaN: the rung has no such figure.
 struct BeamComparison {
   BeamRow expected;  ///< the table's
   BeamRow measured;
@@ -53,11 +76,11 @@ struct NeighbourRow {
 };
 std::vector<NeighbourRow> neighbour_rows();
 
-/// Echo of a point on the middle stick in tissue that attenuates so much one way, over that in
-/// tissue that does not: attenuation.csv.
+/// Echo of a point on the middle stick in tissue of this one-way attenuation, over that in tissue
+/// without any: attenuation.csv.
 std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz);
 
-/// Even tissue behind a half plane across the middle stick: shadow.csv.
+/// Uniform tissue behind a half plane across the middle stick: shadow.csv.
 struct ShadowRow {
   bool across_lines = false;  ///< the plane's edge lies across the image plane's lines
   double range_m = 0;

@@ -1,10 +1,11 @@
-// Even tissue behind a thin half plane that passes a tenth of the amplitude each way, against
+// Points in attenuating tissue against tests/yardstick/attenuation.csv, and uniform tissue behind
+// a thin half plane that passes a tenth of the amplitude each way, against
 // tests/yardstick/shadow.csv.
 #pragma once
 
 #include <vector>
 
-#include "bench/studies/validate/yardstick/yardstick.h"
+#include "bench/studies/validate/study_report.h"
 
 namespace wobblebench::bench {
 
@@ -22,8 +23,10 @@ struct ShadowEdge {
 /// For each edge and range of the table. Scans the plane twice, by lines and by frames.
 std::vector<ShadowEdge> measure_shadow_edges();
 
-/// Distance between the first places from the dark end, the last crossing, on at which the
+/// Distance between the first points, counted from the dark end, the last crossing, at which the
 /// amplitude has risen by 10 and by 90 % of the step between the two ends.
 double rise_m(const std::vector<double>& crossing_m, const std::vector<double>& level_db);
+
+StudyReport losses_report();
 
 }  // namespace wobblebench::bench
