@@ -126,7 +126,6 @@ const std::set<std::string> kHeavyOfOurs = {"phantoms/float_grid.h",
                                             "phantoms/io/vdb_file.h",
                                             "phantoms/io/clearance.h",
                                             "sim/tissue/extended_distance.h",
-                                            "bench/studies/accuracy/option_tables.h",
                                             "bench/scene/toml_file.h",
                                             "bench/scene/toml_reader.h"};
 

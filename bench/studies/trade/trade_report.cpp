@@ -1,14 +1,31 @@
+#include "bench/studies/trade/trade_report.h"
+
 #include <algorithm>
-#include <cmath>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "base/number_text.h"
 #include "base/statistics.h"
-#include "bench/studies/trade/trade_report.h"
+#include "bench/studies/accuracy/accuracy_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+TradeResults::Part part_of(const TradeResults& results,
+                           const std::string& name,
+                           const std::vector<std::size_t>& scenes) {
+  TradeResults::Part part{name, trade_scores(results.work, results.records, scenes), {}, {}};
+  part.front = trade_front(part.scores);
+  part.knees = trade_knees(part.scores, part.front);
+  return part;
+}
+
+/// The key without its section.
+std::string short_name(const std::string& key) {
+  return key.substr(key.rfind('.') + 1);
+}
 
 constexpr std::size_t kMostInteractions = 10;
 
@@ -22,12 +39,6 @@ const char* name_of(TradeResponse response) {
       break;
   }
   return "missed or false, %";
-}
-
-std::string text_of(const MeanInterval& interval, int digits) {
-  if (interval.n == 0) return "";
-  const std::string mean = fixed(interval.mean, digits);
-  return std::isfinite(interval.half) ? mean + " ± " + fixed(interval.half, digits) : mean;
 }
 
 void write_head(const TradeResults& results, std::ostream& markdown) {
@@ -81,7 +92,7 @@ void write_evaluation(const TradeResults& results, std::ostream& markdown) {
 
 void write_row(const TradeResults& results, const TradeScore& score, std::ostream& markdown) {
   const auto cell = [&](const char* name, int digits) {
-    markdown << " | " << text_of(score.measures[trade_measure(name)], digits);
+    markdown << " | " << interval_text(score.measures[trade_measure(name)], digits);
   };
   markdown << "| " << score.point << " | " << fixed(score.volume_ratio, 2) << " | "
            << fixed(score.view_ratio, 2) << " | " << fixed(score.volume_ms, 0);
@@ -156,7 +167,7 @@ void write_effects(const TradeResults& results,
     markdown << "| `" << axes[first.axis].key << "` | " << axes[first.axis].levels[first.level];
     for (const auto& of_response : effects) {
       const MeanInterval& effect = of_response[i].effect;
-      const std::string text = text_of(effect, 2);
+      const std::string text = interval_text(effect, 2);
       markdown << " | " << (effect.differs_from_zero() ? text : "(" + text + ")");
     }
     markdown << " |\n";
@@ -220,6 +231,41 @@ void write_shares(const TradeResults& results,
 }
 
 }  // namespace
+
+TradeResults trade_results(TradeWork work, TradeContent content) {
+  TradeResults results{
+      std::move(work), std::move(content.records), std::move(content.machines), {}, 0, {}};
+  const auto& scenes = results.work.plan.scenes;
+  if (scenes.size() > 1) {
+    results.parts.push_back(part_of(results, "all scenes", all_scenes(results.work.plan)));
+  }
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    results.parts.push_back(part_of(results, scenes[i].name, {i}));
+  }
+  std::set<std::size_t> refused;
+  for (const auto& [unit, record] : results.records) {
+    if (record.refused.empty()) continue;
+    if (refused.empty()) results.first_refusal = record.refused;
+    refused.insert(unit.point);
+  }
+  results.refused = refused.size();
+  return results;
+}
+
+std::string measured_by(const Provenance& provenance) {
+  return "commit " + provenance.commit + ", " + machine_text(provenance);
+}
+
+std::string point_text(const TradeWork& work, std::size_t point, const std::size_t* from) {
+  std::string text;
+  for (std::size_t i = 0; i < work.plan.axes.size(); ++i) {
+    const std::string& value = work.points[point].values[i];
+    if (from != nullptr && work.points[*from].values[i] == value) continue;
+    text +=
+        (text.empty() ? "" : ", ") + short_name(work.plan.axes[i].key) + " " + plain_value(value);
+  }
+  return text.empty() ? "the same setting" : text;
+}
 
 std::string trade_markdown(const TradeResults& results) {
   std::ostringstream markdown;
