@@ -215,7 +215,7 @@ std::vector<std::pair<std::string, std::string>> rows_of(const AccuracyResults& 
 }
 
 template <class Values, class Value>
-int place_of(const Values& values, const Value& value) {
+int number_of(const Values& values, const Value& value) {
   return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
 }
 
@@ -312,7 +312,7 @@ std::string accuracy_markdown(const AccuracyResults& results, const Provenance& 
 Image<glm::vec3> accuracy_sheet(const AccuracyResults& results) {
   const auto columns = columns_of(results);
   const auto rows = rows_of(results);
-  const auto at = [](int place) { return place * (kSide + kGap); };
+  const auto at = [](int number) { return number * (kSide + kGap); };
   Canvas canvas(kLeft + at(static_cast<int>(columns.size())),
                 kTop + at(static_cast<int>(rows.size())));
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -325,8 +325,8 @@ Image<glm::vec3> accuracy_sheet(const AccuracyResults& results) {
     canvas.text({kGap, middle + 10}, rows[i].second, {.size = kText});
   }
   for (const AccuracyPicture& picture : results.pictures) {
-    const Point2 corner(kLeft + at(place_of(columns, picture.setting)),
-                        kTop + at(place_of(rows, std::pair(picture.scene, picture.rung))));
+    const Point2 corner(kLeft + at(number_of(columns, picture.setting)),
+                        kTop + at(number_of(rows, std::pair(picture.scene, picture.rung))));
     canvas.picture({corner, corner + Point2(kSide, kSide)}, displayed(picture.surface));
   }
   return canvas.finish();

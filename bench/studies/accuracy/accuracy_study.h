@@ -48,7 +48,7 @@ struct AccuracySummary {
 };
 
 /// What a perfect detector could reach in a scene's first view, outside the band at silhouettes
-/// (docs/decisions/0030-detection-bound.md); losses on the way are left out.
+/// (docs/decisions/0030-detection-bound.md); losses along the stick are left out.
 struct AccuracyBound {
   std::string scene;
   double sticks_m = 0;  ///< PictureBound::between_sticks_m

@@ -11,7 +11,7 @@ namespace {
 /// Larger ratios are rounding.
 constexpr double kMostRatio = 1000;
 
-/// A parameter's unit as people read it, and how many of it are one SI unit.
+/// A parameter's unit in reports, and its number in one SI unit.
 struct ShownUnit {
   const char* name;
   const char* unit;

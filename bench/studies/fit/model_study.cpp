@@ -45,7 +45,7 @@ std::array<double, kBinned.size()> binned_values(const PixelTerms& pixel) {
           static_cast<double>(pixel.x[kContrastTerm])};
 }
 
-/// Over the pixels that both have; NaN where one does not vary.
+/// Correlation over the pixels that both have; NaN where one does not vary.
 double picture_correlation(const Image<float>& one, const Image<float>& other) {
   std::vector<double> a, b;
   for (std::size_t i = 0; i < one.pixels.size(); ++i) {
@@ -145,7 +145,7 @@ std::vector<ResidualBin> residual_bins(std::size_t number,
   return bins;
 }
 
-/// Fills in the errors of a picture whose terms are there.
+/// Sets the errors of a scan that has its picture and its terms.
 void compare(const Truth& truth, Scan& scan) {
   scan.error_m = {scan.terms.width, scan.terms.height, kNoSurface};
   int both = 0, other = 0;
@@ -206,7 +206,7 @@ void add_rows(const Scan& scan,
     for (int column = 0; column < scan.error_m.width; column += stride) {
       const float error = scan.error_m.at(column, row);
       if (!std::isfinite(error)) continue;
-      // One block for all seeds at a place: what the model leaves there is the same in each.
+      // Pixels at one position have one block for all seeds: their residuals are correlated.
       const std::int64_t block = error_block(camera, column, row) + (std::int64_t{set} << 48);
       rows.push_back({scan.terms.at(column, row), error, block, set});
     }

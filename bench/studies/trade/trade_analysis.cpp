@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <map>
 #include <numeric>
@@ -139,20 +138,23 @@ struct Moments {
   double variance_of_mean() const { return deviation() / (n - 1) / n; }
 };
 
-/// Omega squared of a grouping.
+/// Omega squared of the groups of equal levels of two axes; of one axis where `a` equals `b`.
 double omega_squared(const std::vector<Observation>& all,
-                     std::size_t groups,
-                     const std::function<std::size_t(const Observation&)>& group_of) {
+                     const std::vector<TradeAxis>& axes,
+                     std::size_t a,
+                     std::size_t b) {
   Moments total;
-  std::vector<Moments> parts(groups);
+  std::vector<Moments> groups(axes[a].levels.size() * axes[b].levels.size());
   for (const Observation& one : all) {
+    const auto at_a = static_cast<std::size_t>((*one.levels)[a]);
+    const auto at_b = static_cast<std::size_t>((*one.levels)[b]);
     total.add(one.value);
-    parts[group_of(one)].add(one.value);
+    groups[at_a * axes[b].levels.size() + at_b].add(one.value);
   }
   double within = 0, used = 0;
-  for (const Moments& part : parts) {
-    within += part.deviation();
-    if (part.n > 0) ++used;
+  for (const Moments& group : groups) {
+    within += group.deviation();
+    if (group.n > 0) ++used;
   }
   const double between = total.deviation() - within;
   const double noise = within / std::max(1.0, total.n - used);
@@ -160,40 +162,21 @@ double omega_squared(const std::vector<Observation>& all,
   return whole > 0 ? (between - (used - 1) * noise) / whole : 0;
 }
 
-/// Shares of all axes, then of all pairs, from one set of observations.
-class Shares {
- public:
-  explicit Shares(const TradeWork& work) : axes_(work.plan.axes) {}
-
-  std::vector<VarianceShare> of(const std::vector<Observation>& all) const {
-    std::vector<VarianceShare> shares;
-    for (std::size_t a = 0; a < axes_.size(); ++a) shares.push_back({a, a, alone(all, a), 0});
-    for (std::size_t a = 0; a < axes_.size(); ++a) {
-      for (std::size_t b = a + 1; b < axes_.size(); ++b) {
-        shares.push_back({a, b, together(all, a, b) - shares[a].share - shares[b].share, 0});
-      }
+/// Shares of all axes, then of all pairs, without intervals.
+std::vector<VarianceShare> point_shares(const std::vector<Observation>& all,
+                                        const std::vector<TradeAxis>& axes) {
+  std::vector<VarianceShare> shares;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    shares.push_back({a, a, omega_squared(all, axes, a, a), 0});
+  }
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    for (std::size_t b = a + 1; b < axes.size(); ++b) {
+      const double both = omega_squared(all, axes, a, b);
+      shares.push_back({a, b, both - shares[a].share - shares[b].share, 0});
     }
-    return shares;
   }
-
- private:
-  static std::size_t level(const Observation& one, std::size_t axis) {
-    return static_cast<std::size_t>((*one.levels)[axis]);
-  }
-  double alone(const std::vector<Observation>& all, std::size_t a) const {
-    return omega_squared(
-        all, axes_[a].levels.size(), [a](const Observation& one) { return level(one, a); });
-  }
-  double together(const std::vector<Observation>& all, std::size_t a, std::size_t b) const {
-    const std::size_t stride = axes_[b].levels.size();
-    return omega_squared(
-        all, axes_[a].levels.size() * stride, [a, b, stride](const Observation& one) {
-          return level(one, a) * stride + level(one, b);
-        });
-  }
-
-  const std::vector<TradeAxis>& axes_;
-};
+  return shares;
+}
 
 /// The group of each of `count` points, all groups of about one size.
 std::vector<int> random_groups(std::size_t count, std::uint64_t seed) {
@@ -308,8 +291,7 @@ std::vector<VarianceShare> variance_shares(const TradeWork& work,
                                            const std::vector<TradeScore>& scores,
                                            TradeResponse response) {
   const auto all = observations(work, scores, response);
-  const Shares shares(work);
-  std::vector<VarianceShare> result = shares.of(all);
+  std::vector<VarianceShare> result = point_shares(all, work.plan.axes);
   std::vector<std::vector<double>> without(result.size());
   const std::vector<int> groups = random_groups(all.size(), work.plan.design_seed);
   for (int group = 0; group < kGroups; ++group) {
@@ -317,7 +299,7 @@ std::vector<VarianceShare> variance_shares(const TradeWork& work,
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (groups[i] != group) left.push_back(all[i]);
     }
-    const auto again = shares.of(left);
+    const auto again = point_shares(left, work.plan.axes);
     for (std::size_t k = 0; k < result.size(); ++k) without[k].push_back(again[k].share);
   }
   for (std::size_t k = 0; k < result.size(); ++k) {

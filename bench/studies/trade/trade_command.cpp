@@ -112,8 +112,8 @@ int write(const Arguments& arguments,
   const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);
-  for (const Figure& figure : trade_figures(results)) {
-    write_png(out.stage(trade_figure_file(figure)), figure.picture);
+  for (const TradeResults::Part& part : results.parts) {
+    if (const auto figure = trade_figure(part)) write_png(out.stage(figure->name), figure->picture);
   }
   out.write_text("report.json", report);
   out.commit();

@@ -26,25 +26,6 @@ void add(const TradeScore& score, Series& series) {
   series.y.push_back(score.p95_mm());
 }
 
-Figure draw_part(const TradeResults::Part& part) {
-  Chart chart{"Time and error: " + part.name,
-              {"picture of a new volume / the reference's", Scale::logarithmic},
-              {"depth error, P95 (mm)", Scale::logarithmic}};
-  Series all{"points", {}, {}, Stroke::none, Mark::disc, 4};
-  Series front{"front: time, P95, missed or false", {}, {}, Stroke::none, Mark::square, 0};
-  Series knees{"knees", {}, {}, Stroke::solid, Mark::diamond, 1};
-  for (const TradeScore& score : part.scores) add(score, all);
-  for (const std::size_t i : part.front) add(part.scores[i], front);
-  for (const TradeKnee& knee : part.knees) add(part.scores[knee.score], knees);
-  chart.series = {all, front};
-  if (!knees.x.empty()) chart.series.push_back(knees);
-  std::string name = part.name;
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return {name,
-          "Every point on " + part.name + ", and the front of time, P95 and missed or false.",
-          draw(chart, {760, 460})};
-}
-
 }  // namespace
 
 std::string trade_csv(const TradeResults& results) {
@@ -109,16 +90,24 @@ Json trade_json(const TradeResults& results) {
           {"parts", parts}};
 }
 
-std::vector<Figure> trade_figures(const TradeResults& results) {
-  std::vector<Figure> figures;
-  for (const TradeResults::Part& part : results.parts) {
-    if (!part.front.empty()) figures.push_back(draw_part(part));
-  }
-  return figures;
-}
-
-std::string trade_figure_file(const Figure& figure) {
-  return "trade_" + figure.name + ".png";
+std::optional<Figure> trade_figure(const TradeResults::Part& part) {
+  if (part.front.empty()) return std::nullopt;
+  Chart chart{"Time and error: " + part.name,
+              {"picture of a new volume / the reference's", Scale::logarithmic},
+              {"depth error, P95 (mm)", Scale::logarithmic}};
+  Series all{"points", {}, {}, Stroke::none, Mark::disc, 4};
+  Series front{"front: time, P95, missed or false", {}, {}, Stroke::none, Mark::square, 0};
+  Series knees{"knees", {}, {}, Stroke::solid, Mark::diamond, 1};
+  for (const TradeScore& score : part.scores) add(score, all);
+  for (const std::size_t i : part.front) add(part.scores[i], front);
+  for (const TradeKnee& knee : part.knees) add(part.scores[knee.score], knees);
+  chart.series = {all, front};
+  if (!knees.x.empty()) chart.series.push_back(knees);
+  std::string name = "trade_" + part.name + ".png";
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return Figure{name,
+                "Every point on " + part.name + ", and the front of time, P95 and missed or false.",
+                draw(chart, {760, 460})};
 }
 
 }  // namespace wobblebench::bench

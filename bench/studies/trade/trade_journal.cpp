@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
-/// Of the pixels outside the band at silhouettes.
+/// Over the pixels outside the band at silhouettes, in mm.
 double outside(const PictureMeasures& measures, double DepthStatistics::*member) {
   for (const RegionError& region : measures.regions) {
     if (region.group != "silhouette" || region.name != "outside") continue;

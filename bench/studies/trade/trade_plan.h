@@ -37,7 +37,7 @@ struct TradeAxis {
 ///   [reference.render]                      # the setting whose time is 1, over each scene
 ///   preset = "paper"
 ///   [scenes.face]                           # as in a plan of `accuracy`
-///   [unseen.plane.phantom]                  # likewise; `tune` judges by them what it found
+///   [unseen.plane.phantom]                  # likewise; `tune` measures its choice on them
 ///   name = "plane"
 ///   [axes]
 ///   "render.ray_casting.steps" = [128, 256, 512]

@@ -22,12 +22,7 @@ TradeResults::Part part_of(const TradeResults& results,
   return part;
 }
 
-/// The key without its section.
-std::string short_name(const std::string& key) {
-  return key.substr(key.rfind('.') + 1);
-}
-
-constexpr std::size_t kMostInteractions = 10;
+constexpr std::ptrdiff_t kMostInteractions = 10;
 
 const char* name_of(TradeResponse response) {
   switch (response) {
@@ -64,7 +59,7 @@ void write_head(const TradeResults& results, std::ostream& markdown) {
   }
 }
 
-/// How long one evaluation takes, and what of.
+/// How long an evaluation takes, and its parts.
 void write_evaluation(const TradeResults& results, std::ostream& markdown) {
   std::vector<double> all, renderer, render, measure;
   for (const auto& [unit, record] : results.records) {
@@ -140,9 +135,8 @@ void write_part(const TradeResults& results,
   markdown << "\n## Front: " << part.name << "\n\n"
            << part.front.size() << " of " << part.scores.size()
            << " points are beaten by no other in time, P95 and missed or false together.\n";
-  for (const Figure& figure : trade_figures(results)) {
-    if (figure.caption.find(part.name + ",") == std::string::npos) continue;
-    markdown << "\n![" << figure.caption << "](" << trade_figure_file(figure) << ")\n";
+  if (const auto figure = trade_figure(part)) {
+    markdown << "\n![" << figure->caption << "](" << figure->name << ")\n";
   }
   write_front(results, part, markdown);
   if (!part.knees.empty()) write_knees(results, part, markdown);
@@ -174,26 +168,7 @@ void write_effects(const TradeResults& results,
   }
 }
 
-std::string share_text(const VarianceShare& share) {
-  return fixed(100 * share.share, 1) + " ± " + fixed(100 * share.half, 1);
-}
-
-/// One table: `first` to `last` of the shares of each response, in the order given.
-void write_share_rows(const TradeResults& results,
-                      const std::vector<std::vector<VarianceShare>>& shares,
-                      const std::vector<std::size_t>& order,
-                      std::ostream& markdown) {
-  const auto& axes = results.work.plan.axes;
-  for (const std::size_t i : order) {
-    const VarianceShare& share = shares.front()[i];
-    markdown << "| `" << axes[share.axis].key << "`";
-    if (share.other != share.axis) markdown << " × `" << axes[share.other].key << "`";
-    for (const auto& of_response : shares) markdown << " | " << share_text(of_response[i]);
-    markdown << " |\n";
-  }
-}
-
-/// Numbers `from` to `to`, by their largest share of any response.
+/// Numbers `from` to `to`, by their largest share of a response.
 std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>& shares,
                                   std::size_t from,
                                   std::size_t to) {
@@ -213,21 +188,32 @@ std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>&
 void write_shares(const TradeResults& results,
                   const std::vector<TradeScore>& scores,
                   std::ostream& markdown) {
+  const auto& axes = results.work.plan.axes;
   std::vector<std::vector<VarianceShare>> shares;
-  for (const TradeResponse response : kTradeResponses) {
-    shares.push_back(variance_shares(results.work, scores, response));
-  }
-  const std::size_t axes = results.work.plan.axes.size();
   markdown
       << "\n## Which settings matter\n\n"
          "Share of the variance over the points (omega squared, %) ± 95 %: of single settings, "
          "then of the pairs that matter most, beyond what each does alone.\n\n| setting";
-  for (const TradeResponse response : kTradeResponses) markdown << " | " << name_of(response);
+  for (const TradeResponse response : kTradeResponses) {
+    markdown << " | " << name_of(response);
+    shares.push_back(variance_shares(results.work, scores, response));
+  }
   markdown << " |\n| --- | ---: | ---: | ---: |\n";
-  write_share_rows(results, shares, by_share(shares, 0, axes), markdown);
-  auto pairs = by_share(shares, axes, shares.front().size());
-  pairs.resize(std::min(pairs.size(), kMostInteractions));
-  write_share_rows(results, shares, pairs, markdown);
+  std::vector<std::size_t> order = by_share(shares, 0, axes.size());
+  const auto pairs = by_share(shares, axes.size(), shares.front().size());
+  order.insert(order.end(),
+               pairs.begin(),
+               pairs.begin() + std::min<std::ptrdiff_t>(kMostInteractions, std::ssize(pairs)));
+  for (const std::size_t i : order) {
+    const VarianceShare& first = shares.front()[i];
+    markdown << "| `" << axes[first.axis].key << "`";
+    if (first.other != first.axis) markdown << " × `" << axes[first.other].key << "`";
+    for (const auto& of_response : shares) {
+      const VarianceShare& share = of_response[i];
+      markdown << " | " << fixed(100 * share.share, 1) << " ± " << fixed(100 * share.half, 1);
+    }
+    markdown << " |\n";
+  }
 }
 
 }  // namespace
@@ -261,8 +247,8 @@ std::string point_text(const TradeWork& work, std::size_t point, const std::size
   for (std::size_t i = 0; i < work.plan.axes.size(); ++i) {
     const std::string& value = work.points[point].values[i];
     if (from != nullptr && work.points[*from].values[i] == value) continue;
-    text +=
-        (text.empty() ? "" : ", ") + short_name(work.plan.axes[i].key) + " " + plain_value(value);
+    const std::string& key = work.plan.axes[i].key;
+    text += (text.empty() ? "" : ", ") + key.substr(key.rfind('.') + 1) + " " + plain_value(value);
   }
   return text.empty() ? "the same setting" : text;
 }

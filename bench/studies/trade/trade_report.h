@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -37,9 +38,8 @@ std::string trade_markdown(const TradeResults& results);
 nlohmann::ordered_json trade_json(const TradeResults& results);
 /// A point's settings, times and measures.
 nlohmann::ordered_json trade_score_json(const TradeWork& work, const TradeScore& score);
-/// Time against P95 of each part, with its front.
-std::vector<Figure> trade_figures(const TradeResults& results);
-std::string trade_figure_file(const Figure& figure);
+/// Time against P95 of a part, with its front; none of a part without a front.
+std::optional<Figure> trade_figure(const TradeResults::Part& part);
 
 /// "commit 0123456789ab, CPU, 2 threads, GL_RENDERER": what measured.
 std::string measured_by(const Provenance& provenance);

@@ -87,20 +87,20 @@ void check_trade(const TradeWork& work) {
 }
 
 std::vector<TradeUnit> trade_units(const TradeWork& work) {
-  using Place = std::tuple<std::size_t, std::string, std::size_t, std::string, std::size_t>;
-  std::vector<Place> places;
+  using Position = std::tuple<std::size_t, std::string, std::size_t, std::string, std::size_t>;
+  std::vector<Position> positions;
   for (std::size_t point = 0; point < work.points.size(); ++point) {
     const std::string scan = scan_values(work.plan, work.points[point]);
     const std::string slices = slice_values(work.plan, work.points[point]);
     for (std::size_t scene = 0; scene < work.plan.scenes.size(); ++scene) {
       for (std::size_t seed = 0; seed < work.plan.seeds.size(); ++seed) {
-        places.emplace_back(scene, scan, seed, slices, point);
+        positions.emplace_back(scene, scan, seed, slices, point);
       }
     }
   }
-  std::sort(places.begin(), places.end());
+  std::sort(positions.begin(), positions.end());
   std::vector<TradeUnit> units;
-  for (const auto& [scene, scan, seed, slices, point] : places) {
+  for (const auto& [scene, scan, seed, slices, point] : positions) {
     units.push_back({scene, point, seed});
   }
   return units;

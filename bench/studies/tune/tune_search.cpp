@@ -98,8 +98,8 @@ struct Problem {
 SearchPoint random_point(const std::vector<SearchAxis>& axes, std::mt19937_64& random) {
   SearchPoint point;
   for (const SearchAxis& axis : axes) {
-    const double place = unit_interval(random());
-    point.push_back(axis.levels == 0 ? place : std::floor(place * axis.levels));
+    const double share = unit_interval(random());
+    point.push_back(axis.levels == 0 ? share : std::floor(share * axis.levels));
   }
   return point;
 }

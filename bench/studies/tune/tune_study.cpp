@@ -14,7 +14,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kNotFormed = 1e6;
-
 constexpr double kNearEnd = 0.03;
 constexpr std::size_t kMostScans = 12;  // kept at a time: some 100 MB each at the default scan
 
@@ -150,12 +149,9 @@ class Tuning {
   std::vector<std::size_t> best_first() const {
     std::vector<std::size_t> points;
     for (const auto& [point, score] : scores_) points.push_back(point);
-    const auto key = [&](std::size_t point) {
+    std::ranges::stable_sort(points, {}, [&](std::size_t point) {
       const SearchValue value = value_of(scores_.at(point));
       return std::pair(value.excess, value.goal);
-    };
-    std::stable_sort(points.begin(), points.end(), [&](std::size_t a, std::size_t b) {
-      return key(a) < key(b);
     });
     return points;
   }
@@ -181,9 +177,8 @@ class Tuning {
 
   /// The best ones on fresh seeds, one after the other until one holds.
   void confirm() {
-    TradeWork fresh = results_.work;
-    fresh.plan.seeds = seeds_from(plan().seeds.back() + 1, results_.options.fresh_seeds);
-    results_.fresh_seeds = fresh.plan.seeds;
+    results_.fresh_seeds = seeds_from(plan().seeds.back() + 1, results_.options.fresh_seeds);
+    const TradeWork fresh = work_on(plan().scenes, results_.fresh_seeds);
     Scorer scorer(fresh, {}, context_, cache_);
     for (const std::size_t point : best_first()) {
       const TradeScore& searched = scores_.at(point);
@@ -204,25 +199,26 @@ class Tuning {
   void judge() {
     const TuneCandidate* chosen = results_.chosen();
     if (chosen == nullptr) return;
-    results_.at_an_end = keys_at_an_end(plan(), results_.work.points[chosen->point]);
-    judge_seeds(chosen->point);
-    if (plan().unseen.empty()) return;
-    TradeWork unseen = results_.work;
-    unseen.plan.scenes = plan().unseen;
-    unseen.plan.seeds = results_.fresh_seeds;
+    const std::size_t point = chosen->point;
+    results_.at_an_end = keys_at_an_end(plan(), results_.work.points[point]);
+    if (results_.options.judging_seeds > 0) {
+      const auto seeds =
+          seeds_from(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
+      const TradeWork judging = work_on(plan().scenes, seeds);
+      results_.judged = Scorer(judging, {}, context_, cache_).score(point);
+    }
+    const TradeWork unseen = work_on(plan().unseen, results_.fresh_seeds);
     Scorer scorer(unseen, {}, context_, cache_);
-    for (std::size_t scene = 0; scene < unseen.plan.scenes.size(); ++scene) {
-      results_.unseen.push_back(
-          {unseen.plan.scenes[scene].name, scorer.score(chosen->point, {scene})});
+    for (const std::size_t scene : all_scenes(unseen.plan)) {
+      results_.unseen.push_back({plan().unseen[scene].name, scorer.score(point, {scene})});
     }
   }
 
-  void judge_seeds(std::size_t point) {
-    if (results_.options.judging_seeds == 0) return;
-    TradeWork judging = results_.work;
-    judging.plan.seeds =
-        seeds_from(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
-    results_.judged = Scorer(judging, {}, context_, cache_).score(point);
+  TradeWork work_on(std::vector<NamedOptions> scenes, std::vector<std::uint64_t> seeds) const {
+    TradeWork work = results_.work;
+    work.plan.scenes = std::move(scenes);
+    work.plan.seeds = std::move(seeds);
+    return work;
   }
 
   render::GlContext& context_;
