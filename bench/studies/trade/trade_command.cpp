@@ -1,5 +1,5 @@
 // Time against error over a plan's settings.
-#include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
