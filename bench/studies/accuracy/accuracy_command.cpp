@@ -12,6 +12,7 @@
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
+#include "bench/studies/validate/seeds.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {
@@ -32,8 +33,9 @@ AccuracyPlan plan_of(const Arguments& arguments) {
   AccuracyPlan plan = !file.empty() && is_accuracy_plan(file)
                           ? load_accuracy_plan(file)
                           : accuracy_plan_of_scene(file, arguments.plan.settings);
-  if (!arguments.settings.empty()) plan.settings = load_settings(arguments.settings);
-  if (arguments.seeds > 0) plan.seeds = seed_list(plan.seeds.front(), arguments.seeds);
+  if (!arguments.settings.empty())
+    plan.settings = load_option_tables(arguments.settings, "settings");
+  if (arguments.seeds > 0) plan.seeds = seeds_from(plan.seeds.front(), arguments.seeds);
   return plan;
 }
 

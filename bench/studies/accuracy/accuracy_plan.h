@@ -18,7 +18,7 @@ struct NamedOptions {
 };
 
 /// In TOML:
-///   seeds = 10                             # so many, from first_seed on
+///   seeds = 10                             # number of seeds, from first_seed on
 ///   first_seed = 1
 ///   rungs = ["field", "scatterers"]
 ///   reference = "paper"                    # the setting that others are compared with
@@ -40,24 +40,36 @@ struct AccuracyPlan {
 
 inline constexpr int kMostSeeds = 1000;
 
+/// Throws UserError "SOURCE: KEY: ALLOWED".
+[[noreturn]] void refuse_plan(const std::string& source,
+                              const std::string& key,
+                              const std::string& allowed);
+
+/// Refuses the first of `given`, the keys of a plan, that is not one of `known`.
+void refuse_unknown_keys(const std::vector<std::string>& given,
+                         const std::vector<std::string>& known,
+                         const std::string& source);
+
+/// The tables [KEY.NAME] of a plan, one or more. Where KEY is "settings" they hold [render] alone.
+/// Throws UserError.
+std::vector<NamedOptions> load_option_tables(const std::filesystem::path& path,
+                                             const std::string& key);
+
+/// The table [KEY] of a plan, without settings where the plan has none. Throws UserError.
+NamedOptions load_option_table(const std::filesystem::path& path, const std::string& key);
+
 /// Whether a file is a plan, not a scene: it has one of the plan's tables. Throws UserError.
 bool is_accuracy_plan(const std::filesystem::path& path);
 
 /// Throws UserError "FILE: key = value: what is allowed". What scenes and settings hold is not yet
-/// looked at.
+/// checked.
 AccuracyPlan load_accuracy_plan(const std::filesystem::path& path);
 
-/// Of one scene and its own settings: the scene's rung, or the one that it would choose.
+/// The plan of one scene with its own settings, on the rung that it names or would choose.
 AccuracyPlan accuracy_plan_of_scene(const std::filesystem::path& path,
                                     const std::vector<std::string>& settings);
 
-/// The settings of a plan, or of a file that has nothing else. Throws UserError.
-std::vector<NamedOptions> load_settings(const std::filesystem::path& path);
-
-/// Seeds `first` and so many after it.
-std::vector<std::uint64_t> seed_list(std::uint64_t first, int count);
-
-/// One scene with one setting on one rung, read and checked. `more`: of --set, for all.
+/// One scene with one setting on one rung, read and checked. `more`: settings of --set, for all.
 /// Throws UserError.
 Scene planned_scene(const AccuracyPlan& plan,
                     const NamedOptions& scene,

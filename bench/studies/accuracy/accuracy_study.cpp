@@ -1,8 +1,8 @@
 #include "bench/studies/accuracy/accuracy_study.h"
 
+#include <array>
 #include <limits>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include "bench/evaluation/measures/regions.h"
@@ -119,55 +119,53 @@ class Study {
   const AccuracyNote& note_;
 };
 
-/// What the rows of one summary have in common, but for the setting.
-using Place = std::tuple<std::string, std::string, std::string, std::string>;
+/// Scene, rung, group, region and setting of a summary.
+using Key = std::array<std::string, 5>;
+/// The rows of one summary by seed.
+using SeedRows = std::map<std::uint64_t, const AccuracyRow*>;
 
-Place place_of(const AccuracyRow& row) {
-  return {row.scene, row.rung, row.measures.group, row.measures.region};
+Key key_of(const AccuracyRow& row) {
+  return {row.scene, row.rung, row.measures.group, row.measures.region, row.setting};
 }
 
-/// For each seed the values of the measures.
-using BySeed = std::map<std::uint64_t, std::vector<double>>;
-
-/// For each seed the time of the picture.
-using TimeBySeed = std::map<std::uint64_t, double>;
-
-/// Over those of another setting, rendered in turn: seed by seed.
-MeanInterval mean_ratio(const TimeBySeed& times, const TimeBySeed& references) {
-  std::vector<double> ratios;
-  for (const auto& [seed, ms] : times) {
-    const auto other = references.find(seed);
-    if (other != references.end()) ratios.push_back(ms / other->second);
-  }
-  return mean_interval(ratios);
-}
-
-MeanInterval mean_time(const TimeBySeed& times) {
+template <class Value>
+std::vector<double> values_of(const SeedRows& rows, const Value& value) {
   std::vector<double> values;
-  for (const auto& [seed, ms] : times) values.push_back(ms);
-  return mean_interval(values);
+  for (const auto& [seed, row] : rows) values.push_back(value(*row));
+  return values;
 }
 
-std::vector<double> column(const BySeed& values, std::size_t measure) {
-  std::vector<double> result;
-  for (const auto& [seed, row] : values) result.push_back(row[measure]);
+std::vector<double> column(const SeedRows& rows, std::size_t measure) {
+  return values_of(rows, [&](const AccuracyRow& row) { return row.measures.values[measure]; });
+}
+
+/// The rows whose seeds `others` has, too: a region may be empty for one of two settings.
+SeedRows common(const SeedRows& rows, const SeedRows& others) {
+  SeedRows result = rows;
+  std::erase_if(result, [&](const auto& row) { return !others.contains(row.first); });
   return result;
 }
 
-/// Of the seeds that both have: a region may be empty for one of them.
-std::vector<MeanInterval> differences(const BySeed& values, const BySeed& references) {
-  BySeed mine, theirs;
-  for (const auto& [seed, row] : values) {
-    const auto other = references.find(seed);
-    if (other == references.end()) continue;
-    mine[seed] = row;
-    theirs[seed] = other->second;
-  }
-  std::vector<MeanInterval> result;
+/// Differences to the first setting and the ratio of times, seed by seed.
+void compare(const SeedRows& rows, const SeedRows& references, AccuracySummary& summary) {
+  const SeedRows mine = common(rows, references), theirs = common(references, rows);
   for (std::size_t i = 0; i < measure_names().size(); ++i) {
-    result.push_back(paired_difference(column(mine, i), column(theirs, i)));
+    summary.differences.push_back(paired_difference(column(mine, i), column(theirs, i)));
   }
-  return result;
+  summary.render_ratio = mean_interval(values_of(mine, [&](const AccuracyRow& row) {
+    return row.render_ms / theirs.at(row.seed)->render_ms;
+  }));
+}
+
+AccuracySummary summary_of(const Key& key, const SeedRows& rows) {
+  const auto& [scene, rung, group, region, setting] = key;
+  AccuracySummary summary{scene, rung, setting, group, region, {}, {}, {}, {}};
+  for (std::size_t i = 0; i < measure_names().size(); ++i) {
+    summary.means.push_back(mean_interval(column(rows, i)));
+  }
+  summary.render_ms =
+      mean_interval(values_of(rows, [](const AccuracyRow& row) { return row.render_ms; }));
+  return summary;
 }
 
 }  // namespace
@@ -182,30 +180,20 @@ std::size_t accuracy_parts(const std::vector<AccuracyScene>& scenes) {
 
 std::vector<AccuracySummary> summarise(const std::vector<AccuracyRow>& rows,
                                        const std::string& reference) {
-  std::map<std::pair<Place, std::string>, BySeed> values;
-  std::map<std::pair<Place, std::string>, TimeBySeed> times_ms;
-  std::vector<std::pair<Place, std::string>> order;
+  std::map<Key, SeedRows> by_key;
+  std::vector<Key> order;
   for (const AccuracyRow& row : rows) {
-    const std::pair key{place_of(row), row.setting};
-    if (!values.contains(key)) order.push_back(key);
-    values[key][row.seed] = row.measures.values;
-    times_ms[key][row.seed] = row.render_ms;
+    SeedRows& same = by_key[key_of(row)];
+    if (same.empty()) order.push_back(key_of(row));
+    same[row.seed] = &row;
   }
   std::vector<AccuracySummary> summaries;
-  for (const auto& key : order) {
-    const auto& [scene, rung, group, region] = key.first;
-    AccuracySummary summary{scene, rung, key.second, group, region, {}, {}, {}, {}};
-    summary.render_ms = mean_time(times_ms.at(key));
-    const BySeed& mine = values.at(key);
-    for (std::size_t i = 0; i < measure_names().size(); ++i) {
-      summary.means.push_back(mean_interval(column(mine, i)));
-    }
-    const auto other = values.find({key.first, reference});
-    if (key.second != reference && other != values.end()) {
-      summary.differences = differences(mine, other->second);
-      summary.render_ratio = mean_ratio(times_ms.at(key), times_ms.at(other->first));
-    }
-    summaries.push_back(std::move(summary));
+  for (const Key& key : order) {
+    summaries.push_back(summary_of(key, by_key.at(key)));
+    Key other = key;
+    other.back() = reference;
+    if (key == other || !by_key.contains(other)) continue;
+    compare(by_key.at(key), by_key.at(other), summaries.back());
   }
   return summaries;
 }

@@ -35,20 +35,20 @@ struct AccuracyRow {
   std::string setting;
   std::uint64_t seed = 0;
   MeasureRow measures;
-  /// Of the whole picture, all passes of a new volume, rendered once more; of regions NaN.
+  /// Time of the picture: all passes of a new volume, rendered once more; NaN in rows of regions.
   double render_ms = 0;
 };
 
-/// Over the seeds of one scene, rung, setting and region.
+/// Statistics over the seeds of one scene, rung, setting and region.
 struct AccuracySummary {
   std::string scene, rung, setting, group, region;
   std::vector<MeanInterval> means;        ///< of each of measure_names()
   std::vector<MeanInterval> differences;  ///< to the first setting, paired; empty: it is the first
-  MeanInterval render_ms, render_ratio;   ///< to the first setting's; of regions none
+  MeanInterval render_ms, render_ratio;   ///< the ratio is to the first setting's; none of regions
 };
 
 /// What a perfect detector could reach in a scene's first view, outside the band at silhouettes
-/// (docs/decisions/0030-detection-bound.md); losses on the way are left out.
+/// (docs/decisions/0030-detection-bound.md); losses along the stick are left out.
 struct AccuracyBound {
   std::string scene;
   double sticks_m = 0;  ///< PictureBound::between_sticks_m
@@ -58,7 +58,7 @@ struct AccuracyBound {
   double yardstick_m() const { return std::hypot(sticks_m, spacing.rms_m); }
 };
 
-/// Of the first seed.
+/// A picture of the first seed.
 struct AccuracyPicture {
   std::string scene, rung, setting;  ///< setting "truth": the true surface, shaded alike
   Image<glm::vec3> surface;

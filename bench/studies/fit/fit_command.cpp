@@ -1,5 +1,4 @@
 // Registration with its errors planted, and the detection-error model.
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,9 +6,8 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
@@ -80,8 +78,8 @@ void refuse_too_few_points(const Registration& registration) {
                   std::to_string(kLeastPoints) + " to fit");
 }
 
-void stage_results(OutputFolder& out, const FitResults& results, const Provenance& provenance) {
-  out.write_text("fit.md", fit_markdown(results, provenance));
+void stage_results(OutputFolder& out, const FitResults& results, const std::string& markdown) {
+  out.write_text("fit.md", markdown);
   out.write_text("correction.json", correction_text(results.correction));
   out.write_text("fit_terms.csv", terms_csv(results.model.model));
   out.write_text("fit_held_out.csv", judgements_csv(results.model));
@@ -121,23 +119,23 @@ int fit(const Arguments& arguments) {
   const JudgedScenes judged = judged_scenes(arguments);
   check_memory_of_run(scene, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"phantom", 40},
-                     {"register", 3},
-                     {"coverage", 1.5 * (arguments.coverage + kReferenceSeeds)},
-                     {"model", 60.0 + 60.0 * arguments.seeds}});
-  const FitResults results = measure(scene, judged, arguments, *context, progress);
-
-  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
-  Json report = report_head("fit", provenance, scene);
-  report["acquisition"] = acquisition_json(scene.plan());
-  report["fit"] = fit_json(results);
-  report["wall_ms"] = wall_json(progress.times());
-  stage_results(out, results, provenance);
-  out.write_text("report.json", report_text(report));
-  out.commit();
-  std::cout << (arguments.output.json ? report_text(report) : fit_markdown(results, provenance));
-  return 0;
+  const std::vector<PlannedStep> steps = {
+      {"phantom", 40},
+      {"register", 3},
+      {"coverage", 1.5 * (arguments.coverage + kReferenceSeeds)},
+      {"model", 60.0 + 60.0 * arguments.seeds}};
+  const auto fit_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    const FitResults results = measure(scene, judged, arguments, *context, progress);
+    const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
+    Json report = report_head("fit", provenance, scene);
+    report["acquisition"] = acquisition_json(scene.plan());
+    report["fit"] = fit_json(results);
+    report["wall_ms"] = wall_json(progress.times());
+    const std::string markdown = fit_markdown(results, provenance);
+    stage_results(out, results, markdown);
+    return {.report = report_text(report), .summary = markdown};
+  };
+  return run_in_folder(arguments.output, steps, fit_and_write);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace wobblebench::bench {
 
 struct FitResults {
-  Registration known_pose;     ///< of the scene's picture, the phantom where it is
+  Registration known_pose;     ///< of the scene's picture, with the phantom's pose held
   Registration nothing_known;  ///< pose and probe at once
   std::optional<Coverage> coverage;
   ModelStudy model;
@@ -25,15 +25,15 @@ struct FitResults {
 /// Sets "fit" of report.json.
 nlohmann::ordered_json fit_json(const FitResults& results);
 std::string fit_markdown(const FitResults& results, const Provenance& provenance);
-/// One row a term.
+/// One row for each term.
 std::string terms_csv(const DetectionModel& model);
-/// One row a set of scans.
+/// One row for each set of scans and rung.
 std::string judgements_csv(const ModelStudy& study);
-/// One row a bin of held-out residuals.
+/// One row for each bin of held-out residuals.
 std::string residuals_csv(const ModelStudy& study);
-/// One row a seed and parameter.
+/// One row for each seed and parameter.
 std::string coverage_csv(const Coverage& coverage);
-/// Mean residuals against incidence, range and contrast; and maps of error, bias and what is left.
+/// Mean residuals against incidence, range and contrast; and maps of error, bias and residual.
 std::vector<Figure> fit_figures(const ModelStudy& study);
 
 }  // namespace wobblebench::bench

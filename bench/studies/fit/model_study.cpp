@@ -1,61 +1,183 @@
 #include "bench/studies/fit/model_study.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "base/statistics.h"
+#include "base/units.h"
 #include "bench/evaluation/evaluator.h"
 #include "bench/studies/fit/fit_scans.h"
-#include "bench/studies/fit/scan_sets.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Training takes every second pixel each way: neighbours say the same.
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Training takes every second pixel of every second row: errors of neighbours are correlated.
 constexpr int kTrainingStride = 2;
 constexpr EvaluationChoice kDepthsAlone = {{.shaded = false, .distance = false}, false};
 
-ScannedErrors compare(const render::Picture& picture, const Truth& truth, Image<PixelTerms> terms) {
-  ScannedErrors result{{terms.width, terms.height, kNoSurface}, std::move(terms), 0};
+/// One scan: its picture, the errors of that, and what was measured of its pixels.
+struct Scan {
+  Image<float> error_m;  ///< NaN: no error
+  Image<PixelTerms> terms;
+  double other_surface_percent = 0;
+  Evaluation scored;
+};
+
+/// Quantities by which errors are averaged, in bins of equal width.
+struct BinnedQuantity {
+  const char* name;
+  double low, high;
+  int count;
+};
+constexpr std::array<BinnedQuantity, 3> kBinned = {
+    {{"incidence_deg", 0, 75, 15}, {"range_mm", 20, 160, 14}, {"contrast", 0, 0.45, 9}}};
+constexpr int kLeastPixels = 50;  // of a bin
+
+std::array<double, kBinned.size()> binned_values(const PixelTerms& pixel) {
+  return {static_cast<double>(pixel.incidence_rad) / kDegree,
+          static_cast<double>(pixel.x[kDepthTerm]) + 75,
+          static_cast<double>(pixel.x[kContrastTerm])};
+}
+
+/// Correlation over the pixels that both have; NaN where one does not vary.
+double picture_correlation(const Image<float>& one, const Image<float>& other) {
+  std::vector<double> a, b;
+  for (std::size_t i = 0; i < one.pixels.size(); ++i) {
+    if (!std::isfinite(one.pixels[i]) || !std::isfinite(other.pixels[i])) continue;
+    a.push_back(static_cast<double>(one.pixels[i]));
+    b.push_back(static_cast<double>(other.pixels[i]));
+  }
+  return correlation(a, b);
+}
+
+/// Adds the errors of one of 1 / `share` scans.
+void add_effect(const PictureMeasures& measures, double share, PictureEffect& effect) {
+  effect.median_mm += share * measures.raw.depth.median_m / kMillimetre;
+  effect.p95_mm += share * measures.raw.depth.p95_m / kMillimetre;
+  effect.missed_percent += share * measures.raw.missed_percent();
+  effect.false_percent += share * measures.raw.false_percent();
+  for (const RegionError& region : measures.regions) {
+    if (region.group != "silhouette" || region.name != "outside") continue;
+    effect.outside_rms_mm += share * region.depth.rms_m / kMillimetre;
+  }
+}
+
+/// Mean correlation of the errors of two scans.
+double reproducible_variance(const std::vector<Scan>& scans) {
+  double sum = 0, pairs = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (std::size_t j = i + 1; j < scans.size(); ++j, ++pairs) {
+      sum += picture_correlation(scans[i].error_m, scans[j].error_m);
+    }
+  }
+  return pairs > 0 ? sum / pairs : kNone;
+}
+
+Judgement judge(const std::string& name,
+                const std::string& of,
+                const std::vector<ErrorRow>& rows,
+                const DetectionModel& model) {
+  Judgement result{.name = name, .of = of, .pixels = static_cast<int>(rows.size())};
+  if (rows.empty()) return result;
+  const auto n = static_cast<double>(rows.size());
+  double sum = 0, squares = 0, left_sum = 0, left_squares = 0, one = 0, two = 0;
+  for (const ErrorRow& row : rows) {
+    const double e = static_cast<double>(row.error_m) / kMillimetre;
+    const double left = e - model.bias_m(row.pixel) / kMillimetre;
+    const double spread = model.spread_m(row.pixel) / kMillimetre;
+    sum += e, squares += e * e, left_sum += left, left_squares += left * left;
+    one += std::abs(left) <= spread, two += std::abs(left) <= 2 * spread;
+  }
+  result.mean_before_mm = sum / n;
+  result.mean_after_mm = left_sum / n;
+  result.rms_before_mm = std::sqrt(squares / n);
+  result.rms_after_mm = std::sqrt(left_squares / n);
+  result.explained_variance = 1 - left_squares / (squares - sum * sum / n);
+  result.removed_mean_square = 1 - left_squares / squares;
+  result.reproducible_variance = kNone;
+  result.within_one_percent = 100 * one / n;
+  result.within_two_percent = 100 * two / n;
+  return result;
+}
+
+ResidualPicture residual_picture(const std::string& name,
+                                 const Scan& scan,
+                                 const DetectionModel& model) {
+  ResidualPicture result{name, scan.error_m, scan.error_m, scan.error_m};
+  for (std::size_t i = 0; i < scan.error_m.pixels.size(); ++i) {
+    if (!std::isfinite(scan.error_m.pixels[i])) continue;
+    result.bias_m.pixels[i] = static_cast<float>(model.bias_m(scan.terms.pixels[i]));
+    result.left_m.pixels[i] = scan.error_m.pixels[i] - result.bias_m.pixels[i];
+  }
+  return result;
+}
+
+/// Mean errors in the bins of one quantity that have kLeastPixels.
+std::vector<ResidualBin> residual_bins(std::size_t number,
+                                       const std::vector<ErrorRow>& rows,
+                                       const DetectionModel& model) {
+  const BinnedQuantity& quantity = kBinned[number];
+  const double width = (quantity.high - quantity.low) / quantity.count;
+  std::vector<ResidualBin> bins;
+  for (int i = 0; i < quantity.count; ++i) {
+    bins.push_back({.quantity = quantity.name, .at = quantity.low + (i + 0.5) * width});
+  }
+  for (const ErrorRow& row : rows) {
+    const double bin_at = (binned_values(row.pixel)[number] - quantity.low) / width;
+    if (!(bin_at >= 0) || bin_at >= quantity.count) continue;
+    ResidualBin& bin = bins[static_cast<std::size_t>(bin_at)];
+    const double before_mm = static_cast<double>(row.error_m) / kMillimetre;
+    ++bin.pixels;
+    bin.before_mm += before_mm;
+    bin.after_mm += before_mm - model.bias_m(row.pixel) / kMillimetre;
+  }
+  std::erase_if(bins, [](const ResidualBin& bin) { return bin.pixels < kLeastPixels; });
+  for (ResidualBin& bin : bins) {
+    bin.before_mm /= bin.pixels;
+    bin.after_mm /= bin.pixels;
+  }
+  return bins;
+}
+
+/// Sets the errors of a scan that has its picture and its terms.
+void compare(const Truth& truth, Scan& scan) {
+  scan.error_m = {scan.terms.width, scan.terms.height, kNoSurface};
   int both = 0, other = 0;
   for (std::size_t i = 0; i < truth.depth_m.pixels.size(); ++i) {
-    const float error = picture.depth_m.pixels[i] - truth.depth_m.pixels[i];
-    if (!std::isfinite(error) || !result.terms.pixels[i].measured) continue;
+    const float error = scan.scored.picture.depth_m.pixels[i] - truth.depth_m.pixels[i];
+    if (!std::isfinite(error) || !scan.terms.pixels[i].measured) continue;
     ++both;
     const bool same = std::abs(static_cast<double>(error)) <= kOtherSurface_m;
     other += !same;
-    if (same) result.error_m.pixels[i] = error;
+    if (same) scan.error_m.pixels[i] = error;
   }
-  result.other_surface_percent = both > 0 ? 100.0 * other / both : 0;
-  return result;
+  scan.other_surface_percent = both > 0 ? 100.0 * other / both : 0;
 }
 
 /// The scans of one set.
 class SetScans {
  public:
   SetScans(const ScanSet& set, PhantomCache& cache, render::GlContext& context)
-      : set_(set),
-        evaluator_(small(set.scene), context, cache),
+      : evaluator_(small(set.scene), context, cache),
         options_(evaluator_.scene().render),
         meter_(evaluator_.scene().plan(), evaluator_.scene().simulation, options_) {}
 
   render::Camera camera() const { return render::make_camera(options_); }
   double step_mm() const { return render::step_m(options_) / kMillimetre; }
 
-  /// Calls body(errors, picture, measures) for each seed.
-  template <class Body>
-  void for_each_seed(sim::Rung rung, PartCount& parts, const Body& body) {
-    for (const std::uint64_t seed : set_.seeds) {
-      evaluator_.scan(rung, seed);
-      const Evaluation scored = evaluator_.evaluate(options_, kDepthsAlone);
-      body(compare(scored.picture,
-                   evaluator_.truth(options_).truth,
-                   meter_.measure(scored.picture.filtered_depth_m, evaluator_.sticks())),
-           scored.picture,
-           scored.measures);
-      parts.finish_one();
-    }
+  Scan scan(sim::Rung rung, std::uint64_t seed) {
+    evaluator_.scan(rung, seed);
+    Scan scan;
+    scan.scored = evaluator_.evaluate(options_, kDepthsAlone);
+    scan.terms = meter_.measure(scan.scored.picture.filtered_depth_m, evaluator_.sticks());
+    compare(evaluator_.truth(options_).truth, scan);
+    return scan;
   }
 
   PictureMeasures measure(const render::Picture& picture) {
@@ -70,13 +192,12 @@ class SetScans {
     return scene;
   }
 
-  const ScanSet& set_;
   Evaluator evaluator_;
   render::RenderOptions options_;
   TermMeter meter_;
 };
 
-void add_rows(const ScannedErrors& scan,
+void add_rows(const Scan& scan,
               const render::Camera& camera,
               int set,
               int stride,
@@ -85,7 +206,7 @@ void add_rows(const ScannedErrors& scan,
     for (int column = 0; column < scan.error_m.width; column += stride) {
       const float error = scan.error_m.at(column, row);
       if (!std::isfinite(error)) continue;
-      // One block for all seeds at a place: what the model leaves there is the same in each.
+      // Pixels at one position have one block for all seeds: their residuals are correlated.
       const std::int64_t block = error_block(camera, column, row) + (std::int64_t{set} << 48);
       rows.push_back({scan.terms.at(column, row), error, block, set});
     }
@@ -108,43 +229,33 @@ render::Picture less_bias(render::Picture picture,
   return picture;
 }
 
-/// Collects the held-out sets, one after the other.
-struct HeldOut {
-  ModelStudy& study;
-  PartCount& parts;
-  std::vector<ErrorRow> all;
-
-  void add(const ScanSet& set, SetScans& scans) {
-    for (const sim::Rung rung : rungs_of_fit(set.scene)) {
-      std::vector<ErrorRow> rows;
-      std::vector<ScannedErrors> errors;
-      PictureEffect found, corrected;
-      const double share = 1.0 / static_cast<double>(set.seeds.size());
-      double other = 0;
-      scans.for_each_seed(
-          rung,
-          parts,
-          [&](ScannedErrors scan, const render::Picture& picture, const PictureMeasures& measures) {
-            add_rows(scan, scans.camera(), 0, 1, rows);
-            other += share * scan.other_surface_percent;
-            found.add(measures, share);
-            corrected.add(scans.measure(less_bias(picture, scan.terms, study.model)), share);
-            errors.push_back(std::move(scan));
-          });
-      Judgement judgement = judge(set.name, set.of, rows, study.model);
-      judgement.rung = sim::to_string(rung);
-      judgement.other_surface_percent = other;
-      judgement.reproducible_variance = reproducible_variance(errors);
-      judgement.found = found;
-      judgement.corrected = corrected;
-      study.held_out.push_back(judgement);
-      if (rung == rungs_of_fit(set.scene).front()) {
-        study.pictures.push_back(residual_picture(set.name, errors.front(), study.model));
-      }
-      all.insert(all.end(), rows.begin(), rows.end());
-    }
+/// Judges the scans of a held-out set on one rung, and adds their pixels to `all`.
+void judge_set(const ScanSet& set,
+               sim::Rung rung,
+               const std::vector<Scan>& scans,
+               SetScans& source,
+               std::vector<ErrorRow>& all,
+               ModelStudy& study) {
+  std::vector<ErrorRow> rows;
+  PictureEffect found, corrected;
+  const double share = 1.0 / static_cast<double>(scans.size());
+  double other = 0;
+  for (const Scan& scan : scans) {
+    add_rows(scan, source.camera(), 0, 1, rows);
+    other += share * scan.other_surface_percent;
+    add_effect(scan.scored.measures, share, found);
+    const auto less = less_bias(scan.scored.picture, scan.terms, study.model);
+    add_effect(source.measure(less), share, corrected);
   }
-};
+  Judgement judgement = judge(set.name, set.of, rows, study.model);
+  judgement.rung = sim::to_string(rung);
+  judgement.other_surface_percent = other;
+  judgement.reproducible_variance = reproducible_variance(scans);
+  judgement.found = found;
+  judgement.corrected = corrected;
+  study.held_out.push_back(judgement);
+  all.insert(all.end(), rows.begin(), rows.end());
+}
 
 void train(const std::vector<ScanSet>& sets,
            PhantomCache& cache,
@@ -154,17 +265,16 @@ void train(const std::vector<ScanSet>& sets,
   std::vector<ErrorRow> rows;
   double other = 0;
   for (std::size_t i = 0; i < sets.size(); ++i) {
-    SetScans scans(sets[i], cache, context);
-    if (i == 0) study.step_mm = scans.step_mm();
+    SetScans source(sets[i], cache, context);
+    if (i == 0) study.step_mm = source.step_mm();
     for (const sim::Rung rung : rungs_of_fit(sets[i].scene)) {
-      scans.for_each_seed(
-          rung,
-          parts,
-          [&](const ScannedErrors& scan, const render::Picture&, const PictureMeasures&) {
-            add_rows(scan, scans.camera(), static_cast<int>(i), kTrainingStride, rows);
-            other += scan.other_surface_percent;
-            ++study.training_scans;
-          });
+      for (const std::uint64_t seed : sets[i].seeds) {
+        const Scan scan = source.scan(rung, seed);
+        add_rows(scan, source.camera(), static_cast<int>(i), kTrainingStride, rows);
+        other += scan.other_surface_percent;
+        ++study.training_scans;
+        parts.finish_one();
+      }
     }
   }
   study.choice = choose_terms(rows, folds_of(sets));
@@ -187,14 +297,26 @@ ModelStudy study_detection_model(const Scene& scene,
   PartCount parts(scans_in(training) + scans_in(held_out), done);
   ModelStudy study;
   train(training, cache, context, parts, study);
-  HeldOut judged{study, parts, {}};
+  std::vector<ErrorRow> all;
   for (const ScanSet& set : held_out) {
-    SetScans scans(set, cache, context);
-    judged.add(set, scans);
+    SetScans source(set, cache, context);
+    for (const sim::Rung rung : rungs_of_fit(set.scene)) {
+      std::vector<Scan> scans;
+      for (const std::uint64_t seed : set.seeds) {
+        scans.push_back(source.scan(rung, seed));
+        parts.finish_one();
+      }
+      judge_set(set, rung, scans, source, all, study);
+      if (rung != rungs_of_fit(set.scene).front()) continue;
+      study.pictures.push_back(residual_picture(set.name, scans.front(), study.model));
+    }
   }
-  study.all_held_out = judge("all held out", "", judged.all, study.model);
-  study.all_held_out.reproducible_variance = std::numeric_limits<double>::quiet_NaN();
-  study.bins = residual_bins(judged.all, study.model);
+  study.all_held_out = judge("all held out", "", all, study.model);
+  study.all_held_out.reproducible_variance = kNone;
+  for (std::size_t i = 0; i < kBinned.size(); ++i) {
+    const auto bins = residual_bins(i, all, study.model);
+    study.bins.insert(study.bins.end(), bins.begin(), bins.end());
+  }
   return study;
 }
 

@@ -11,20 +11,40 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::array<int, 4> kPlanted = {kScale, kBias, kMotorAngle, kWobbleRadius};
-/// Reference seeds begin so far behind the scene's seed.
+constexpr RegistrationParameter kPlanted[] = {kScale, kBias, kMotorAngle, kWobbleRadius};
+/// The first reference seed less the scene's seed.
 constexpr std::uint64_t kReferenceOffset = 100'000;
+constexpr double kMostDepth_m = 0.4;
+
+/// The true value less the one that renderer and fit assume, by RegistrationParameter.
+using PlantedErrors = std::array<double, kRegistrationParameters>;
+
+/// The sign turns where the scene's probe would leave a range.
+PlantedErrors plantable(const Scene& scene) {
+  PlantedErrors errors{};
+  errors[kScale] = 0.01;
+  errors[kBias] = 0.5e-3;
+  errors[kMotorAngle] = 1 * kDegree;
+  errors[kWobbleRadius] = 1e-3;
+  if (scene.probe.wobble_radius_m + errors[kWobbleRadius] > scene.probe.radius_m) {
+    errors[kWobbleRadius] = -errors[kWobbleRadius];
+  }
+  if (scene.acquisition.depth_m * (1 + errors[kScale]) > kMostDepth_m) {
+    errors[kScale] = -errors[kScale];
+  }
+  return errors;
+}
 
 /// The scene whose probe has the errors.
 Scene with_errors(Scene scene, const PlantedErrors& errors) {
-  scene.probe.wobble_radius_m += errors.wobble_radius_m;
+  scene.probe.wobble_radius_m += errors[kWobbleRadius];
   // Sound that is faster than the scanner assumes brings its samples from farther away.
-  scene.acquisition.depth_m *= 1 + errors.scale;
+  scene.acquisition.depth_m *= 1 + errors[kScale];
   return scene;
 }
 
-/// What a motor that stands off by an angle sees, seen by one that does not: the subject turned the
-/// other way about the wobble axis.
+/// The subject as a motor sees it whose angle is `offset_rad` off: turned by the opposite angle
+/// about the wobble axis.
 phantoms::PlacedPhantom seen_by_motor(phantoms::PlacedPhantom subject,
                                       const hw::ProbeGeometry& probe,
                                       double offset_rad) {
@@ -47,9 +67,9 @@ class PlantedScans {
   /// z, with the bias added.
   Image<float> depth(std::uint64_t seed, const PlantedErrors& errors) {
     const Scene truth = with_errors(scene_, errors);
-    const auto subject = seen_by_motor(subject_, truth.plan().geometry(), errors.motor_angle_rad);
+    const auto subject = seen_by_motor(subject_, truth.plan().geometry(), errors[kMotorAngle]);
     auto picture = render_frames(renderer_, scan_with_seed(truth, seed, subject, phantom_.maps));
-    for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors.bias_m);
+    for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors[kBias]);
     return picture.depth_m;
   }
   Image<float> distances(const Image<float>& depth_m) const {
@@ -67,47 +87,38 @@ class PlantedScans {
   SurfaceRegistration registration_;
 };
 
-struct MeanDeviation {
-  double mean = 0;
-  double deviation = 0;
-};
+bool holds(const Registration& fit, RegistrationParameter parameter, double value) {
+  return fit.low[parameter] <= value && value <= fit.high[parameter];
+}
 
-MeanDeviation mean_deviation(const std::vector<PlantedSeed>& fits, int parameter) {
-  const auto slot = static_cast<std::size_t>(parameter);
-  const auto n = static_cast<double>(fits.size());
-  MeanDeviation result;
-  for (const auto& fit : fits) result.mean += fit.fit.value[slot] / n;
+PlantedParameter summarise(RegistrationParameter parameter,
+                           double planted,
+                           const Coverage& coverage) {
+  PlantedParameter result{.parameter = parameter, .planted = planted};
+  const auto n = static_cast<double>(coverage.seeds.size());
   double squares = 0;
-  for (const auto& fit : fits) squares += std::pow(fit.fit.value[slot] - result.mean, 2);
-  result.deviation = n > 1 ? std::sqrt(squares / (n - 1)) : 0;
-  return result;
-}
-
-bool holds(const Registration& fit, int parameter, double value) {
-  const auto slot = static_cast<std::size_t>(parameter);
-  return fit.low[slot] <= value && value <= fit.high[slot];
-}
-
-PlantedParameter summarise(int parameter, const PlantedErrors& errors, const Coverage& coverage) {
-  const auto slot = static_cast<std::size_t>(parameter);
-  const auto found = mean_deviation(coverage.seeds, parameter);
-  PlantedParameter result{parameter, errors.of(parameter), found.mean, found.deviation, 0, 0, 0};
   for (const auto& [seed, fit] : coverage.seeds) {
-    result.half_width +=
-        0.5 * (fit.high[slot] - fit.low[slot]) / static_cast<double>(coverage.seeds.size());
-    result.covered += holds(fit, parameter, result.planted);
+    result.mean += fit.value[parameter] / n;
+    result.half_width += 0.5 * (fit.high[parameter] - fit.low[parameter]) / n;
+    result.covered += holds(fit, parameter, planted);
   }
-  for (const auto& [seed, fit] : coverage.reference)
+  for (const auto& [seed, fit] : coverage.seeds) {
+    squares += std::pow(fit.value[parameter] - result.mean, 2);
+  }
+  result.deviation = n > 1 ? std::sqrt(squares / (n - 1)) : 0;
+  for (const auto& [seed, fit] : coverage.reference) {
     result.held_nothing += holds(fit, parameter, 0);
+  }
   return result;
 }
 
-/// Pictures without planted errors: what of their distances repeats.
+/// Distances of the pictures without planted errors.
 class ReferenceDistances {
  public:
   void add(Image<float> distances_m) { all_.push_back(std::move(distances_m)); }
 
-  /// Of all but one, where at least half of them have a distance. `left_out` < 0: of all.
+  /// Mean without the picture `left_out` (< 0: of all), where at least half of them have a
+  /// distance.
   Image<float> mean(int left_out = -1) const {
     Image<float> result(all_.front().width, all_.front().height, kNoSurface);
     for (std::size_t i = 0; i < result.pixels.size(); ++i) {
@@ -118,7 +129,8 @@ class ReferenceDistances {
     return result;
   }
 
-  /// The variance of the mean over seeds is of both parts; that of what is random is taken off it.
+  /// Parts of the distances that repeat and that do not. The mean over seeds holds 1 / n of the
+  /// random part's variance, which is subtracted.
   void split(Coverage& coverage) const {
     double repeatable = 0, random = 0, n = 0;
     for (std::size_t i = 0; i < all_.front().pixels.size(); ++i) {
@@ -156,31 +168,6 @@ class ReferenceDistances {
 
 }  // namespace
 
-double PlantedErrors::of(int parameter) const {
-  switch (parameter) {
-    case kScale:
-      return scale;
-    case kBias:
-      return bias_m;
-    case kMotorAngle:
-      return motor_angle_rad;
-    case kWobbleRadius:
-      return wobble_radius_m;
-    default:
-      return 0;
-  }
-}
-
-PlantedErrors plantable(const Scene& scene) {
-  PlantedErrors errors;
-  if (scene.probe.wobble_radius_m + errors.wobble_radius_m > scene.probe.radius_m) {
-    errors.wobble_radius_m = -errors.wobble_radius_m;
-  }
-  constexpr double kMostDepth_m = 0.4;
-  if (scene.acquisition.depth_m * (1 + errors.scale) > kMostDepth_m) errors.scale = -errors.scale;
-  return errors;
-}
-
 Coverage measure_coverage(const Scene& scene,
                           const LoadedPhantom& phantom,
                           int seeds,
@@ -189,7 +176,7 @@ Coverage measure_coverage(const Scene& scene,
   PlantedScans scans(scene, phantom, context);
   PartCount parts(static_cast<std::size_t>(seeds) + kReferenceSeeds, done);
   Coverage coverage;
-  const PlantedErrors none{0, 0, 0, 0}, planted = plantable(scene);
+  const PlantedErrors none{}, planted = plantable(scene);
   const std::uint64_t first = scene.simulation.seed;
   ReferenceDistances reference;
   std::vector<Image<float>> unplanted;
@@ -208,8 +195,8 @@ Coverage measure_coverage(const Scene& scene,
     coverage.seeds.push_back({seed, scans.difference(scans.depth(seed, planted), expected_m)});
     parts.finish_one();
   }
-  for (const int parameter : kPlanted) {
-    coverage.parameters.push_back(summarise(parameter, planted, coverage));
+  for (const RegistrationParameter parameter : kPlanted) {
+    coverage.parameters.push_back(summarise(parameter, planted[parameter], coverage));
   }
   return coverage;
 }

@@ -21,7 +21,7 @@ namespace wobblebench::bench {
 struct DepthAgreement {
   std::int64_t pixels = 0;
   std::int64_t both_hit = 0;
-  std::int64_t one_hit = 0;    ///< a surface in one of the pictures alone
+  std::int64_t one_hit = 0;    ///< a surface in only one of the pictures
   std::int64_t elsewhere = 0;  ///< in both, more than kSameSurfaceSteps apart
   double rms_steps = 0;        ///< over the pixels that both hit, `elsewhere` left out
   double rms_all_steps = 0;    ///< over all that both hit
@@ -56,8 +56,8 @@ struct ModeAgreement {
   DepthAgreement depth;
 };
 
-/// Renders the volume in both modes from each of five_directions(), both with the given semantics
-/// of the 3D kernel. Throws as render::Renderer does.
+/// Renders the volume in both modes from each of five_directions(); in both the 3D kernel lies as
+/// `options` say. Throws as render::Renderer does.
 std::vector<ModeAgreement> measure_mode_agreement(const std::string& phantom,
                                                   const hw::PolarVolume& volume,
                                                   const render::RenderOptions& options,

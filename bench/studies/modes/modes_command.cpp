@@ -1,17 +1,19 @@
 // Whether mode fast renders the same picture as mode plain.
 #include <algorithm>
-#include <iostream>
+#include <cmath>
+#include <iomanip>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/studies/modes/mode_agreement.h"
-#include "bench/studies/modes/modes_report.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {
@@ -61,32 +63,98 @@ void refuse_compared_settings(const Scene& scene) {
   }
 }
 
+std::string heading(const Scene& scene, const Provenance& provenance) {
+  const auto& o = scene.render.ray_casting;
+  std::ostringstream text;
+  text << "# Mode fast against mode plain\n\nWritten by `wobblebench modes`. CPU: "
+       << provenance.cpu << ", " << provenance.threads << " threads. GL: " << provenance.gl_backend
+       << ", " << provenance.gl_renderer << ". Commit: " << provenance.commit
+       << ". Seed: " << provenance.seed << ". Sticks: simulated.\n\nOne volume of each phantom, "
+       << o.image_size << "² rays of " << o.steps << " steps; the " << o.kernel_3d
+       << "³ kernel lies "
+       << (o.kernel_space == render::KernelSpace::slice ? "in the slices" : "along the ray")
+       << " in both modes. z: ray length at the surface, in steps. Changed: pixels where one mode "
+          "alone found a surface, and those where both did, but more than "
+       << kSameSurfaceSteps
+       << " step apart: there Difference meets the threshold within rounding, and the ray goes on "
+          "to "
+          "another edge. Asked: z within "
+       << kMostRmsSteps << " steps RMS, and " << kMostChangedPercent
+       << " % of the pixels changed at most. The last columns leave nothing out.\n\n";
+  return text.str();
+}
+
+std::string modes_markdown(const Rows& rows, const Scene& scene, const Provenance& provenance) {
+  std::ostringstream text;
+  text << heading(scene, provenance)
+       << "| phantom | from | yaw, pitch (deg) | found by both | by one | elsewhere | changed % | "
+          "RMS steps | | RMS of all | greatest |\n"
+          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | --- | ---: | ---: |\n"
+       << std::setprecision(2);
+  for (const ModeAgreement& row : rows) {
+    const DepthAgreement& d = row.depth;
+    text << "| " << row.phantom << " | " << row.direction.name << " | "
+         << std::lround(row.direction.yaw_rad / kDegree) << ", "
+         << std::lround(row.direction.pitch_rad / kDegree) << " | " << d.both_hit << " | "
+         << d.one_hit << " | " << d.elsewhere << " | " << d.changed_percent() << " | "
+         << d.rms_steps << " | " << (d.same() ? "same" : "DIFFERS") << " | " << d.rms_all_steps
+         << " | " << d.worst_steps << " |\n";
+  }
+  return text.str();
+}
+
+Json rows_json(const Rows& rows) {
+  Json list = Json::array();
+  for (const ModeAgreement& row : rows) {
+    const DepthAgreement& d = row.depth;
+    list.push_back({{"phantom", row.phantom},
+                    {"yaw_deg", row.direction.yaw_rad / kDegree},
+                    {"pitch_deg", row.direction.pitch_rad / kDegree},
+                    {"pixels", d.pixels},
+                    {"both_hit", d.both_hit},
+                    {"one_hit", d.one_hit},
+                    {"elsewhere", d.elsewhere},
+                    {"changed_percent", d.changed_percent()},
+                    {"rms_steps", d.rms_steps},
+                    {"rms_all_steps", d.rms_all_steps},
+                    {"worst_steps", d.worst_steps},
+                    {"same", d.same()}});
+  }
+  return list;
+}
+
+std::string modes_report(const Rows& rows, const Scene& scene, const Provenance& provenance) {
+  Json report = report_head("modes", provenance, scene);
+  report["acquisition"] = acquisition_json(scene.plan());
+  report["modes"] = rows_json(rows);
+  return report_text(report);
+}
+
 int compare_modes(const Arguments& arguments) {
   const Scene scene = load_scene(
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
   refuse_compared_settings(scene);
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
   const auto names = phantoms_of(scene);
   std::vector<PlannedStep> steps;
   for (const std::string& name : names) steps.push_back({name, name == "fetal_face" ? 3.0 : 1.0});
-  Progress progress(steps);
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  Rows rows;
-  for (const std::string& name : names) {
-    const Rows more = progress.step(name, [&](const PartDone& done) {
-      return measure_phantom(scene, name, cache, *context, done);
-    });
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
-  const std::string markdown = modes_markdown(rows, scene, provenance);
-  const std::string report = modes_report(rows, scene, provenance);
-  out.write_text("modes.md", markdown);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : markdown);
-  return all_same(rows) ? 0 : 1;
+  const auto compare = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    Rows rows;
+    for (const std::string& name : names) {
+      const Rows more = progress.step(name, [&](const PartDone& done) {
+        return measure_phantom(scene, name, cache, *context, done);
+      });
+      rows.insert(rows.end(), more.begin(), more.end());
+    }
+    const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
+    const std::string markdown = modes_markdown(rows, scene, provenance);
+    out.write_text("modes.md", markdown);
+    return {.report = modes_report(rows, scene, provenance),
+            .summary = markdown,
+            .exit_code = all_same(rows) ? kDone : kFailed};
+  };
+  return run_in_folder(arguments.output, steps, compare);
 }
 
 }  // namespace

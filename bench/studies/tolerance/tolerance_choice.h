@@ -41,14 +41,14 @@ struct ToleranceSetting {
 /// A rung of the simulator with the chosen setting.
 struct ToleranceRung {
   std::string name;
-  /// Of kToleranceMeasure, less that of the finest rung, both of the same seeds.
+  /// kToleranceMeasure on this rung less that on the finest, of the same seeds.
   MeanInterval difference_mm;
   bool agrees = false;  ///< within a quarter of the tolerance, interval included, and it holds
 };
 
 struct ToleranceChoice {
   ToleranceRequest request;
-  std::vector<std::uint64_t> seeds;        ///< not the scene's own
+  std::vector<std::uint64_t> seeds;        ///< without the scene's own
   std::string finest_rung;                 ///< the one that the settings were measured on
   std::vector<ToleranceSetting> settings;  ///< measured, without those that the scene refuses
   std::size_t chosen = 0;
@@ -71,7 +71,7 @@ ToleranceChoice choose_for_tolerance(const ToleranceRequest& request,
                                      PhantomCache& cache,
                                      const PartDone& done = {});
 
-/// What a picture reached of it.
+/// What a picture reached.
 struct ToleranceOutcome {
   double reached_mm = 0;  ///< kToleranceMeasure; NaN: no such surface
   double wrong_percent = 0;

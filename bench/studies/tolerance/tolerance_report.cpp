@@ -4,7 +4,7 @@
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
-#include "bench/studies/tune/tune_request.h"
+#include "bench/studies/tune/tune_study.h"
 
 namespace wobblebench::bench {
 

@@ -1,4 +1,4 @@
-// What a trade says: the front of time and error, its knees, and which settings matter.
+// What a trade shows: the front of time and error, its knees, and which settings matter.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,10 @@
 
 namespace wobblebench::bench {
 
-/// A point over its scenes and seeds.
-struct TradeScore {
+/// A point over its scenes and seeds. The times are geometric means.
+struct TradeScore : TradeTimes {
   std::size_t point = 0;
-  double volume_ratio = 0, view_ratio = 0;  ///< geometric means, to the reference
-  double volume_ms = 0, view_ms = 0;        ///< likewise
-  std::vector<MeanInterval> measures;       ///< of trade_measure_names(): over seeds
+  std::vector<MeanInterval> measures;  ///< for each of trade_measure_names(): over seeds
 
   double p95_mm() const;
   double wrong_percent() const;  ///< missed_or_false_percent
@@ -47,15 +45,15 @@ struct TradeKnee {
 };
 
 /// The most of a picture that may be missed or false, percent, where settings are compared by P95:
-/// with more, a level that finds the easy places alone has the least.
+/// a setting that finds only surfaces that are easy to detect would have the least P95.
 inline constexpr double kMostWrongPercent = 5;
 
-/// Of points within kMostWrongPercent, by time; the ends of the hull are left out. `front`: of
-/// trade_front().
+/// The knees of the points within kMostWrongPercent, by time, without the ends of the hull.
+/// `front`: the result of trade_front().
 std::vector<TradeKnee> trade_knees(const std::vector<TradeScore>& scores,
                                    const std::vector<std::size_t>& front);
 
-/// What effects are formed of.
+/// The quantity that an effect is a difference of.
 enum class TradeResponse { log2_volume_ratio, p95_mm, missed_or_false_percent };
 inline constexpr TradeResponse kTradeResponses[] = {TradeResponse::log2_volume_ratio,
                                                     TradeResponse::p95_mm,
@@ -72,7 +70,7 @@ struct LevelEffect {
 /// what each does alone: omega squared (Hays), which is 0 on average where there is no effect. The
 /// 95 % interval, share - half to share + half, is of a jackknife that leaves out groups of points.
 struct VarianceShare {
-  std::size_t axis = 0, other = 0;  ///< equal: of one axis
+  std::size_t axis = 0, other = 0;  ///< equal: the share of one axis
   double share = 0, half = 0;
 };
 
@@ -80,7 +78,7 @@ std::vector<LevelEffect> level_effects(const TradeWork& work,
                                        const std::vector<TradeScore>& scores,
                                        TradeResponse response);
 
-/// Of all axes, then of all pairs of them.
+/// The shares of all axes, then those of all pairs of axes.
 std::vector<VarianceShare> variance_shares(const TradeWork& work,
                                            const std::vector<TradeScore>& scores,
                                            TradeResponse response);

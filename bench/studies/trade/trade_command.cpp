@@ -1,5 +1,5 @@
 // Time against error over a plan's settings.
-#include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -55,11 +55,6 @@ TradeWork work_of(const Arguments& arguments) {
   return work;
 }
 
-std::string machine_of(const render::GlContext& context, const TradeWork& work) {
-  const Provenance provenance = provenance_of_simulation(context, work.plan.seeds.front());
-  return "commit " + provenance.commit + ", " + machine_text(provenance);
-}
-
 void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& journal) {
   TradeContent merged;
   for (const std::string& folder : arguments.merged) {
@@ -90,7 +85,7 @@ void measure(const Arguments& arguments,
              TradeJournal& journal,
              Progress& progress) {
   const auto context = render::make_context(arguments.gl);
-  journal.append_machine(machine_of(*context, work));
+  journal.append_machine(measured_by(provenance_of_simulation(*context, work.plan.seeds.front())));
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto units = trade_shard(trade_units(work), shard.index, shard.count);
   progress.step("measure", [&](const PartDone& done) {
@@ -117,8 +112,8 @@ int write(const Arguments& arguments,
   const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);
-  for (const Figure& figure : trade_figures(results)) {
-    write_png(out.stage(trade_figure_file(figure)), figure.picture);
+  for (const TradeResults::Part& part : results.parts) {
+    if (const auto figure = trade_figure(part)) write_png(out.stage(figure->name), figure->picture);
   }
   out.write_text("report.json", report);
   out.commit();

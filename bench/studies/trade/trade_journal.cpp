@@ -2,28 +2,62 @@
 
 #include <fcntl.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "base/file.h"
+#include "base/sync.h"
+#include "base/units.h"
 #include "base/user_error.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
+constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
+
+/// Over the pixels outside the band at silhouettes, in mm.
+double outside(const PictureMeasures& measures, double DepthStatistics::*member) {
+  for (const RegionError& region : measures.regions) {
+    if (region.group != "silhouette" || region.name != "outside") continue;
+    return region.depth.*member / kMillimetre;
+  }
+  return kUnset;
+}
+
+using Column = std::pair<std::string, std::function<double(const PictureMeasures&)>>;
+
+const std::vector<Column>& columns() {
+  using M = const PictureMeasures&;
+  static const std::vector<Column> all = {
+      {"median_mm", [](M m) { return m.raw.depth.median_m / kMillimetre; }},
+      {"rms_mm", [](M m) { return m.raw.depth.rms_m / kMillimetre; }},
+      {"p95_mm", [](M m) { return m.raw.depth.p95_m / kMillimetre; }},
+      {"outside_rms_mm", [](M m) { return outside(m, &DepthStatistics::rms_m); }},
+      {"outside_p95_mm", [](M m) { return outside(m, &DepthStatistics::p95_m); }},
+      {"missed_percent", [](M m) { return m.raw.missed_percent(); }},
+      {"false_percent", [](M m) { return m.raw.false_percent(); }},
+      {"missed_or_false_percent",
+       [](M m) { return m.raw.missed_percent() + m.raw.false_percent(); }},
+      {"normal_median_deg", [](M m) { return m.filtered.normal.median_rad / kDegree; }}};
+  return all;
+}
+
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "wobblebench.trade.points/1";
 
-/// Journals of before have none.
+/// Journals of earlier versions have none.
 constexpr std::pair<const char*, double EvaluationTimes::*> kEvaluationTimes[] = {
     {"evaluation_renderer_ms", &EvaluationTimes::renderer_ms},
     {"evaluation_render_ms", &EvaluationTimes::render_ms},
@@ -38,13 +72,9 @@ Json json_of(const TradeRecord& record) {
     return json;
   }
   for (std::size_t i = 0; i < record.measures.size(); ++i) {
-    const double value = record.measures[i];
-    json[trade_measure_names()[i]] = std::isfinite(value) ? Json(value) : Json(nullptr);
+    json[trade_measure_names()[i]] = number(record.measures[i]);
   }
-  json["volume_ms"] = record.volume_ms;
-  json["view_ms"] = record.view_ms;
-  json["volume_ratio"] = record.volume_ratio;
-  json["view_ratio"] = record.view_ratio;
+  for (const auto& [name, time] : kTradeTimes) json[name] = record.*time;
   for (const auto& [name, time] : kEvaluationTimes) json[name] = record.evaluation.*time;
   return json;
 }
@@ -60,10 +90,7 @@ TradeRecord record_of(const Json& json) {
     const Json& value = json.at(name);
     record.measures.push_back(value.is_null() ? std::nan("") : value.get<double>());
   }
-  record.volume_ms = json.at("volume_ms");
-  record.view_ms = json.at("view_ms");
-  record.volume_ratio = json.at("volume_ratio");
-  record.view_ratio = json.at("view_ratio");
+  for (const auto& [name, time] : kTradeTimes) record.*time = json.at(name);
   for (const auto& [name, time] : kEvaluationTimes) record.evaluation.*time = json.value(name, 0.0);
   return record;
 }
@@ -124,6 +151,30 @@ void write_whole(int file, const std::string& text, const std::filesystem::path&
 }
 
 }  // namespace
+
+const std::vector<std::string>& trade_measure_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> result;
+    for (const auto& [name, value] : columns()) result.push_back(name);
+    return result;
+  }();
+  return names;
+}
+
+std::vector<double> trade_measures(const PictureMeasures& measures) {
+  std::vector<double> values;
+  for (const auto& [name, value] : columns()) {
+    values.push_back(measures.raw.surface_in_view() ? value(measures) : kUnset);
+  }
+  return values;
+}
+
+std::size_t trade_measure(const std::string& name) {
+  const auto& names = trade_measure_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) throw std::out_of_range("no measure " + name);
+  return static_cast<std::size_t>(found - names.begin());
+}
 
 TradeJournal::TradeJournal(const std::filesystem::path& folder, const std::string& plan)
     : path_(folder / kFile) {

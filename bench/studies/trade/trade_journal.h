@@ -1,15 +1,60 @@
-// The finished measurements of a plan, kept as they come, so that no interruption loses them.
+// What `trade` measures of one point on one scene and seed, and the journal that keeps finished
+// measurements as they come, so that no interruption loses them.
 #pragma once
 
+#include <compare>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/file.h"
 #include "bench/studies/trade/trade_record.h"
+#include "base/file_descriptor.h"
+#include "bench/evaluation/evaluator.h"
+#include "bench/evaluation/measures/picture_measures.h"
 
 namespace wobblebench::bench {
+
+/// Which measurement of a plan: the smallest piece of its work.
+struct TradeUnit {
+  std::size_t scene = 0;  ///< numbers of the plan
+  std::size_t point = 0;
+  std::size_t seed = 0;
+
+  auto operator<=>(const TradeUnit&) const = default;
+};
+
+/// Names of a record's measures, with their units.
+const std::vector<std::string>& trade_measure_names();
+/// A value for each name; NaN: not formed, as without a surface in view.
+std::vector<double> trade_measures(const PictureMeasures& measures);
+/// Position of a name. Throws std::out_of_range.
+std::size_t trade_measure(const std::string& name);
+
+/// Times of a picture, and their ratios to those of the reference's picture. `volume`: all passes;
+/// `view`: passes 2 to 4.
+struct TradeTimes {
+  double volume_ms = 0, view_ms = 0, volume_ratio = 0, view_ratio = 0;
+};
+inline constexpr std::pair<const char*, double TradeTimes::*> kTradeTimes[] = {
+    {"volume_ms", &TradeTimes::volume_ms},
+    {"view_ms", &TradeTimes::view_ms},
+    {"volume_ratio", &TradeTimes::volume_ratio},
+    {"view_ratio", &TradeTimes::view_ratio}};
+
+/// The times are medians over the repeats; the two pictures are rendered in turn.
+struct TradeRecord : TradeTimes {
+  TradeUnit unit;
+  std::string refused;  ///< the line that refused the point; empty: it was measured
+  std::vector<double> measures;
+  /// Wall times of the evaluation that the measures are from: making the renderer with its first
+  /// picture's shaders and sticks, the picture, the truth where it is a new view, the measures.
+  EvaluationTimes evaluation;
+};
 
 using TradeRecords = std::map<TradeUnit, TradeRecord>;
 
@@ -19,8 +64,7 @@ struct TradeContent {
 };
 
 /// A file of lines of JSON: the plan first, then a line for each record, in the order of the work,
-/// and for each machine. A last line without its end, of a command that was killed while it wrote,
-/// is taken off.
+/// and for each machine. A last line without its end, as a killed command leaves it, is taken off.
 class TradeJournal {
  public:
   static constexpr const char* kFile = "points.jsonl";
@@ -44,7 +88,7 @@ class TradeJournal {
 };
 
 /// Records as a text, and back: lines as the journal has them, without its head. Throws
-/// std::runtime_error for a text that is none.
+/// std::runtime_error for any other text.
 std::string text_of(const TradeRecords& records);
 TradeRecords trade_records(const std::string& text);
 

@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/random/sobol.hpp>
 #include <charconv>
 #include <cmath>
+#include <numeric>
+#include <random>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 
+#include "base/hash.h"
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
 #include "bench/scene/toml_reader.h"
-#include "bench/studies/accuracy/option_tables.h"
+#include "bench/studies/validate/seeds.h"
 
 namespace wobblebench::bench {
 
@@ -18,6 +23,7 @@ namespace {
 
 constexpr int kMostLevels = 64;
 constexpr int kRangeLevels = 4;
+constexpr int kDigits = 4;  // of a value in a range
 
 template <OptionsOf<TradePlan> O, class Visitor>
 void describe(O& o, Visitor& v) {
@@ -59,7 +65,20 @@ std::string text_of(const toml::node& node) {
   return line;
 }
 
-/// Reads the keys of one axis that is a range.
+/// The value at a share of a range from 0 to 1.
+double value_in(const TradeAxis::Range& range, double share) {
+  if (range.logarithmic) return range.from * std::pow(range.to / range.from, share);
+  return range.from + (range.to - range.from) * share;
+}
+
+std::vector<std::string> quarters(const TradeAxis::Range& range) {
+  const auto edge = [&](int i) { return significant(value_in(range, 1.0 * i / kRangeLevels), 3); };
+  std::vector<std::string> names;
+  for (int i = 0; i < kRangeLevels; ++i) names.push_back(edge(i) + " to " + edge(i + 1));
+  return names;
+}
+
+/// Reads one axis.
 class AxisReader {
  public:
   AxisReader(const std::string& source, std::string key) : source_(source), key_(std::move(key)) {}
@@ -114,23 +133,9 @@ class AxisReader {
     return range;
   }
 
-  static std::vector<std::string> quarters(const TradeAxis::Range& range);
-
   const std::string& source_;
   std::string key_;
 };
-
-double value_in(const TradeAxis::Range& range, double share) {
-  if (range.logarithmic) return range.from * std::pow(range.to / range.from, share);
-  return range.from + (range.to - range.from) * share;
-}
-
-std::vector<std::string> AxisReader::quarters(const TradeAxis::Range& range) {
-  const auto edge = [&](int i) { return significant(value_in(range, 1.0 * i / kRangeLevels), 3); };
-  std::vector<std::string> names;
-  for (int i = 0; i < kRangeLevels; ++i) names.push_back(edge(i) + " to " + edge(i + 1));
-  return names;
-}
 
 std::vector<TradeAxis> read_axes(const toml::table& root, const std::string& source) {
   const toml::table* table = root["axes"].as_table();
@@ -173,23 +178,73 @@ void check_design(TradePlan& plan, bool points_given) {
   plan.points = static_cast<int>(points);
 }
 
-/// [reference] is read as a scene of that name.
-NamedOptions read_reference(toml::table& root, const std::filesystem::path& path) {
-  const toml::table* reference = root["reference"].as_table();
-  if (reference == nullptr) return {"reference", {}, {}};
-  toml::table wrapped{{"scenes", toml::table{{"reference", *reference}}}};
-  return read_option_tables(wrapped, "scenes", path).front();
+/// `share` in [0, 1) of the axis: the level that lies there, or the value of a range.
+void add_value(const TradeAxis& axis, double share, TradePoint& point) {
+  const auto count = static_cast<double>(axis.levels.size());
+  const auto level = static_cast<std::size_t>(std::clamp(share * count, 0.0, count - 1));
+  point.levels.push_back(static_cast<int>(level));
+  if (!axis.range) {
+    point.values.push_back(axis.levels[level]);
+    return;
+  }
+  point.values.push_back(significant(value_in(*axis.range, share), kDigits));
 }
 
-void refuse_unknown(const toml::table& root,
-                    const std::vector<std::string>& known,
-                    const std::string& source) {
-  for (const auto& [key, node] : root) {
-    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    std::string names;
-    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    refuse_plan(source, std::string(key.str()), "unknown; keys of a plan are " + names);
+/// The last axis runs fastest.
+std::vector<TradePoint> grid(const TradePlan& plan) {
+  std::vector<TradePoint> points(static_cast<std::size_t>(plan.points));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::size_t block = points.size();
+    for (const TradeAxis& axis : plan.axes) {
+      block /= axis.levels.size();
+      const std::size_t level = i / block % axis.levels.size();
+      points[i].values.push_back(axis.levels[level]);
+      points[i].levels.push_back(static_cast<int>(level));
+    }
   }
+  return points;
+}
+
+std::vector<TradePoint> latin_hypercube(const TradePlan& plan) {
+  std::mt19937_64 random(plan.design_seed);
+  std::vector<TradePoint> points(static_cast<std::size_t>(plan.points));
+  std::vector<std::size_t> order(points.size());
+  for (const TradeAxis& axis : plan.axes) {
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    // Not std::shuffle(): the same order with every standard library.
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double share = (static_cast<double>(order[i]) + 0.5) / static_cast<double>(plan.points);
+      add_value(axis, share, points[i]);
+    }
+  }
+  return points;
+}
+
+/// Shifted by a random vector, modulo 1, so that seeds differ.
+std::vector<TradePoint> sobol(const TradePlan& plan) {
+  boost::random::sobol sequence(plan.axes.size());
+  std::mt19937_64 random(plan.design_seed);
+  std::vector<double> shifts(plan.axes.size());
+  std::generate(shifts.begin(), shifts.end(), [&] { return unit_interval(random()); });
+  std::vector<TradePoint> points(static_cast<std::size_t>(plan.points));
+  for (TradePoint& point : points) {
+    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+      const double share = unit_interval(sequence()) + shifts[i];
+      add_value(plan.axes[i], share - std::floor(share), point);
+    }
+  }
+  return points;
+}
+
+double share_of(const TradeAxis& axis, const std::string& value, int level) {
+  if (!axis.range) return (level + 0.5) / static_cast<double>(axis.levels.size());
+  const TradeAxis::Range& range = *axis.range;
+  const double number = std::stod(value);
+  const double share = range.logarithmic
+                           ? std::log(number / range.from) / std::log(range.to / range.from)
+                           : (number - range.from) / (range.to - range.from);
+  return std::clamp(share, 0.0, 1.0);
 }
 
 }  // namespace
@@ -203,13 +258,15 @@ TradePlan load_trade_plan(const std::filesystem::path& path) {
   describe(plan, reader);
   SeedOptions seeds;
   describe(seeds, reader);
-  plan.seeds = seed_list(seeds.first_seed, seeds.seeds);
+  plan.seeds = seeds_from(seeds.first_seed, seeds.seeds);
   auto known = reader.known_keys();
   known.insert(known.end(), {"reference", "scenes", "unseen", "axes"});
-  refuse_unknown(root, known, plan.source);
-  plan.reference = read_reference(root, path);
-  plan.scenes = read_option_tables(root, "scenes", path);
-  if (root.contains("unseen")) plan.unseen = read_option_tables(root, "unseen", path);
+  std::vector<std::string> given;
+  for (const auto& [key, node] : root) given.emplace_back(key.str());
+  refuse_unknown_keys(given, known, plan.source);
+  plan.reference = load_option_table(path, "reference");
+  plan.scenes = load_option_tables(path, "scenes");
+  if (root.contains("unseen")) plan.unseen = load_option_tables(path, "unseen");
   plan.axes = read_axes(root, plan.source);
   check_design(plan, points_given);
   return plan;
@@ -233,6 +290,12 @@ std::string TradePlan::canonical() const {
   return text.str();
 }
 
+std::vector<std::size_t> all_scenes(const TradePlan& plan) {
+  std::vector<std::size_t> scenes(plan.scenes.size());
+  std::iota(scenes.begin(), scenes.end(), std::size_t{0});
+  return scenes;
+}
+
 std::string plain_value(const std::string& value) {
   const bool quoted = value.size() >= 2 && value.front() == value.back() &&
                       (value.front() == '"' || value.front() == '\'');
@@ -245,6 +308,33 @@ std::vector<std::string> settings_of(const TradePlan& plan, const TradePoint& po
     settings.push_back(plan.axes[i].key + "=" + point.values[i]);
   }
   return settings;
+}
+
+TradePoint point_at(const TradePlan& plan, const std::vector<double>& shares) {
+  if (shares.size() != plan.axes.size()) throw std::invalid_argument("point_at: a share an axis");
+  TradePoint point;
+  for (std::size_t i = 0; i < shares.size(); ++i) add_value(plan.axes[i], shares[i], point);
+  return point;
+}
+
+std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point) {
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < plan.axes.size(); ++i) {
+    shares.push_back(share_of(plan.axes[i], point.values[i], point.levels[i]));
+  }
+  return shares;
+}
+
+std::vector<TradePoint> design_points(const TradePlan& plan) {
+  switch (plan.design) {
+    case TradeDesign::grid:
+      return grid(plan);
+    case TradeDesign::latin_hypercube:
+      return latin_hypercube(plan);
+    case TradeDesign::sobol:
+      break;
+  }
+  return sobol(plan);
 }
 
 }  // namespace wobblebench::bench

@@ -18,7 +18,7 @@ enum class TradeDesign { grid, latin_hypercube, sobol };
 /// One setting and what it is set to.
 struct TradeAxis {
   std::string key;  ///< section.key of a scene
-  /// As in TOML. Of a range: its quarters, which the effects are formed of.
+  /// As in TOML. A range has its quarters, for which effects are computed.
   std::vector<std::string> levels;
   struct Range {
     double from = 0, to = 0;
@@ -31,13 +31,13 @@ struct TradeAxis {
 ///   design = "latin_hypercube"              # or "sobol", "grid"
 ///   points = 500                            # not of a grid
 ///   design_seed = 1
-///   seeds = 3                               # each point is measured on so many
+///   seeds = 3                               # each point is measured on 3 seeds
 ///   first_seed = 1
 ///   repeats = 3                             # of the times
 ///   [reference.render]                      # the setting whose time is 1, over each scene
 ///   preset = "paper"
 ///   [scenes.face]                           # as in a plan of `accuracy`
-///   [unseen.plane.phantom]                  # likewise; `tune` judges by them what it found
+///   [unseen.plane.phantom]                  # likewise; `tune` measures its choice on them
 ///   name = "plane"
 ///   [axes]
 ///   "render.ray_casting.steps" = [128, 256, 512]
@@ -51,17 +51,17 @@ struct TradePlan {
   std::vector<std::uint64_t> seeds;
   int repeats = 3;
   std::vector<NamedOptions> scenes;
-  std::vector<NamedOptions> unseen;  ///< of `tune` alone: to judge what it found
+  std::vector<NamedOptions> unseen;  ///< scenes on which `tune` judges what it found
   NamedOptions reference;
   std::vector<TradeAxis> axes;
-  bool of_one_scene =
-      false;  ///< which may have a seed of its own, and volumes; volume 0 is looked at
+  /// The scene may have a seed of its own, and several volumes, of which the first is measured.
+  bool of_one_scene = false;
 
   /// Everything that the measured points of `trade` follow from, as a text.
   std::string canonical() const;
 };
 
-/// A combination of values: of each axis, as in TOML, and the number of its level.
+/// A combination of values: for each axis the value, as in TOML, and the number of its level.
 struct TradePoint {
   std::vector<std::string> values;
   std::vector<int> levels;
@@ -71,18 +71,21 @@ struct TradePoint {
 
 inline constexpr int kMostTradePoints = 1000000;
 
-/// Throws UserError "FILE: key = value: what is allowed". What the settings hold is not yet looked
-/// at.
+/// Throws UserError "FILE: key = value: what is allowed". What the settings hold is not yet
+/// checked.
 TradePlan load_trade_plan(const std::filesystem::path& path);
 
 /// The points of the plan, in its order; the same each time.
 std::vector<TradePoint> design_points(const TradePlan& plan);
 
-/// The point at a place in each axis, from 0 to 1. Throws std::invalid_argument for another number
+/// The point at a share of each axis, from 0 to 1. Throws std::invalid_argument for another number
 /// of axes.
 TradePoint point_at(const TradePlan& plan, const std::vector<double>& shares);
-/// A place of each value of a point: point_at() makes it again.
+/// A share of each axis from which point_at() makes the point again.
 std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point);
+
+/// The number of each scene of the plan.
+std::vector<std::size_t> all_scenes(const TradePlan& plan);
 
 /// A value without the quotes of TOML's texts.
 std::string plain_value(const std::string& value);

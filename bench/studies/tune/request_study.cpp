@@ -15,7 +15,7 @@ namespace {
 constexpr double kMostAbove = 0.3;
 constexpr const char* kLimited[] = {"p95_mm", "missed_or_false_percent"};
 
-/// One scene of a plan, with what is known of it.
+/// One scene of a plan, with its measurements and its front.
 struct SceneTrade {
   TradeWork work;
   TradeRecords known;
@@ -46,31 +46,14 @@ SceneTrade trade_of_scene(const TradeWork& work, const TradeRecords& known, std:
   return trade;
 }
 
-double share(std::mt19937_64& random) {
-  return unit_interval(random());
-}
-
 TuneRequest draw_request(const std::vector<TradeScore>& front, std::mt19937_64& random) {
   const TradeScore& about = front[random() % front.size()];
   TuneRequest request{.least = "volume_ratio", .limits = {}};
   for (const char* name : kLimited) {
-    request.limits.push_back({name, quantity_of(about, name) * (1 + kMostAbove * share(random))});
+    const double above = kMostAbove * unit_interval(random());
+    request.limits.push_back({name, quantity_of(about, name) * (1 + above)});
   }
   return request;
-}
-
-TuneOptions tune_options(const TuneRequest& request,
-                         RequestMethod method,
-                         const RequestStudyOptions& options,
-                         std::uint64_t seed) {
-  TuneOptions tune;
-  tune.request = request;
-  tune.search.method = method == RequestMethod::random ? SearchMethod::random : SearchMethod::nsga2;
-  tune.search.evaluations = method == RequestMethod::trade ? 0 : options.evaluations;
-  tune.search.seed = seed;
-  tune.fresh_seeds = options.fresh_seeds;
-  tune.judging_seeds = options.judging_seeds;
-  return tune;
 }
 
 RequestAnswer answer_of(const TuneResults& results) {
@@ -87,25 +70,29 @@ RequestAnswer answer_of(const TuneResults& results) {
 }  // namespace
 
 RequestStudy study_requests(const TradeWork& work,
-                            const RequestStudyOptions& options,
+                            int requests,
+                            const TuneOptions& options,
                             const TradeRecords& known,
                             render::GlContext& context,
                             PhantomCache& cache,
                             const PartDone& done) {
   std::vector<SceneTrade> trades;
-  for (std::size_t scene = 0; scene < work.plan.scenes.size(); ++scene) {
+  for (const std::size_t scene : all_scenes(work.plan)) {
     trades.push_back(trade_of_scene(work, known, scene));
   }
   RequestStudy study{work, options, {}};
-  std::mt19937_64 random(options.seed);
-  PartCount parts(static_cast<std::size_t>(options.requests) * std::size(kRequestMethods), done);
-  for (int i = 0; i < options.requests; ++i) {
+  std::mt19937_64 random(options.search.seed);
+  PartCount parts(static_cast<std::size_t>(requests) * std::size(kRequestMethods), done);
+  for (int i = 0; i < requests; ++i) {
     const std::size_t scene = static_cast<std::size_t>(i) % trades.size();
     const SceneTrade& trade = trades[scene];
     RequestOutcome outcome{scene, draw_request(trade.front, random), {}};
-    const std::uint64_t seed = random() >> 33;
-    for (const RequestMethod method : kRequestMethods) {
-      const TuneOptions chosen = tune_options(outcome.request, method, options, seed);
+    TuneOptions chosen = options;
+    chosen.request = outcome.request;
+    chosen.search.seed = random() >> 33;
+    for (const RequestMethod& method : kRequestMethods) {
+      chosen.search.method = method.search;
+      chosen.search.evaluations = method.searches ? options.search.evaluations : 0;
       outcome.answers.push_back(
           answer_of(tune(trade.work, chosen, trade.known, context, cache, {})));
       parts.finish_one();

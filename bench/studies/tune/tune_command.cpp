@@ -1,15 +1,13 @@
 // The settings of a plan that a request asks for.
-#include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/report.h"
+#include "bench/studies/trade/trade_report.h"
 #include "bench/studies/tune/tune_report.h"
 
 namespace wobblebench::bench {
@@ -56,45 +54,30 @@ TradeRecords known_records(const Arguments& arguments, TradeWork& work) {
   return std::move(content.records);
 }
 
-std::string measured_by(const Provenance& provenance) {
-  return "commit " + provenance.commit + ", " + machine_text(provenance);
-}
+/// What searches measure with.
+struct Machine {
+  explicit Machine(const Arguments& arguments)
+      : context(render::make_context(arguments.gl)),
+        cache(open_phantom_cache(arguments.cache.most_megabytes())) {}
 
-int write(const Arguments& arguments,
-          const TuneResults& results,
-          const Provenance& provenance,
-          OutputFolder& out,
-          const StepTimes& times) {
-  Json report = report_head("tune", provenance, results.work.reference(0));
-  report["scene"] = nullptr;  // there are several
-  report["tune"] = tune_json(results);
-  report["wall_ms"] = wall_json(times);
-  const std::string text = report_text(report);
-  const std::string markdown = tune_markdown(results, measured_by(provenance));
-  out.write_text("tune.md", markdown);
-  if (results.chosen() != nullptr) out.write_text("tuned.toml", tuned_scene(results));
-  out.write_text("report.json", text);
-  out.commit();
-  std::cout << (arguments.output.json ? text : markdown);
-  return results.chosen() != nullptr ? 0 : 1;
-}
+  Provenance provenance(const TradeWork& work) const {
+    return provenance_of_simulation(*context, work.plan.seeds.front());
+  }
 
-int write_study(const Arguments& arguments,
-                const RequestStudy& study,
-                const Provenance& provenance,
-                OutputFolder& out,
-                const StepTimes& times) {
-  Json report = report_head("tune", provenance, study.work.reference(0));
+  std::unique_ptr<render::GlContext> context;
+  PhantomCache cache;
+};
+
+std::string report_of(const TradeWork& work,
+                      const std::string& key,
+                      const Json& content,
+                      const Provenance& provenance,
+                      const StepTimes& times) {
+  Json report = report_head("tune", provenance, work.reference(0));
   report["scene"] = nullptr;  // there may be several
-  report["requests"] = requests_json(study);
+  report[key] = content;
   report["wall_ms"] = wall_json(times);
-  const std::string text = report_text(report);
-  const std::string markdown = requests_markdown(study, measured_by(provenance));
-  out.write_text("requests.md", markdown);
-  out.write_text("report.json", text);
-  out.commit();
-  std::cout << (arguments.output.json ? text : markdown);
-  return 0;
+  return report_text(report);
 }
 
 /// --requests
@@ -103,36 +86,44 @@ int study(const Arguments& arguments) {
   if (!arguments.limits.empty()) throw UserError("--requests: draws its limits; leave --limit out");
   TradeWork work = work_of(arguments);
   const TradeRecords known = known_records(arguments, work);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"requests", 100}});
-  const auto context = render::make_context(arguments.gl);
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const Provenance provenance = provenance_of_simulation(*context, work.plan.seeds.front());
-  const RequestStudyOptions options{.requests = arguments.requests,
-                                    .evaluations = arguments.tune.search.evaluations,
-                                    .fresh_seeds = arguments.tune.fresh_seeds,
-                                    .judging_seeds = arguments.tune.fresh_seeds,
-                                    .seed = arguments.tune.search.seed};
-  const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
-    return study_requests(work, options, known, *context, cache, done);
-  });
-  return write_study(arguments, study, provenance, out, progress.times());
+  TuneOptions options = arguments.tune;
+  options.judging_seeds = options.fresh_seeds;
+  Machine machine(arguments);
+  const Provenance provenance = machine.provenance(work);
+  const auto measure_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
+      return study_requests(
+          work, arguments.requests, options, known, *machine.context, machine.cache, done);
+    });
+    const std::string markdown = requests_markdown(study, measured_by(provenance));
+    out.write_text("requests.md", markdown);
+    return {
+        .report = report_of(work, "requests", requests_json(study), provenance, progress.times()),
+        .summary = markdown};
+  };
+  return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
 }
 
 int tune(const Arguments& arguments) {
   if (arguments.requests > 0) return study(arguments);
   const TuneOptions options = options_of(arguments);
   TradeWork work = work_of(arguments);
-  TradeRecords known = known_records(arguments, work);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"search", 100}});
-  const auto context = render::make_context(arguments.gl);
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const Provenance provenance = provenance_of_simulation(*context, work.plan.seeds.front());
-  const TuneResults results = progress.step("search", [&](const PartDone& done) {
-    return bench::tune(std::move(work), options, std::move(known), *context, cache, done);
-  });
-  return write(arguments, results, provenance, out, progress.times());
+  const TradeRecords known = known_records(arguments, work);
+  Machine machine(arguments);
+  const Provenance provenance = machine.provenance(work);
+  const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    const TuneResults results = progress.step("search", [&](const PartDone& done) {
+      return bench::tune(work, options, known, *machine.context, machine.cache, done);
+    });
+    const std::string markdown = tune_markdown(results, measured_by(provenance));
+    out.write_text("tune.md", markdown);
+    const bool found = results.chosen() != nullptr;
+    if (found) out.write_text("tuned.toml", tuned_scene(results));
+    return {.report = report_of(work, "tune", tune_json(results), provenance, progress.times()),
+            .summary = markdown,
+            .exit_code = found ? kDone : kFailed};
+  };
+  return run_in_folder(arguments.output, {{"search", 100}}, search_and_write);
 }
 
 }  // namespace
@@ -164,7 +155,7 @@ Command add_tune_command(CLI::App& app) {
       command,
       "--requests",
       arguments->requests,
-      "Instead of --limit: so many requests drawn about the points of --trade; how many are "
+      "Instead of --limit: number of requests drawn about the points of --trade; how many are "
       "kept on seeds that neither search nor confirmation saw, by NSGA-II, by a random search "
       "and by the trade alone",
       0,

@@ -17,7 +17,7 @@ std::string tuned_scene(const TuneResults& results);
 /// "least volume_ms with p95_mm <= 2 and missed_percent <= 5".
 std::string request_text(const TuneRequest& request);
 
-/// Of many requests: requests.md, and their part of report.json.
+/// Many requests: requests.md, and "requests" of report.json.
 std::string requests_markdown(const RequestStudy& study, const std::string& machine);
 nlohmann::ordered_json requests_json(const RequestStudy& study);
 

@@ -19,7 +19,7 @@ namespace {
 
 static_assert(kSearchPopulation % 4 == 0);  // as pagmo's nsga2 asks
 constexpr int kIdleGenerations = 20;        // without a new point: what is left to find is known
-constexpr double kNever = 1e12;             // of points that are not evaluated any more
+constexpr double kNever = 1e12;             // value of points that are not evaluated any more
 
 /// Each point once, as many as are allowed.
 class Evaluations {
@@ -77,7 +77,7 @@ class Order {
   std::vector<std::size_t> order_;
 };
 
-/// As pagmo asks for it; pagmo copies it.
+/// The problem as pagmo takes it; pagmo copies it.
 struct Problem {
   const Order* order = nullptr;
   Evaluations* evaluations = nullptr;
@@ -98,8 +98,8 @@ struct Problem {
 SearchPoint random_point(const std::vector<SearchAxis>& axes, std::mt19937_64& random) {
   SearchPoint point;
   for (const SearchAxis& axis : axes) {
-    const double place = unit_interval(random());
-    point.push_back(axis.levels == 0 ? place : std::floor(place * axis.levels));
+    const double share = unit_interval(random());
+    point.push_back(axis.levels == 0 ? share : std::floor(share * axis.levels));
   }
   return point;
 }

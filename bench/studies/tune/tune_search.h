@@ -1,4 +1,5 @@
-// A search over settings that are numbers or names, of a noisy function that is dear to evaluate.
+// A search over settings that are numbers or names, for the least of a noisy function that is
+// expensive to evaluate.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +10,9 @@
 namespace wobblebench::bench {
 
 struct SearchAxis {
-  int levels = 0;  ///< 0: any place from 0 to 1
+  int levels = 0;  ///< 0: any number from 0 to 1
 };
-/// Of each axis the number of its level, or the place.
+/// For each axis the number of its level, or the number from 0 to 1.
 using SearchPoint = std::vector<double>;
 
 struct SearchValue {
@@ -21,16 +22,16 @@ struct SearchValue {
 using SearchFunction = std::function<SearchValue(const SearchPoint&)>;
 
 /// nsga2: Deb et al., IEEE Trans. Evol. Comput. 6 (2002) 182, by pagmo, over (goal, excess).
-/// random: even over all axes, what a search must beat.
+/// random: uniform over all axes, what a search must beat.
 enum class SearchMethod { nsga2, random };
 
 struct SearchOptions {
   SearchMethod method = SearchMethod::nsga2;
-  int evaluations = 200;  ///< at most; of a point that was evaluated before the value is kept
+  int evaluations = 200;  ///< at most; a point is evaluated once, and its value kept
   std::uint64_t seed = 1;
 };
 
-/// Points that a generation of nsga2 has: so many of the starts are taken.
+/// Number of points of a generation of nsga2, and so of the starts that are taken at most.
 inline constexpr std::size_t kSearchPopulation = 24;
 
 /// Calls `function` for the points that it tries, the starts first. The same calls each time for

@@ -1,34 +1,44 @@
 #include "bench/studies/tune/tune_study.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <utility>
 
-#include "bench/studies/accuracy/accuracy_plan.h"
-#include "bench/studies/trade/trade_measurement.h"
+#include "base/user_error.h"
+#include "bench/studies/validate/seeds.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
+constexpr double kNotFormed = 1e6;
 constexpr double kNearEnd = 0.03;
 constexpr std::size_t kMostScans = 12;  // kept at a time: some 100 MB each at the default scan
+
+/// The time of that name; none: it names a measure.
+std::optional<double> time_of(const TradeScore& score, const std::string& name) {
+  for (const auto& [known, time] : kTradeTimes) {
+    if (name == known) return score.*time;
+  }
+  return std::nullopt;
+}
+
+double magnitude(const std::string& name, double value) {
+  return name == "median_mm" ? std::abs(value) : value;
+}
 
 /// Scores points of one work, measuring what is not known.
 class Scorer {
  public:
   Scorer(const TradeWork& work, TradeRecords known, render::GlContext& context, PhantomCache& cache)
-      : work_(work),
-        records_(std::move(known)),
-        measurement_(work, context, cache, scans(work)),
-        scenes_(work.plan.scenes.size()) {
-    std::iota(scenes_.begin(), scenes_.end(), std::size_t{0});
-  }
+      : work_(work), records_(std::move(known)), measurement_(work, context, cache, scans(work)) {}
 
-  /// None where a scene refuses the point.
-  std::optional<TradeScore> score(std::size_t point) { return score(point, scenes_); }
+  /// On all scenes; none where one refuses the point.
+  std::optional<TradeScore> score(std::size_t point) {
+    return score(point, all_scenes(work_.plan));
+  }
 
   std::optional<TradeScore> score(std::size_t point, const std::vector<std::size_t>& scenes) {
     for (const std::size_t scene : scenes) {
@@ -51,7 +61,6 @@ class Scorer {
   const TradeWork& work_;
   TradeRecords records_;
   TradeMeasurement measurement_;
-  std::vector<std::size_t> scenes_;
 };
 
 class Tuning {
@@ -84,8 +93,7 @@ class Tuning {
   const TuneRequest& request() const { return results_.options.request; }
 
   void score_known(TradeRecords known) {
-    std::vector<std::size_t> scenes(plan().scenes.size());
-    std::iota(scenes.begin(), scenes.end(), std::size_t{0});
+    const auto scenes = all_scenes(plan());
     for (std::size_t point = 0; point < results_.known; ++point) {
       numbers_.emplace(results_.work.points[point].values, point);
       const auto score = trade_score(results_.work, known, scenes, point);
@@ -136,29 +144,24 @@ class Tuning {
     return static_cast<std::size_t>(results_.options.search.evaluations);
   }
 
-  /// Points by what the request asks: those that hold first, of them the least.
+  /// Points in the order of the request: those within its limits first, by the quantity to be
+  /// small.
   std::vector<std::size_t> best_first() const {
     std::vector<std::size_t> points;
     for (const auto& [point, score] : scores_) points.push_back(point);
-    const auto key = [&](std::size_t point) {
+    std::ranges::stable_sort(points, {}, [&](std::size_t point) {
       const SearchValue value = value_of(scores_.at(point));
       return std::pair(value.excess, value.goal);
-    };
-    std::stable_sort(points.begin(), points.end(), [&](std::size_t a, std::size_t b) {
-      return key(a) < key(b);
     });
     return points;
   }
 
   std::vector<SearchPoint> starts() const {
+    std::vector<TradePoint> points;
+    for (const std::size_t point : best_first()) points.push_back(results_.work.points[point]);
+    if (results_.known == 0) points = design_points(plan());
     std::vector<SearchPoint> starts;
-    if (results_.known > 0) {
-      for (const std::size_t point : best_first()) {
-        starts.push_back(search_point(results_.work.points[point]));
-      }
-    } else {
-      for (const TradePoint& point : design_points(plan())) starts.push_back(search_point(point));
-    }
+    for (const TradePoint& point : points) starts.push_back(search_point(point));
     return starts;
   }
 
@@ -174,9 +177,8 @@ class Tuning {
 
   /// The best ones on fresh seeds, one after the other until one holds.
   void confirm() {
-    TradeWork fresh = results_.work;
-    fresh.plan.seeds = seed_list(plan().seeds.back() + 1, results_.options.fresh_seeds);
-    results_.fresh_seeds = fresh.plan.seeds;
+    results_.fresh_seeds = seeds_from(plan().seeds.back() + 1, results_.options.fresh_seeds);
+    const TradeWork fresh = work_on(plan().scenes, results_.fresh_seeds);
     Scorer scorer(fresh, {}, context_, cache_);
     for (const std::size_t point : best_first()) {
       const TradeScore& searched = scores_.at(point);
@@ -197,24 +199,26 @@ class Tuning {
   void judge() {
     const TuneCandidate* chosen = results_.chosen();
     if (chosen == nullptr) return;
-    results_.at_an_end = keys_at_an_end(plan(), results_.work.points[chosen->point]);
-    judge_seeds(chosen->point);
-    if (plan().unseen.empty()) return;
-    TradeWork unseen = results_.work;
-    unseen.plan.scenes = plan().unseen;
-    unseen.plan.seeds = results_.fresh_seeds;
+    const std::size_t point = chosen->point;
+    results_.at_an_end = keys_at_an_end(plan(), results_.work.points[point]);
+    if (results_.options.judging_seeds > 0) {
+      const auto seeds =
+          seeds_from(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
+      const TradeWork judging = work_on(plan().scenes, seeds);
+      results_.judged = Scorer(judging, {}, context_, cache_).score(point);
+    }
+    const TradeWork unseen = work_on(plan().unseen, results_.fresh_seeds);
     Scorer scorer(unseen, {}, context_, cache_);
-    for (std::size_t scene = 0; scene < unseen.plan.scenes.size(); ++scene) {
-      results_.unseen.push_back(
-          {unseen.plan.scenes[scene].name, scorer.score(chosen->point, {scene})});
+    for (const std::size_t scene : all_scenes(unseen.plan)) {
+      results_.unseen.push_back({plan().unseen[scene].name, scorer.score(point, {scene})});
     }
   }
 
-  void judge_seeds(std::size_t point) {
-    if (results_.options.judging_seeds == 0) return;
-    TradeWork judging = results_.work;
-    judging.plan.seeds = seed_list(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
-    results_.judged = Scorer(judging, {}, context_, cache_).score(point);
+  TradeWork work_on(std::vector<NamedOptions> scenes, std::vector<std::uint64_t> seeds) const {
+    TradeWork work = results_.work;
+    work.plan.scenes = std::move(scenes);
+    work.plan.seeds = std::move(seeds);
+    return work;
   }
 
   render::GlContext& context_;
@@ -228,6 +232,62 @@ class Tuning {
 };
 
 }  // namespace
+
+const std::vector<std::string>& tune_quantities() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, time] : kTradeTimes) all.emplace_back(name);
+    const auto& measures = trade_measure_names();
+    all.insert(all.end(), measures.begin(), measures.end());
+    return all;
+  }();
+  return names;
+}
+
+void check_quantity(const std::string& option, const std::string& name) {
+  const auto& names = tune_quantities();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  std::string all;
+  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+  throw UserError(option + " = " + name + ": must be one of " + all);
+}
+
+TuneLimit parse_limit(const std::string& text) {
+  const auto at = text.find("<=");
+  if (at == std::string::npos) {
+    throw UserError("--limit = " + text + ": must be NAME<=NUMBER, as p95_mm<=2");
+  }
+  TuneLimit limit{text.substr(0, at), 0};
+  check_quantity("--limit", limit.name);
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data() + at + 2, end, limit.most);
+  if (error != std::errc() || stop != end || !std::isfinite(limit.most) || limit.most <= 0) {
+    throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
+  }
+  return limit;
+}
+
+double quantity_of(const TradeScore& score, const std::string& name) {
+  if (const auto time = time_of(score, name)) return *time;
+  return magnitude(name, score.measures[trade_measure(name)].mean);
+}
+
+double upper_quantity(const TradeScore& score, const std::string& name) {
+  if (const auto time = time_of(score, name)) return *time;
+  MeanInterval known = score.measures[trade_measure(name)];
+  known.mean = magnitude(name, known.mean);
+  return upper_of_next(known);
+}
+
+double excess_of(const TuneRequest& request, const TradeScore& score) {
+  double sum = 0;
+  for (const TuneLimit& limit : request.limits) {
+    const double value = quantity_of(score, limit.name);
+    if (!std::isfinite(value)) return kNotFormed;
+    sum += std::max(0.0, value / limit.most - 1);
+  }
+  return std::isfinite(quantity_of(score, request.least)) ? sum : kNotFormed;
+}
 
 const TuneCandidate* TuneResults::chosen() const {
   return candidates.empty() || !candidates.back().holds ? nullptr : &candidates.back();

@@ -1,30 +1,58 @@
-// The command `tune`: searches a plan's settings for what a request asks, and confirms what it
-// finds on seeds and scenes that the search did not see.
+// The command `tune`: searches a plan's settings for the least of one quantity within limits of
+// others, and confirms what it finds on seeds and scenes that the search did not see.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/studies/tune/tune_request.h"
+#include "bench/studies/trade/trade_analysis.h"
 #include "bench/studies/tune/tune_search.h"
 
 namespace wobblebench::bench {
+
+struct TuneLimit {
+  std::string name;
+  double most = 0;
+};
+
+/// What `tune` is asked for.
+struct TuneRequest {
+  std::string least = "volume_ms";  ///< one of tune_quantities()
+  std::vector<TuneLimit> limits;
+};
+
+/// Times and measures of the picture, with their units: the names of kTradeTimes and
+/// trade_measure_names().
+const std::vector<std::string>& tune_quantities();
+/// Throws UserError "OPTION = NAME: must be one of ...".
+void check_quantity(const std::string& option, const std::string& name);
+/// "p95_mm<=2". Throws UserError "--limit = TEXT: what is allowed".
+TuneLimit parse_limit(const std::string& text);
+
+/// The magnitude where the name is median_mm. Throws std::out_of_range for an unknown name.
+double quantity_of(const TradeScore& score, const std::string& name);
+/// What the quantity stays below on a further seed with a probability of 95 % (upper_of_next());
+/// times, which follow from the machine and not from the seed, as measured.
+double upper_quantity(const TradeScore& score, const std::string& name);
+
+/// Sum over the limits of the relative excess, value / limit - 1; 0: all hold. 1e6 where a quantity
+/// is not formed, as where no surface is found.
+double excess_of(const TuneRequest& request, const TradeScore& score);
 
 struct TuneOptions {
   TuneRequest request;
   SearchOptions search;
   int fresh_seeds = 3;    ///< after the plan's; 2 at least
-  int judging_seeds = 0;  ///< after those: what is chosen is measured on them, and chooses nothing
+  int judging_seeds = 0;  ///< after those: the chosen point is measured on them, and not changed
 };
 
-/// A setting that the search found good, on fresh seeds.
+/// A point that met the limits on the plan's seeds.
 struct TuneCandidate {
   std::size_t point = 0;
   TradeScore searched;              ///< on the plan's seeds
-  std::optional<TradeScore> fresh;  ///< none: refused there
-  /// Each limit holds for the upper_quantity() of the fresh seeds.
-  bool holds = false;
+  std::optional<TradeScore> fresh;  ///< on fresh seeds; none: refused there
+  bool holds = false;               ///< each limit, for the upper_quantity() of the fresh seeds
 };
 
 struct UnseenScore {
@@ -37,13 +65,13 @@ struct TuneResults {
   TuneOptions options;
   std::vector<std::uint64_t> fresh_seeds;
   std::size_t known = 0;                  ///< points of the trade that was given
-  std::size_t evaluated = 0;              ///< points that were measured beside them
+  std::size_t evaluated = 0;              ///< points that were measured besides
   std::size_t refused = 0;                ///< of those
   std::vector<TuneCandidate> candidates;  ///< in the order in which they were tried
-  /// Of `candidates`: the one that holds, which is the last; none: nothing was found.
+  /// The candidate that holds, which is the last; none: nothing was found.
   const TuneCandidate* chosen() const;
   std::optional<TradeScore> judged;    ///< the chosen one on the judging seeds; none: not asked for
-  std::vector<UnseenScore> unseen;     ///< of the chosen one
+  std::vector<UnseenScore> unseen;     ///< the chosen one on the plan's unseen scenes
   std::vector<std::string> at_an_end;  ///< keys whose chosen value is the first or last of the plan
 };
 

@@ -128,7 +128,7 @@ TEST(TradeShards, AreAllOfTheWorkAndNothingTwice) {
 class Journal : public testing_support::FolderTest {
  protected:
   static TradeRecord record(std::size_t point) {
-    TradeRecord result{{1, point, 2}, {}, {}};
+    TradeRecord result{{}, {1, point, 2}, {}, {}};
     result.measures.assign(trade_measure_names().size(), 0.1 * static_cast<double>(point) + 1. / 3);
     result.measures.back() = std::nan("");
     result.volume_ratio = 1. / 7;
@@ -142,7 +142,7 @@ TEST_F(Journal, GivesBackWhatItWasGiven) {
     TradeJournal journal(folder_, "plan");
     journal.append_machine("this one");
     for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
-    journal.append({{1, 9, 2}, "x = 3: must be \"even\"", {}});
+    journal.append({{}, {1, 9, 2}, "x = 3: must be \"even\"", {}});
   }
   const TradeJournal again(folder_, "plan");
   ASSERT_EQ(again.records().size(), 4U);

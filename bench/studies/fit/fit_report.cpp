@@ -1,8 +1,9 @@
+#include "bench/studies/fit/fit_report.h"
+
 #include <cmath>
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/studies/fit/fit_report.h"
 
 namespace wobblebench::bench {
 
@@ -11,40 +12,28 @@ namespace {
 /// Larger ratios are rounding.
 constexpr double kMostRatio = 1000;
 
-/// A parameter's unit as people read it, and how many of it are one SI unit.
+/// A parameter's unit in reports, and its number in one SI unit.
 struct ShownUnit {
   const char* name;
   const char* unit;
   double per_si;
 };
 
-ShownUnit shown(int parameter) {
-  switch (parameter) {
-    case kScale:
-      return {"speed of sound, true over assumed less 1", "%", 100};
-    case kBias:
-      return {"bias along the ray", "mm", 1e3};
-    case kMotorAngle:
-      return {"motor angle offset", "deg", 1 / kDegree};
-    case kWobbleRadius:
-      return {"wobble radius", "mm", 1e3};
-    case 0:
-      return {"rotation x", "deg", 1 / kDegree};
-    case 1:
-      return {"rotation y", "deg", 1 / kDegree};
-    case 2:
-      return {"rotation z", "deg", 1 / kDegree};
-    case 3:
-      return {"translation x", "mm", 1e3};
-    case 4:
-      return {"translation y", "mm", 1e3};
-    default:
-      return {"translation z", "mm", 1e3};
-  }
-}
+/// By RegistrationParameter.
+constexpr ShownUnit kShown[kRegistrationParameters] = {
+    {"rotation x", "deg", 1 / kDegree},
+    {"rotation y", "deg", 1 / kDegree},
+    {"rotation z", "deg", 1 / kDegree},
+    {"translation x", "mm", 1e3},
+    {"translation y", "mm", 1e3},
+    {"translation z", "mm", 1e3},
+    {"speed of sound, true over assumed less 1", "%", 100},
+    {"bias along the ray", "mm", 1e3},
+    {"motor angle offset", "deg", 1 / kDegree},
+    {"wobble radius", "mm", 1e3}};
 
 std::string in_unit(int parameter, double value) {
-  return std::isfinite(value) ? fixed(value * shown(parameter).per_si, 3) : "none";
+  return std::isfinite(value) ? fixed(value * kShown[parameter].per_si, 3) : "none";
 }
 
 void write_registration(const Registration& fit, std::ostream& text) {
@@ -58,21 +47,21 @@ void write_registration(const Registration& fit, std::ostream& text) {
   for (int i = 0; i < kRegistrationParameters; ++i) {
     const auto slot = static_cast<std::size_t>(i);
     if (fit.low[slot] == fit.high[slot]) continue;  // held
-    text << "| " << shown(i).name << ", " << shown(i).unit << " | " << in_unit(i, fit.value[slot])
+    text << "| " << kShown[i].name << ", " << kShown[i].unit << " | " << in_unit(i, fit.value[slot])
          << " | " << in_unit(i, fit.low[slot]) << " to " << in_unit(i, fit.high[slot]) << " |\n";
   }
   text << "\n";
   for (const auto& [parameters, ratio] : fit.unseen) {
     text << "Not told apart by this scene:";
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      text << (i ? ", " : " ") << shown(parameters[i]).name;
+      text << (i ? ", " : " ") << kShown[parameters[i]].name;
     }
     text << " (deviation of the combination from the data alone: "
          << (ratio < kMostRatio ? fixed(ratio, 1) : "more than 1000") << " times its prior's).\n";
   }
   for (const auto& [one, other] : fit.correlated) {
-    text << "Correlated by " << fixed(fit.correlation(one, other), 3) << ": " << shown(one).name
-         << " and " << shown(other).name << ".\n";
+    text << "Correlated by " << fixed(fit.correlation(one, other), 3) << ": " << kShown[one].name
+         << " and " << kShown[other].name << ".\n";
   }
 }
 
@@ -93,7 +82,7 @@ void write_coverage(const Coverage& coverage, std::ostream& text) {
          "| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
   for (const PlantedParameter& row : coverage.parameters) {
     const int p = row.parameter;
-    text << "| " << shown(p).name << ", " << shown(p).unit << " | " << in_unit(p, row.planted)
+    text << "| " << kShown[p].name << ", " << kShown[p].unit << " | " << in_unit(p, row.planted)
          << " | " << in_unit(p, row.mean) << " | " << in_unit(p, row.deviation) << " | "
          << in_unit(p, row.half_width) << " | " << row.covered << " of " << coverage.seeds.size()
          << " | " << row.held_nothing << " of " << coverage.reference.size() << " |\n";

@@ -1,16 +1,28 @@
+#include "bench/studies/trade/trade_report.h"
+
 #include <algorithm>
-#include <cmath>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "base/number_text.h"
 #include "base/statistics.h"
-#include "bench/studies/trade/trade_report.h"
+#include "bench/studies/accuracy/accuracy_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr std::size_t kMostInteractions = 10;
+TradeResults::Part part_of(const TradeResults& results,
+                           const std::string& name,
+                           const std::vector<std::size_t>& scenes) {
+  TradeResults::Part part{name, trade_scores(results.work, results.records, scenes), {}, {}};
+  part.front = trade_front(part.scores);
+  part.knees = trade_knees(part.scores, part.front);
+  return part;
+}
+
+constexpr std::ptrdiff_t kMostInteractions = 10;
 
 const char* name_of(TradeResponse response) {
   switch (response) {
@@ -22,12 +34,6 @@ const char* name_of(TradeResponse response) {
       break;
   }
   return "missed or false, %";
-}
-
-std::string text_of(const MeanInterval& interval, int digits) {
-  if (interval.n == 0) return "";
-  const std::string mean = fixed(interval.mean, digits);
-  return std::isfinite(interval.half) ? mean + " ± " + fixed(interval.half, digits) : mean;
 }
 
 void write_head(const TradeResults& results, std::ostream& markdown) {
@@ -53,7 +59,7 @@ void write_head(const TradeResults& results, std::ostream& markdown) {
   }
 }
 
-/// How long one evaluation takes, and what of.
+/// How long an evaluation takes, and its parts.
 void write_evaluation(const TradeResults& results, std::ostream& markdown) {
   std::vector<double> all, renderer, render, measure;
   for (const auto& [unit, record] : results.records) {
@@ -81,7 +87,7 @@ void write_evaluation(const TradeResults& results, std::ostream& markdown) {
 
 void write_row(const TradeResults& results, const TradeScore& score, std::ostream& markdown) {
   const auto cell = [&](const char* name, int digits) {
-    markdown << " | " << text_of(score.measures[trade_measure(name)], digits);
+    markdown << " | " << interval_text(score.measures[trade_measure(name)], digits);
   };
   markdown << "| " << score.point << " | " << fixed(score.volume_ratio, 2) << " | "
            << fixed(score.view_ratio, 2) << " | " << fixed(score.volume_ms, 0);
@@ -129,9 +135,8 @@ void write_part(const TradeResults& results,
   markdown << "\n## Front: " << part.name << "\n\n"
            << part.front.size() << " of " << part.scores.size()
            << " points are beaten by no other in time, P95 and missed or false together.\n";
-  for (const Figure& figure : trade_figures(results)) {
-    if (figure.caption.find(part.name + ",") == std::string::npos) continue;
-    markdown << "\n![" << figure.caption << "](" << trade_figure_file(figure) << ")\n";
+  if (const auto figure = trade_figure(part)) {
+    markdown << "\n![" << figure->caption << "](" << figure->name << ")\n";
   }
   write_front(results, part, markdown);
   if (!part.knees.empty()) write_knees(results, part, markdown);
@@ -156,33 +161,14 @@ void write_effects(const TradeResults& results,
     markdown << "| `" << axes[first.axis].key << "` | " << axes[first.axis].levels[first.level];
     for (const auto& of_response : effects) {
       const MeanInterval& effect = of_response[i].effect;
-      const std::string text = text_of(effect, 2);
+      const std::string text = interval_text(effect, 2);
       markdown << " | " << (effect.differs_from_zero() ? text : "(" + text + ")");
     }
     markdown << " |\n";
   }
 }
 
-std::string share_text(const VarianceShare& share) {
-  return fixed(100 * share.share, 1) + " ± " + fixed(100 * share.half, 1);
-}
-
-/// One table: `first` to `last` of the shares of each response, in the order given.
-void write_share_rows(const TradeResults& results,
-                      const std::vector<std::vector<VarianceShare>>& shares,
-                      const std::vector<std::size_t>& order,
-                      std::ostream& markdown) {
-  const auto& axes = results.work.plan.axes;
-  for (const std::size_t i : order) {
-    const VarianceShare& share = shares.front()[i];
-    markdown << "| `" << axes[share.axis].key << "`";
-    if (share.other != share.axis) markdown << " × `" << axes[share.other].key << "`";
-    for (const auto& of_response : shares) markdown << " | " << share_text(of_response[i]);
-    markdown << " |\n";
-  }
-}
-
-/// Numbers `from` to `to`, by their largest share of any response.
+/// Numbers `from` to `to`, by their largest share of a response.
 std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>& shares,
                                   std::size_t from,
                                   std::size_t to) {
@@ -202,24 +188,70 @@ std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>&
 void write_shares(const TradeResults& results,
                   const std::vector<TradeScore>& scores,
                   std::ostream& markdown) {
+  const auto& axes = results.work.plan.axes;
   std::vector<std::vector<VarianceShare>> shares;
-  for (const TradeResponse response : kTradeResponses) {
-    shares.push_back(variance_shares(results.work, scores, response));
-  }
-  const std::size_t axes = results.work.plan.axes.size();
   markdown
       << "\n## Which settings matter\n\n"
          "Share of the variance over the points (omega squared, %) ± 95 %: of single settings, "
          "then of the pairs that matter most, beyond what each does alone.\n\n| setting";
-  for (const TradeResponse response : kTradeResponses) markdown << " | " << name_of(response);
+  for (const TradeResponse response : kTradeResponses) {
+    markdown << " | " << name_of(response);
+    shares.push_back(variance_shares(results.work, scores, response));
+  }
   markdown << " |\n| --- | ---: | ---: | ---: |\n";
-  write_share_rows(results, shares, by_share(shares, 0, axes), markdown);
-  auto pairs = by_share(shares, axes, shares.front().size());
-  pairs.resize(std::min(pairs.size(), kMostInteractions));
-  write_share_rows(results, shares, pairs, markdown);
+  std::vector<std::size_t> order = by_share(shares, 0, axes.size());
+  const auto pairs = by_share(shares, axes.size(), shares.front().size());
+  order.insert(order.end(),
+               pairs.begin(),
+               pairs.begin() + std::min<std::ptrdiff_t>(kMostInteractions, std::ssize(pairs)));
+  for (const std::size_t i : order) {
+    const VarianceShare& first = shares.front()[i];
+    markdown << "| `" << axes[first.axis].key << "`";
+    if (first.other != first.axis) markdown << " × `" << axes[first.other].key << "`";
+    for (const auto& of_response : shares) {
+      const VarianceShare& share = of_response[i];
+      markdown << " | " << fixed(100 * share.share, 1) << " ± " << fixed(100 * share.half, 1);
+    }
+    markdown << " |\n";
+  }
 }
 
 }  // namespace
+
+TradeResults trade_results(TradeWork work, TradeContent content) {
+  TradeResults results{
+      std::move(work), std::move(content.records), std::move(content.machines), {}, 0, {}};
+  const auto& scenes = results.work.plan.scenes;
+  if (scenes.size() > 1) {
+    results.parts.push_back(part_of(results, "all scenes", all_scenes(results.work.plan)));
+  }
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    results.parts.push_back(part_of(results, scenes[i].name, {i}));
+  }
+  std::set<std::size_t> refused;
+  for (const auto& [unit, record] : results.records) {
+    if (record.refused.empty()) continue;
+    if (refused.empty()) results.first_refusal = record.refused;
+    refused.insert(unit.point);
+  }
+  results.refused = refused.size();
+  return results;
+}
+
+std::string measured_by(const Provenance& provenance) {
+  return "commit " + provenance.commit + ", " + machine_text(provenance);
+}
+
+std::string point_text(const TradeWork& work, std::size_t point, const std::size_t* from) {
+  std::string text;
+  for (std::size_t i = 0; i < work.plan.axes.size(); ++i) {
+    const std::string& value = work.points[point].values[i];
+    if (from != nullptr && work.points[*from].values[i] == value) continue;
+    const std::string& key = work.plan.axes[i].key;
+    text += (text.empty() ? "" : ", ") + key.substr(key.rfind('.') + 1) + " " + plain_value(value);
+  }
+  return text.empty() ? "the same setting" : text;
+}
 
 std::string trade_markdown(const TradeResults& results) {
   std::ostringstream markdown;

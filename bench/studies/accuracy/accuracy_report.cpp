@@ -1,15 +1,34 @@
+#include "bench/studies/accuracy/accuracy_report.h"
+
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
 #include "base/number_text.h"
 #include "base/units.h"
-#include "bench/studies/accuracy/accuracy_report.h"
+#include "bench/output/chart/chart_canvas.h"
+#include "bench/output/image_io.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Measures that no seed has are left out.
+Json intervals_json(const std::vector<MeanInterval>& intervals) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    const MeanInterval& interval = intervals[i];
+    if (interval.n == 0) continue;
+    json[measure_names()[i]] = {
+        {"mean", interval.mean}, {"half_interval", number(interval.half)}, {"n", interval.n}};
+  }
+  return json;
+}
 
 /// A column: which measure, its heading, and its digits after the decimal point.
 struct Column {
@@ -50,19 +69,6 @@ std::size_t index_of(const std::string& measure) {
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), measure) - names.begin());
 }
 
-std::string text_of(const MeanInterval& interval, int digits) {
-  if (interval.n == 0) return "";
-  std::string text = fixed(interval.mean, digits);
-  return std::isfinite(interval.half) ? text + " ± " + fixed(interval.half, digits) : text;
-}
-
-/// Differences that their interval does not tell from 0 are in brackets.
-std::string difference_text(const MeanInterval& interval, int digits) {
-  std::string text = text_of(interval, digits);
-  if (text.empty()) return text;
-  return interval.differs_from_zero() ? text : "(" + text + ")";
-}
-
 void write_heading(const std::vector<std::string>& first,
                    const std::vector<Column>& columns,
                    std::ostream& markdown) {
@@ -92,8 +98,8 @@ void write_pictures(const AccuracyResults& results, std::ostream& markdown) {
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture") continue;
     markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " | "
-             << text_of(s.render_ms, 0) << " | " << text_of(s.render_ratio, 2) << " ";
-    write_cells(s.means, picture_columns(), text_of, markdown);
+             << interval_text(s.render_ms, 0) << " | " << interval_text(s.render_ratio, 2) << " ";
+    write_cells(s.means, picture_columns(), interval_text, markdown);
   }
 }
 
@@ -126,7 +132,7 @@ void write_regions(const AccuracyResults& results,
     if (s.group != group) continue;
     markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " | " << s.region
              << " ";
-    write_cells(s.means, region_columns(), text_of, markdown);
+    write_cells(s.means, region_columns(), interval_text, markdown);
   }
 }
 
@@ -170,7 +176,7 @@ void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
       markdown << "| " << s.scene << " | " << fixed(bound.sticks_m / kMillimetre, 3) << " | "
                << fixed(bound.spacing.rms_m / kMillimetre, 3) << " | " << fixed(yardstick_mm, 3)
                << " | " << bound.spacing.n << " | " << left_out(bound.spacing) << " | " << s.rung
-               << " | " << s.setting << " | " << text_of(rms, 2) << " | "
+               << " | " << s.setting << " | " << interval_text(rms, 2) << " | "
                << fixed(rms.mean / yardstick_mm, 2) << " |\n";
     }
   }
@@ -183,7 +189,105 @@ void write_sheet(const AccuracyResults& results, std::ostream& markdown) {
            << kAccuracySheet << ")\n";
 }
 
+constexpr int kSide = 150, kGap = 6, kTop = 26, kLeft = 120;
+constexpr double kText = 13;
+
+/// In the order of their first picture, the truth last.
+std::vector<std::string> columns_of(const AccuracyResults& results) {
+  std::vector<std::string> names;
+  for (const AccuracyPicture& picture : results.pictures) {
+    if (picture.setting == "truth") continue;
+    if (std::find(names.begin(), names.end(), picture.setting) == names.end()) {
+      names.push_back(picture.setting);
+    }
+  }
+  names.emplace_back("truth");
+  return names;
+}
+
+std::vector<std::pair<std::string, std::string>> rows_of(const AccuracyResults& results) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const AccuracyPicture& picture : results.pictures) {
+    const std::pair row{picture.scene, picture.rung};
+    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+  }
+  return rows;
+}
+
+template <class Values, class Value>
+int number_of(const Values& values, const Value& value) {
+  return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
+}
+
+Image<glm::vec3> displayed(Image<glm::vec3> light) {
+  for (glm::vec3& pixel : light.pixels) {
+    pixel = {encoded(pixel.r), encoded(pixel.g), encoded(pixel.b)};
+  }
+  return light;
+}
+
 }  // namespace
+
+std::string interval_text(const MeanInterval& interval, int digits) {
+  if (interval.n == 0) return "";
+  const std::string mean = fixed(interval.mean, digits);
+  return std::isfinite(interval.half) ? mean + " ± " + fixed(interval.half, digits) : mean;
+}
+
+std::string difference_text(const MeanInterval& interval, int digits) {
+  const std::string text = interval_text(interval, digits);
+  return text.empty() || interval.differs_from_zero() ? text : "(" + text + ")";
+}
+
+std::string csv_number(double value) {
+  constexpr int kDigits = 7;
+  return std::isfinite(value) ? significant(value, kDigits) : "";
+}
+
+std::string accuracy_csv(const AccuracyResults& results) {
+  std::ostringstream csv;
+  csv << "scene,rung,setting,seed,group,region";
+  for (const std::string& name : measure_names()) csv << "," << name;
+  csv << ",render_ms\n";
+  for (const AccuracyRow& row : results.rows) {
+    csv << row.scene << "," << row.rung << "," << row.setting << "," << row.seed << ","
+        << row.measures.group << "," << row.measures.region;
+    for (const double value : row.measures.values) csv << "," << csv_number(value);
+    csv << "," << csv_number(row.render_ms) << "\n";
+  }
+  return csv.str();
+}
+
+std::string accuracy_picture_file(const AccuracyPicture& picture) {
+  return "accuracy_" + picture.scene + "_" + picture.rung + "_" + picture.setting + ".png";
+}
+
+Json accuracy_json(const AccuracyResults& results) {
+  Json summaries = Json::array();
+  for (const AccuracySummary& summary : results.summaries) {
+    Json json = {{"scene", summary.scene},
+                 {"rung", summary.rung},
+                 {"setting", summary.setting},
+                 {"group", summary.group},
+                 {"region", summary.region},
+                 {"means", intervals_json(summary.means)}};
+    if (!summary.differences.empty()) {
+      json["differences"] = intervals_json(summary.differences);
+    }
+    if (summary.group == "picture") json["render_ms"] = number(summary.render_ms.mean);
+    summaries.push_back(std::move(json));
+  }
+  const EvaluationTimes& times = results.times;
+  return {{"seeds", results.seeds},
+          {"notes", results.notes},
+          {"evaluations", results.evaluations},
+          {"evaluation_ms",
+           {{"renderer", times.renderer_ms},
+            {"render", times.render_ms},
+            {"truth", times.truth_ms},
+            {"measure", times.measure_ms}}},
+          {"summaries", summaries}};
+}
 
 std::string accuracy_markdown(const AccuracyResults& results, const Provenance& provenance) {
   std::ostringstream markdown;
@@ -203,6 +307,29 @@ std::string accuracy_markdown(const AccuracyResults& results, const Provenance& 
   write_regions(results, "unseen", "What the probe cannot see", markdown);
   write_sheet(results, markdown);
   return markdown.str();
+}
+
+Image<glm::vec3> accuracy_sheet(const AccuracyResults& results) {
+  const auto columns = columns_of(results);
+  const auto rows = rows_of(results);
+  const auto at = [](int number) { return number * (kSide + kGap); };
+  Canvas canvas(kLeft + at(static_cast<int>(columns.size())),
+                kTop + at(static_cast<int>(rows.size())));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const double middle = kLeft + at(static_cast<int>(i)) + 0.5 * kSide;
+    canvas.text({middle, 0.5 * kTop}, columns[i], {.size = kText, .across = 0.5});
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double middle = kTop + at(static_cast<int>(i)) + 0.5 * kSide;
+    canvas.text({kGap, middle - 10}, rows[i].first, {.size = kText});
+    canvas.text({kGap, middle + 10}, rows[i].second, {.size = kText});
+  }
+  for (const AccuracyPicture& picture : results.pictures) {
+    const Point2 corner(kLeft + at(number_of(columns, picture.setting)),
+                        kTop + at(number_of(rows, std::pair(picture.scene, picture.rung))));
+    canvas.picture({corner, corner + Point2(kSide, kSide)}, displayed(picture.surface));
+  }
+  return canvas.finish();
 }
 
 }  // namespace wobblebench::bench
