@@ -1,5 +1,4 @@
 // The board's contract, checked on any board; and the proof that each check can fail.
-#include <iostream>
 #include <memory>
 
 #include "bench/board_checks/conformance/board_fixture.h"
@@ -7,8 +6,7 @@
 #include "bench/cli/conformance_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
 
 namespace wobblebench::bench {
 
@@ -66,8 +64,7 @@ std::vector<SuiteRun> check_board(const BoardArguments& board,
   return runs;
 }
 
-int check_boards(const Arguments& arguments) {
-  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+std::vector<BoardArguments> boards_of(const Arguments& arguments) {
   std::vector<BoardArguments> boards;
   for (const std::string& text : arguments.boards) {
     boards.push_back(parse_board(text));
@@ -76,25 +73,28 @@ int check_boards(const Arguments& arguments) {
     const bool made = is_simulated(boards.back()) || boards.back().link.value.ends_with("stand-in");
     if (!made) open_outside_link(boards.back());
   }
-  OutputFolder out(arguments.output.folder);
-  Progress progress(planned_steps(boards, arguments));
+  return boards;
+}
 
-  ConformanceFindings findings;
-  for (const BoardArguments& board : boards) {
-    const auto runs = check_board(board, scene, arguments.each_fault, progress);
-    findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
-  }
-  if (arguments.broken) {
-    findings.defects =
-        progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
-  }
-
-  const std::string report = conformance_report(findings, scene, progress.steps());
-  out.write_text("conformance.md", conformance_markdown(findings, provenance_of_this_machine()));
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : conformance_summary(findings));
-  return findings.passed() ? 0 : 1;
+int check_boards(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  const std::vector<BoardArguments> boards = boards_of(arguments);
+  const auto work = [&](OutputFolder& out, Progress& progress) {
+    ConformanceFindings findings;
+    for (const BoardArguments& board : boards) {
+      const auto runs = check_board(board, scene, arguments.each_fault, progress);
+      findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
+    }
+    if (arguments.broken) {
+      findings.defects =
+          progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
+    }
+    out.write_text("conformance.md", conformance_markdown(findings, provenance_of_this_machine()));
+    return CommandResult{conformance_report(findings, scene, progress.steps()),
+                         conformance_summary(findings),
+                         findings.passed() ? kDone : kFailed};
+  };
+  return run_in_folder(arguments.output, planned_steps(boards, arguments), work);
 }
 
 }  // namespace

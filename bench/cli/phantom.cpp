@@ -1,13 +1,12 @@
 // Builds or imports a phantom, prints its properties, and writes it for other OpenVDB tools.
-#include <iostream>
 #include <memory>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/phantom_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/scene/resolved_scene.h"
 
 namespace wobblebench::bench {
 
@@ -19,21 +18,26 @@ struct Arguments {
   OutputArguments output;
 };
 
-int write_phantom(const Arguments& arguments) {
-  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"phantom", 10}, {"write", 1}});
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
+/// The scene with the phantom's placement. A motion that the phantom cannot make is no fault: it is
+/// written at rest.
+Scene placed_scene(const Scene& given, const phantoms::Phantom& phantom) {
+  Scene at_rest = given;
+  at_rest.motion = {};
+  Scene placed = resolve_scene(at_rest, phantom).options();
+  placed.motion = given.motion;
+  return placed;
+}
 
-  const std::string report = phantom_report(phantom, scene);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report
-                                      : phantom_summary(phantom, out.directory() / "phantom.vdb"));
-  return 0;
+int write_phantom(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  return run_in_folder(
+      arguments.output, {{"phantom", 10}, {"write", 1}}, [&](OutputFolder& out, Progress& progress) {
+        PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+        const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+        progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
+        return CommandResult{phantom_report(phantom, placed_scene(scene, phantom)),
+                             phantom_summary(phantom, out.directory() / "phantom.vdb")};
+      });
 }
 
 }  // namespace

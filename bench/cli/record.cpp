@@ -1,6 +1,5 @@
 // Writes what a board sends to a file.
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <stdexcept>
 
@@ -11,9 +10,8 @@
 #include "bench/cli/recording_folder.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/command/stop_signals.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
@@ -103,48 +101,34 @@ std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
   return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
 }
 
-/// All files get their names, or none does.
-void name_results(OutputFolder& out, const fs::path& partial, const std::string& report) {
-  try {
-    out.adopt(partial, kRecordingName);
-    out.write_text("report.json", report);
-    out.commit();
-  } catch (const std::exception& error) {
-    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
-  }
-}
-
-/// Prints the report, or its summary. Returns the exit code, with a line on stderr unless it is 0.
-int verdict(const RecordResult& result,
-            const std::string& report,
-            const fs::path& folder,
-            const std::string& loss,
-            const Arguments& arguments) {
-  std::cout << (arguments.output.json ? report : record_summary(result, folder));
-  if (result.end == hw::RecordingEnd::lost) {
-    std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
-    return 1;
-  }
+/// Why the exit code is kFailed; empty: it is not.
+std::string failure_of(const RecordResult& result,
+                       const std::string& loss,
+                       const Arguments& arguments) {
+  if (result.end == hw::RecordingEnd::lost) return "--board = " + arguments.board + ": " + loss;
   const hw::BoardAccount& account = result.progress.account;
-  if (!arguments.fail_on_loss || account.lost.total() == 0) return 0;
-  std::cerr << "wobblebench: --fail-on-loss: " << account.lost.total() << " of " << account.emitted
-            << " sticks were lost\n";
-  return 1;
+  if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
+  return "--fail-on-loss: " + std::to_string(account.lost.total()) + " of " +
+         std::to_string(account.emitted) + " sticks were lost";
 }
 
-int record_board(const Arguments& arguments) {
+Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  const BoardArguments board = parse_board(arguments.board);
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
-  if (arguments.iq) refuse_iq(scene, board);
-  // What does not exist is refused before the folder is made; what takes long comes after it.
-  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
-  OutputFolder out(arguments.output.folder);
+  return scene;
+}
+
+/// Fills the folder from `link`; null: from the scene's simulator.
+CommandResult record_to(OutputFolder& out,
+                        std::unique_ptr<hw::Link> link,
+                        const BoardArguments& board,
+                        const Scene& scene,
+                        const Arguments& arguments,
+                        Progress& progress) {
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq);
   if (link) out.refuse_input(board.link.value, kRecordingName);
-  Progress progress;
   RecordResult result{.with_iq = arguments.iq};
   std::shared_ptr<IqFile> iq;
   if (arguments.iq) iq = std::make_shared<IqFile>(out.stage(kIqName), scene.plan());
@@ -165,9 +149,23 @@ int record_board(const Arguments& arguments) {
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
-  const std::string report = record_report(result, std::move(scene));
-  name_results(out, partial, report);
-  return verdict(result, report, out.directory(), loss, arguments);
+  const std::string failure = failure_of(result, loss, arguments);
+  return {record_report(result, scene),
+          record_summary(result, out.directory()),
+          failure.empty() ? kDone : kFailed,
+          failure,
+          AdoptedFile{partial, kRecordingName, "the recording"}};
+}
+
+int record_board(const Arguments& arguments) {
+  const Scene scene = scene_of(arguments);
+  const BoardArguments board = parse_board(arguments.board);
+  if (arguments.iq) refuse_iq(scene, board);
+  // What does not exist is refused before the folder is made; what takes long comes after it.
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
+    return record_to(out, std::move(link), board, scene, arguments, progress);
+  });
 }
 
 }  // namespace

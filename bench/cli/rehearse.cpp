@@ -7,8 +7,7 @@
 #include "bench/cli/fault_simulation_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
 
 namespace wobblebench::bench {
 
@@ -29,17 +28,15 @@ void print_trace(std::uint64_t first_seed, int seeds) {
 }
 
 int simulate(const Arguments& arguments) {
-  OutputFolder out(arguments.output.folder);
-  if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
-  Progress progress;
-  const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
-    return simulate_seeds(arguments.first_seed, arguments.seeds, done);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder&, Progress& progress) {
+    if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
+    const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
+      return simulate_seeds(arguments.first_seed, arguments.seeds, done);
+    });
+    return CommandResult{fault_simulation_report(all),
+                         fault_simulation_summary(all),
+                         all.failed.empty() ? kDone : kFailed};
   });
-  const std::string report = fault_simulation_report(all);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : fault_simulation_summary(all));
-  return all.failed.empty() ? 0 : 1;
 }
 
 }  // namespace

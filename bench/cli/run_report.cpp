@@ -26,7 +26,7 @@ Provenance provenance_of(const RunResult& result) {
 /// Sets "effects" and "simulation".
 void report_simulation(Json& report,
                        const std::optional<SimulatedVolume>& simulated,
-                       const Scene& scene) {
+                       const ResolvedScene& scene) {
   report_fidelity(report,
                   simulated ? std::optional(simulated->fidelity) : std::optional<sim::Fidelity>());
   if (!simulated) return;
@@ -44,8 +44,8 @@ std::string why_not_registered(const RunResult& result) {
 }
 
 /// In mode "volume" no surface is computed, so that none is missed.
-bool computes_surface(const Scene& scene) {
-  return scene.render.ray_casting.mode != render::RenderMode::volume;
+bool computes_surface(const ResolvedScene& scene) {
+  return scene.render().ray_casting.mode != render::RenderMode::volume;
 }
 
 /// Three significant digits; no decimals from 100 on.
@@ -62,7 +62,7 @@ std::string in_mm(double metres) {
   return rounded(metres / kMillimetre);
 }
 
-std::string volume_line(const RunResult& result, const Scene& scene) {
+std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   const Acquisition& acquisition = result.acquisition;
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
@@ -173,16 +173,16 @@ ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult&
 }
 
 std::string run_report(const RunResult& result,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const StepTimes& times,
                        const std::optional<ToleranceResult>& tolerance) {
-  Json report = report_head("run", provenance_of(result), scene);
+  Json report = report_head("run", provenance_of(result), scene.options());
   const auto& simulated = result.acquisition.simulated;
   report["acquisition"] = acquisition_json(scene.plan());
   report_simulation(report, simulated, scene);
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
-  report["render"] = render_json(result.picture.passes, scene.render.pipeline.mode);
+  report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["error"] = nullptr;
@@ -209,7 +209,7 @@ std::string run_report(const RunResult& result,
 }
 
 std::string run_summary(const RunResult& result,
-                        const Scene& scene,
+                        const ResolvedScene& scene,
                         const std::filesystem::path& directory,
                         const std::optional<ToleranceResult>& tolerance) {
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +

@@ -7,7 +7,7 @@
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/run_result.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/tolerance/tolerance_report.h"
 
 namespace wobblebench::bench {
@@ -17,13 +17,13 @@ ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult&
 
 /// The text of report.json. `tolerance`: none: not asked for.
 std::string run_report(const RunResult& result,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const StepTimes& times,
                        const std::optional<ToleranceResult>& tolerance = std::nullopt);
 
 /// A few lines for a terminal. `directory`: where the results are.
 std::string run_summary(const RunResult& result,
-                        const Scene& scene,
+                        const ResolvedScene& scene,
                         const std::filesystem::path& directory,
                         const std::optional<ToleranceResult>& tolerance = std::nullopt);
 

@@ -1,6 +1,5 @@
 // Volume after volume: acquisition and rendering overlapped; pictures, a video, latency.
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -12,13 +11,11 @@
 #include "bench/cli/stream_sink.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/command/place_subject.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/command/stop_signals.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/video.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
@@ -84,15 +81,11 @@ Scene scene_of(const Arguments& arguments) {
 }
 
 VolumeError error_of(const KeptDepth& kept,
-                     const phantoms::PlacedPhantom& subject,
-                     const Scene& scene,
+                     const ResolvedScene& scene,
                      const sim::TissueMapSource& maps) {
-  const auto plan = scene.plan();
-  const auto view = render::make_view(scene.render);
-  Truth truth = trace_truth(subject, plan, view, kept.volume);
-  mark_shadowed(truth, StickReach(subject, plan, scene.simulation, maps, kept.volume), view.camera);
-  const DepthError error = measure_depth_error(kept.depth_m, truth, view.camera);
-  const auto first = plan.stick_time(plan.first_sequence(kept.volume));
+  const Truth truth = true_surface(scene, maps, kept.volume);
+  const DepthError error = measure_depth_error(kept.depth_m, truth, scene.view().camera);
+  const auto first = scene.plan().stick_time(scene.plan().first_sequence(kept.volume));
   return {.volume = kept.volume,
           .time_s = 1e-3 * to_milliseconds(first.time_since_epoch()),
           .depth = error.depth,
@@ -100,11 +93,11 @@ VolumeError error_of(const KeptDepth& kept,
           .false_percent = error.false_percent()};
 }
 
-std::string why_no_errors(const Arguments& arguments, const Scene& scene, bool known) {
-  if (!known) return "what the samples are of is not known";
+std::string why_no_errors(const Arguments& arguments, const ResolvedScene& scene) {
+  if (!scene.subject()) return "what the samples are of is not known";
   if (arguments.errors == 0) return "--errors = 0";
   if (stop_requested()) return "stopped: they are measured after the stream";
-  if (scene.render.pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
+  if (scene.render().pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
   return "no whole volume was shown";
 }
 
@@ -124,23 +117,19 @@ std::string why_nothing(const StreamResult& result, const Arguments& arguments) 
   return "--board = " + arguments.board + ": no whole volume came";
 }
 
-/// The exit code, with a line on stderr unless it is 0.
-int verdict(const StreamReport& report, const Arguments& arguments) {
+/// Why the exit code is kFailed; empty: it is not.
+std::string failure_of(const StreamReport& report, const Arguments& arguments) {
+  if (!report.result.failure.empty()) return report.result.failure;
   const std::uint64_t came = report.result.reader.volumes;
-  std::string why = report.result.failure;
-  if (why.empty() && came < static_cast<std::uint64_t>(arguments.volumes) && !stop_requested()) {
-    why = "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
-          " sent " + std::to_string(came);
-  }
-  if (why.empty()) return 0;
-  std::cerr << "wobblebench: " << why << "\n";
-  return 1;
+  if (came >= static_cast<std::uint64_t>(arguments.volumes) || stop_requested()) return "";
+  return "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
+         " sent " + std::to_string(came);
 }
 
 StreamResult stream_to(StreamSink& sink,
                        const StreamSource& source,
                        render::Renderer& renderer,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const Arguments& arguments,
                        Progress& progress) {
   const auto volumes = static_cast<std::size_t>(arguments.volumes);
@@ -154,16 +143,17 @@ StreamResult stream_to(StreamSink& sink,
     };
     const StreamOptions options{.queue = queue_options(arguments),
                                 .volumes = volumes,
-                                .mid_volume = scene.render.pipeline.mid_volume};
+                                .mid_volume = scene.render().pipeline.mid_volume};
     GlStreamRenderer passes(renderer);
     return run_stream(source, passes, options, show, stop_requested);
   });
 }
 
 /// By the card's model, of whole volumes. None: another board, or one that does not keep time.
-std::optional<CardDelays> card_delays_of(const Arguments& arguments, const Scene& scene) {
+std::optional<CardDelays> card_delays_of(const Arguments& arguments,
+                                         const ResolvedScene& scene) {
   const BoardArguments board = parse_board(arguments.board);
-  if (!is_simulated(board) || scene.render.pipeline.mid_volume) return {};
+  if (!is_simulated(board) || scene.render().pipeline.mid_volume) return {};
   const auto options = read_link_options<sim::SimLinkOptions>(board);
   if (options.pace != hw::Pace::realtime) return {};
   return card_delays(scene.plan(), options.card);
@@ -171,7 +161,7 @@ std::optional<CardDelays> card_delays_of(const Arguments& arguments, const Scene
 
 StreamSummary summary_of(const StreamReport& report,
                          bool in_real_time,
-                         const Scene& scene,
+                         const ResolvedScene& scene,
                          const Arguments& arguments) {
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const auto volumes = std::max<std::uint64_t>(report.result.reader.volumes, 1);
@@ -183,17 +173,16 @@ StreamSummary summary_of(const StreamReport& report,
 }
 
 std::vector<VolumeError> errors_of(const StreamSink& sink,
-                                   const std::optional<phantoms::PlacedPhantom>& subject,
-                                   const Scene& scene,
+                                   const ResolvedScene& scene,
                                    const sim::TissueMapSource& maps,
                                    Progress& progress) {
   std::vector<VolumeError> errors;
-  if (!subject || sink.depths().empty()) return errors;
+  if (!scene.subject() || sink.depths().empty()) return errors;
   progress.step("errors", [&](const PartDone& done) {
     PartCount parts(sink.depths().size(), done);
     for (const KeptDepth& kept : sink.depths()) {
       if (stop_requested()) break;
-      errors.push_back(error_of(kept, *subject, scene, maps));
+      errors.push_back(error_of(kept, scene, maps));
       parts.finish_one();
     }
   });
@@ -215,47 +204,42 @@ void write_pictures(StreamSink& sink,
 
 int stream(const Arguments& arguments) {
   const auto codec = codec_of(arguments.codec);
-  StreamReport report;
-  report.queue = queue_options(arguments);
-  Scene scene = scene_of(arguments);
-  check_memory_of_run(scene, available_memory_bytes());
-  BoardConnection connection(parse_board(arguments.board), {.ring_slots = arguments.ring});
+  const Scene given = scene_of(arguments);
+  check_memory_of_run(given, available_memory_bytes());
+  BoardConnection board(parse_board(arguments.board), {.ring_slots = arguments.ring});
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress;
 
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const auto subject = place_subject(scene, connection.adopt_plan(scene), cache, progress);
-  const bool is_measured = subject && !scene.render.pipeline.mid_volume;
-  StreamSink sink(scene.plan(),
-                  make_video(out, codec, scene.render.ray_casting.image_size),
-                  is_measured ? arguments.errors : 0);
-  render::Renderer renderer(*context, scene.plan(), scene.render);
-  progress.step("shaders", [&] { renderer.compile(); });
-  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-  stop_in_order();
-  const StreamSource source = progress.step("scene", [&] {
-    return subject ? connection.connect(scene, *subject, maps) : connection.connect(scene);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    const ResolvedScene scene = board.resolve(given, cache, progress);
+    const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
+    StreamSink sink(scene.plan(),
+                    make_video(out, codec, scene.render().ray_casting.image_size),
+                    is_measured ? arguments.errors : 0);
+    render::Renderer renderer(*context, scene.plan(), scene.render());
+    progress.step("shaders", [&] { renderer.compile(); });
+    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    stop_in_order();
+    const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+
+    StreamReport report{.queue = queue_options(arguments)};
+    report.result = stream_to(sink, source, renderer, scene, arguments, progress);
+    if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
+    report.simulated = board.simulated();
+    const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
+    report.summary = summary_of(report, in_real_time, scene, arguments);
+    report.errors = errors_of(sink, scene, maps, progress);
+    if (report.errors.empty()) report.why_no_errors = why_no_errors(arguments, scene);
+    progress.step("write", [&] { write_pictures(sink, codec, report, arguments.trace, out); });
+
+    Provenance provenance = provenance_of_simulation(*context, scene.simulation().seed);
+    provenance.board = hw::to_string(report.result.link.origin);
+    const std::string failure = failure_of(report, arguments);
+    return CommandResult{stream_report(report, std::move(provenance), scene, progress.times()),
+                         stream_text(report, out.directory()),
+                         failure.empty() ? kDone : kFailed,
+                         failure};
   });
-
-  report.result = stream_to(sink, source, renderer, scene, arguments, progress);
-  if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
-  report.simulated = connection.simulated();
-  const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
-  report.summary = summary_of(report, in_real_time, scene, arguments);
-  report.errors = errors_of(sink, subject, scene, maps, progress);
-  if (report.errors.empty()) {
-    report.why_no_errors = why_no_errors(arguments, scene, subject.has_value());
-  }
-  progress.step("write", [&] { write_pictures(sink, codec, report, arguments.trace, out); });
-
-  Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
-  provenance.board = hw::to_string(report.result.link.origin);
-  const std::string json = stream_report(report, std::move(provenance), scene, progress.times());
-  out.write_text("report.json", json);
-  out.commit();
-  std::cout << (arguments.output.json ? json : stream_text(report, out.directory()));
-  return verdict(report, arguments);
 }
 
 }  // namespace

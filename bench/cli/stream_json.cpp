@@ -96,9 +96,9 @@ void report_simulation(Json& json, const StreamReport& report, double sound_ms) 
 
 std::string stream_report(const StreamReport& report,
                           Provenance provenance,
-                          const Scene& scene,
+                          const ResolvedScene& scene,
                           const StepTimes& times) {
-  Json json = report_head("stream", std::move(provenance), scene);
+  Json json = report_head("stream", std::move(provenance), scene.options());
   json["acquisition"] = acquisition_json(scene.plan());
   report_simulation(json, report, to_milliseconds(scene.plan().volume_duration()));
   json["board"] = account_json(report.result.account);

@@ -16,8 +16,8 @@ namespace wobblebench::bench {
 struct Comparison {
   Truth truth;
   PictureMeasures error;
-  std::optional<Registration> registration;          ///< none: not asked for
-  std::optional<PictureMeasures> before_correction;  ///< none: z is not corrected
+  std::optional<Registration> registration = {};          ///< none: not asked for
+  std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
 };
 
 struct RunResult {
@@ -25,8 +25,8 @@ struct RunResult {
   render::Picture picture;
   std::string gl_backend;                ///< as --gl takes it
   std::string gl_renderer;               ///< GL_RENDERER and GL_VERSION
-  std::optional<Comparison> comparison;  ///< none: the samples are not of the scene's phantom
-  PhantomCache::Kept kept;               ///< what was read from the cache
+  std::optional<Comparison> comparison = {};  ///< none: the samples are not of the scene's phantom
+  PhantomCache::Kept kept = {};               ///< what was read from the cache
 };
 
 }  // namespace wobblebench::bench

@@ -1,37 +1,63 @@
 #include "bench/scene/scene.h"
 
-#include "base/user_error.h"
-#include "phantoms/framing.h"
+#include <cstdint>
+#include <cstdlib>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Around the samples: their extremes lie at the edges and in the middle of sector, fan and range.
-phantoms::Box scanned_box(const hw::AcquisitionPlan& plan) {
-  const hw::ProbeGeometry geometry = plan.geometry();
-  const hw::AcquisitionOptions& scan = plan.acquisition();
-  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
-                       glm::dvec3(-std::numeric_limits<double>::infinity())};
-  for (const double range_m : {0.0, scan.depth_m}) {
-    for (const double theta_rad : {-0.5 * scan.sector_rad, 0.0, 0.5 * scan.sector_rad}) {
-      for (const double phi_rad : {-0.5 * scan.fan_rad, 0.0, 0.5 * scan.fan_rad}) {
-        const glm::dvec3 point = geometry.to_cartesian({range_m, theta_rad, phi_rad});
-        bounds = {glm::min(bounds.low, point), glm::max(bounds.high, point)};
-      }
+/// Writes one section with the values in the units of their keys.
+class JsonWriter {
+ public:
+  void real(std::string_view key, const double& value, double unit, double, double) {
+    json_[std::string(key)] = in_unit(value, unit);
+  }
+  void integer(std::string_view key, const int& value, int, int) {
+    json_[std::string(key)] = value;
+  }
+  void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
+  void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
+  void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
+  void texts(std::string_view key, const std::vector<std::string>& values) {
+    json_[std::string(key)] = values;
+  }
+  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
+  template <class Enum>
+  void choice(std::string_view key,
+              const Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    for (const auto& [name, candidate] : names) {
+      if (candidate == value) json_[std::string(key)] = name;
     }
   }
-  return bounds;
-}
+  void reals(std::string_view key, const std::vector<double>& values, double unit, double, double) {
+    auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
+    for (const double value : values) list.push_back(in_unit(value, unit));
+  }
+  void vec3(std::string_view key, const glm::dvec3& value, double unit, double min, double max) {
+    reals(key, {value.x, value.y, value.z}, unit, min, max);
+  }
+  const nlohmann::ordered_json& json() const { return json_; }
 
-void set_volume_of_interest(Scene& scene, const phantoms::Box& box) {
-  if (!scene.given.contains("render.volume_of_interest.center_mm")) {
-    scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
+ private:
+  /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
+  static double in_unit(double value, double unit) {
+    std::ostringstream rounded;
+    rounded << std::setprecision(12) << value / unit;
+    return std::strtod(rounded.str().c_str(), nullptr);  // unlike std::stod, takes denormal numbers
   }
-  if (!scene.given.contains("render.volume_of_interest.size_mm")) {
-    scene.render.volume_of_interest.size_m = box.high - box.low;
-  }
-}
+  nlohmann::ordered_json json_;
+};
 
 }  // namespace
 
@@ -46,34 +72,17 @@ bool Scene::moves() const {
   return !phantoms::Motion(motion, joint).still();
 }
 
-phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {
-  try {
-    return {p, to_placement(placement), {motion, p.joint()}};
-  } catch (const phantoms::InvalidPhantom& error) {
-    throw UserError("motion." + std::string(error.what()));
-  }
-}
-
-void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
-  const auto framing =
-      phantoms::framing(phantom, phantoms::rotation_xyz(scene.placement.rotation_rad));
-  if (!scene.given.contains("placement.position_mm")) {
-    // The suggestion is for the default face; another radius moves the face along z.
-    const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
-    scene.placement.position_m = framing.position_m + glm::dvec3(0, 0, face_moved_m);
-  }
-  set_volume_of_interest(scene,
-                         {scene.placement.position_m + framing.region_of_interest.low,
-                          scene.placement.position_m + framing.region_of_interest.high});
-}
-
-void complete_from_plan(Scene& scene) {
-  phantoms::Box box = scanned_box(scene.plan());
-  // What the option allows: a sector or fan of 0.1 degrees is narrower than a millimetre, and of
-  // the widest probe, 0.6 m, the outermost 10 cm are left out.
-  const glm::dvec3 middle = 0.5 * (box.low + box.high);
-  const glm::dvec3 half = glm::clamp(0.5 * (box.high - box.low), 0.5e-3, 0.5);
-  set_volume_of_interest(scene, {middle - half, middle + half});
+nlohmann::ordered_json resolved(const Scene& scene) {
+  nlohmann::ordered_json json;
+  for_each_section(scene, [&](const std::string& section, const auto& options) {
+    JsonWriter writer;
+    describe(options, writer);
+    const auto dot = section.find('.');
+    auto& entry = dot == std::string::npos ? json[section]
+                                           : json[section.substr(0, dot)][section.substr(dot + 1)];
+    entry = writer.json();
+  });
+  return json;
 }
 
 }  // namespace wobblebench::bench

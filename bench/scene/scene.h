@@ -60,9 +60,6 @@ struct Scene {
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   /// Whether the options set any motion.
   bool moves() const;
-  /// The phantom at the scene's placement, with the scene's motion. Throws UserError for a motion
-  /// that this phantom cannot make.
-  [[nodiscard]] phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
 };
 
 /// Calls body(name, options) for each section of a scene.
@@ -92,13 +89,6 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of = "--set",
                  render::RenderPreset preset = render::RenderPreset::accurate);
-
-/// Sets placement and volume of interest from the phantom, where they were not given.
-void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
-
-/// Sets the volume of interest to the box around the scanned sector, where it was not given: for
-/// samples whose subject is not known.
-void complete_from_plan(Scene& scene);
 
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);

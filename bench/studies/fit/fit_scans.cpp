@@ -18,20 +18,19 @@ LoadedPhantom load_phantom(const phantoms::PhantomOptions& options, PhantomCache
   return loaded;
 }
 
-Scene fit_scene(Scene scene, const phantoms::Phantom& phantom) {
+ResolvedScene fit_scene(Scene scene, const phantoms::Phantom& phantom) {
   scene.picture.correction.clear();
   scene.render.ray_casting.image_size =
       std::min(scene.render.ray_casting.image_size, kFitImageSize);
-  complete_from_phantom(scene, phantom);
-  return scene;
+  return resolve_scene(std::move(scene), phantom);
 }
 
-hw::PolarVolume scan_with_seed(Scene scene,
+hw::PolarVolume scan_with_seed(const ResolvedScene& scene,
                                std::uint64_t seed,
-                               const phantoms::PlacedPhantom& subject,
                                const sim::TissueMapSource& maps) {
-  scene.simulation.seed = seed;
-  return BoardConnection(parse_board("sim")).acquire(scene, subject, maps).volume;
+  Scene seeded = scene.options();
+  seeded.simulation.seed = seed;
+  return acquire_simulated(ResolvedScene(std::move(seeded), scene.subject()), maps).volume;
 }
 
 render::Picture render_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {

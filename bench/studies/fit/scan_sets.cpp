@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/validate/seeds.h"
 #include "render/geometry/ray_sampling.h"
 
@@ -43,7 +44,7 @@ Scene with_plane(const Scene& scene, double tilt_x_rad, double tilt_y_rad) {
 
 /// Half a line and half a frame to the side: the sticks meet other places of the surface.
 Scene shifted(Scene scene, PhantomCache& cache) {
-  complete_from_phantom(scene, cache.phantom(scene.phantom));
+  scene = resolve_scene(scene, cache.phantom(scene.phantom)).options();
   const auto plan = scene.plan();
   const double range_m = plan.geometry().to_polar(scene.placement.position_m).range_m;
   const double line_m = (plan.geometry().radius_m() + range_m) * plan.theta_step_rad();

@@ -10,6 +10,7 @@
 #include "bench/output/output_folder.h"
 #include "bench/output/progress.h"
 #include "bench/output/report.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/rungs/rung_memory.h"
 #include "bench/studies/rungs/rungs_report.h"
 #include "sim/fidelity.h"
@@ -49,9 +50,11 @@ void refuse_for_any_rung(const Scene& scene) {
   }
 }
 
-RungScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
-  complete_from_phantom(scene, phantom);
-  return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
+/// At rest: the measurements set the motion.
+RungScene scene_of(Scene given, const phantoms::Phantom& phantom) {
+  given.motion = {};
+  const ResolvedScene scene = resolve_scene(std::move(given), phantom);
+  return {{phantom, scene.subject()->placement}, scene.plan(), scene.simulation()};
 }
 
 /// In processes of their own, before this one works on other threads.

@@ -37,7 +37,7 @@ TableVolumes scan_table_volumes(const Scene& scene,
   for (const int frames : frame_counts()) {
     Scene varied = scene;
     varied.acquisition.frames_per_volume = frames;
-    Acquisition acquisition = BoardConnection(board).acquire(varied, varied.place(phantom), maps);
+    Acquisition acquisition = BoardConnection(board).acquire(resolve_scene(varied, phantom), maps);
     volumes.board = hw::to_string(acquisition.link.origin);
     volumes.effects = acquisition.simulated.value().effects;
     volumes.by_frames.emplace(frames, std::move(acquisition.volume));

@@ -11,7 +11,7 @@
 #include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/board_link.h"
-#include "bench/scene/adopt_plan.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/table_options.h"
 #include "bench/studies/tables/table_scans.h"
@@ -36,7 +36,7 @@ TableVolumes simulate(Scene& scene,
                       PhantomCache cache,
                       Progress& progress) {
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
+  scene = resolve_scene(scene, phantom).options();
   return progress.step("scans", [&](const PartDone& done) {
     return scan_table_volumes(scene, phantom, board, cache.tissue_maps(), done);
   });
@@ -48,7 +48,8 @@ TableVolumes play(Scene& scene,
                   Progress& progress) {
   auto volumes =
       progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
-  adopt_plan(scene, volumes.by_frames.at(reference_row().frames).plan(), "--board " + board.text);
+  const auto& plan = volumes.by_frames.at(reference_row().frames).plan();
+  scene = with_plan(scene, plan, "--board " + board.text);
   return volumes;
 }
 

@@ -48,7 +48,7 @@ struct TradeMeasurement::Reference {
             render::GlContext& context,
             PhantomCache& cache)
       : evaluator(work.reference(scene), context, cache) {
-    evaluator.scan(evaluator.scene().simulation.fidelity, work.plan.seeds.front());
+    evaluator.scan(evaluator.scene().simulation().fidelity, work.plan.seeds.front());
     options = evaluator.render_options(work.reference(scene));
     evaluator.time_picture(options);
   }
