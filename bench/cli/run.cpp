@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/run_report.h"
 #include "bench/command/commands.h"
@@ -12,9 +11,8 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
@@ -121,9 +119,8 @@ std::optional<Comparison> compare(const RunResult& result,
                                   Progress& progress) {
   if (!scene.subject()) return std::nullopt;
   const std::uint32_t volume = result.acquisition.volume.volume_index();
-  TrueView truth = progress.step("truth", [&] {
-    return TrueView(true_surface(scene, maps, volume), scene.view().camera);
-  });
+  TrueView truth = progress.step(
+      "truth", [&] { return TrueView(true_surface(scene, maps, volume), scene.view().camera); });
   PictureMeasures error = progress.step(
       "compare", [&] { return measure_picture(result.picture, truth, scene.render()); });
   std::optional<PictureMeasures> before;
@@ -185,8 +182,7 @@ int run(const Arguments& arguments) {
     const auto found = correct_picture(result, correction, scene, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
 
-    const auto tolerance =
-        choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
+    const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
     progress.step("write", [&] { stage_run_images(out, result); });
     const std::string failure = failure_of(result, tolerance, arguments);
     return CommandResult{run_report(result, scene, progress.times(), tolerance),

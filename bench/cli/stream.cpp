@@ -1,34 +1,100 @@
 // Volume after volume: acquisition and rendering overlapped; pictures, a video, latency.
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "base/user_error.h"
-#include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/stream_report.h"
-#include "bench/cli/stream_sink.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/program.h"
 #include "bench/command/run_in_folder.h"
-#include "bench/command/stop_signals.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
-#include "bench/output/video.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
+#include "bench/pipeline/stream/kept_depths.h"
+#include "bench/pipeline/stream/shown_picture.h"
 #include "bench/pipeline/stream/stream.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/latency/card_times.h"
+#include "hw/probe/acquisition_plan.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// take() is called on the stream's writing thread, the rest before and after the stream.
+class StreamSink {
+ public:
+  /// `video`: null: none. `most_depths`: 0: none are kept.
+  StreamSink(const hw::AcquisitionPlan& plan, std::unique_ptr<Video> video, int most_depths);
+
+  void take(const ShownPicture& shown);
+
+  /// Shows the last picture for the time of one volume. Null: there is no video, or no picture.
+  const Video* finish_video();
+  /// Of a whole volume.
+  const std::optional<render::Picture>& last_picture() const { return picture_; }
+  const std::vector<KeptDepth>& depths() const { return depths_.kept(); }
+
+ private:
+  double time_s(const PictureTimes& times) const;
+
+  const hw::AcquisitionPlan plan_;
+  std::unique_ptr<Video> video_;
+  KeptDepths depths_;
+  std::optional<render::Picture> picture_;
+  std::optional<std::uint32_t> first_;  ///< volume of the first picture
+  std::uint32_t last_ = 0;
+};
+
+/// So that a stream of hours makes no file that players refuse.
+constexpr double kLongestVideo_s = 1200;
+
+double seconds(hw::DeviceDuration time) {
+  return 1e-3 * to_milliseconds(time);
+}
+
+StreamSink::StreamSink(const hw::AcquisitionPlan& plan,
+                       std::unique_ptr<Video> video,
+                       int most_depths)
+    : plan_(plan), video_(std::move(video)), depths_(most_depths) {}
+
+void StreamSink::take(const ShownPicture& shown) {
+  const PictureTimes& times = shown.times;
+  if (!first_) first_ = times.volume;
+  if (video_ && time_s(times) < kLongestVideo_s) video_->add(shown.picture.surface, time_s(times));
+  last_ = times.volume;
+  if (!times.whole) return;
+  depths_.add(times.volume, shown.picture.depth_m);
+  picture_ = shown.picture;
+}
+
+const Video* StreamSink::finish_video() {
+  if (!video_ || !first_) return nullptr;
+  const double end_s = (last_ - *first_ + 1) * seconds(plan_.volume_duration());
+  video_->finish(std::min(kLongestVideo_s, end_s));
+  return video_.get();
+}
+
+/// On the device's clock, after the first picture's volume began: of a whole volume its first
+/// stick, of a part of one its newest.
+double StreamSink::time_s(const PictureTimes& times) const {
+  const auto begin = plan_.stick_time(plan_.first_sequence(*first_));
+  const int part = times.whole ? 0 : std::max(times.sticks + times.lost - 1, 0);
+  const auto newest = plan_.first_sequence(times.volume) + static_cast<std::uint64_t>(part);
+  return seconds(plan_.stick_time(newest) - begin);
+}
 
 struct Arguments {
   SceneArguments scene;
@@ -150,8 +216,7 @@ StreamResult stream_to(StreamSink& sink,
 }
 
 /// By the card's model, of whole volumes. None: another board, or one that does not keep time.
-std::optional<CardDelays> card_delays_of(const Arguments& arguments,
-                                         const ResolvedScene& scene) {
+std::optional<CardDelays> card_delays_of(const Arguments& arguments, const ResolvedScene& scene) {
   const BoardArguments board = parse_board(arguments.board);
   if (!is_simulated(board) || scene.render().pipeline.mid_volume) return {};
   const auto options = read_link_options<sim::SimLinkOptions>(board);

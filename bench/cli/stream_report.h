@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/evaluation/measures/error_statistics.h"
-#include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/stream_summary.h"

@@ -7,8 +7,7 @@
 #include <utility>
 
 #include "base/duration.h"
-#include "bench/cache/kept_maps.h"
-#include "bench/scene/available_memory.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/scene/scene_cost.h"
 #include "sim/fidelity.h"
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "phantoms/framing.h"
 

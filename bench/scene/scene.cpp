@@ -1,5 +1,6 @@
 #include "bench/scene/scene.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <glm/vec3.hpp>
@@ -11,6 +12,12 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "base/text.h"
+#include "bench/scene/scene_cost.h"
+#include "bench/scene/toml_depth.h"
+#include "bench/scene/toml_file.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -59,6 +66,152 @@ class JsonWriter {
   nlohmann::ordered_json json_;
 };
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// The value of a --set: TOML as in a file, or else a bare text.
+toml::table parse_value(const std::string& text) {
+  try {
+    return toml::parse("value = " + text);
+  } catch (const toml::parse_error&) {
+    toml::table table;
+    table.insert("value", text);
+    return table;
+  }
+}
+
+/// A bare text, a path say, may hold any number of dots.
+bool is_deep_value(const std::string& setting, std::size_t equals) {
+  if (equals == std::string::npos) return false;
+  const auto first = setting.find_first_not_of(' ', equals + 1);
+  if (first == std::string::npos || (setting[first] != '[' && setting[first] != '{')) return false;
+  return line_nested_too_deep(setting.substr(first)).has_value();
+}
+
+/// Puts "a.b.c=value" into the table of section a.b.
+void apply_setting(toml::table& scene, const std::string& setting, const std::string& given_by) {
+  if (!is_printable_text(setting)) {
+    throw UserError(given_by + " " + setting + ": must be UTF-8 without control characters");
+  }
+  const auto equals = setting.find('=');
+  if (line_nested_too_deep(setting.substr(0, equals)) || is_deep_value(setting, equals)) {
+    throw UserError(given_by + " " + setting + ": " + too_deep_toml());
+  }
+  const auto last_dot = setting.rfind('.', equals);
+  if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
+    throw UserError(given_by + " " + setting + ": must be SECTION.KEY=VALUE");
+  }
+  const std::string path = "." + setting.substr(0, equals) + ".";
+  if (path.find("..") != std::string::npos) {
+    throw UserError(given_by + " " + setting +
+                    ": a part of its key is empty; must be SECTION.KEY=VALUE");
+  }
+  toml::table* table = &scene;
+  std::istringstream sections(setting.substr(0, last_dot));
+  for (std::string name; std::getline(sections, name, '.');) {
+    auto* node = table->get(name);
+    if (!node) node = &table->insert(name, toml::table{}).first->second;
+    table = node->as_table();
+    if (!table) throw UserError(given_by + " " + setting + ": " + name + " is not a section");
+  }
+  const std::string key = setting.substr(last_dot + 1, equals - last_dot - 1);
+  toml::table value = parse_value(setting.substr(equals + 1));
+  table->insert_or_assign(key, std::move(*value.get("value")));
+}
+
+/// The table of a dotted section name, or nullptr.
+toml::table* find_section(toml::table& scene,
+                          const std::string& section,
+                          const std::string& source) {
+  toml::node* node = &scene;
+  std::istringstream names(section);
+  for (std::string name; std::getline(names, name, '.');) {
+    node = node->as_table()->get(name);
+    if (!node) return nullptr;
+    if (!node->is_table())
+      throw UserError(source + ": " + section + ": must be a section [" + section + "]");
+  }
+  return node->as_table();
+}
+
+/// Once all sections are read, only empty tables may be left.
+void refuse_leftovers(const toml::table& table,
+                      const std::string& path,
+                      const std::string& source,
+                      const std::vector<std::string>& sections) {
+  for (const auto& [key, node] : table) {
+    const std::string name =
+        path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
+    const bool is_section_or_parent =
+        std::any_of(sections.begin(), sections.end(), [&](const auto& section) {
+          return section == name || section.starts_with(name + ".");
+        });
+    if (!node.is_table() || !is_section_or_parent) {
+      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections));
+    }
+    refuse_leftovers(*node.as_table(), name, source, sections);
+  }
+}
+
+void refuse_unknown_keys(const toml::table& table,
+                         const std::string& section,
+                         const TomlReader& reader,
+                         const std::string& source) {
+  for (const auto& [key, node] : table) {
+    if (node.is_table()) continue;
+    throw UserError(source + ": " + section + "." + std::string(key.str()) +
+                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()));
+  }
+}
+
+void read_sections(Scene& scene, toml::table& table, const std::string& source) {
+  std::vector<std::string> sections;
+  for_each_section(scene, [&](const std::string& section, auto& options) {
+    sections.push_back(section);
+    if (section == "acquisition") {
+      scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
+    }
+    if (section == "render.pipeline") {
+      scene.render = render::render_preset(scene.picture.preset);
+    }
+    if (toml::table* found = find_section(table, section, source)) {
+      TomlReader reader(source, section, *found);
+      describe(options, reader);
+      refuse_unknown_keys(*found, section, reader, source);
+      scene.given.insert(reader.given_keys().begin(), reader.given_keys().end());
+    }
+    try {
+      check_options(options);
+    } catch (const InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  });
+  refuse_leftovers(table, "", source, sections);
+}
+
+/// Rules between options, checked by each module.
+void validate(const Scene& scene, const std::string& source) {
+  const auto check = [&](const std::string& section, const auto& rule) {
+    try {
+      rule();
+    } catch (const InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    } catch (const phantoms::InvalidPhantom& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  };
+  check("phantom", [&] { phantoms::validate(scene.phantom); });
+  check("motion", [&] { phantoms::validate(scene.motion); });
+  check("probe", [&] { hw::validate(scene.probe); });
+  check("acquisition", [&] { static_cast<void>(scene.plan()); });
+  check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
+  check("render", [&] { render::validate(scene.render); });
+  check_memory(scene, source, available_memory_bytes());
+}
+
 }  // namespace
 
 phantoms::Placement to_placement(const PlacementOptions& options) {
@@ -83,6 +236,21 @@ nlohmann::ordered_json resolved(const Scene& scene) {
     entry = writer.json();
   });
   return json;
+}
+
+Scene load_scene(const std::filesystem::path& path,
+                 const std::vector<std::string>& settings,
+                 const std::string& settings_of,
+                 render::RenderPreset preset) {
+  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+  for (const auto& setting : settings) apply_setting(table, setting, settings_of);
+  std::string source = path.empty() ? "defaults" : path.string();
+  if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
+  Scene scene;
+  scene.picture.preset = preset;
+  read_sections(scene, table, source);
+  validate(scene, source);
+  return scene;
 }
 
 }  // namespace wobblebench::bench

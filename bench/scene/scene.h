@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/options.h"
+#include "base/user_error.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/probe_presets.h"
+#include "phantoms/options.h"
 #include "phantoms/placed_phantom.h"
 #include "render/presets.h"
 #include "sim/options.h"
@@ -92,5 +95,18 @@ Scene load_scene(const std::filesystem::path& path,
 
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);
+
+/// Runs `body`. A scan too large for its rung, or a phantom whose file holds none, is thrown as
+/// UserError that names the scene's section.
+template <class Body>
+auto with_late_refusals(const Body& body) {
+  try {
+    return body();
+  } catch (const InvalidOption& error) {
+    throw UserError(std::string("simulation.") + error.what());
+  } catch (const phantoms::InvalidPhantom& error) {
+    throw UserError(std::string("phantom.") + error.what());
+  }
+}
 
 }  // namespace wobblebench::bench

@@ -9,7 +9,7 @@
 
 #include "base/units.h"
 #include "bench/evaluation/bound/bound_table.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

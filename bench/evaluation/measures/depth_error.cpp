@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

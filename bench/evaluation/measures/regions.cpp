@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "bench/evaluation/measures/silhouettes.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

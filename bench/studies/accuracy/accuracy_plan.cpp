@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "bench/scene/toml_file.h"
-#include "bench/scene/toml_reader.h"
 #include "bench/studies/accuracy/option_tables.h"
 #include "sim/fidelity.h"
 

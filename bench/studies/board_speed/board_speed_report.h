@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/board_speed/board_speed.h"
 
 namespace wobblebench::bench {

@@ -11,7 +11,6 @@
 #include "bench/output/output_folder.h"
 #include "bench/output/progress.h"
 #include "bench/output/report.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/fit/fit_report.h"
 #include "render/gl/context.h"

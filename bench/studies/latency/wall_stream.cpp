@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "bench/cache/kept_maps.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "render/renderer.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/scene/scene.h"
 #include "bench/studies/modes/mode_agreement.h"
 

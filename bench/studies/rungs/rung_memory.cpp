@@ -14,7 +14,7 @@
 
 #include "base/file_descriptor.h"
 #include "base/user_error.h"
-#include "bench/scene/late_refusal.h"
+#include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/cache/phantom_key.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/studies/tolerance/tolerance_question.h"
 #include "bench/studies/trade/trade_measurement.h"
 #include "bench/studies/tune/tune_request.h"

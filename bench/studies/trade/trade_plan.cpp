@@ -9,7 +9,6 @@
 
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
-#include "bench/scene/toml_reader.h"
 #include "bench/studies/accuracy/option_tables.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
+#include "bench/output/chart/chart.h"
 #include "bench/studies/trade/trade_analysis.h"
 
 namespace wobblebench::bench {

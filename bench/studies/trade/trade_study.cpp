@@ -7,7 +7,6 @@
 
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/option_tables.h"
 #include "bench/studies/trade/trade_measurement.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
+#include "bench/output/chart/chart.h"
 
 namespace wobblebench::bench {
 

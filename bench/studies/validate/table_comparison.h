@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
+#include "bench/output/chart/chart.h"
 #include "bench/studies/validate/study_report.h"
 #include "bench/studies/validate/yardstick/yardstick.h"
 #include "sim/options.h"
