@@ -204,6 +204,39 @@ Json regions_json(const PictureMeasures& measures, bool surface_sought) {
   return regions;
 }
 
+/// "error" of report.json. Figures that cannot be formed are null: where no surface was sought
+/// (mode "volume"), and where there is none to be found.
+Json error_json(const PictureMeasures& measures, bool surface_sought) {
+  const DepthError& raw = measures.raw;
+  const bool in_view = raw.surface_in_view(), any_false = raw.false_surface > 0;
+  const auto percent = [&](bool formed, double value) {
+    return surface_sought && formed ? number(value) : Json(nullptr);
+  };
+  const auto share = [&](int count) { return 100.0 * count / raw.pixels; };
+  const std::string nothing = why_no_surface(raw);
+  return {{"depth_mm", depth_json(raw.depth)},
+          {"missed_percent", percent(in_view, raw.missed_percent())},
+          {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
+          {"false_percent", percent(in_view || any_false, raw.false_percent())},
+          {"false_surface_percent", percent(in_view || any_false, raw.false_surface_percent())},
+          {"surface_percent", share(raw.surface)},
+          {"surface_cm2", raw.surface_m2 * 1e4},
+          {"found_surface_cm2", raw.found_m2 * 1e4},
+          {"no_surface_because", nothing.empty() ? Json(nullptr) : Json(nothing)},
+          {"outside_field_percent", share(raw.outside_field)},
+          {"grazing_percent", share(raw.grazing)},
+          {"shadowed_percent", share(raw.shadowed)},
+          {"pixels", raw.pixels},
+          {"filtered_depth_mm", depth_json(measures.filtered.depth)},
+          {"normal_deg", normal_json(measures.filtered.normal)},
+          {"raw_normal_deg", normal_json(raw.normal)},
+          {"surface_distance_mm",
+           measures.distance ? distance_json(*measures.distance) : Json(nullptr)},
+          {"shaded_against_truth",
+           {{"ssim", number(measures.shaded.ssim)}, {"psnr_db", number(measures.shaded.psnr_db)}}},
+          {"regions", regions_json(measures, surface_sought)}};
+}
+
 }  // namespace
 
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
@@ -282,37 +315,6 @@ std::string loss_text(const RunResult& result) {
   const hw::PolarVolume& volume = result.acquisition.volume;
   return std::to_string(volume.missing_sticks()) + " of " +
          std::to_string(volume.plan().sticks_per_volume()) + " sticks of the volume were lost";
-}
-
-Json error_json(const PictureMeasures& measures, bool surface_sought) {
-  const DepthError& raw = measures.raw;
-  const bool in_view = raw.surface_in_view(), any_false = raw.false_surface > 0;
-  const auto percent = [&](bool formed, double value) {
-    return surface_sought && formed ? number(value) : Json(nullptr);
-  };
-  const auto share = [&](int count) { return 100.0 * count / raw.pixels; };
-  const std::string nothing = why_no_surface(raw);
-  return {{"depth_mm", depth_json(raw.depth)},
-          {"missed_percent", percent(in_view, raw.missed_percent())},
-          {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
-          {"false_percent", percent(in_view || any_false, raw.false_percent())},
-          {"false_surface_percent", percent(in_view || any_false, raw.false_surface_percent())},
-          {"surface_percent", share(raw.surface)},
-          {"surface_cm2", raw.surface_m2 * 1e4},
-          {"found_surface_cm2", raw.found_m2 * 1e4},
-          {"no_surface_because", nothing.empty() ? Json(nullptr) : Json(nothing)},
-          {"outside_field_percent", share(raw.outside_field)},
-          {"grazing_percent", share(raw.grazing)},
-          {"shadowed_percent", share(raw.shadowed)},
-          {"pixels", raw.pixels},
-          {"filtered_depth_mm", depth_json(measures.filtered.depth)},
-          {"normal_deg", normal_json(measures.filtered.normal)},
-          {"raw_normal_deg", normal_json(raw.normal)},
-          {"surface_distance_mm",
-           measures.distance ? distance_json(*measures.distance) : Json(nullptr)},
-          {"shaded_against_truth",
-           {{"ssim", number(measures.shaded.ssim)}, {"psnr_db", number(measures.shaded.psnr_db)}}},
-          {"regions", regions_json(measures, surface_sought)}};
 }
 
 }  // namespace wobblebench::bench
