@@ -53,7 +53,7 @@ PhantomCache open_phantom_cache(int megabytes);
 /// compute. Empty where the file cannot be read.
 std::string phantom_key(const phantoms::PhantomOptions& options);
 
-/// Of the map of a phantom with this key.
+/// Key of the tissue map of a phantom with this key.
 std::string tissue_map_key(const std::string& phantom, double reach_m);
 
 /// Takes the map of a phantom and a reach from `maps`, or makes it, once, and keeps it as long as

@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of damaged places, gaps and incomplete volumes the summary lists no more.
+/// Most damaged regions, gaps and incomplete volumes that the summary lists.
 constexpr std::size_t kMostListed = 10;
 
 Json check_json(const std::string& name, bool passed, const std::string& detail) {

@@ -23,7 +23,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// To a nanometre: 0.16 m reads 160 mm.
+/// Rounded to a nanometre: 0.16 m reads 160 mm.
 double in_mm(double metres) {
   return std::round(metres * 1e9) / 1e6;
 }
@@ -80,7 +80,7 @@ Json joint_json(const std::optional<phantoms::Joint>& joint) {
           {"mouth_open_mm", joint->mouth ? in_mm(joint->mouth->opening_m) : 0}};
 }
 
-/// Of all keys of all tracks.
+/// What the report says of point scatterers, over all keys of all tracks.
 struct ScattererSummary {
   std::size_t moving = 0;
   double strongest = 0;  ///< amplitude

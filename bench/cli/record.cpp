@@ -165,7 +165,7 @@ struct Arguments {
   CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
-  int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+  int volumes = 0;  ///< stop after this number; 0: at the end of the stream
   bool iq = false;
   bool replace = false;
   bool fail_on_loss = false;

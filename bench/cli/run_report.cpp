@@ -81,7 +81,7 @@ std::string samples_line(const ReceivedSamples& samples) {
          rounded(static_cast<double>(samples.most)) + "\n";
 }
 
-/// Where the truth is from; empty: there is none.
+/// Source of the truth; empty: there is none.
 std::string truth_source(const RunResult& result) {
   if (!result.comparison) return "";
   if (result.acquisition.simulated) return "simulated scene";

@@ -43,7 +43,7 @@ class StreamSink {
 
   /// Shows the last picture for the time of one volume. Null: there is no video, or no picture.
   const Video* finish_video();
-  /// Of a whole volume.
+  /// The last picture of a whole volume.
   const std::optional<render::Picture>& last_picture() const { return picture_; }
   const std::vector<KeptDepth>& depths() const { return depths_.kept(); }
 
@@ -215,7 +215,8 @@ StreamResult stream_to(StreamSink& sink,
   });
 }
 
-/// By the card's model, of whole volumes. None: another board, or one that does not keep time.
+/// Delays of whole volumes by the card's model; nullopt: another board, or one that does not keep
+/// time.
 std::optional<CardDelays> card_delays_of(const Arguments& arguments, const ResolvedScene& scene) {
   const BoardArguments board = parse_board(arguments.board);
   if (!is_simulated(board) || scene.render().pipeline.mid_volume) return {};

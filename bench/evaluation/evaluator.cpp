@@ -18,7 +18,7 @@ namespace {
 constexpr int kMostRenderers = 4;
 constexpr std::size_t kMostTruths = 8;
 
-/// As many living renderers as fit into a quarter of the memory, at least one.
+/// Number of living renderers that fit into a quarter of the memory, at least one.
 std::size_t renderers_in_memory(const Scene& scene) {
   const MemoryNeed need = memory_need(scene);
   const double each = need.slices + need.pictures;

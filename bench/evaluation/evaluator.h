@@ -35,7 +35,7 @@ struct Evaluation {
   EvaluationTimes times;
 };
 
-/// Of one picture, in ms: the sum over the passes.
+/// Time of one picture, in ms: the sum over the passes.
 struct PictureTime {
   double volume_ms = 0;  ///< of a new volume: all passes
   double view_ms = 0;    ///< of a volume that is there: passes 2 to 4
@@ -64,7 +64,7 @@ class Evaluator {
   /// Makes the phantom, by `cache`, which must outlive this, as must the context. Throws UserError.
   Evaluator(const Scene& scene, render::GlContext& context, PhantomCache& cache);
 
-  /// With the rung and the seed of the last scan().
+  /// The scene, with the rung and the seed of the last scan().
   const ResolvedScene& scene() const { return scene_; }
   const phantoms::PlacedPhantom& subject() const { return *scene_.subject(); }
   /// Render settings of another scene, whose phantom and scan are this one's.

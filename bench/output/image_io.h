@@ -62,7 +62,7 @@ class Video {
   void finish(double time_s);
 
   double seconds() const;
-  /// Of OpenCV: who encodes.
+  /// Name of the encoder that OpenCV uses.
   const std::string& backend() const;
 
  private:

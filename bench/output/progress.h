@@ -53,7 +53,7 @@ class TimeLeft {
   double part_s_ = 0;
 };
 
-/// Where progress is shown, and how often.
+/// The stream that progress is written to, and how often.
 struct ProgressOutput {
   std::FILE* file = stderr;
   bool terminal = false;  ///< one line, rewritten
@@ -89,7 +89,7 @@ class Progress {
   /// What the line says of the current step, besides.
   void note(const std::string& text);
 
-  /// Of the steps so far, in their order.
+  /// Times of the steps so far, in their order.
   const StepTimes& steps() const { return steps_; }
   /// Likewise, and "total": since this was made.
   StepTimes times() const;

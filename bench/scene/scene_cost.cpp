@@ -114,7 +114,7 @@ std::string key(const std::string& name, double value) {
   return text.str();
 }
 
-/// With the keys that it grows with, most first.
+/// The needs with the keys that they grow with, the steepest first.
 std::vector<Part> parts(const Scene& scene, const MemoryNeed& need) {
   const auto& a = scene.acquisition;
   const std::string voxel = key("phantom.voxel_mm", scene.phantom.voxel_m / kMillimetre);
@@ -155,7 +155,7 @@ double least_limit(const fs::path& hierarchy, std::string group, const std::stri
   return least;
 }
 
-/// Of ":NAME,NAME,".
+/// `controllers`: ":NAME,NAME,".
 bool lists_memory(const std::string& controllers) {
   return controllers.starts_with(":memory,") || controllers.find(",memory,") != std::string::npos;
 }

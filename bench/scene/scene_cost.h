@@ -20,7 +20,7 @@ struct MemoryNeed {
   double slices = 0;        ///< the slices of pass 1, and the polar volume
   double pictures = 0;      ///< pictures and textures of passes 2 to 4
 
-  /// Of `wobblebench run`, which keeps the phantom throughout.
+  /// Peak of `wobblebench run`, which keeps the phantom throughout.
   double of_run() const;
 };
 MemoryNeed memory_need(const Scene& scene);

@@ -88,7 +88,7 @@ double stretch_at(const phantoms::Deformation& moment,
   return stretch;
 }
 
-/// Of a motion without a mouth, which is smooth enough to be sampled.
+/// Bounds of a motion without a mouth, which is smooth enough to be sampled.
 MotionBounds sampled_bounds(const phantoms::Motion& motion,
                             const phantoms::Box& box,
                             double begin_s,

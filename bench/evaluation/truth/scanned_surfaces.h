@@ -16,8 +16,8 @@
 
 namespace wobblebench::bench {
 
-/// Sampled in space and time, with a margin for motion between the samples; of a mouth in closed
-/// form.
+/// Bounds of a phantom's motion: sampled in space and time, with a margin for motion between the
+/// samples; of a mouth in closed form.
 struct MotionBounds {
   double speed_m_s = 0;   ///< of the position at rest of a fixed point
   double stretch = 1;     ///< distance at rest over the distance now of two points
@@ -75,7 +75,6 @@ class ScannedSurfaces {
   glm::dvec3 outward(int surface, const glm::dvec3& normal) const;
 
   std::optional<SurfaceCrossing> first_of_still(const hw::Ray& ray, render::Span span) const;
-  // scanned_surfaces_moving.cpp
   std::optional<SurfaceCrossing> first_of_moving(const hw::Ray& ray,
                                                  const render::Span& span) const;
   void sample(const hw::Ray& ray, double at_m, RaySample& sample) const;

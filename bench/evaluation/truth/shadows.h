@@ -11,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-/// Of the tissues on either side of the target surfaces, the mean echo of the brightest one, as
+/// Mean echo of the brightest tissue on either side of the target surfaces, as
 /// phantoms::Material::backscatter_db.
 double brightest_target_db(const phantoms::Phantom& phantom);
 

@@ -76,7 +76,7 @@ inline constexpr double kLeastCosine = 0.02;
 /// at the eye's distance f, at an angle a off the axis, has dOmega = p^2 cos^3(a) / f^2. In
 /// parallel projection dA = p^2 / |cos|. The pixel must show a surface.
 double pixel_area_m2(const Truth& truth, const render::Camera& camera, int column, int row);
-/// Of any surface that a pixel shows, at a depth and with a normal.
+/// The area of any surface that a pixel shows, at a depth and with a normal.
 double pixel_area_m2(const render::Camera& camera,
                      const hw::Ray& ray,
                      double depth_m,

@@ -63,7 +63,8 @@ std::unique_ptr<VideoEncoder> open_video(const std::filesystem::path& path,
                                          const VideoFormat& format) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   auto encoder = std::make_unique<OpenCvEncoder>();
-  // Of OpenCV's own Motion JPEG some pictures lack their last bytes, which readers remark on.
+  // FFmpeg first: some pictures of OpenCV's own Motion JPEG lack their last bytes, which readers
+  // complain about.
   const bool opened = encoder->open(path, cv::CAP_FFMPEG, format) ||
                       (format.or_by_opencv && encoder->open(path, cv::CAP_OPENCV_MJPEG, format));
   if (!opened) return nullptr;
