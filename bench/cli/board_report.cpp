@@ -1,7 +1,9 @@
 #include "bench/cli/board_report.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
@@ -10,12 +12,19 @@ namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+using LossCount = std::pair<std::string, std::uint64_t>;
+
+/// Every cause, with its name in reports.
 std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account) {
   return {{{"ring_full", account.lost.ring_full},
            {"link", account.lost.link},
            {"corrupt", account.lost.corrupt},
            {"out_of_order", account.lost.out_of_order}}};
 }
+
+}  // namespace
 
 std::string losses_text(const hw::BoardAccount& account) {
   std::string text;

@@ -1,21 +1,15 @@
 // What report.json says of the board and of the simulator.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "bench/pipeline/acquire.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {
-
-using LossCount = std::pair<std::string, std::uint64_t>;
-/// Every cause, with its name in reports.
-std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account);
 
 /// ", N lost: CAUSE" for each cause that lost sticks.
 std::string losses_text(const hw::BoardAccount& account);

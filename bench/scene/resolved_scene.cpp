@@ -63,8 +63,11 @@ void frame_sector(Scene& scene) {
 }
 
 phantoms::PlacedPhantom placed(const Scene& scene, const phantoms::Phantom& phantom) {
+  const auto& [position_m, rotation_rad] = scene.placement;
   try {
-    return {phantom, to_placement(scene.placement), {scene.motion, phantom.joint()}};
+    return {phantom,
+            {phantoms::rotation_xyz(rotation_rad), position_m},
+            {scene.motion, phantom.joint()}};
   } catch (const phantoms::InvalidPhantom& error) {
     throw UserError("motion." + std::string(error.what()));
   }

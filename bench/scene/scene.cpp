@@ -214,10 +214,6 @@ void validate(const Scene& scene, const std::string& source) {
 
 }  // namespace
 
-phantoms::Placement to_placement(const PlacementOptions& options) {
-  return {phantoms::rotation_xyz(options.rotation_rad), options.position_m};
-}
-
 bool Scene::moves() const {
   // As if the phantom had a joint and a mouth of any size: whether it does is not known yet.
   phantoms::Joint joint;

@@ -32,8 +32,6 @@ void describe(O& o, Visitor& v) {
   v.vec3("rotation_deg", o.rotation_rad, kDegree, -180, 180);
 }
 
-phantoms::Placement to_placement(const PlacementOptions& options);
-
 /// What the renderer's settings start from, and what is done with z beside its passes.
 struct PictureOptions {
   render::RenderPreset preset = render::RenderPreset::accurate;

@@ -127,6 +127,21 @@ constexpr double kLeastStep_m = 0.1e-3;
 constexpr double kBisected_m = 1e-6;
 constexpr int kDisplacementSamples = 4;
 
+/// For points in `box` (phantom frame) from time `begin_s` to `end_s`.
+MotionBounds motion_bounds(const phantoms::Motion& motion,
+                           const phantoms::Box& box,
+                           double begin_s,
+                           double end_s) {
+  MotionBounds bounds = sampled_bounds(motion.without_mouth(), box, begin_s, end_s);
+  // The mouth is smaller than the samples' spacing: its bounds are in closed form.
+  const phantoms::Motion::MouthBounds mouth = motion.mouth_bounds();
+  bounds.speed_m_s = mouth.stretch * bounds.speed_m_s + mouth.speed_m_s;
+  bounds.stretch *= mouth.stretch;
+  bounds.at_rest.low -= mouth.shift_m;
+  bounds.at_rest.high += mouth.shift_m;
+  return bounds;
+}
+
 }  // namespace
 
 ScannedSurfaces::ScannedSurfaces(const phantoms::PlacedPhantom& subject,
@@ -209,20 +224,6 @@ std::optional<SurfaceCrossing> ScannedSurfaces::first_of_still(const hw::Ray& ra
     span.from_m = hit->distance_m + kPastCrossing_m;
   }
   return std::nullopt;
-}
-
-MotionBounds motion_bounds(const phantoms::Motion& motion,
-                           const phantoms::Box& box,
-                           double begin_s,
-                           double end_s) {
-  MotionBounds bounds = sampled_bounds(motion.without_mouth(), box, begin_s, end_s);
-  // The mouth is smaller than the samples' spacing: its bounds are in closed form.
-  const phantoms::Motion::MouthBounds mouth = motion.mouth_bounds();
-  bounds.speed_m_s = mouth.stretch * bounds.speed_m_s + mouth.speed_m_s;
-  bounds.stretch *= mouth.stretch;
-  bounds.at_rest.low -= mouth.shift_m;
-  bounds.at_rest.high += mouth.shift_m;
-  return bounds;
 }
 
 void ScannedSurfaces::sample(const hw::Ray& ray, double at_m, RaySample& sample) const {

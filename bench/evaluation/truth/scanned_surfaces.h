@@ -24,12 +24,6 @@ struct MotionBounds {
   phantoms::Box at_rest;  ///< holds the positions at rest of all points of the box
 };
 
-/// For points in `box` (phantom frame) from time `begin_s` to `end_s`.
-MotionBounds motion_bounds(const phantoms::Motion& motion,
-                           const phantoms::Box& box,
-                           double begin_s,
-                           double end_s);
-
 struct SurfaceCrossing {
   double distance_m = 0;  ///< along the ray from its origin
   glm::dvec3 outward{0};  ///< unit, out of the tissue
