@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/cache/blob_cache.h"
+#include "phantoms/options.h"
 #include "phantoms/phantom.h"
 #include "sim/probe_simulator.h"
 
@@ -46,5 +47,17 @@ class PhantomCache {
 
 /// In the user's folder (default_cache_folder()); `megabytes` 0: none.
 PhantomCache open_phantom_cache(int megabytes);
+
+/// Names every option with its exact value, the content of an imported file and of a list of
+/// scatterers, the sources of this build, its compiler, and the versions of the libraries that
+/// compute. Empty where the file cannot be read.
+std::string phantom_key(const phantoms::PhantomOptions& options);
+
+/// Key of the tissue map of a phantom with this key.
+std::string tissue_map_key(const std::string& phantom, double reach_m);
+
+/// Takes the map of a phantom and a reach from `maps`, or makes it, once, and keeps it as long as
+/// the result and its copies live. Those are for one thread. Another phantom's map replaces all.
+sim::TissueMapSource kept_maps(sim::TissueMapSource maps);
 
 }  // namespace wobblebench::bench

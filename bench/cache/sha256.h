@@ -20,7 +20,7 @@ class Sha256 {
   Sha256& operator=(const Sha256&) = delete;
 
   void add(std::string_view bytes);
-  /// Of all that was added; call it once.
+  /// Digest of all that was added; call it once.
   Digest digest();
 
  private:

@@ -1,18 +1,37 @@
 #include "bench/cli/board_report.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/number_text.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+using LossCount = std::pair<std::string, std::uint64_t>;
+
+/// Every cause, with its name in reports.
 std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account) {
   return {{{"ring_full", account.lost.ring_full},
            {"link", account.lost.link},
            {"corrupt", account.lost.corrupt},
            {"out_of_order", account.lost.out_of_order}}};
+}
+
+}  // namespace
+
+std::string losses_text(const hw::BoardAccount& account) {
+  std::string text;
+  for (const auto& [cause, count] : losses_by_cause(account)) {
+    if (count != 0) text += ", " + std::to_string(count) + " lost: " + cause;
+  }
+  return text;
 }
 
 Json account_json(const hw::BoardAccount& account) {
@@ -77,6 +96,41 @@ Json board_json(const Acquisition& acquisition) {
   json["link"] = link_json(acquisition.link);
   json["transport_ms"] = acquisition.transport_ms;
   return json;
+}
+
+void report_fidelity(Json& report, const std::optional<sim::Fidelity>& fidelity) {
+  Json ran = Json::array(), left_out = Json::array();
+  report["simulation"] = nullptr;
+  if (fidelity) {
+    for (const sim::Effect& effect : fidelity->effects) {
+      if (effect.left_out.empty()) {
+        ran.push_back(effect.name);
+      } else {
+        left_out.push_back({{"effect", effect.name}, {"why", effect.left_out}});
+      }
+    }
+    report["simulation"] = {{"rung", sim::to_string(fidelity->rung)},
+                            {"reason", fidelity->reason},
+                            {"left_out", left_out}};
+  }
+  report["effects"] = ran;
+}
+
+void report_simulation(Json& report,
+                       const std::optional<SimulatedVolume>& simulated,
+                       const hw::AcquisitionPlan& plan,
+                       std::uint64_t volumes) {
+  report_fidelity(report, simulated ? std::optional(simulated->fidelity) : std::nullopt);
+  if (!simulated) return;
+  const double volume_ms =
+      simulated->volume_ms / static_cast<double>(std::max<std::uint64_t>(volumes, 1));
+  const double sound_ms = to_milliseconds(plan.volume_duration());
+  report["simulation"].update({{"map_ms", simulated->map_ms},
+                               {"once_ms", simulated->once_ms},
+                               {"ms_per_volume", volume_ms},
+                               {"times_real_time", number(sound_ms / volume_ms)},
+                               {"late_ms", simulated->late_ms},
+                               {"packets_dropped", simulated->packets_dropped}});
 }
 
 }  // namespace wobblebench::bench

@@ -1,19 +1,18 @@
-// What report.json says of the board.
+// What report.json says of the board and of the simulator.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
-#include <utility>
 
 #include "bench/pipeline/acquire.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
-using LossCount = std::pair<std::string, std::uint64_t>;
-/// Every cause, with its name in reports.
-std::array<LossCount, 4> losses_by_cause(const hw::BoardAccount& account);
+/// ", N lost: CAUSE" for each cause that lost sticks.
+std::string losses_text(const hw::BoardAccount& account);
 
 /// emitted, delivered, lost by cause; then duplicates, damage, and the link.
 nlohmann::ordered_json board_json(const Acquisition& acquisition);
@@ -25,5 +24,14 @@ nlohmann::ordered_json display_scale_json(const hw::DisplayScale& scale);
 std::string display_scale_text(const hw::DisplayScale& scale);
 /// Puts a stream's scale in the place of that of the scene, which did not make its samples.
 void report_stream_scale(nlohmann::ordered_json& report, const hw::DisplayScale& scale);
+
+/// Sets "effects", those that ran, and "simulation": the rung, why it was taken, and what it leaves
+/// out. `fidelity`: none where nothing was simulated.
+void report_fidelity(nlohmann::ordered_json& report, const std::optional<sim::Fidelity>& fidelity);
+/// The same, with the simulator's times. `simulated`: sums over `volumes`, 0 counting as 1.
+void report_simulation(nlohmann::ordered_json& report,
+                       const std::optional<SimulatedVolume>& simulated,
+                       const hw::AcquisitionPlan& plan,
+                       std::uint64_t volumes = 1);
 
 }  // namespace wobblebench::bench

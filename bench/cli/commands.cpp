@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "bench/scene/late_refusal.h"
+#include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 

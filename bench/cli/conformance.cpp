@@ -1,18 +1,161 @@
 // The board's contract, checked on any board; and the proof that each check can fail.
-#include <iostream>
+#include <iomanip>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 #include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
 #include "bench/cli/conformance_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/output/report.h"
+#include "bench/output/report_parts.h"
+#include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+Json to_json(const SuiteRun& run) {
+  Json checks = Json::array();
+  for (const CheckOutcome& outcome : run.outcomes) {
+    checks.push_back({{"board", run.board},
+                      {"faults", run.faults.empty() ? Json(nullptr) : Json(run.faults)},
+                      {"name", outcome.name},
+                      {"rule", outcome.rule},
+                      {"outcome", to_string(outcome.kind)},
+                      {"detail", outcome.detail}});
+  }
+  return checks;
+}
+
+void write_run(std::ostream& text, const SuiteRun& run) {
+  text << "board " << run.board << (run.faults.empty() ? "" : " with ") << run.faults << ": "
+       << count(run.outcomes, CheckOutcome::Kind::passed) << " passed, "
+       << count(run.outcomes, CheckOutcome::Kind::failed) << " failed, "
+       << count(run.outcomes, CheckOutcome::Kind::skipped) << " skipped\n";
+  for (const CheckOutcome& outcome : run.outcomes) {
+    const bool failed = outcome.kind == CheckOutcome::Kind::failed;
+    text << "  " << (failed ? "FAILED " : to_string(outcome.kind)) << "  " << std::left
+         << std::setw(20) << outcome.name << "  " << outcome.detail << "\n";
+  }
+}
+
+void write_defects(std::ostream& text, const std::vector<DefectOutcome>& defects) {
+  if (defects.empty()) return;
+  text << "deliberately broken boards\n";
+  for (const DefectOutcome& defect : defects) {
+    text << "  " << (defect.detected() ? "caught " : "MISSED ") << "  " << std::left
+         << std::setw(20) << defect.defect.check << "  " << defect.defect.what << ": "
+         << defect.outcome.detail << "\n";
+  }
+}
+
+std::vector<const SuiteRun*> bare_runs(const ConformanceFindings& findings) {
+  std::vector<const SuiteRun*> bare;
+  for (const SuiteRun& run : findings.runs) {
+    if (run.faults.empty()) bare.push_back(&run);
+  }
+  return bare;
+}
+
+/// A row for each check, a column for each board.
+void check_table(std::ostream& text, const std::vector<const SuiteRun*>& runs) {
+  text << "| check | rule |";
+  for (const SuiteRun* run : runs) text << " `" << run->board << "` |";
+  text << "\n| --- | --- |";
+  for (std::size_t i = 0; i < runs.size(); ++i) text << " --- |";
+  text << "\n";
+  for (std::size_t row = 0; row < runs.front()->outcomes.size(); ++row) {
+    const CheckOutcome& first = runs.front()->outcomes[row];
+    text << "| `" << first.name << "` | " << first.rule << " |";
+    for (const SuiteRun* run : runs) {
+      const CheckOutcome& outcome = run->outcomes[row];
+      text << (outcome.kind == CheckOutcome::Kind::passed   ? " passed"
+               : outcome.kind == CheckOutcome::Kind::failed ? " **FAILED**: " + outcome.detail
+                                                            : " skipped: " + outcome.detail)
+           << " |";
+    }
+    text << "\n";
+  }
+}
+
+/// A row for each fault, a column for each board: passed, failed and skipped checks.
+void fault_table(std::ostream& text, const ConformanceFindings& findings) {
+  const auto bare = bare_runs(findings);
+  text << "\n## With each fault\n\nChecks that passed, failed and were skipped; what each skip "
+          "waits for stands in the report.\n\n| faults |";
+  for (const SuiteRun* run : bare) text << " `" << run->board << "` |";
+  text << "\n| --- |";
+  for (std::size_t i = 0; i < bare.size(); ++i) text << " ---: |";
+  text << "\n";
+  for (const std::string& faults : each_fault()) {
+    text << "| `" << faults << "` |";
+    for (const SuiteRun& run : findings.runs) {
+      if (run.faults != faults) continue;
+      text << " " << count(run.outcomes, CheckOutcome::Kind::passed) << " / "
+           << count(run.outcomes, CheckOutcome::Kind::failed) << " / "
+           << count(run.outcomes, CheckOutcome::Kind::skipped) << " |";
+    }
+    text << "\n";
+  }
+}
+
+void defect_table(std::ostream& text, const std::vector<DefectOutcome>& defects) {
+  text
+      << "\n## Deliberately broken boards\n\nEach is broken in one way, and the check meant for it "
+         "has to fail.\n\n| check | what is wrong | what the check saw |\n| --- | --- | --- |\n";
+  for (const DefectOutcome& defect : defects) {
+    text << "| `" << defect.defect.check << "` | " << defect.defect.what << " | "
+         << (defect.detected() ? "" : "**MISSED** ") << defect.outcome.detail << " |\n";
+  }
+}
+
+/// The text of report.json.
+std::string conformance_report(const ConformanceFindings& findings,
+                               const Scene& scene,
+                               const StepTimes& times) {
+  Json report = report_head("conformance", provenance_of_this_machine(), scene);
+  report["checks"] = Json::array();
+  for (const SuiteRun& run : findings.runs) {
+    for (const Json& check : to_json(run)) report["checks"].push_back(check);
+  }
+  report["broken"] = Json::array();
+  for (const DefectOutcome& defect : findings.defects) {
+    report["broken"].push_back({{"check", defect.defect.check},
+                                {"what", defect.defect.what},
+                                {"caught", defect.detected()},
+                                {"detail", defect.outcome.detail}});
+  }
+  report["wall_ms"] = wall_json(times);
+  return report_text(report);
+}
+
+/// Markdown: checks against boards, then faults against boards, then the seeded defects.
+std::string conformance_markdown(const ConformanceFindings& findings,
+                                 const Provenance& provenance) {
+  std::ostringstream text;
+  text
+      << "# Conformance\n\nWritten by `wobblebench conformance`. CPU: " << provenance.cpu << ", "
+      << provenance.threads << " threads. Commit: " << provenance.commit
+      << ". Each check opens the board anew. No card was there: `stand-in` behaves like its driver "
+         "(hw/emulator), `fifo-stand-in` is a FIFO.\n\n";
+  check_table(text, bare_runs(findings));
+  if (bare_runs(findings).size() < findings.runs.size()) fault_table(text, findings);
+  if (!findings.defects.empty()) defect_table(text, findings.defects);
+  return text.str();
+}
+
+/// A line a check, for a terminal.
+std::string conformance_summary(const ConformanceFindings& findings) {
+  std::ostringstream text;
+  for (const SuiteRun& run : findings.runs) write_run(text, run);
+  write_defects(text, findings.defects);
+  return text.str();
+}
 
 struct Arguments {
   SceneArguments scene;
@@ -66,8 +209,7 @@ std::vector<SuiteRun> check_board(const BoardArguments& board,
   return runs;
 }
 
-int check_boards(const Arguments& arguments) {
-  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+std::vector<BoardArguments> boards_of(const Arguments& arguments) {
   std::vector<BoardArguments> boards;
   for (const std::string& text : arguments.boards) {
     boards.push_back(parse_board(text));
@@ -76,25 +218,28 @@ int check_boards(const Arguments& arguments) {
     const bool made = is_simulated(boards.back()) || boards.back().link.value.ends_with("stand-in");
     if (!made) open_outside_link(boards.back());
   }
-  OutputFolder out(arguments.output.folder);
-  Progress progress(planned_steps(boards, arguments));
+  return boards;
+}
 
-  ConformanceFindings findings;
-  for (const BoardArguments& board : boards) {
-    const auto runs = check_board(board, scene, arguments.each_fault, progress);
-    findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
-  }
-  if (arguments.broken) {
-    findings.defects =
-        progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
-  }
-
-  const std::string report = conformance_report(findings, scene, progress.steps());
-  out.write_text("conformance.md", conformance_markdown(findings, provenance_of_this_machine()));
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : conformance_summary(findings));
-  return findings.passed() ? 0 : 1;
+int check_boards(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  const std::vector<BoardArguments> boards = boards_of(arguments);
+  const auto work = [&](OutputFolder& out, Progress& progress) {
+    ConformanceFindings findings;
+    for (const BoardArguments& board : boards) {
+      const auto runs = check_board(board, scene, arguments.each_fault, progress);
+      findings.runs.insert(findings.runs.end(), runs.begin(), runs.end());
+    }
+    if (arguments.broken) {
+      findings.defects =
+          progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
+    }
+    out.write_text("conformance.md", conformance_markdown(findings, provenance_of_this_machine()));
+    return CommandResult{conformance_report(findings, scene, progress.steps()),
+                         conformance_summary(findings),
+                         findings.passed() ? kDone : kFailed};
+  };
+  return run_in_folder(arguments.output, planned_steps(boards, arguments), work);
 }
 
 }  // namespace

@@ -1,13 +1,20 @@
 // What a recording holds, and what is damaged in it.
+#include <algorithm>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
+#include "base/units.h"
 #include "base/user_error.h"
-#include "bench/cli/inspection_report.h"
+#include "bench/cli/board_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/output/output_folder.h"
+#include "bench/output/report_parts.h"
 #include "bench/pipeline/recording_sink.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
@@ -15,6 +22,170 @@
 namespace wobblebench::bench {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Most damaged regions, gaps and incomplete volumes that the summary lists.
+constexpr std::size_t kMostListed = 10;
+
+Json check_json(const std::string& name, bool passed, const std::string& detail) {
+  return {{"name", name}, {"outcome", passed ? "passed" : "failed"}, {"detail", detail}};
+}
+
+std::string count(std::uint64_t number, const std::string& what) {
+  return std::to_string(number) + " " + what + (number == 1 ? "" : "s");
+}
+
+std::string unreadable_text(const hw::RecordingContents& contents) {
+  const hw::UnreadablePlace& place = contents.unreadable.value();
+  return "from byte " + std::to_string(place.offset) + " on, " +
+         count(contents.bytes - place.offset, "byte") + ": " + place.reason;
+}
+
+Json unreadable_json(const hw::RecordingContents& contents) {
+  if (!contents.unreadable) return nullptr;
+  const auto& [offset, reason] = *contents.unreadable;
+  return {{"offset", offset}, {"bytes", contents.bytes - offset}, {"reason", reason}};
+}
+
+Json checks_json(const hw::RecordingContents& contents) {
+  const auto& unreadable = contents.unreadable;
+  return Json::array(
+      {check_json("recording.readable",
+                  !unreadable,
+                  unreadable ? unreadable_text(contents) : "to its end"),
+       check_json("recording.bytes",
+                  contents.damage.regions == 0,
+                  count(contents.damage.bytes_skipped, "byte") + " belong to no packet, in " +
+                      count(contents.damage.regions, "place")),
+       check_json("recording.configuration",
+                  contents.configuration.has_value(),
+                  count(contents.configurations, "configuration")),
+       check_json("recording.consistent",
+                  contents.contradictions == 0,
+                  count(contents.contradictions, "packet") + " contradict the configuration")});
+}
+
+/// Null where the recording does not say what it is of.
+Json subject_json(const hw::SubjectHash& subject) {
+  if (!subject.stated()) return nullptr;
+  return {
+      {"phantom", subject.phantom}, {"placement", subject.placement}, {"motion", subject.motion}};
+}
+
+Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
+  Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
+  for (const auto& place : contents.damaged_regions) {
+    places.push_back({{"offset", place.offset}, {"bytes", place.bytes}});
+  }
+  for (const auto& gap : contents.gaps) {
+    gaps.push_back({{"first_sequence", gap.first_sequence},
+                    {"count", gap.count},
+                    {"cause", hw::to_string(gap.cause)}});
+  }
+  for (const auto& volume : contents.volumes) {
+    volumes.push_back(
+        {{"index", volume.index}, {"sticks", volume.sticks}, {"closed", volume.closed}});
+  }
+  return {{"file", path.string()},
+          {"bytes", contents.bytes},
+          {"damaged", contents.damaged()},
+          {"complete", contents.complete()},
+          {"packets",
+           {{"configuration", contents.configurations},
+            {"stick", contents.sticks},
+            {"volume_end", contents.volume_ends},
+            {"unknown", contents.other_packets}}},
+          {"one_plan", contents.one_plan},
+          {"before_configuration", contents.unconfigured},
+          {"contradictions", contents.contradictions},
+          {"unreadable", unreadable_json(contents)},
+          {"damage", places},
+          {"gaps", gaps},
+          {"volumes", volumes}};
+}
+
+void write_plan(std::ostream& text, const hw::Configuration& configuration) {
+  const auto& plan = configuration.plan.acquisition();
+  text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
+       << " sticks of " << plan.samples_per_stick << " samples, depth "
+       << plan.depth_m / kMillimetre << " mm; samples " << hw::to_string(configuration.source)
+       << "\nscale       " << display_scale_text(configuration.display_scale) << "\n";
+}
+
+void write_volumes(std::ostream& text, const hw::RecordingContents& contents) {
+  if (!contents.configuration) return;
+  const auto expected =
+      static_cast<std::uint64_t>(contents.configuration->plan.sticks_per_volume());
+  std::size_t shown = 0;
+  std::uint64_t whole = 0;
+  std::ostringstream partial;
+  for (const auto& volume : contents.volumes) {
+    if (volume.closed && volume.sticks == expected) {
+      ++whole;
+    } else if (shown++ < kMostListed) {
+      partial << "            volume " << volume.index << ": " << volume.sticks << " of "
+              << expected << " sticks" << (volume.closed ? "" : ", not closed") << "\n";
+    }
+  }
+  text << "volumes     " << contents.volumes.size() << ", of which " << whole << " whole\n"
+       << partial.str();
+}
+
+void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
+  text << "damage      " << count(contents.damage.regions, "place") << ", "
+       << count(contents.damage.bytes_skipped, "byte") << "\n";
+  for (std::size_t i = 0; i < std::min(kMostListed, contents.damaged_regions.size()); ++i) {
+    text << "            at byte " << contents.damaged_regions[i].offset << ": "
+         << count(contents.damaged_regions[i].bytes, "byte") << "\n";
+  }
+  if (contents.unreadable) text << "unreadable  " << unreadable_text(contents) << "\n";
+  text << "missing     " << count(contents.account.lost.total(), "stick") << "\n";
+  for (std::size_t i = 0; i < std::min(kMostListed, contents.gaps.size()); ++i) {
+    const hw::Gap& gap = contents.gaps[i];
+    text << "            from stick " << gap.first_sequence << ": " << gap.count << " ("
+         << hw::to_string(gap.cause) << ")\n";
+  }
+}
+
+/// The text of report.json.
+std::string inspection_report(const std::filesystem::path& path,
+                              const hw::RecordingContents& contents) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = "recording";
+  Json report = {{"schema", kReportSchema},
+                 {"command", "inspect"},
+                 {"provenance", to_json(provenance)},
+                 {"board", account_json(contents.account)},
+                 {"recording", recording_json(path, contents)},
+                 {"checks", checks_json(contents)}};
+  if (const auto& configuration = contents.configuration) {
+    report["acquisition"] = acquisition_json(configuration->plan);
+    report["board"]["samples_from"] = hw::to_string(configuration->source);
+    report["recording"]["subject"] = subject_json(configuration->subject);
+    report["recording"]["display_scale"] = display_scale_json(configuration->display_scale);
+  }
+  return report_text(report);
+}
+
+/// A few lines for a terminal.
+std::string inspection_summary(const std::filesystem::path& path,
+                               const hw::RecordingContents& contents) {
+  std::ostringstream text;
+  text << "file        " << path.string() << ", " << std::setprecision(4)
+       << static_cast<double>(contents.bytes) / 1e6 << " MB\n";
+  if (contents.configuration) write_plan(text, *contents.configuration);
+  text << "packets     " << contents.configurations << " configurations, " << contents.sticks
+       << " sticks, " << contents.volume_ends << " volume ends\n";
+  write_volumes(text, contents);
+  write_faults(text, contents);
+  text << "verdict     "
+       << (contents.damaged()    ? "damaged"
+           : contents.complete() ? "undamaged and complete"
+                                 : "undamaged; sticks are missing that never came")
+       << "\n";
+  return text.str();
+}
 
 struct Arguments {
   std::filesystem::path recording;

@@ -1,17 +1,183 @@
 // Builds or imports a phantom, prints its properties, and writes it for other OpenVDB tools.
-#include <iostream>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/common.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/cli/phantom_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/output/report.h"
+#include "bench/scene/resolved_scene.h"
+#include "bench/scene/scene.h"
+#include "phantoms/grids.h"
+#include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// Rounded to a nanometre: 0.16 m reads 160 mm.
+double in_mm(double metres) {
+  return std::round(metres * 1e9) / 1e6;
+}
+
+Json in_mm(const glm::dvec3& point_m) {
+  return {in_mm(point_m.x), in_mm(point_m.y), in_mm(point_m.z)};
+}
+
+double in_mb(std::uint64_t bytes) {
+  return std::round(static_cast<double>(bytes) / 1e4) / 100;
+}
+
+const std::string& material_name(const phantoms::Phantom& phantom, phantoms::MaterialIndex index) {
+  return phantom.materials().at(static_cast<std::size_t>(index)).name;
+}
+
+Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
+  const auto& surface = phantom.surfaces()[index];
+  const auto grid = phantoms::grid_memory(phantom, index);
+  return {{"name", surface.name},
+          {"inside", material_name(phantom, surface.inside)},
+          {"target", surface.is_target},
+          {"voxel_mm", in_mm(grid.voxel_m)},
+          {"voxels", grid.voxels},
+          {"memory_mb", in_mb(grid.bytes)}};
+}
+
+Json material_json(const phantoms::Material& material) {
+  return {{"name", material.name},
+          {"sound_speed_m_s", material.sound_speed_m_s},
+          {"impedance_mrayl", material.impedance_rayl / 1e6},
+          {"attenuation_db_per_cm_mhz", material.attenuation_db_per_cm_mhz},
+          {"backscatter_db", material.backscatter_db},
+          {"roughness", material.roughness},
+          {"source", material.source}};
+}
+
+/// Those of the material table that occur in the phantom.
+Json materials_json(const phantoms::Phantom& phantom) {
+  std::set<phantoms::MaterialIndex> used = {phantom.background()};
+  for (const auto& surface : phantom.surfaces()) used.insert(surface.inside);
+  Json rows = Json::array();
+  for (const auto row : used) {
+    rows.push_back(material_json(phantom.materials().at(static_cast<std::size_t>(row))));
+  }
+  return rows;
+}
+
+Json joint_json(const std::optional<phantoms::Joint>& joint) {
+  if (!joint) return nullptr;
+  return {{"center_mm", in_mm(joint->center_m)},
+          {"inner_mm", in_mm(joint->inner_m)},
+          {"outer_mm", in_mm(joint->outer_m)},
+          {"mouth_open_mm", joint->mouth ? in_mm(joint->mouth->opening_m) : 0}};
+}
+
+/// What the report says of point scatterers, over all keys of all tracks.
+struct ScattererSummary {
+  std::size_t moving = 0;
+  double strongest = 0;  ///< amplitude
+  phantoms::Box box{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
+
+  explicit ScattererSummary(const phantoms::PointScatterers& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      moving += !points.fixed(i);
+      for (const auto& key : points.track(i)) {
+        strongest = std::max(strongest, std::abs(key.point.amplitude));
+        box = {glm::min(box.low, key.point.position_m), glm::max(box.high, key.point.position_m)};
+      }
+    }
+  }
+  /// Re a perfect mirror, to a hundredth.
+  double strongest_db() const { return std::round(2000 * std::log10(strongest)) / 100; }
+};
+
+Json scatterers_json(const phantoms::PointScatterers& points) {
+  if (points.empty()) return nullptr;
+  const ScattererSummary summary(points);
+  return {{"count", points.size()},
+          {"moving", summary.moving},
+          {"strongest_db", summary.strongest > 0 ? Json(summary.strongest_db()) : Json(nullptr)},
+          {"low_mm", in_mm(summary.box.low)},
+          {"high_mm", in_mm(summary.box.high)}};
+}
+
+/// "(x, y, z)", mm.
+std::string corner_text(const glm::dvec3& point_m) {
+  std::ostringstream text;
+  text << "(" << in_mm(point_m.x) << ", " << in_mm(point_m.y) << ", " << in_mm(point_m.z) << ")";
+  return text.str();
+}
+
+std::string scatterers_line(const phantoms::PointScatterers& points) {
+  if (points.empty()) return "";
+  const ScattererSummary summary(points);
+  std::ostringstream text;
+  text << "points      " << points.size() << " point scatterers";
+  if (summary.moving > 0) text << ", " << summary.moving << " of them moving";
+  if (summary.strongest > 0) text << ", the strongest of " << summary.strongest_db() << " dB";
+  text << ", within " << corner_text(summary.box.low) << " to " << corner_text(summary.box.high)
+       << " mm\n";
+  return text.str();
+}
+
+Json phantom_json(const phantoms::Phantom& phantom) {
+  Json surfaces = Json::array();
+  std::uint64_t voxels = 0, bytes = 0;
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto grid = phantoms::grid_memory(phantom, i);
+    voxels += grid.voxels;
+    bytes += grid.bytes;
+    surfaces.push_back(surface_json(phantom, i));
+  }
+  return {{"name", phantom.name()},
+          {"background", material_name(phantom, phantom.background())},
+          {"surfaces", surfaces},
+          {"scatterers", scatterers_json(phantom.scatterers())},
+          {"voxels", voxels},
+          {"memory_mb", in_mb(bytes)},
+          {"region_of_interest_mm",
+           {{"low", in_mm(phantom.region_of_interest().low)},
+            {"high", in_mm(phantom.region_of_interest().high)}}},
+          {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
+          {"joint", joint_json(phantom.joint())},
+          {"materials", materials_json(phantom)}};
+}
+
+/// The text of report.json.
+std::string phantom_report(const phantoms::Phantom& phantom, const Scene& scene) {
+  Json report = report_head("phantom", provenance_of_this_machine(), scene);
+  report["phantom"] = phantom_json(phantom);
+  return report_text(report);
+}
+
+/// Surfaces with the sizes of their grids, region of interest, joint; `file`: where it was written.
+std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << "phantom     " << phantom.name() << " in " << material_name(phantom, phantom.background())
+       << (phantom.joint() ? ", with a joint" : "") << "\n";
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto& surface = phantom.surfaces()[i];
+    const auto grid = phantoms::grid_memory(phantom, i);
+    text << "surface     " << surface.name << ": " << material_name(phantom, surface.inside)
+         << " within, " << grid.voxels << " voxels of " << in_mm(grid.voxel_m) << " mm, "
+         << in_mb(grid.bytes) << " MB" << (surface.is_target ? ", a target" : "") << "\n";
+  }
+  text << scatterers_line(phantom.scatterers());
+  const auto& box = phantom.region_of_interest();
+  text << "interest    " << corner_text(box.low) << " to " << corner_text(box.high) << " mm\n"
+       << "position    " << corner_text(phantom.suggested_position_m())
+       << " mm in front of the probe, unless the scene says otherwise\n"
+       << "results     " << file.string() << "\n";
+  return text.str();
+}
 
 struct Arguments {
   SceneArguments scene;
@@ -19,21 +185,28 @@ struct Arguments {
   OutputArguments output;
 };
 
-int write_phantom(const Arguments& arguments) {
-  Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"phantom", 10}, {"write", 1}});
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
-  progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
+/// The scene with the phantom's placement. A motion that the phantom cannot make is no fault: it is
+/// written at rest.
+Scene placed_scene(const Scene& given, const phantoms::Phantom& phantom) {
+  Scene at_rest = given;
+  at_rest.motion = {};
+  Scene placed = resolve_scene(at_rest, phantom).options();
+  placed.motion = given.motion;
+  return placed;
+}
 
-  const std::string report = phantom_report(phantom, scene);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report
-                                      : phantom_summary(phantom, out.directory() / "phantom.vdb"));
-  return 0;
+int write_phantom(const Arguments& arguments) {
+  const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  return run_in_folder(
+      arguments.output,
+      {{"phantom", 10}, {"write", 1}},
+      [&](OutputFolder& out, Progress& progress) {
+        PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+        const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+        progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
+        return CommandResult{phantom_report(phantom, placed_scene(scene, phantom)),
+                             phantom_summary(phantom, out.directory() / "phantom.vdb")};
+      });
 }
 
 }  // namespace

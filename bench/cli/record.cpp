@@ -1,24 +1,34 @@
 // Writes what a board sends to a file.
+#include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "base/number_text.h"
+#include "base/units.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
-#include "bench/cli/record_report.h"
-#include "bench/cli/recording_folder.h"
+#include "bench/cli/board_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/command/stop_signals.h"
+#include "bench/command/program.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/output/report.h"
+#include "bench/output/report_parts.h"
 #include "bench/pipeline/board_link.h"
+#include "bench/pipeline/iq_file.h"
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/stick_sources.h"
+#include "bench/scene/scene.h"
+#include "hw/link/link.h"
 #include "hw/recording/recorder.h"
 #include "sim/echo/echo_model.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
@@ -26,12 +36,136 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kRecordingName = "recording.wbst";
+constexpr const char* kIqName = "iq.npy";
+
+struct RecordResult {
+  hw::RecordingProgress progress;
+  hw::RecordingEnd end = hw::RecordingEnd::end_of_stream;
+  hw::LinkCapabilities link;
+  std::optional<sim::Fidelity> fidelity;  ///< none: the sticks come from a recording or a card
+  bool with_iq = false;
+};
+
+/// The name of a recording that is not finished. Throws UserError where the folder holds one, a
+/// finished one that is not to be replaced, or the IQ samples of one that would not be replaced
+/// with it.
+fs::path new_partial(const OutputFolder& out, bool replace, bool with_iq) {
+  const fs::path whole = out.directory() / kRecordingName;
+  fs::path partial = whole.string() + ".partial";
+  const auto refuse = [&](const std::string& what) {
+    throw UserError("--out = " + out.directory().string() + ": holds " + what);
+  };
+  const auto holds = [](const fs::path& path) {
+    std::error_code ignored;
+    return fs::exists(fs::symlink_status(path, ignored));
+  };
+  std::error_code ignored;
+  // A command was killed after its recording had its final name, before it lost the other.
+  if (fs::equivalent(partial, whole, ignored)) fs::remove(partial);
+  if (holds(partial)) {
+    refuse(
+        "a recording that was not finished; must be a folder without one (`wobblebench inspect " +
+        partial.string() + " --salvage NEW` copies what it holds)");
+  }
+  if (!replace && holds(whole)) {
+    refuse(std::string(kRecordingName) +
+           "; must be a folder without one, unless --replace is given");
+  }
+  if (!(replace && with_iq) && holds(out.directory() / kIqName)) {
+    refuse(std::string(kIqName) +
+           " of another recording; must be a folder without one, unless --replace and --iq are "
+           "given");
+  }
+  return partial;
+}
+
+const char* to_string(hw::RecordingEnd end) {
+  switch (end) {
+    case hw::RecordingEnd::volumes:
+      return "as many volumes as asked for";
+    case hw::RecordingEnd::end_of_stream:
+      return "the stream is over";
+    case hw::RecordingEnd::lost:
+      return "the device is lost";
+    case hw::RecordingEnd::stop_requested:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+/// What a reader of the array has to know.
+Json iq_json(const hw::AcquisitionPlan& plan, std::uint64_t volumes) {
+  const IqShape shape = iq_shape(plan, volumes);
+  const double spacing_mm =
+      plan.acquisition().depth_m / static_cast<double>(shape.back()) / kMillimetre;
+  return {{"file", kIqName},
+          {"type", "complex64"},
+          {"axes", {"volume", "frame", "line", "sample"}},
+          {"shape", shape},
+          {"sample_spacing_mm", spacing_mm},
+          {"first_sample_mm", spacing_mm / 2},
+          {"center_frequency_mhz", plan.probe().center_frequency_hz / kMegahertz},
+          {"phase", "demodulated at the centre frequency, with phase 0 at range 0"},
+          {"scale", "1: a perfect mirror; with noise, before envelope detection and TGC"}};
+}
+
+/// Volumes of which the recording knows a stick. Of a simulated board: their IQ samples are kept.
+std::uint64_t volumes_begun(const hw::RecordingProgress& progress) {
+  if (!progress.configuration) return 0;
+  const auto sticks = static_cast<std::uint64_t>(progress.configuration->plan.sticks_per_volume());
+  return (progress.next_sequence + sticks - 1) / sticks;
+}
+
+/// The text of report.json. `scene`: reported with the probe, the acquisition and, unless it was
+/// simulated, the display scale that the recording's configuration gives.
+std::string record_report(const RecordResult& result, Scene scene) {
+  const hw::RecordingProgress& progress = result.progress;
+  const hw::Configuration& configuration = progress.configuration.value();
+  scene.acquisition = configuration.plan.acquisition();
+  static_cast<hw::ProbeOptions&>(scene.probe) = configuration.plan.probe();
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = hw::to_string(result.link.origin);
+  Json report = report_head("record", provenance, scene);
+  report["acquisition"] = acquisition_json(scene.plan());
+  report_fidelity(report, result.fidelity);
+  if (!result.fidelity) report_stream_scale(report, configuration.display_scale);
+  report["board"] = account_json(progress.account);
+  report["board"]["damage"] = {{"places", progress.damage.regions},
+                               {"bytes_skipped", progress.damage.bytes_skipped}};
+  report["board"]["link"] = link_json(result.link);
+  report["recording"] = {{"file", kRecordingName},
+                         {"bytes", progress.bytes},
+                         {"volumes", progress.volumes},
+                         {"display_scale", display_scale_json(configuration.display_scale)},
+                         {"ended_because", to_string(result.end)}};
+  report["iq"] =
+      result.with_iq ? iq_json(configuration.plan, volumes_begun(progress)) : Json(nullptr);
+  return report_text(report);
+}
+
+/// A few lines for a terminal. `folder`: of the recording.
+std::string record_summary(const RecordResult& result, const std::filesystem::path& folder) {
+  const hw::RecordingProgress& progress = result.progress;
+  std::ostringstream text;
+  text << "recorded    " << progress.volumes << " volumes, " << progress.account.delivered
+       << " sticks, " << static_cast<double>(progress.bytes) / 1e6 << " MB; "
+       << progress.account.lost.total() << " sticks lost; " << to_string(result.end) << "\n";
+  if (result.fidelity) {
+    text << "simulator   " << sim::to_string(result.fidelity->rung) << ": "
+         << result.fidelity->reason << "\n";
+  }
+  text << "recording   " << (folder / kRecordingName).string() << "\n";
+  if (result.with_iq) text << "IQ samples  " << (folder / kIqName).string() << "\n";
+  return text.str();
+}
+
 struct Arguments {
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
   std::string board = "sim";
-  int volumes = 0;  ///< stop after so many; 0: at the end of the stream
+  int volumes = 0;  ///< stop after this number; 0: at the end of the stream
   bool iq = false;
   bool replace = false;
   bool fail_on_loss = false;
@@ -103,48 +237,34 @@ std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
   return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
 }
 
-/// All files get their names, or none does.
-void name_results(OutputFolder& out, const fs::path& partial, const std::string& report) {
-  try {
-    out.adopt(partial, kRecordingName);
-    out.write_text("report.json", report);
-    out.commit();
-  } catch (const std::exception& error) {
-    throw std::runtime_error(error.what() + ("; the recording is " + partial.string()));
-  }
-}
-
-/// Prints the report, or its summary. Returns the exit code, with a line on stderr unless it is 0.
-int verdict(const RecordResult& result,
-            const std::string& report,
-            const fs::path& folder,
-            const std::string& loss,
-            const Arguments& arguments) {
-  std::cout << (arguments.output.json ? report : record_summary(result, folder));
-  if (result.end == hw::RecordingEnd::lost) {
-    std::cerr << "wobblebench: --board = " << arguments.board << ": " << loss << "\n";
-    return 1;
-  }
+/// Why the exit code is kFailed; empty: it is not.
+std::string failure_of(const RecordResult& result,
+                       const std::string& loss,
+                       const Arguments& arguments) {
+  if (result.end == hw::RecordingEnd::lost) return "--board = " + arguments.board + ": " + loss;
   const hw::BoardAccount& account = result.progress.account;
-  if (!arguments.fail_on_loss || account.lost.total() == 0) return 0;
-  std::cerr << "wobblebench: --fail-on-loss: " << account.lost.total() << " of " << account.emitted
-            << " sticks were lost\n";
-  return 1;
+  if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
+  return "--fail-on-loss: " + std::to_string(account.lost.total()) + " of " +
+         std::to_string(account.emitted) + " sticks were lost";
 }
 
-int record_board(const Arguments& arguments) {
+Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  const BoardArguments board = parse_board(arguments.board);
   if (arguments.volumes > 0 && !scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes;
   }
-  if (arguments.iq) refuse_iq(scene, board);
-  // What does not exist is refused before the folder is made; what takes long comes after it.
-  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
-  OutputFolder out(arguments.output.folder);
+  return scene;
+}
+
+/// Fills the folder from `link`; null: from the scene's simulator.
+CommandResult record_to(OutputFolder& out,
+                        std::unique_ptr<hw::Link> link,
+                        const BoardArguments& board,
+                        const Scene& scene,
+                        const Arguments& arguments,
+                        Progress& progress) {
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq);
   if (link) out.refuse_input(board.link.value, kRecordingName);
-  Progress progress;
   RecordResult result{.with_iq = arguments.iq};
   std::shared_ptr<IqFile> iq;
   if (arguments.iq) iq = std::make_shared<IqFile>(out.stage(kIqName), scene.plan());
@@ -165,9 +285,23 @@ int record_board(const Arguments& arguments) {
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
-  const std::string report = record_report(result, std::move(scene));
-  name_results(out, partial, report);
-  return verdict(result, report, out.directory(), loss, arguments);
+  const std::string failure = failure_of(result, loss, arguments);
+  return {record_report(result, scene),
+          record_summary(result, out.directory()),
+          failure.empty() ? kDone : kFailed,
+          failure,
+          AdoptedFile{partial, kRecordingName, "the recording"}};
+}
+
+int record_board(const Arguments& arguments) {
+  const Scene scene = scene_of(arguments);
+  const BoardArguments board = parse_board(arguments.board);
+  if (arguments.iq) refuse_iq(scene, board);
+  // What does not exist is refused before the folder is made; what takes long comes after it.
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
+    return record_to(out, std::move(link), board, scene, arguments, progress);
+  });
 }
 
 }  // namespace

@@ -1,18 +1,91 @@
 // The path from probe to volume under seeded faults, in virtual time.
 #include <cstdint>
+#include <iomanip>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 
 #include "bench/board_checks/fault_simulation/fault_simulation.h"
+#include "bench/cli/board_report.h"
 #include "bench/cli/fault_simulation_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string hex(std::uint64_t value) {
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << value;
+  return text.str();
+}
+
+std::string replay_command(std::uint64_t seed) {
+  return "wobblebench rehearse --first-seed " + std::to_string(seed) + " --seeds 1 --trace";
+}
+
+/// The text of report.json.
+std::string fault_simulation_report(const SeedRangeResult& all) {
+  Provenance provenance = provenance_of_this_machine();
+  provenance.board = "simulated";
+  provenance.seed = all.first_seed;
+  Json failures = Json::array();
+  for (const auto& failed : all.failed) {
+    failures.push_back(
+        {{"seed", failed.seed}, {"rule", failed.failure}, {"replay", replay_command(failed.seed)}});
+  }
+  const Json report = {{"schema", kReportSchema},
+                       {"command", "rehearse"},
+                       {"provenance", to_json(provenance)},
+                       {"rehearsal",
+                        {{"seeds", all.seeds},
+                         {"first_seed", all.first_seed},
+                         {"hash", hex(all.hash)},
+                         {"steps", all.steps},
+                         {"sticks", all.sticks},
+                         {"emitted", all.account.emitted},
+                         {"delivered", all.account.delivered},
+                         {"lost", account_json(all.account)["lost"]},
+                         {"bytes_recorded", all.bytes_recorded},
+                         {"sticks_salvaged", all.sticks_salvaged},
+                         {"device_time_s", all.device_time_s},
+                         {"wall_s", all.wall_s},
+                         {"times_real_time", all.device_time_s / all.wall_s},
+                         {"times_acquisition", all.acquired_s / all.wall_s},
+                         {"failures", failures}}}};
+  return report_text(report);
+}
+
+/// A few lines for a terminal; for each failure the command that repeats it.
+std::string fault_simulation_summary(const SeedRangeResult& all) {
+  std::ostringstream text;
+  const auto& lost = all.account.lost;
+  text << "rehearsed   seeds " << all.first_seed << " to "
+       << all.first_seed + static_cast<std::uint64_t>(all.seeds) - 1 << ", " << all.steps
+       << " steps, " << all.sticks << " sticks\n"
+       << "account     " << all.account.emitted << " emitted, " << all.account.delivered
+       << " delivered; lost: " << lost.ring_full << " ring_full, " << lost.link << " link, "
+       << lost.corrupt << " corrupt, " << lost.out_of_order << " out_of_order\n"
+       << "recordings  " << all.bytes_recorded << " bytes recorded, killed anywhere, "
+       << all.sticks_salvaged << " sticks salvaged\n"
+       << "time        " << std::setprecision(4) << all.device_time_s << " s of device time in "
+       << all.wall_s << " s: " << all.device_time_s / all.wall_s << " times real time, "
+       << all.acquired_s / all.wall_s << " times the sticks' own acquisition\n"
+       << "hash        " << hex(all.hash) << "\n"
+       << "failures    " << all.failed.size() << "\n";
+  for (const auto& failed : all.failed) {
+    text << "  seed " << failed.seed << ": " << failed.failure << "\n    "
+         << replay_command(failed.seed) << "\n";
+  }
+  return text.str();
+}
 
 struct Arguments {
   OutputArguments output;
@@ -29,17 +102,15 @@ void print_trace(std::uint64_t first_seed, int seeds) {
 }
 
 int simulate(const Arguments& arguments) {
-  OutputFolder out(arguments.output.folder);
-  if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
-  Progress progress;
-  const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
-    return simulate_seeds(arguments.first_seed, arguments.seeds, done);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder&, Progress& progress) {
+    if (arguments.trace) print_trace(arguments.first_seed, arguments.seeds);
+    const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
+      return simulate_seeds(arguments.first_seed, arguments.seeds, done);
+    });
+    return CommandResult{fault_simulation_report(all),
+                         fault_simulation_summary(all),
+                         all.failed.empty() ? kDone : kFailed};
   });
-  const std::string report = fault_simulation_report(all);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : fault_simulation_summary(all));
-  return all.failed.empty() ? 0 : 1;
 }
 
 }  // namespace

@@ -1,24 +1,18 @@
 // The main job: a stream of one volume, its picture compared with the truth, written.
-#include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/user_error.h"
-#include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/run_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/command/place_subject.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
-#include "bench/output/provenance.h"
-#include "bench/pipeline/board_link.h"
-#include "bench/pipeline/run_result.h"
+#include "bench/output/report_parts.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
@@ -38,25 +32,7 @@ struct Arguments {
   bool fail_on_loss = false;
 };
 
-Truth true_surface(const phantoms::PlacedPhantom& subject,
-                   const Scene& scene,
-                   const sim::TissueMapSource& maps,
-                   std::uint32_t volume) {
-  const auto view = render::make_view(scene.render);
-  Truth truth = trace_truth(subject, scene.plan(), view, volume);
-  const StickReach reach(subject, scene.plan(), scene.simulation, maps, volume);
-  mark_shadowed(truth, reach, view.camera);
-  return truth;
-}
-
-/// The correction that the scene names, once phantom and plan are known.
-std::optional<Correction> correction_of(const Scene& scene) {
-  auto correction = read_correction(scene);
-  if (correction) check_correction_step(*correction, scene);
-  return correction;
-}
-
-/// What --tolerance asks for; none: nothing.
+/// What --tolerance asks for; nullopt: nothing.
 std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
   if (arguments.tolerance.empty()) return std::nullopt;
   if (!is_simulated(parse_board(arguments.board))) {
@@ -70,121 +46,151 @@ std::optional<ToleranceRequest> tolerance_request(const Arguments& arguments) {
   return request;
 }
 
-/// The scene by the settings that keep the tolerance.
-Scene scene_of(const Arguments& arguments, const std::optional<ToleranceChoice>& choice) {
+std::vector<PlannedStep> planned_steps(const Arguments& arguments) {
+  return {{"choose", arguments.tolerance.empty() ? 0.0 : 400.0},
+          {"phantom", 40},
+          {"scene", 5},
+          {"shaders", 1},
+          {"stream", 25},
+          {"truth", 3},
+          {"compare", 5},
+          {"register", arguments.register_surface ? 20.0 : 0.0},
+          {"write", 2}};
+}
+
+/// nullopt: no tolerance was asked for.
+std::optional<ToleranceChoice> choose_settings(std::optional<ToleranceRequest> request,
+                                               const Scene& given,
+                                               render::GlContext& context,
+                                               PhantomCache& cache,
+                                               Progress& progress) {
+  if (!request) return std::nullopt;
+  request->machine = machine_text(provenance_of_simulation(context, given.simulation.seed));
+  return progress.step("choose", [&](const PartDone& done) {
+    return choose_for_tolerance(*request, context, cache, done);
+  });
+}
+
+/// The scene with the settings that keep the tolerance.
+Scene with_choice(const Scene& given,
+                  const Arguments& arguments,
+                  const std::optional<ToleranceChoice>& choice) {
+  if (!choice) return given;
   std::vector<std::string> settings = arguments.scene.settings;
-  if (choice) {
-    settings.insert(settings.end(), choice->scene_settings.begin(), choice->scene_settings.end());
-  }
+  settings.insert(settings.end(), choice->scene_settings.begin(), choice->scene_settings.end());
   return load_scene(arguments.scene.file, settings);
 }
 
-/// The exit code, with a line on stderr unless it is 0.
-int verdict(const RunResult& result,
-            const std::optional<ToleranceResult>& tolerance,
-            const Arguments& arguments) {
+/// The volume, and the picture of it.
+RunResult stream_volume(BoardConnection& board,
+                        const StreamSource& source,
+                        const render::GlContext& context,
+                        render::Renderer& renderer) {
+  GlStreamRenderer passes(renderer);
+  render::Picture picture;
+  const auto show = [&](const ShownPicture& shown) { picture = shown.picture; };
+  Acquisition acquisition = board.acquire(source, passes, show);
+  return {.acquisition = std::move(acquisition),
+          .picture = std::move(picture),
+          .gl_backend = context.backend(),
+          .gl_renderer = context.renderer_string()};
+}
+
+/// Corrects z of the result's picture. Returns the picture as it was found; nullopt: there is no
+/// correction.
+std::optional<render::Picture> correct_picture(RunResult& result,
+                                               const std::optional<Correction>& correction,
+                                               const ResolvedScene& scene,
+                                               Progress& progress) {
+  if (!correction) return std::nullopt;
+  render::Picture corrected = progress.step("correct", [&] {
+    return corrected_picture(
+        *correction, result.picture, result.acquisition.volume, scene.options());
+  });
+  return std::exchange(result.picture, std::move(corrected));
+}
+
+/// The picture against the scene's truth; nullopt where that is not known.
+std::optional<Comparison> compare(const RunResult& result,
+                                  const std::optional<render::Picture>& uncorrected,
+                                  const ResolvedScene& scene,
+                                  const sim::TissueMapSource& maps,
+                                  bool register_it,
+                                  Progress& progress) {
+  if (!scene.subject()) return std::nullopt;
+  const std::uint32_t volume = result.acquisition.volume.volume_index();
+  TrueView truth = progress.step(
+      "truth", [&] { return TrueView(true_surface(scene, maps, volume), scene.view().camera); });
+  PictureMeasures error = progress.step(
+      "compare", [&] { return measure_picture(result.picture, truth, scene.render()); });
+  std::optional<PictureMeasures> before;
+  if (uncorrected) before = measure_picture(*uncorrected, truth, scene.render());
+  Comparison comparison{.truth = std::move(truth.truth),
+                        .error = std::move(error),
+                        .before_correction = std::move(before)};
+  if (register_it) {
+    comparison.registration = progress.step("register", [&] {
+      return register_surface(result.picture.depth_m,
+                              *scene.subject(),
+                              scene.plan(),
+                              scene.view(),
+                              {},
+                              kRegistrationPoints,
+                              volume);
+    });
+  }
+  return comparison;
+}
+
+/// Why the exit code is kFailed; empty: it is not.
+std::string failure_of(const RunResult& result,
+                       const std::optional<ToleranceResult>& tolerance,
+                       const Arguments& arguments) {
   if (!result.acquisition.ending.empty()) {
-    std::cerr << "wobblebench: --board = " << arguments.board << ": " << ending_text(result)
-              << "\n";
-    return 1;
+    return "--board = " + arguments.board + ": " + ending_text(result);
   }
-  if (const std::string why = tolerance ? broken_promise(*tolerance) : ""; !why.empty()) {
-    std::cerr << "wobblebench: " << why << "\n";
-    return 1;
-  }
-  if (!arguments.fail_on_loss || result.acquisition.volume.missing_sticks() == 0) return 0;
-  std::cerr << "wobblebench: --fail-on-loss: " << loss_text(result) << "\n";
-  return 1;
+  if (tolerance && !broken_promise(*tolerance).empty()) return broken_promise(*tolerance);
+  const bool is_whole = result.acquisition.volume.missing_sticks() == 0;
+  return arguments.fail_on_loss && !is_whole ? "--fail-on-loss: " + loss_text(result) : "";
 }
 
 int run(const Arguments& arguments) {
-  Scene scene = scene_of(arguments, std::nullopt);
-  auto request = tolerance_request(arguments);
-  check_memory_of_run(scene, available_memory_bytes());
-  read_correction(scene);  // refuses one that was made for something else before any work
+  const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
+  const auto request = tolerance_request(arguments);
+  check_memory_of_run(given, available_memory_bytes());
+  const auto correction = read_correction(given);
   BoardConnection board(parse_board(arguments.board));
-  board.check_one_volume(scene);
+  board.check_one_volume(given);
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"choose", request ? 400.0 : 0.0},
-                     {"phantom", 40},
-                     {"scene", 5},
-                     {"shaders", 1},
-                     {"stream", 25},
-                     {"truth", 3},
-                     {"compare", 5},
-                     {"register", arguments.register_surface ? 20.0 : 0.0},
-                     {"write", 2}});
 
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  std::optional<ToleranceChoice> choice;
-  if (request) {
-    request->machine = machine_text(provenance_of_simulation(*context, scene.simulation.seed));
-    choice = progress.step("choose", [&](const PartDone& done) {
-      return choose_for_tolerance(*request, *context, cache, done);
-    });
-    scene = scene_of(arguments, choice);
-  }
-  const auto subject = place_subject(scene, board.adopt_plan(scene), cache, progress);
-  const auto correction = correction_of(scene);
-  const auto plan = scene.plan();
-  const auto view = render::make_view(scene.render);
-  render::Renderer renderer(*context, plan, scene.render);
-  auto compiled = renderer.compile_in_background();
+  const auto work = [&](OutputFolder& out, Progress& progress) {
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    const auto choice = choose_settings(request, given, *context, cache, progress);
+    const Scene chosen = with_choice(given, arguments, choice);
+    const ResolvedScene scene = board.resolve(chosen, cache, progress);
+    if (correction) check_correction(*correction, scene.options());
+    render::Renderer renderer(*context, scene.plan(), scene.render());
+    auto compiled = renderer.compile_in_background();
+    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+    progress.step("shaders", [&] { compiled.get(); });
 
-  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-  const StreamSource source = progress.step("scene", [&] {
-    return subject ? board.connect(scene, *subject, maps) : board.connect(scene);
-  });
-  progress.step("shaders", [&] { compiled.get(); });
-  GlStreamRenderer passes(renderer);
-  render::Picture picture;
-  auto acquisition = progress.step("stream", [&] {
-    return board.acquire(
-        source, passes, [&](const ShownPicture& shown) { picture = shown.picture; });
-  });
-  std::optional<render::Picture> uncorrected;
-  if (correction) {
-    uncorrected = picture;
-    picture = progress.step("correct", [&] {
-      return corrected_picture(*correction, picture, acquisition.volume, scene);
-    });
-  }
-  RunResult result{std::move(acquisition),
-                   std::move(picture),
-                   context->backend(),
-                   context->renderer_string(),
-                   std::nullopt,
-                   cache.kept()};
+    RunResult result =
+        progress.step("stream", [&] { return stream_volume(board, source, *context, renderer); });
+    result.kept = cache.kept();
+    const auto found = correct_picture(result, correction, scene, progress);
+    result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
 
-  if (subject) {
-    const std::uint32_t volume = result.acquisition.volume.volume_index();
-    TrueView truth = progress.step("truth", [&] {
-      return TrueView(true_surface(*subject, scene, maps, volume), view.camera);
-    });
-    auto error = progress.step(
-        "compare", [&] { return measure_picture(result.picture, truth, scene.render); });
-    std::optional<PictureMeasures> before;
-    if (uncorrected) before = measure_picture(*uncorrected, truth, scene.render);
-    result.comparison = {std::move(truth.truth), std::move(error), std::nullopt, std::move(before)};
-    if (arguments.register_surface) {
-      result.comparison->registration = progress.step("register", [&] {
-        return register_surface(
-            result.picture.depth_m, *subject, plan, view, {}, kRegistrationPoints, volume);
-      });
-    }
-  }
-
-  std::optional<ToleranceResult> tolerance;
-  if (choice) tolerance = tolerance_result(*choice, result);
-  progress.step("write", [&] { stage_run_images(out, result); });
-  const std::string report = run_report(result, scene, progress.times(), tolerance);
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report
-                                      : run_summary(result, scene, out.directory(), tolerance));
-  return verdict(result, tolerance, arguments);
+    const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
+    progress.step("write", [&] { stage_run_images(out, result); });
+    const std::string failure = failure_of(result, tolerance, arguments);
+    return CommandResult{run_report(result, scene, progress.times(), tolerance),
+                         run_summary(result, scene, out.directory(), tolerance),
+                         failure.empty() ? kDone : kFailed,
+                         failure};
+  };
+  return run_in_folder(arguments.output, planned_steps(arguments), work);
 }
 
 }  // namespace

@@ -6,10 +6,9 @@
 #include <sstream>
 
 #include "bench/cli/board_report.h"
-#include "bench/cli/error_report.h"
-#include "bench/cli/simulation_report.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
@@ -23,29 +22,13 @@ Provenance provenance_of(const RunResult& result) {
   return provenance;
 }
 
-/// Sets "effects" and "simulation".
-void report_simulation(Json& report,
-                       const std::optional<SimulatedVolume>& simulated,
-                       const Scene& scene) {
-  report_fidelity(report,
-                  simulated ? std::optional(simulated->fidelity) : std::optional<sim::Fidelity>());
-  if (!simulated) return;
-  const double sound_ms = to_milliseconds(scene.plan().volume_duration());
-  report["simulation"].update({{"map_ms", simulated->map_ms},
-                               {"once_ms", simulated->once_ms},
-                               {"ms_per_volume", simulated->volume_ms},
-                               {"times_real_time", sound_ms / simulated->volume_ms},
-                               {"late_ms", simulated->late_ms},
-                               {"packets_dropped", simulated->packets_dropped}});
-}
-
 std::string why_not_registered(const RunResult& result) {
   return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
 }
 
 /// In mode "volume" no surface is computed, so that none is missed.
-bool computes_surface(const Scene& scene) {
-  return scene.render.ray_casting.mode != render::RenderMode::volume;
+bool computes_surface(const ResolvedScene& scene) {
+  return scene.render().ray_casting.mode != render::RenderMode::volume;
 }
 
 /// Three significant digits; no decimals from 100 on.
@@ -62,7 +45,7 @@ std::string in_mm(double metres) {
   return rounded(metres / kMillimetre);
 }
 
-std::string volume_line(const RunResult& result, const Scene& scene) {
+std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   const Acquisition& acquisition = result.acquisition;
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
@@ -80,12 +63,8 @@ std::string volume_line(const RunResult& result, const Scene& scene) {
 }
 
 std::string board_line(const hw::BoardAccount& account) {
-  std::string line = "board       " + std::to_string(account.emitted) + " sticks emitted, " +
-                     std::to_string(account.delivered) + " delivered";
-  for (const auto& [cause, count] : losses_by_cause(account)) {
-    if (count != 0) line += ", " + std::to_string(count) + " lost: " + cause;
-  }
-  return line + "\n";
+  return "board       " + std::to_string(account.emitted) + " sticks emitted, " +
+         std::to_string(account.delivered) + " delivered" + losses_text(account) + "\n";
 }
 
 /// Only what is remarkable about the samples.
@@ -102,7 +81,7 @@ std::string samples_line(const ReceivedSamples& samples) {
          rounded(static_cast<double>(samples.most)) + "\n";
 }
 
-/// Where the truth is from; empty: there is none.
+/// Source of the truth; empty: there is none.
 std::string truth_source(const RunResult& result) {
   if (!result.comparison) return "";
   if (result.acquisition.simulated) return "simulated scene";
@@ -163,6 +142,101 @@ std::string error_line(const RunResult& result, bool surface_sought) {
          percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
 }
 
+using Json = nlohmann::ordered_json;
+
+Json mm(double metres) {
+  return number(metres / kMillimetre);
+}
+
+Json depth_json(const DepthStatistics& depth) {
+  return {{"bias", mm(depth.bias_m)},
+          {"rms", mm(depth.rms_m)},
+          {"median", mm(depth.median_m)},
+          {"p95", mm(depth.p95_m)},
+          {"max", mm(depth.max_m)},
+          {"n", depth.n}};
+}
+
+Json normal_json(const NormalStatistics& normal) {
+  return {{"mean", number(normal.mean_rad / kDegree)},
+          {"median", number(normal.median_rad / kDegree)},
+          {"p95", number(normal.p95_rad / kDegree)},
+          {"n", normal.n}};
+}
+
+Json directed_json(const DirectedDistance& distance) {
+  return {{"mean", mm(distance.mean_m)},
+          {"p95", mm(distance.p95_m)},
+          {"max", mm(distance.max_m)},
+          {"n", distance.n}};
+}
+
+Json distance_json(const SurfaceDistance& distance) {
+  return {{"mean", mm(distance.mean_m)},
+          {"p95", mm(distance.p95_m)},
+          {"hausdorff95", mm(distance.hausdorff95_m)},
+          {"found_to_true", directed_json(distance.found_to_true)},
+          {"true_to_found", directed_json(distance.true_to_found)}};
+}
+
+Json region_json(const RegionError& region, int pixels, bool surface_sought) {
+  const bool has_false = region.group == "silhouette";
+  const auto percent = [&](bool formed, double value) {
+    return surface_sought && formed ? number(value) : Json(nullptr);
+  };
+  return {{"group", region.group},
+          {"name", region.name},
+          {"depth_mm", depth_json(region.depth)},
+          {"surface_percent", 100.0 * region.surface / pixels},
+          {"surface_cm2", region.surface_m2 * 1e4},
+          {"missed_percent", percent(region.surface > 0, 100.0 * region.missed / pixels)},
+          {"missed_surface_percent", percent(region.surface > 0, region.missed_surface_percent())},
+          {"false_percent", percent(has_false, 100.0 * region.false_surface / pixels)},
+          {"raw_normal_deg", normal_json(region.raw_normal)},
+          {"normal_deg", normal_json(region.normal)}};
+}
+
+Json regions_json(const PictureMeasures& measures, bool surface_sought) {
+  Json regions = Json::array();
+  for (const RegionError& region : measures.regions) {
+    regions.push_back(region_json(region, measures.raw.pixels, surface_sought));
+  }
+  return regions;
+}
+
+/// "error" of report.json. Figures that cannot be formed are null: where no surface was sought
+/// (mode "volume"), and where there is none to be found.
+Json error_json(const PictureMeasures& measures, bool surface_sought) {
+  const DepthError& raw = measures.raw;
+  const bool in_view = raw.surface_in_view(), any_false = raw.false_surface > 0;
+  const auto percent = [&](bool formed, double value) {
+    return surface_sought && formed ? number(value) : Json(nullptr);
+  };
+  const auto share = [&](int count) { return 100.0 * count / raw.pixels; };
+  const std::string nothing = why_no_surface(raw);
+  return {{"depth_mm", depth_json(raw.depth)},
+          {"missed_percent", percent(in_view, raw.missed_percent())},
+          {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
+          {"false_percent", percent(in_view || any_false, raw.false_percent())},
+          {"false_surface_percent", percent(in_view || any_false, raw.false_surface_percent())},
+          {"surface_percent", share(raw.surface)},
+          {"surface_cm2", raw.surface_m2 * 1e4},
+          {"found_surface_cm2", raw.found_m2 * 1e4},
+          {"no_surface_because", nothing.empty() ? Json(nullptr) : Json(nothing)},
+          {"outside_field_percent", share(raw.outside_field)},
+          {"grazing_percent", share(raw.grazing)},
+          {"shadowed_percent", share(raw.shadowed)},
+          {"pixels", raw.pixels},
+          {"filtered_depth_mm", depth_json(measures.filtered.depth)},
+          {"normal_deg", normal_json(measures.filtered.normal)},
+          {"raw_normal_deg", normal_json(raw.normal)},
+          {"surface_distance_mm",
+           measures.distance ? distance_json(*measures.distance) : Json(nullptr)},
+          {"shaded_against_truth",
+           {{"ssim", number(measures.shaded.ssim)}, {"psnr_db", number(measures.shaded.psnr_db)}}},
+          {"regions", regions_json(measures, surface_sought)}};
+}
+
 }  // namespace
 
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
@@ -173,16 +247,16 @@ ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult&
 }
 
 std::string run_report(const RunResult& result,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const StepTimes& times,
                        const std::optional<ToleranceResult>& tolerance) {
-  Json report = report_head("run", provenance_of(result), scene);
+  Json report = report_head("run", provenance_of(result), scene.options());
   const auto& simulated = result.acquisition.simulated;
   report["acquisition"] = acquisition_json(scene.plan());
-  report_simulation(report, simulated, scene);
+  report_simulation(report, simulated, scene.plan());
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
-  report["render"] = render_json(result.picture.passes, scene.render.pipeline.mode);
+  report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["error"] = nullptr;
@@ -209,7 +283,7 @@ std::string run_report(const RunResult& result,
 }
 
 std::string run_summary(const RunResult& result,
-                        const Scene& scene,
+                        const ResolvedScene& scene,
                         const std::filesystem::path& directory,
                         const std::optional<ToleranceResult>& tolerance) {
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +

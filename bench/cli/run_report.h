@@ -1,29 +1,51 @@
-// Report, summary and images of the command `run`.
+// What the command `run` has found: report, summary and images of it.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "bench/cache/phantom_cache.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/evaluation/registration/registration.h"
+#include "bench/evaluation/truth/truth.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
-#include "bench/pipeline/run_result.h"
-#include "bench/scene/scene.h"
+#include "bench/pipeline/acquire.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/tolerance/tolerance_report.h"
+#include "render/picture.h"
 
 namespace wobblebench::bench {
+
+struct Comparison {
+  Truth truth;
+  PictureMeasures error;
+  std::optional<Registration> registration = {};          ///< none: not asked for
+  std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
+};
+
+struct RunResult {
+  Acquisition acquisition;
+  render::Picture picture;
+  std::string gl_backend;                     ///< as --gl takes it
+  std::string gl_renderer;                    ///< GL_RENDERER and GL_VERSION
+  std::optional<Comparison> comparison = {};  ///< none: the samples are not of the scene's phantom
+  PhantomCache::Kept kept = {};               ///< what was read from the cache
+};
 
 /// What the picture of a result reached of what was chosen for it.
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result);
 
 /// The text of report.json. `tolerance`: none: not asked for.
 std::string run_report(const RunResult& result,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const StepTimes& times,
                        const std::optional<ToleranceResult>& tolerance = std::nullopt);
 
 /// A few lines for a terminal. `directory`: where the results are.
 std::string run_summary(const RunResult& result,
-                        const Scene& scene,
+                        const ResolvedScene& scene,
                         const std::filesystem::path& directory,
                         const std::optional<ToleranceResult>& tolerance = std::nullopt);
 

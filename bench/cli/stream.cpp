@@ -1,37 +1,128 @@
 // Volume after volume: acquisition and rendering overlapped; pictures, a video, latency.
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "base/user_error.h"
-#include "bench/cache/kept_maps.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/stream_report.h"
-#include "bench/cli/stream_sink.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/command/place_subject.h"
-#include "bench/command/stop_signals.h"
+#include "bench/command/program.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
-#include "bench/output/video.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/pipeline/stream/stream.h"
-#include "bench/scene/available_memory.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/latency/service_times.h"
+#include "hw/probe/acquisition_plan.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// The depth image of a volume.
+struct KeptDepth {
+  std::uint32_t volume = 0;
+  Image<float> depth_m;
+};
+
+/// Depth images of some volumes of a stream, spread evenly over it, in bounded memory: those of
+/// volumes 0, n, 2 n …; n doubles whenever there would be more than `most`.
+class KeptDepths {
+ public:
+  /// `most`: 0: none are kept.
+  explicit KeptDepths(int most) : most_(static_cast<std::size_t>(most)) {}
+
+  void add(std::uint32_t volume, const Image<float>& depth_m) {
+    if (most_ == 0 || volume % every_ != 0) return;
+    kept_.push_back({volume, depth_m});
+    while (kept_.size() > most_) {
+      every_ *= 2;
+      std::erase_if(kept_, [&](const KeptDepth& kept) { return kept.volume % every_ != 0; });
+    }
+  }
+  const std::vector<KeptDepth>& kept() const { return kept_; }
+
+ private:
+  std::size_t most_;
+  std::uint32_t every_ = 1;
+  std::vector<KeptDepth> kept_;
+};
+
+/// take() is called on the stream's writing thread, the rest before and after the stream.
+class StreamSink {
+ public:
+  /// `video`: null: none. `most_depths`: 0: none are kept.
+  StreamSink(const hw::AcquisitionPlan& plan, std::unique_ptr<Video> video, int most_depths);
+
+  void take(const ShownPicture& shown);
+
+  /// Shows the last picture for the time of one volume. Null: there is no video, or no picture.
+  const Video* finish_video();
+  /// The last picture of a whole volume.
+  const std::optional<render::Picture>& last_picture() const { return picture_; }
+  const std::vector<KeptDepth>& depths() const { return depths_.kept(); }
+
+ private:
+  double time_s(const PictureTimes& times) const;
+
+  const hw::AcquisitionPlan plan_;
+  std::unique_ptr<Video> video_;
+  KeptDepths depths_;
+  std::optional<render::Picture> picture_;
+  std::optional<std::uint32_t> first_;  ///< volume of the first picture
+  std::uint32_t last_ = 0;
+};
+
+/// So that a stream of hours makes no file that players refuse.
+constexpr double kLongestVideo_s = 1200;
+
+double seconds(hw::DeviceDuration time) {
+  return 1e-3 * to_milliseconds(time);
+}
+
+StreamSink::StreamSink(const hw::AcquisitionPlan& plan,
+                       std::unique_ptr<Video> video,
+                       int most_depths)
+    : plan_(plan), video_(std::move(video)), depths_(most_depths) {}
+
+void StreamSink::take(const ShownPicture& shown) {
+  const PictureTimes& times = shown.times;
+  if (!first_) first_ = times.volume;
+  if (video_ && time_s(times) < kLongestVideo_s) video_->add(shown.picture.surface, time_s(times));
+  last_ = times.volume;
+  if (!times.whole) return;
+  depths_.add(times.volume, shown.picture.depth_m);
+  picture_ = shown.picture;
+}
+
+const Video* StreamSink::finish_video() {
+  if (!video_ || !first_) return nullptr;
+  const double end_s = (last_ - *first_ + 1) * seconds(plan_.volume_duration());
+  video_->finish(std::min(kLongestVideo_s, end_s));
+  return video_.get();
+}
+
+/// On the device's clock, after the first picture's volume began: of a whole volume its first
+/// stick, of a part of one its newest.
+double StreamSink::time_s(const PictureTimes& times) const {
+  const auto begin = plan_.stick_time(plan_.first_sequence(*first_));
+  const int part = times.whole ? 0 : std::max(times.sticks + times.lost - 1, 0);
+  const auto newest = plan_.first_sequence(times.volume) + static_cast<std::uint64_t>(part);
+  return seconds(plan_.stick_time(newest) - begin);
+}
 
 struct Arguments {
   SceneArguments scene;
@@ -84,15 +175,11 @@ Scene scene_of(const Arguments& arguments) {
 }
 
 VolumeError error_of(const KeptDepth& kept,
-                     const phantoms::PlacedPhantom& subject,
-                     const Scene& scene,
+                     const ResolvedScene& scene,
                      const sim::TissueMapSource& maps) {
-  const auto plan = scene.plan();
-  const auto view = render::make_view(scene.render);
-  Truth truth = trace_truth(subject, plan, view, kept.volume);
-  mark_shadowed(truth, StickReach(subject, plan, scene.simulation, maps, kept.volume), view.camera);
-  const DepthError error = measure_depth_error(kept.depth_m, truth, view.camera);
-  const auto first = plan.stick_time(plan.first_sequence(kept.volume));
+  const Truth truth = true_surface(scene, maps, kept.volume);
+  const DepthError error = measure_depth_error(kept.depth_m, truth, scene.view().camera);
+  const auto first = scene.plan().stick_time(scene.plan().first_sequence(kept.volume));
   return {.volume = kept.volume,
           .time_s = 1e-3 * to_milliseconds(first.time_since_epoch()),
           .depth = error.depth,
@@ -100,11 +187,11 @@ VolumeError error_of(const KeptDepth& kept,
           .false_percent = error.false_percent()};
 }
 
-std::string why_no_errors(const Arguments& arguments, const Scene& scene, bool known) {
-  if (!known) return "what the samples are of is not known";
+std::string why_no_errors(const Arguments& arguments, const ResolvedScene& scene) {
+  if (!scene.subject()) return "what the samples are of is not known";
   if (arguments.errors == 0) return "--errors = 0";
   if (stop_requested()) return "stopped: they are measured after the stream";
-  if (scene.render.pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
+  if (scene.render().pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
   return "no whole volume was shown";
 }
 
@@ -124,23 +211,19 @@ std::string why_nothing(const StreamResult& result, const Arguments& arguments) 
   return "--board = " + arguments.board + ": no whole volume came";
 }
 
-/// The exit code, with a line on stderr unless it is 0.
-int verdict(const StreamReport& report, const Arguments& arguments) {
+/// Why the exit code is kFailed; empty: it is not.
+std::string failure_of(const StreamReport& report, const Arguments& arguments) {
+  if (!report.result.failure.empty()) return report.result.failure;
   const std::uint64_t came = report.result.reader.volumes;
-  std::string why = report.result.failure;
-  if (why.empty() && came < static_cast<std::uint64_t>(arguments.volumes) && !stop_requested()) {
-    why = "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
-          " sent " + std::to_string(came);
-  }
-  if (why.empty()) return 0;
-  std::cerr << "wobblebench: " << why << "\n";
-  return 1;
+  if (came >= static_cast<std::uint64_t>(arguments.volumes) || stop_requested()) return "";
+  return "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
+         " sent " + std::to_string(came);
 }
 
 StreamResult stream_to(StreamSink& sink,
                        const StreamSource& source,
                        render::Renderer& renderer,
-                       const Scene& scene,
+                       const ResolvedScene& scene,
                        const Arguments& arguments,
                        Progress& progress) {
   const auto volumes = static_cast<std::size_t>(arguments.volumes);
@@ -154,16 +237,17 @@ StreamResult stream_to(StreamSink& sink,
     };
     const StreamOptions options{.queue = queue_options(arguments),
                                 .volumes = volumes,
-                                .mid_volume = scene.render.pipeline.mid_volume};
+                                .mid_volume = scene.render().pipeline.mid_volume};
     GlStreamRenderer passes(renderer);
     return run_stream(source, passes, options, show, stop_requested);
   });
 }
 
-/// By the card's model, of whole volumes. None: another board, or one that does not keep time.
-std::optional<CardDelays> card_delays_of(const Arguments& arguments, const Scene& scene) {
+/// Delays of whole volumes by the card's model; nullopt: another board, or one that does not keep
+/// time.
+std::optional<CardDelays> card_delays_of(const Arguments& arguments, const ResolvedScene& scene) {
   const BoardArguments board = parse_board(arguments.board);
-  if (!is_simulated(board) || scene.render.pipeline.mid_volume) return {};
+  if (!is_simulated(board) || scene.render().pipeline.mid_volume) return {};
   const auto options = read_link_options<sim::SimLinkOptions>(board);
   if (options.pace != hw::Pace::realtime) return {};
   return card_delays(scene.plan(), options.card);
@@ -171,7 +255,7 @@ std::optional<CardDelays> card_delays_of(const Arguments& arguments, const Scene
 
 StreamSummary summary_of(const StreamReport& report,
                          bool in_real_time,
-                         const Scene& scene,
+                         const ResolvedScene& scene,
                          const Arguments& arguments) {
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
   const auto volumes = std::max<std::uint64_t>(report.result.reader.volumes, 1);
@@ -183,17 +267,16 @@ StreamSummary summary_of(const StreamReport& report,
 }
 
 std::vector<VolumeError> errors_of(const StreamSink& sink,
-                                   const std::optional<phantoms::PlacedPhantom>& subject,
-                                   const Scene& scene,
+                                   const ResolvedScene& scene,
                                    const sim::TissueMapSource& maps,
                                    Progress& progress) {
   std::vector<VolumeError> errors;
-  if (!subject || sink.depths().empty()) return errors;
+  if (!scene.subject() || sink.depths().empty()) return errors;
   progress.step("errors", [&](const PartDone& done) {
     PartCount parts(sink.depths().size(), done);
     for (const KeptDepth& kept : sink.depths()) {
       if (stop_requested()) break;
-      errors.push_back(error_of(kept, *subject, scene, maps));
+      errors.push_back(error_of(kept, scene, maps));
       parts.finish_one();
     }
   });
@@ -215,47 +298,42 @@ void write_pictures(StreamSink& sink,
 
 int stream(const Arguments& arguments) {
   const auto codec = codec_of(arguments.codec);
-  StreamReport report;
-  report.queue = queue_options(arguments);
-  Scene scene = scene_of(arguments);
-  check_memory_of_run(scene, available_memory_bytes());
-  BoardConnection connection(parse_board(arguments.board), {.ring_slots = arguments.ring});
+  const Scene given = scene_of(arguments);
+  check_memory_of_run(given, available_memory_bytes());
+  BoardConnection board(parse_board(arguments.board), {.ring_slots = arguments.ring});
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress;
 
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  const auto subject = place_subject(scene, connection.adopt_plan(scene), cache, progress);
-  const bool is_measured = subject && !scene.render.pipeline.mid_volume;
-  StreamSink sink(scene.plan(),
-                  make_video(out, codec, scene.render.ray_casting.image_size),
-                  is_measured ? arguments.errors : 0);
-  render::Renderer renderer(*context, scene.plan(), scene.render);
-  progress.step("shaders", [&] { renderer.compile(); });
-  const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-  stop_in_order();
-  const StreamSource source = progress.step("scene", [&] {
-    return subject ? connection.connect(scene, *subject, maps) : connection.connect(scene);
+  return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    const ResolvedScene scene = board.resolve(given, cache, progress);
+    const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
+    StreamSink sink(scene.plan(),
+                    make_video(out, codec, scene.render().ray_casting.image_size),
+                    is_measured ? arguments.errors : 0);
+    render::Renderer renderer(*context, scene.plan(), scene.render());
+    progress.step("shaders", [&] { renderer.compile(); });
+    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    stop_in_order();
+    const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+
+    StreamReport report{.queue = queue_options(arguments)};
+    report.result = stream_to(sink, source, renderer, scene, arguments, progress);
+    if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
+    report.simulated = board.simulated();
+    const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
+    report.summary = summary_of(report, in_real_time, scene, arguments);
+    report.errors = errors_of(sink, scene, maps, progress);
+    if (report.errors.empty()) report.why_no_errors = why_no_errors(arguments, scene);
+    progress.step("write", [&] { write_pictures(sink, codec, report, arguments.trace, out); });
+
+    Provenance provenance = provenance_of_simulation(*context, scene.simulation().seed);
+    provenance.board = hw::to_string(report.result.link.origin);
+    const std::string failure = failure_of(report, arguments);
+    return CommandResult{stream_report(report, std::move(provenance), scene, progress.times()),
+                         stream_text(report, out.directory()),
+                         failure.empty() ? kDone : kFailed,
+                         failure};
   });
-
-  report.result = stream_to(sink, source, renderer, scene, arguments, progress);
-  if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
-  report.simulated = connection.simulated();
-  const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
-  report.summary = summary_of(report, in_real_time, scene, arguments);
-  report.errors = errors_of(sink, subject, scene, maps, progress);
-  if (report.errors.empty()) {
-    report.why_no_errors = why_no_errors(arguments, scene, subject.has_value());
-  }
-  progress.step("write", [&] { write_pictures(sink, codec, report, arguments.trace, out); });
-
-  Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
-  provenance.board = hw::to_string(report.result.link.origin);
-  const std::string json = stream_report(report, std::move(provenance), scene, progress.times());
-  out.write_text("report.json", json);
-  out.commit();
-  std::cout << (arguments.output.json ? json : stream_text(report, out.directory()));
-  return verdict(report, arguments);
 }
 
 }  // namespace

@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "bench/evaluation/measures/depth_error.h"
-#include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/stream_summary.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 
 namespace wobblebench::bench {
 
@@ -41,7 +40,7 @@ struct StreamReport {
 /// report.json.
 std::string stream_report(const StreamReport& report,
                           Provenance provenance,
-                          const Scene& scene,
+                          const ResolvedScene& scene,
                           const StepTimes& times);
 /// For a person, on stdout.
 std::string stream_text(const StreamReport& report, const std::filesystem::path& folder);

@@ -26,7 +26,7 @@ struct OutputArguments {
   bool json = false;  ///< print report.json on stdout instead of a summary
 };
 
-/// Of the folder that keeps phantoms and tissue maps between runs.
+/// Options of the folder that keeps phantoms and tissue maps between runs.
 struct CacheArguments {
   bool off = false;
   int megabytes = 1000;

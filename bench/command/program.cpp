@@ -3,16 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <initializer_list>
 #include <iostream>
 #include <new>
 #include <stdexcept>
 
 #include "base/file.h"
 #include "base/user_error.h"
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
@@ -53,6 +55,14 @@ int report_error(const Program& program, const std::string& what, int code) {
   return code;
 }
 
+/// Set by a signal handler, which can reach nothing but a global variable.
+volatile std::sig_atomic_t requested = 0;
+
+void on_signal(int signal) {
+  requested = 1;
+  std::signal(signal, SIG_DFL);
+}
+
 }  // namespace
 
 int run_program(const Program& program, int argc, char** argv) {
@@ -68,6 +78,16 @@ int run_program(const Program& program, int argc, char** argv) {
   } catch (const std::exception& error) {
     return report_error(program, error.what(), kFailed);
   }
+}
+
+void stop_in_order() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, on_signal) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+}
+
+bool stop_requested() {
+  return requested != 0;
 }
 
 }  // namespace wobblebench::bench

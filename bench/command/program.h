@@ -38,4 +38,9 @@ struct Program {
 /// becomes one of them.
 int run_program(const Program& program, int argc, char** argv);
 
+/// From now on the first SIGINT, SIGTERM or SIGHUP asks the command to stop, and a second one ends
+/// the program. A signal that was ignored stays so.
+void stop_in_order();
+bool stop_requested();
+
 }  // namespace wobblebench::bench

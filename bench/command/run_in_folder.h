@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,17 +13,27 @@
 
 namespace wobblebench::bench {
 
+/// A file in the folder that becomes a result and survives where the results cannot be written
+/// (OutputFolder::adopt()).
+struct AdoptedFile {
+  std::filesystem::path path;
+  std::string name;  ///< final
+  std::string what;  ///< "the recording": the error of a failed write says where it is
+};
+
 /// What a command has found.
 struct CommandResult {
   std::string report;   ///< text of report.json
   std::string summary;  ///< printed on stdout, unless --json prints the report
   int exit_code = kDone;
   std::string failure;  ///< one line for stderr that says why the code is not kDone; empty: none
+  std::optional<AdoptedFile> adopted = {};
 };
 
 /// Makes and locks the folder, runs `work`, which stages the command's files and times its steps,
-/// adds report.json, gives the files their final names and prints. Returns the result's exit code.
-/// Whatever is thrown leaves the folder as it was. `steps`: as Progress takes them.
+/// adds report.json, gives the files their final names and prints the report or its summary.
+/// Returns the result's exit code. Whatever is thrown leaves the folder as it was. `steps`: as
+/// Progress takes them.
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work);

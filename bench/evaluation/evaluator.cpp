@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "base/duration.h"
-#include "bench/cache/kept_maps.h"
-#include "bench/scene/available_memory.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/scene/scene_cost.h"
 #include "sim/fidelity.h"
 
@@ -18,7 +17,7 @@ namespace {
 constexpr int kMostRenderers = 4;
 constexpr std::size_t kMostTruths = 8;
 
-/// As many living renderers as fit into a quarter of the memory, at least one.
+/// Number of living renderers that fit into a quarter of the memory, at least one.
 std::size_t renderers_in_memory(const Scene& scene) {
   const MemoryNeed need = memory_need(scene);
   const double each = need.slices + need.pictures;
@@ -63,31 +62,24 @@ hw::PolarVolume volume_of(const sim::ProbeSimulator& simulator) {
   return volume;
 }
 
-phantoms::PlacedPhantom completed_and_placed(Scene& scene, PhantomCache& cache) {
-  const auto phantom = cache.phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  return scene.place(phantom);
-}
-
 }  // namespace
 
-Evaluator::Evaluator(Scene scene, render::GlContext& context, PhantomCache& cache)
-    : scene_(std::move(scene)),
+Evaluator::Evaluator(const Scene& scene, render::GlContext& context, PhantomCache& cache)
+    : scene_(resolve_scene(scene, cache.phantom(scene.phantom))),
       context_(context),
-      plan_(scene_.plan()),
-      subject_(completed_and_placed(scene_, cache)),
       maps_(kept_maps(cache.tissue_maps())),
-      most_renderers_(renderers_in_memory(scene_)) {}
+      most_renderers_(renderers_in_memory(scene_.options())) {}
 
-render::RenderOptions Evaluator::render_options(Scene setting) const {
-  complete_from_phantom(setting, subject_.phantom);
-  return setting.render;
+render::RenderOptions Evaluator::render_options(const Scene& setting) const {
+  return resolve_scene(setting, subject().phantom).render();
 }
 
 void Evaluator::scan(sim::Rung rung, std::uint64_t seed) {
-  scene_.simulation.fidelity = rung;
-  scene_.simulation.seed = seed;
-  const sim::ProbeSimulator simulator(subject_, plan_, scene_.simulation, maps_);
+  Scene options = scene_.options();
+  options.simulation.fidelity = rung;
+  options.simulation.seed = seed;
+  scene_ = ResolvedScene(std::move(options), scene_.subject());
+  const sim::ProbeSimulator simulator(subject(), scene_.plan(), scene_.simulation(), maps_);
   sticks_ = volume_of(simulator);
   rung_ = simulator.fidelity().rung;
   ++scans_;
@@ -96,7 +88,7 @@ void Evaluator::scan(sim::Rung rung, std::uint64_t seed) {
 const StickReach& Evaluator::reach() {
   const auto found = reach_.find(rung_);
   if (found != reach_.end()) return found->second;
-  return reach_.emplace(rung_, StickReach(subject_, plan_, scene_.simulation, maps_)).first->second;
+  return reach_.emplace(rung_, StickReach(scene_, maps_)).first->second;
 }
 
 const TrueView& Evaluator::truth(const render::RenderOptions& options) {
@@ -105,8 +97,7 @@ const TrueView& Evaluator::truth(const render::RenderOptions& options) {
   if (found != truths_.end()) return found->second;
   if (truths_.size() >= kMostTruths) truths_.clear();
   const render::View view = render::make_view(options);
-  Truth truth = trace_truth(subject_, plan_, view);
-  mark_shadowed(truth, reach(), view.camera);
+  Truth truth = true_surface(scene_, view, reach());
   return truths_.emplace(key, TrueView(std::move(truth), view.camera)).first->second;
 }
 
@@ -144,7 +135,7 @@ Evaluator::LivingRenderer& Evaluator::living_renderer(const render::RenderOption
     return last(kept);
   }
   if (renderers_.size() >= most_renderers_) renderers_.pop_front();
-  auto renderer = std::make_unique<render::Renderer>(context_, plan_, options);
+  auto renderer = std::make_unique<render::Renderer>(context_, scene_.plan(), options);
   LivingRenderer& living = renderers_.emplace_back();
   living.renderer = std::move(renderer);
   living.options = options;
@@ -173,7 +164,8 @@ Evaluation Evaluator::evaluate(const render::RenderOptions& options,
   });
   if (choice.registration) {
     result.registration = timed(times.registration_ms, [&] {
-      return register_surface(result.picture.depth_m, subject_, plan_, render::make_view(options));
+      return register_surface(
+          result.picture.depth_m, subject(), scene_.plan(), render::make_view(options));
     });
   }
   return result;

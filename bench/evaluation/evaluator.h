@@ -13,7 +13,7 @@
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/registration/registration.h"
 #include "bench/evaluation/truth/shadows.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "hw/probe/polar_volume.h"
 #include "render/renderer.h"
 
@@ -35,7 +35,7 @@ struct Evaluation {
   EvaluationTimes times;
 };
 
-/// Of one picture, in ms: the sum over the passes.
+/// Time of one picture, in ms: the sum over the passes.
 struct PictureTime {
   double volume_ms = 0;  ///< of a new volume: all passes
   double view_ms = 0;    ///< of a volume that is there: passes 2 to 4
@@ -54,7 +54,7 @@ struct EvaluationChoice {
 /// bench::PhantomCache cache;
 /// bench::Evaluator evaluator(bench::load_scene({}, {"phantom.name=sphere"}), *context, cache);
 /// evaluator.scan(sim::Rung::field, 7);
-/// render::RenderOptions options = evaluator.scene().render;
+/// render::RenderOptions options = evaluator.scene().render();
 /// options.ray_casting.threshold = 0.2;
 /// const bench::Evaluation scored = evaluator.evaluate(options);
 /// std::printf("P95 %g m\n", scored.measures.raw.depth.p95_m);
@@ -62,13 +62,13 @@ struct EvaluationChoice {
 class Evaluator {
  public:
   /// Makes the phantom, by `cache`, which must outlive this, as must the context. Throws UserError.
-  Evaluator(Scene scene, render::GlContext& context, PhantomCache& cache);
+  Evaluator(const Scene& scene, render::GlContext& context, PhantomCache& cache);
 
-  /// The scene with what follows from its phantom.
-  const Scene& scene() const { return scene_; }
-  const phantoms::PlacedPhantom& subject() const { return subject_; }
+  /// The scene, with the rung and the seed of the last scan().
+  const ResolvedScene& scene() const { return scene_; }
+  const phantoms::PlacedPhantom& subject() const { return *scene_.subject(); }
   /// Render settings of another scene, whose phantom and scan are this one's.
-  render::RenderOptions render_options(Scene setting) const;
+  render::RenderOptions render_options(const Scene& setting) const;
 
   /// The sticks that following evaluations render. Throws InvalidOption.
   void scan(sim::Rung rung, std::uint64_t seed);
@@ -96,10 +96,8 @@ class Evaluator {
   const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
   const StickReach& reach();
 
-  Scene scene_;
+  ResolvedScene scene_;
   render::GlContext& context_;
-  hw::AcquisitionPlan plan_;
-  phantoms::PlacedPhantom subject_;
   sim::TissueMapSource maps_;
   std::size_t most_renderers_;
   std::optional<hw::PolarVolume> sticks_;

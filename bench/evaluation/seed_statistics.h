@@ -23,7 +23,7 @@ MeanInterval mean_interval(const std::vector<double>& values);
 /// + 1/n). Infinite where fewer than two values are known.
 double upper_of_next(const MeanInterval& known);
 
-/// Of values[i] - references[i], both of the same seed: what the seed does to both alike cancels.
+/// Mean of values[i] - references[i], both of the same seed: what the seed does to both cancels.
 /// Throws std::invalid_argument for lists of different lengths.
 MeanInterval paired_difference(const std::vector<double>& values,
                                const std::vector<double>& references);

@@ -10,8 +10,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the library may lie, the program's own first.
-std::vector<fs::path> places() {
+/// Paths where the library may lie, the program's own folder first.
+std::vector<fs::path> library_paths() {
   std::error_code unknown;
   const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
   const fs::path name = WOBBLEBENCH_ENCODERS;
@@ -23,7 +23,7 @@ std::vector<fs::path> places() {
 
 const Encoders& load() {
   std::string reasons;
-  for (const fs::path& path : places()) {
+  for (const fs::path& path : library_paths()) {
     void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library != nullptr) {
       using Offer = const Encoders*();

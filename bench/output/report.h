@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/evaluation/registration/registration.h"
-#include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/scene/scene.h"
 #include "render/picture.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/scene/adopt_plan.h"
 #include "bench/scene/subject_hash.h"
 
 namespace wobblebench::bench {
@@ -36,21 +35,25 @@ void BoardConnection::open() {
   board_ = std::make_unique<hw::Board>(open_board_link(arguments_, {}), options_);
 }
 
-hw::StreamOrigin BoardConnection::adopt_plan(Scene& scene) {
-  if (is_simulated(arguments_)) return hw::StreamOrigin::simulated;
-  configuration_ = first_configuration(*board_, arguments_.text);
-  const std::string board = "--board " + arguments_.text;
-  bench::adopt_plan(scene, configuration_->plan, board);
-  if (configuration_->source == hw::StreamOrigin::simulated) {
-    refuse_other_subject(scene, configuration_->subject, /*placed=*/false, board);
+ResolvedScene BoardConnection::resolve(const Scene& given,
+                                       PhantomCache& cache,
+                                       Progress& progress) {
+  Scene scene = given;
+  if (!is_simulated(arguments_)) {
+    configuration_ = first_configuration(*board_, arguments_.text);
+    scene = with_plan(given, configuration_->plan, name());
+    if (configuration_->source != hw::StreamOrigin::simulated) {
+      return resolve_scene(std::move(scene), std::nullopt);
+    }
+    refuse_other_subject(scene, configuration_->subject, /*placed=*/false, name());
   }
-  return configuration_->source;
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+  return resolve_scene(std::move(scene), phantom);
 }
 
-sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
-                                               const phantoms::PlacedPhantom& subject,
+sim::ProbeSimulator BoardConnection::simulator(const ResolvedScene& scene,
                                                const sim::TissueMapSource& maps) {
-  sim::ProbeSimulator simulator(subject, scene.plan(), scene.simulation, maps);
+  sim::ProbeSimulator simulator(scene.subject().value(), scene.plan(), scene.simulation(), maps);
   simulated_ = SimulatedVolume{.effects = simulator.effects(),
                                .fidelity = simulator.fidelity(),
                                .map_ms = simulator.map_ms(),
@@ -58,25 +61,21 @@ sim::ProbeSimulator BoardConnection::simulator(const Scene& scene,
   return simulator;
 }
 
-StreamSource BoardConnection::connect(const Scene& scene,
-                                      const phantoms::PlacedPhantom& subject,
+StreamSource BoardConnection::connect(const ResolvedScene& scene,
                                       const sim::TissueMapSource& maps) {
-  if (!is_simulated(arguments_)) {
-    if (configuration_) {
-      const std::string board = "--board " + arguments_.text;
-      refuse_other_subject(scene, configuration_->subject, /*placed=*/true, board);
-    }
-    return connect(scene);
+  if (is_simulated(arguments_)) {
+    sim::ProbeSimulator made = simulator(scene, maps);
+    // The link computes its volumes from here on.
+    connected_ = hw::HostClock::now();
+    const auto sticks = [&] {
+      return sim::stick_source(std::move(made), subject_hash(scene.options()));
+    };
+    board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_), options_);
+    return source(scene);
   }
-  sim::ProbeSimulator made = simulator(scene, subject, maps);
-  // The link computes its volumes from here on.
-  connected_ = hw::HostClock::now();
-  const auto sticks = [&] { return sim::stick_source(std::move(made), subject_hash(scene)); };
-  board_ = std::make_unique<hw::Board>(open_board_link(arguments_, sticks, figures_), options_);
-  return source(scene);
-}
-
-StreamSource BoardConnection::connect(const Scene& scene) {
+  if (scene.subject() && configuration_) {
+    refuse_other_subject(scene.options(), configuration_->subject, /*placed=*/true, name());
+  }
   connected_ = hw::HostClock::now();
   // A device lost while its plan was read is opened once more: a recording can always be reopened,
   // a card may be back.
@@ -84,13 +83,13 @@ StreamSource BoardConnection::connect(const Scene& scene) {
   return source(scene);
 }
 
-StreamSource BoardConnection::source(const Scene& scene) {
+StreamSource BoardConnection::source(const ResolvedScene& scene) {
   return {.board = *board_,
           .plan = scene.plan(),
           .name = arguments_.text,
           .configuration = configuration_,
-          .dynamic_range_db = [scene](const hw::DisplayScale& scale) {
-            return dynamic_range_db(scene, scale);
+          .dynamic_range_db = [options = scene.options()](const hw::DisplayScale& scale) {
+            return dynamic_range_db(options, scale);
           }};
 }
 
@@ -100,17 +99,10 @@ void BoardConnection::check_one_volume(const Scene& scene) const {
                   ": must be 1; this command renders one volume");
 }
 
-Acquisition BoardConnection::acquire(const Scene& scene,
-                                     const phantoms::PlacedPhantom& subject,
-                                     const sim::TissueMapSource& maps) {
-  check_one_volume(scene);
+Acquisition BoardConnection::acquire(const ResolvedScene& scene, const sim::TissueMapSource& maps) {
+  check_one_volume(scene.options());
   NoRenderer none;
-  return acquire(connect(scene, subject, maps), none, [](const ShownPicture&) {});
-}
-
-Acquisition BoardConnection::acquire(const Scene& scene) {
-  NoRenderer none;
-  return acquire(connect(scene), none, [](const ShownPicture&) {});
+  return acquire(connect(scene, maps), none, [](const ShownPicture&) {});
 }
 
 std::optional<SimulatedVolume> BoardConnection::simulated() const {

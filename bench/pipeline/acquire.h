@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "bench/cache/phantom_cache.h"
+#include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/stream/stream.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/scene/scene.h"
 #include "hw/board/board.h"
 #include "hw/probe/polar_volume.h"
-#include "phantoms/phantom.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 
@@ -22,8 +24,7 @@ struct SimulatedVolume {
   std::vector<std::string> effects;  ///< which ran
   sim::Fidelity fidelity;            ///< the rung that was chosen, and why
   double map_ms = 0;                 ///< once a phantom: its tissue map, made or read
-  double once_ms =
-      0;  ///< once a scene: homogeneous speckle, echoes that are the same in each volume
+  double once_ms = 0;    ///< once a scene: speckle, echoes that are the same in each volume
   double volume_ms = 0;  ///< each volume: the rest of the echoes, and the receive chain
   double late_ms = 0;    ///< pace=realtime: how long the probe waited for its samples
   std::uint64_t packets_dropped = 0;  ///< by the modelled card
@@ -50,29 +51,23 @@ class BoardConnection {
   /// Opens a recording or a card; a simulator is made by connect(). Throws UserError.
   explicit BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options = {});
 
-  /// Replaces the scene's probe and acquisition by the board's; leaves them for the simulator.
-  /// Returns where the samples come from. Throws UserError where the scene was given other values
-  /// or is of another subject, NothingCame if no configuration comes.
-  hw::StreamOrigin adopt_plan(Scene& scene);
+  /// The scene with the board's probe and acquisition (a simulator has the scene's own), and with
+  /// its phantom where the samples are of it: step "phantom". Throws UserError where the scene was
+  /// given other values or is of another subject, NothingCame if no configuration comes.
+  ResolvedScene resolve(const Scene& given, PhantomCache& cache, Progress& progress);
 
   /// A simulator makes all of the scene's volumes, from now on. `maps`: as sim::ProbeSimulator
   /// takes them. The result is valid as long as this. Throws UserError for a recording of a subject
   /// at another place.
-  StreamSource connect(const Scene& scene,
-                       const phantoms::PlacedPhantom& subject,
-                       const sim::TissueMapSource& maps = {});
-  /// The same, of a recording or a card whose subject is not known.
-  StreamSource connect(const Scene& scene);
+  StreamSource connect(const ResolvedScene& scene, const sim::TissueMapSource& maps = {});
 
   /// stream_one_volume() of what connect() returned.
   [[nodiscard]] Acquisition acquire(const StreamSource& source,
                                     StreamRenderer& renderer,
                                     const PictureSink& sink);
   /// The same, without a picture. Throws UserError for a simulated scene of several volumes.
-  [[nodiscard]] Acquisition acquire(const Scene& scene,
-                                    const phantoms::PlacedPhantom& subject,
+  [[nodiscard]] Acquisition acquire(const ResolvedScene& scene,
                                     const sim::TissueMapSource& maps = {});
-  [[nodiscard]] Acquisition acquire(const Scene& scene);
 
   /// Throws UserError for a simulated scene of several volumes.
   void check_one_volume(const Scene& scene) const;
@@ -81,10 +76,9 @@ class BoardConnection {
 
  private:
   void open();
-  sim::ProbeSimulator simulator(const Scene& scene,
-                                const phantoms::PlacedPhantom& subject,
-                                const sim::TissueMapSource& maps);
-  StreamSource source(const Scene& scene);
+  std::string name() const { return "--board " + arguments_.text; }
+  sim::ProbeSimulator simulator(const ResolvedScene& scene, const sim::TissueMapSource& maps);
+  StreamSource source(const ResolvedScene& scene);
 
   BoardArguments arguments_;
   hw::BoardOptions options_;
@@ -96,10 +90,9 @@ class BoardConnection {
 };
 
 /// The simulator's volume of a scene.
-inline Acquisition acquire_simulated(const Scene& scene,
-                                     const phantoms::Phantom& phantom,
+inline Acquisition acquire_simulated(const ResolvedScene& scene,
                                      const sim::TissueMapSource& maps = {}) {
-  return BoardConnection(parse_board("sim")).acquire(scene, scene.place(phantom), maps);
+  return BoardConnection(parse_board("sim")).acquire(scene, maps);
 }
 
 }  // namespace wobblebench::bench

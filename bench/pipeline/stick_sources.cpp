@@ -3,16 +3,15 @@
 #include <utility>
 
 #include "base/hash.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/scene/subject_hash.h"
-#include "phantoms/phantom.h"
 
 namespace wobblebench::bench {
 
-SimulatedScan simulated_scan(Scene scene, PhantomCache cache) {
-  const auto phantom = cache.phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  return {{scene.place(phantom), scene.plan(), scene.simulation, cache.tissue_maps()},
-          subject_hash(scene)};
+SimulatedScan simulated_scan(const Scene& given, PhantomCache cache) {
+  const ResolvedScene scene = resolve_scene(given, cache.phantom(given.phantom));
+  return {{scene.subject().value(), scene.plan(), scene.simulation(), cache.tissue_maps()},
+          subject_hash(scene.options())};
 }
 
 MakeSticks simulated_sticks(SimulatedScan scan, std::shared_ptr<IqFile> iq) {

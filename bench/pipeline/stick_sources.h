@@ -18,7 +18,7 @@ struct SimulatedScan {
 };
 
 /// Makes phantom and simulator. Throws UserError, InvalidOption.
-SimulatedScan simulated_scan(Scene scene, PhantomCache cache = {});
+SimulatedScan simulated_scan(const Scene& given, PhantomCache cache = {});
 
 /// Each call of the result gives a source that begins with volume 0. `iq`: where the IQ samples of
 /// its volumes go; null: nowhere.

@@ -1,77 +1,123 @@
-#include <cstdint>
-#include <cstdlib>
-#include <glm/vec3.hpp>
-#include <initializer_list>
-#include <iomanip>
-#include <nlohmann/json.hpp>
-#include <sstream>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
+#include "bench/scene/resolved_scene.h"
 
-#include "bench/scene/scene.h"
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/user_error.h"
+#include "bench/scene/scene_cost.h"
+#include "phantoms/framing.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Writes one section with the values in the units of their keys.
-class JsonWriter {
- public:
-  void real(std::string_view key, const double& value, double unit, double, double) {
-    json_[std::string(key)] = in_unit(value, unit);
-  }
-  void integer(std::string_view key, const int& value, int, int) {
-    json_[std::string(key)] = value;
-  }
-  void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
-  void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
-  void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
-  void texts(std::string_view key, const std::vector<std::string>& values) {
-    json_[std::string(key)] = values;
-  }
-  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
-  template <class Enum>
-  void choice(std::string_view key,
-              const Enum& value,
-              std::initializer_list<std::pair<std::string_view, Enum>> names) {
-    for (const auto& [name, candidate] : names) {
-      if (candidate == value) json_[std::string(key)] = name;
+/// Around the samples: their extremes lie at the edges and in the middle of sector, fan and range.
+phantoms::Box scanned_box(const hw::AcquisitionPlan& plan) {
+  const hw::ProbeGeometry geometry = plan.geometry();
+  const hw::AcquisitionOptions& scan = plan.acquisition();
+  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
+                       glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (const double range_m : {0.0, scan.depth_m}) {
+    for (const double theta_rad : {-0.5 * scan.sector_rad, 0.0, 0.5 * scan.sector_rad}) {
+      for (const double phi_rad : {-0.5 * scan.fan_rad, 0.0, 0.5 * scan.fan_rad}) {
+        const glm::dvec3 point = geometry.to_cartesian({range_m, theta_rad, phi_rad});
+        bounds = {glm::min(bounds.low, point), glm::max(bounds.high, point)};
+      }
     }
   }
-  void reals(std::string_view key, const std::vector<double>& values, double unit, double, double) {
-    auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
-    for (const double value : values) list.push_back(in_unit(value, unit));
-  }
-  void vec3(std::string_view key, const glm::dvec3& value, double unit, double min, double max) {
-    reals(key, {value.x, value.y, value.z}, unit, min, max);
-  }
-  const nlohmann::ordered_json& json() const { return json_; }
+  return bounds;
+}
 
- private:
-  /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
-  static double in_unit(double value, double unit) {
-    std::ostringstream rounded;
-    rounded << std::setprecision(12) << value / unit;
-    return std::strtod(rounded.str().c_str(), nullptr);  // unlike std::stod, takes denormal numbers
+void set_volume_of_interest(Scene& scene, const phantoms::Box& box) {
+  if (!scene.given.contains("render.volume_of_interest.center_mm")) {
+    scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
   }
-  nlohmann::ordered_json json_;
-};
+  if (!scene.given.contains("render.volume_of_interest.size_mm")) {
+    scene.render.volume_of_interest.size_m = box.high - box.low;
+  }
+}
+
+/// Sets placement and volume of interest as the phantom suggests, where they were not given.
+void frame_phantom(Scene& scene, const phantoms::Phantom& phantom) {
+  const auto framing =
+      phantoms::framing(phantom, phantoms::rotation_xyz(scene.placement.rotation_rad));
+  if (!scene.given.contains("placement.position_mm")) {
+    // The suggestion is for the default face; another radius moves the face along z.
+    const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
+    scene.placement.position_m = framing.position_m + glm::dvec3(0, 0, face_moved_m);
+  }
+  set_volume_of_interest(scene,
+                         {scene.placement.position_m + framing.region_of_interest.low,
+                          scene.placement.position_m + framing.region_of_interest.high});
+}
+
+/// Sets the volume of interest to the box around the scanned sector, where it was not given.
+void frame_sector(Scene& scene) {
+  phantoms::Box box = scanned_box(scene.plan());
+  // What the option allows: a sector or fan of 0.1 degrees is narrower than a millimetre, and of
+  // the widest probe, 0.6 m, the outermost 10 cm are left out.
+  const glm::dvec3 middle = 0.5 * (box.low + box.high);
+  const glm::dvec3 half = glm::clamp(0.5 * (box.high - box.low), 0.5e-3, 0.5);
+  set_volume_of_interest(scene, {middle - half, middle + half});
+}
+
+phantoms::PlacedPhantom placed(const Scene& scene, const phantoms::Phantom& phantom) {
+  const auto& [position_m, rotation_rad] = scene.placement;
+  try {
+    return {phantom,
+            {phantoms::rotation_xyz(rotation_rad), position_m},
+            {scene.motion, phantom.joint()}};
+  } catch (const phantoms::InvalidPhantom& error) {
+    throw UserError("motion." + std::string(error.what()));
+  }
+}
+
+/// The value of a dotted key whose section has no dot; null for any other.
+nlohmann::ordered_json value_of(const nlohmann::ordered_json& scene, const std::string& key) {
+  const auto dot = key.find('.');
+  const auto section = scene.find(key.substr(0, dot));
+  if (section == scene.end()) return nullptr;
+  const auto value = section->find(key.substr(dot + 1));
+  return value == section->end() ? nlohmann::ordered_json(nullptr) : *value;
+}
+
+bool belongs_to_plan(const std::string& key) {
+  return key.starts_with("acquisition.") || key.starts_with("probe.");
+}
 
 }  // namespace
 
-nlohmann::ordered_json resolved(const Scene& scene) {
-  nlohmann::ordered_json json;
-  for_each_section(scene, [&](const std::string& section, const auto& options) {
-    JsonWriter writer;
-    describe(options, writer);
-    const auto dot = section.find('.');
-    auto& entry = dot == std::string::npos ? json[section]
-                                           : json[section.substr(0, dot)][section.substr(dot + 1)];
-    entry = writer.json();
-  });
-  return json;
+ResolvedScene::ResolvedScene(Scene options, std::optional<phantoms::PlacedPhantom> subject)
+    : options_(std::move(options)),
+      plan_(options_.plan()),
+      view_(render::make_view(options_.render)),
+      subject_(std::move(subject)) {}
+
+ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>& phantom) {
+  if (!phantom) {
+    frame_sector(scene);
+    return {std::move(scene), std::nullopt};
+  }
+  frame_phantom(scene, *phantom);
+  auto subject = placed(scene, *phantom);
+  return {std::move(scene), std::move(subject)};
+}
+
+Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::string& source) {
+  Scene adopted = scene;
+  static_cast<hw::ProbeOptions&>(adopted.probe) = plan.probe();
+  adopted.acquisition = plan.acquisition();
+  const auto before = resolved(scene), after = resolved(adopted);
+  for (const std::string& key : scene.given) {
+    if (!belongs_to_plan(key)) continue;
+    const auto wanted = value_of(before, key);
+    const auto delivered = value_of(after, key);
+    if (wanted == delivered) continue;
+    throw UserError(key + " = " + wanted.dump() + ": " + source + " delivers " + delivered.dump());
+  }
+  check_memory(adopted, source, available_memory_bytes());
+  return adopted;
 }
 
 }  // namespace wobblebench::bench

@@ -1,43 +1,218 @@
 #include "bench/scene/scene.h"
 
-#include "base/user_error.h"
-#include "phantoms/framing.h"
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/text.h"
+#include "bench/scene/scene_cost.h"
+#include "bench/scene/toml_depth.h"
+#include "bench/scene/toml_file.h"
+#include "sim/fidelity.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-/// Around the samples: their extremes lie at the edges and in the middle of sector, fan and range.
-phantoms::Box scanned_box(const hw::AcquisitionPlan& plan) {
-  const hw::ProbeGeometry geometry = plan.geometry();
-  const hw::AcquisitionOptions& scan = plan.acquisition();
-  phantoms::Box bounds{glm::dvec3(std::numeric_limits<double>::infinity()),
-                       glm::dvec3(-std::numeric_limits<double>::infinity())};
-  for (const double range_m : {0.0, scan.depth_m}) {
-    for (const double theta_rad : {-0.5 * scan.sector_rad, 0.0, 0.5 * scan.sector_rad}) {
-      for (const double phi_rad : {-0.5 * scan.fan_rad, 0.0, 0.5 * scan.fan_rad}) {
-        const glm::dvec3 point = geometry.to_cartesian({range_m, theta_rad, phi_rad});
-        bounds = {glm::min(bounds.low, point), glm::max(bounds.high, point)};
-      }
+/// Writes one section with the values in the units of their keys.
+class JsonWriter {
+ public:
+  void real(std::string_view key, const double& value, double unit, double, double) {
+    json_[std::string(key)] = in_unit(value, unit);
+  }
+  void integer(std::string_view key, const int& value, int, int) {
+    json_[std::string(key)] = value;
+  }
+  void seed(std::string_view key, const std::uint64_t& value) { json_[std::string(key)] = value; }
+  void flag(std::string_view key, const bool& value) { json_[std::string(key)] = value; }
+  void text(std::string_view key, const std::string& value) { json_[std::string(key)] = value; }
+  void texts(std::string_view key, const std::vector<std::string>& values) {
+    json_[std::string(key)] = values;
+  }
+  void constant(std::string_view key, std::string_view text) { json_[std::string(key)] = text; }
+  template <class Enum>
+  void choice(std::string_view key,
+              const Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    for (const auto& [name, candidate] : names) {
+      if (candidate == value) json_[std::string(key)] = name;
     }
   }
-  return bounds;
+  void reals(std::string_view key, const std::vector<double>& values, double unit, double, double) {
+    auto& list = json_[std::string(key)] = nlohmann::ordered_json::array();
+    for (const double value : values) list.push_back(in_unit(value, unit));
+  }
+  void vec3(std::string_view key, const glm::dvec3& value, double unit, double min, double max) {
+    reals(key, {value.x, value.y, value.z}, unit, min, max);
+  }
+  const nlohmann::ordered_json& json() const { return json_; }
+
+ private:
+  /// Twelve digits: 0.16 m reads 160 mm, not 159.99999999999997.
+  static double in_unit(double value, double unit) {
+    std::ostringstream rounded;
+    rounded << std::setprecision(12) << value / unit;
+    return std::strtod(rounded.str().c_str(), nullptr);  // unlike std::stod, takes denormal numbers
+  }
+  nlohmann::ordered_json json_;
+};
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
 }
 
-void set_volume_of_interest(Scene& scene, const phantoms::Box& box) {
-  if (!scene.given.contains("render.volume_of_interest.center_mm")) {
-    scene.render.volume_of_interest.center_m = 0.5 * (box.low + box.high);
+/// The value of a --set: TOML as in a file, or else a bare text.
+toml::table parse_value(const std::string& text) {
+  try {
+    return toml::parse("value = " + text);
+  } catch (const toml::parse_error&) {
+    toml::table table;
+    table.insert("value", text);
+    return table;
   }
-  if (!scene.given.contains("render.volume_of_interest.size_mm")) {
-    scene.render.volume_of_interest.size_m = box.high - box.low;
+}
+
+/// A bare text, a path say, may hold any number of dots.
+bool is_deep_value(const std::string& setting, std::size_t equals) {
+  if (equals == std::string::npos) return false;
+  const auto first = setting.find_first_not_of(' ', equals + 1);
+  if (first == std::string::npos || (setting[first] != '[' && setting[first] != '{')) return false;
+  return line_nested_too_deep(setting.substr(first)).has_value();
+}
+
+/// Puts "a.b.c=value" into the table of section a.b.
+void apply_setting(toml::table& scene, const std::string& setting, const std::string& given_by) {
+  if (!is_printable_text(setting)) {
+    throw UserError(given_by + " " + setting + ": must be UTF-8 without control characters");
   }
+  const auto equals = setting.find('=');
+  if (line_nested_too_deep(setting.substr(0, equals)) || is_deep_value(setting, equals)) {
+    throw UserError(given_by + " " + setting + ": " + too_deep_toml());
+  }
+  const auto last_dot = setting.rfind('.', equals);
+  if (equals == std::string::npos || last_dot == std::string::npos || last_dot == 0) {
+    throw UserError(given_by + " " + setting + ": must be SECTION.KEY=VALUE");
+  }
+  const std::string path = "." + setting.substr(0, equals) + ".";
+  if (path.find("..") != std::string::npos) {
+    throw UserError(given_by + " " + setting +
+                    ": a part of its key is empty; must be SECTION.KEY=VALUE");
+  }
+  toml::table* table = &scene;
+  std::istringstream sections(setting.substr(0, last_dot));
+  for (std::string name; std::getline(sections, name, '.');) {
+    auto* node = table->get(name);
+    if (!node) node = &table->insert(name, toml::table{}).first->second;
+    table = node->as_table();
+    if (!table) throw UserError(given_by + " " + setting + ": " + name + " is not a section");
+  }
+  const std::string key = setting.substr(last_dot + 1, equals - last_dot - 1);
+  toml::table value = parse_value(setting.substr(equals + 1));
+  table->insert_or_assign(key, std::move(*value.get("value")));
+}
+
+/// The table of a dotted section name, or nullptr.
+toml::table* find_section(toml::table& scene,
+                          const std::string& section,
+                          const std::string& source) {
+  toml::node* node = &scene;
+  std::istringstream names(section);
+  for (std::string name; std::getline(names, name, '.');) {
+    node = node->as_table()->get(name);
+    if (!node) return nullptr;
+    if (!node->is_table())
+      throw UserError(source + ": " + section + ": must be a section [" + section + "]");
+  }
+  return node->as_table();
+}
+
+/// Once all sections are read, only empty tables may be left.
+void refuse_leftovers(const toml::table& table,
+                      const std::string& path,
+                      const std::string& source,
+                      const std::vector<std::string>& sections) {
+  for (const auto& [key, node] : table) {
+    const std::string name =
+        path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
+    const bool is_section_or_parent =
+        std::any_of(sections.begin(), sections.end(), [&](const auto& section) {
+          return section == name || section.starts_with(name + ".");
+        });
+    if (!node.is_table() || !is_section_or_parent) {
+      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections));
+    }
+    refuse_leftovers(*node.as_table(), name, source, sections);
+  }
+}
+
+void refuse_unknown_keys(const toml::table& table,
+                         const std::string& section,
+                         const TomlReader& reader,
+                         const std::string& source) {
+  for (const auto& [key, node] : table) {
+    if (node.is_table()) continue;
+    throw UserError(source + ": " + section + "." + std::string(key.str()) +
+                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()));
+  }
+}
+
+void read_sections(Scene& scene, toml::table& table, const std::string& source) {
+  std::vector<std::string> sections;
+  for_each_section(scene, [&](const std::string& section, auto& options) {
+    sections.push_back(section);
+    if (section == "acquisition") {
+      scene.acquisition.sector_rad = hw::probe_preset(scene.probe.preset).sector_rad;
+    }
+    if (section == "render.pipeline") {
+      scene.render = render::render_preset(scene.picture.preset);
+    }
+    if (toml::table* found = find_section(table, section, source)) {
+      TomlReader reader(source, section, *found);
+      describe(options, reader);
+      refuse_unknown_keys(*found, section, reader, source);
+      scene.given.insert(reader.given_keys().begin(), reader.given_keys().end());
+    }
+    try {
+      check_options(options);
+    } catch (const InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  });
+  refuse_leftovers(table, "", source, sections);
+}
+
+/// Rules between options, checked by each module.
+void validate(const Scene& scene, const std::string& source) {
+  const auto check = [&](const std::string& section, const auto& rule) {
+    try {
+      rule();
+    } catch (const InvalidOption& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    } catch (const phantoms::InvalidPhantom& error) {
+      throw UserError(source + ": " + section + "." + error.what());
+    }
+  };
+  check("phantom", [&] { phantoms::validate(scene.phantom); });
+  check("motion", [&] { phantoms::validate(scene.motion); });
+  check("probe", [&] { hw::validate(scene.probe); });
+  check("acquisition", [&] { static_cast<void>(scene.plan()); });
+  check("simulation", [&] { sim::choose_fidelity(scene.simulation, scene.plan(), scene.moves()); });
+  check("render", [&] { render::validate(scene.render); });
+  check_memory(scene, source, available_memory_bytes());
 }
 
 }  // namespace
-
-phantoms::Placement to_placement(const PlacementOptions& options) {
-  return {phantoms::rotation_xyz(options.rotation_rad), options.position_m};
-}
 
 bool Scene::moves() const {
   // As if the phantom had a joint and a mouth of any size: whether it does is not known yet.
@@ -46,34 +221,32 @@ bool Scene::moves() const {
   return !phantoms::Motion(motion, joint).still();
 }
 
-phantoms::PlacedPhantom Scene::place(const phantoms::Phantom& p) const {
-  try {
-    return {p, to_placement(placement), {motion, p.joint()}};
-  } catch (const phantoms::InvalidPhantom& error) {
-    throw UserError("motion." + std::string(error.what()));
-  }
+nlohmann::ordered_json resolved(const Scene& scene) {
+  nlohmann::ordered_json json;
+  for_each_section(scene, [&](const std::string& section, const auto& options) {
+    JsonWriter writer;
+    describe(options, writer);
+    const auto dot = section.find('.');
+    auto& entry = dot == std::string::npos ? json[section]
+                                           : json[section.substr(0, dot)][section.substr(dot + 1)];
+    entry = writer.json();
+  });
+  return json;
 }
 
-void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom) {
-  const auto framing =
-      phantoms::framing(phantom, phantoms::rotation_xyz(scene.placement.rotation_rad));
-  if (!scene.given.contains("placement.position_mm")) {
-    // The suggestion is for the default face; another radius moves the face along z.
-    const double face_moved_m = scene.probe.radius_m - hw::ProbeOptions{}.radius_m;
-    scene.placement.position_m = framing.position_m + glm::dvec3(0, 0, face_moved_m);
-  }
-  set_volume_of_interest(scene,
-                         {scene.placement.position_m + framing.region_of_interest.low,
-                          scene.placement.position_m + framing.region_of_interest.high});
-}
-
-void complete_from_plan(Scene& scene) {
-  phantoms::Box box = scanned_box(scene.plan());
-  // What the option allows: a sector or fan of 0.1 degrees is narrower than a millimetre, and of
-  // the widest probe, 0.6 m, the outermost 10 cm are left out.
-  const glm::dvec3 middle = 0.5 * (box.low + box.high);
-  const glm::dvec3 half = glm::clamp(0.5 * (box.high - box.low), 0.5e-3, 0.5);
-  set_volume_of_interest(scene, {middle - half, middle + half});
+Scene load_scene(const std::filesystem::path& path,
+                 const std::vector<std::string>& settings,
+                 const std::string& settings_of,
+                 render::RenderPreset preset) {
+  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+  for (const auto& setting : settings) apply_setting(table, setting, settings_of);
+  std::string source = path.empty() ? "defaults" : path.string();
+  if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
+  Scene scene;
+  scene.picture.preset = preset;
+  read_sections(scene, table, source);
+  validate(scene, source);
+  return scene;
 }
 
 }  // namespace wobblebench::bench

@@ -9,8 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/options.h"
+#include "base/user_error.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/probe/probe.h"
+#include "phantoms/options.h"
 #include "phantoms/placed_phantom.h"
 #include "render/presets.h"
 #include "sim/options.h"
@@ -28,8 +31,6 @@ void describe(O& o, Visitor& v) {
   v.vec3("position_mm", o.position_m, kMillimetre, -500, 500);
   v.vec3("rotation_deg", o.rotation_rad, kDegree, -180, 180);
 }
-
-phantoms::Placement to_placement(const PlacementOptions& options);
 
 /// What the renderer's settings start from, and what is done with z beside its passes.
 struct PictureOptions {
@@ -60,9 +61,6 @@ struct Scene {
   hw::AcquisitionPlan plan() const { return {probe, acquisition}; }
   /// Whether the options set any motion.
   bool moves() const;
-  /// The phantom at the scene's placement, with the scene's motion. Throws UserError for a motion
-  /// that this phantom cannot make.
-  [[nodiscard]] phantoms::PlacedPhantom place(const phantoms::Phantom& phantom) const;
 };
 
 /// Calls body(name, options) for each section of a scene.
@@ -93,14 +91,20 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::string& settings_of = "--set",
                  render::RenderPreset preset = render::RenderPreset::accurate);
 
-/// Sets placement and volume of interest from the phantom, where they were not given.
-void complete_from_phantom(Scene& scene, const phantoms::Phantom& phantom);
-
-/// Sets the volume of interest to the box around the scanned sector, where it was not given: for
-/// samples whose subject is not known.
-void complete_from_plan(Scene& scene);
-
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);
+
+/// Runs `body`. A scan too large for its rung, or a phantom whose file holds none, is thrown as
+/// UserError that names the scene's section.
+template <class Body>
+auto with_late_refusals(const Body& body) {
+  try {
+    return body();
+  } catch (const InvalidOption& error) {
+    throw UserError(std::string("simulation.") + error.what());
+  } catch (const phantoms::InvalidPhantom& error) {
+    throw UserError(std::string("phantom.") + error.what());
+  }
+}
 
 }  // namespace wobblebench::bench

@@ -1,10 +1,15 @@
 #include "bench/scene/scene_cost.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <limits>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "base/user_error.h"
@@ -109,7 +114,7 @@ std::string key(const std::string& name, double value) {
   return text.str();
 }
 
-/// With the keys that it grows with, most first.
+/// The needs with the keys that they grow with, the steepest first.
 std::vector<Part> parts(const Scene& scene, const MemoryNeed& need) {
   const auto& a = scene.acquisition;
   const std::string voxel = key("phantom.voxel_mm", scene.phantom.voxel_m / kMillimetre);
@@ -129,6 +134,49 @@ std::vector<Part> parts(const Scene& scene, const MemoryNeed& need) {
 [[noreturn]] void refuse(const std::string& keys, double need, double available) {
   throw UserError(keys + ": need about " + gigabytes(need) + " of memory; there are " +
                   gigabytes(available));
+}
+
+namespace fs = std::filesystem;
+
+/// Infinite where the file is missing or says "max".
+double limit_in(const fs::path& file) {
+  std::ifstream in(file);
+  double bytes = 0;
+  return in >> bytes ? bytes : std::numeric_limits<double>::infinity();
+}
+
+/// The least limit of the groups from `group` up to the hierarchy's root.
+double least_limit(const fs::path& hierarchy, std::string group, const std::string& name) {
+  double least = limit_in(hierarchy / name);
+  while (group.find_first_not_of('/') != std::string::npos) {
+    least = std::min(least, limit_in(fs::path(hierarchy.string() + group) / name));
+    group.resize(group.rfind('/'));
+  }
+  return least;
+}
+
+/// `controllers`: ":NAME,NAME,".
+bool lists_memory(const std::string& controllers) {
+  return controllers.starts_with(":memory,") || controllers.find(",memory,") != std::string::npos;
+}
+
+/// Lines of /proc/self/cgroup are NUMBER:CONTROLLERS:GROUP, and those of v2 name no controller.
+double cgroup_limit_bytes(const fs::path& root) {
+  const fs::path mounted = root / "sys/fs/cgroup";
+  double least = std::numeric_limits<double>::infinity();
+  std::ifstream groups(root / "proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first, second - first) + ',';
+    const std::string group = line.substr(second + 1);
+    if (controllers == ":,") {
+      least = std::min(least, least_limit(mounted, group, "memory.max"));
+    } else if (lists_memory(controllers)) {
+      least = std::min(least, least_limit(mounted / "memory", group, "memory.limit_in_bytes"));
+    }
+  }
+  return least;
 }
 
 }  // namespace
@@ -172,6 +220,12 @@ void check_memory_of_run(const Scene& scene, double available_bytes) {
   const auto most = std::max_element(
       all.begin(), all.end(), [](const Part& a, const Part& b) { return a.bytes < b.bytes; });
   refuse(most->keys, need.of_run(), available_bytes);
+}
+
+double available_memory_bytes(const fs::path& root) {
+  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) *
+                         static_cast<double>(::sysconf(_SC_PAGE_SIZE));
+  return std::min(machine, cgroup_limit_bytes(root));
 }
 
 }  // namespace wobblebench::bench

@@ -1,11 +1,16 @@
 // Memory that a scene needs: options may each be in range and together need terabytes.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
+
+/// The machine's physical memory, or the limit of the process's control group where that is less
+/// (cgroup v1 and v2, and those above it). `root`: of the file system, for tests.
+double available_memory_bytes(const std::filesystem::path& root = "/");
 
 /// Peak bytes of each part, estimated before any of them is made.
 struct MemoryNeed {
@@ -15,7 +20,7 @@ struct MemoryNeed {
   double slices = 0;        ///< the slices of pass 1, and the polar volume
   double pictures = 0;      ///< pictures and textures of passes 2 to 4
 
-  /// Of `wobblebench run`, which keeps the phantom throughout.
+  /// Peak of `wobblebench run`, which keeps the phantom throughout.
   double of_run() const;
 };
 MemoryNeed memory_need(const Scene& scene);

@@ -47,7 +47,7 @@ void drop_neutral(nlohmann::ordered_json& section, const char* key, double neutr
   if (section.at(key) == neutral) section.erase(key);
 }
 
-/// With the bytes of its files in the place of their names.
+/// The section with the bytes of its files instead of their names.
 std::uint32_t phantom_hash(nlohmann::ordered_json section,
                            const phantoms::PhantomOptions& phantom) {
   section.erase("file");

@@ -8,15 +8,14 @@
 
 namespace wobblebench::bench {
 
-/// Of all that decides the truth: the section [phantom] and the bytes of an imported file and of a
-/// list of scatterers in the place of their names, [placement], [motion]. After
-/// complete_from_phantom(). Throws UserError for a file that cannot be read.
+/// Hash of all that decides the truth: the section [phantom], with the bytes of an imported file
+/// and of a list of scatterers instead of their names, [placement] and [motion]. The scene is that
+/// of a ResolvedScene. Throws UserError for a file that cannot be read.
 hw::SubjectHash subject_hash(const Scene& scene);
 
 /// Throws UserError "SOURCE: …" naming the first section in which the scene differs from the
-/// recorded subject; a subject that is not stated differs in none. `placed`: the scene's position
-/// is known, after complete_from_phantom(); before it only a position that the scene gives is
-/// compared.
+/// recorded subject; a subject that is not stated differs in none. `placed`: the scene is
+/// that of a ResolvedScene; before that only a position that the scene gives is compared.
 void refuse_other_subject(const Scene& scene,
                           const hw::SubjectHash& recorded,
                           bool placed,

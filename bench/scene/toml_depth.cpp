@@ -39,7 +39,7 @@ class TomlScan {
         break;
       case ']':
       case '}':
-        // Of a text that is not valid, or of an unknown string's end.
+        // A text that is not valid may close more than it opens.
         if (brackets_ > 0) --brackets_;
         dots_ = 0;
         break;

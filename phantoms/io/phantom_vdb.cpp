@@ -12,8 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/file.h"
 #include "base/text.h"
-#include "base/write_file.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/import_process.h"

@@ -123,8 +123,7 @@ TEST(IncludeOrder, FoldersOfARoomIncludeEachOtherOneWay) {
 const std::set<std::string> kHeavyOfOurs = {"phantoms/float_grid.h",
                                             "phantoms/io/vdb_file.h",
                                             "sim/tissue/extended_distance.h",
-                                            "bench/scene/toml_file.h",
-                                            "bench/scene/toml_reader.h"};
+                                            "bench/scene/toml_file.h"};
 
 TEST(IncludeOrder, HeavyHeadersStayInSources) {
   const std::regex heavy("^(openvdb/(?!version\\.h)|(ceres|opencv2|OpenImageIO|CLI|toml\\+\\+)/)");

@@ -82,7 +82,7 @@ MakeSticks simulated(Scene scene) {
     const int enough = kLeastSticks / scene.plan().sticks_per_volume() + 1;
     scene.acquisition.volumes = std::clamp(enough, kLeastVolumes, 1000);
   }
-  return simulated_sticks(simulated_scan(std::move(scene)));
+  return simulated_sticks(simulated_scan(scene));
 }
 
 ConformanceFixture emulator_fixture(const Scene& scene) {

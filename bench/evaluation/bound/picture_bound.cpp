@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 #include "sim/beam/profile/beam_at_samples.h"
 
 namespace wobblebench::bench {

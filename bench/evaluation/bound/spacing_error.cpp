@@ -11,8 +11,8 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "bench/evaluation/truth/pixel_area.h"
 #include "bench/evaluation/truth/scanned_surfaces.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

@@ -181,7 +181,8 @@ std::optional<Correction> read_correction(const Scene& scene) {
   return correction;
 }
 
-void check_correction_step(const Correction& correction, const Scene& scene) {
+void check_correction(const Correction& correction, const Scene& scene) {
+  check_conditions(correction, scene);
   const double here_mm = render::step_m(scene.render) / kMillimetre;
   if (std::abs(here_mm / correction.step_mm - 1) <= kStepTolerance) return;
   throw UserError(source_of(scene) + ": was made for steps of " + fixed(correction.step_mm, 4) +

@@ -33,9 +33,9 @@ std::string correction_text(const Correction& correction);
 /// another probe, scan, detector, n or number of steps.
 std::optional<Correction> read_correction(const Scene& scene);
 
-/// The same for the length of a step, which is known once the phantom has set the volume of
-/// interest: refuses more than 10 % of difference.
-void check_correction_step(const Correction& correction, const Scene& scene);
+/// The same for a scene that is resolved: for the plan of its board, and for the length of a step,
+/// which follows from the volume of interest and may differ by 10 %.
+void check_correction(const Correction& correction, const Scene& scene);
 
 /// z of pass 2 less the model's bias, pixel by pixel, from measured quantities alone: normals of z
 /// after pass 3's filter, range, and the sticks about the point. Without terms the same bits.

@@ -11,7 +11,7 @@
 
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

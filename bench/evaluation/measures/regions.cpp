@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/parallel.h"
-#include "bench/evaluation/truth/pixel_area.h"
+#include "bench/evaluation/truth/truth.h"
 
 namespace wobblebench::bench {
 

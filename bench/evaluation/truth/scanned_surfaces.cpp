@@ -1,12 +1,17 @@
 #include "bench/evaluation/truth/scanned_surfaces.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace wobblebench::bench {
+
 namespace {
 
 /// Materials above this level are tissue, those below are fluid.
@@ -49,6 +54,92 @@ std::vector<phantoms::Deformation> moments_of(const phantoms::Motion& motion,
     }
   }
   return moments;
+}
+
+constexpr int kPointsAcross = 9;
+constexpr int kSteps = 128;
+constexpr double kSpeedMargin = 1.5, kStretchMargin = 1.2;
+/// Margin beyond the sampled points, where a phantom bends.
+constexpr double kBend_m = 2e-3;
+constexpr double kNeighbour_m = 1e-4;
+
+std::vector<glm::dvec3> grid_points(const phantoms::Box& box) {
+  const glm::dvec3 step = (box.high - box.low) / (kPointsAcross - 1.0);
+  std::vector<glm::dvec3> points;
+  for (int x = 0; x < kPointsAcross; ++x) {
+    for (int y = 0; y < kPointsAcross; ++y) {
+      for (int z = 0; z < kPointsAcross; ++z)
+        points.push_back(box.low + step * glm::dvec3(x, y, z));
+    }
+  }
+  return points;
+}
+
+/// Largest distance at rest of two neighbouring points over their distance now.
+double stretch_at(const phantoms::Deformation& moment,
+                  const glm::dvec3& now_m,
+                  const glm::dvec3& rest) {
+  double stretch = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 neighbour = now_m;
+    neighbour[axis] += kNeighbour_m;
+    stretch = std::max(stretch, glm::distance(moment.to_rest(neighbour), rest) / kNeighbour_m);
+  }
+  return stretch;
+}
+
+/// Bounds of a motion without a mouth, which is smooth enough to be sampled.
+MotionBounds sampled_bounds(const phantoms::Motion& motion,
+                            const phantoms::Box& box,
+                            double begin_s,
+                            double end_s) {
+  MotionBounds bounds{0, 1, box};
+  if (motion.still()) return bounds;
+  const std::vector<glm::dvec3> points = grid_points(box);
+  std::vector<glm::dvec3> before = points;
+  const phantoms::Deformation start = motion.at(begin_s);
+  for (glm::dvec3& point : before) {
+    point = start.to_rest(point);
+    bounds.at_rest = {glm::min(bounds.at_rest.low, point), glm::max(bounds.at_rest.high, point)};
+  }
+  const double step_s = (end_s - begin_s) / kSteps;
+  for (int i = 1; i <= kSteps; ++i) {
+    const phantoms::Deformation moment = motion.at(begin_s + i * step_s);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const glm::dvec3 rest = moment.to_rest(points[p]);
+      bounds.speed_m_s = std::max(bounds.speed_m_s, glm::distance(rest, before[p]) / step_s);
+      bounds.at_rest = {glm::min(bounds.at_rest.low, rest), glm::max(bounds.at_rest.high, rest)};
+      if (!motion.rigid()) {
+        bounds.stretch = std::max(bounds.stretch, stretch_at(moment, points[p], rest));
+      }
+      before[p] = rest;
+    }
+  }
+  bounds.speed_m_s *= kSpeedMargin;
+  if (motion.rigid()) return bounds;
+  bounds.stretch *= kStretchMargin;
+  bounds.at_rest = {bounds.at_rest.low - kBend_m, bounds.at_rest.high + kBend_m};
+  return bounds;
+}
+
+/// Step where no longer one is safe: far below a voxel.
+constexpr double kLeastStep_m = 0.1e-3;
+constexpr double kBisected_m = 1e-6;
+constexpr int kDisplacementSamples = 4;
+
+/// For points in `box` (phantom frame) from time `begin_s` to `end_s`.
+MotionBounds motion_bounds(const phantoms::Motion& motion,
+                           const phantoms::Box& box,
+                           double begin_s,
+                           double end_s) {
+  MotionBounds bounds = sampled_bounds(motion.without_mouth(), box, begin_s, end_s);
+  // The mouth is smaller than the samples' spacing: its bounds are in closed form.
+  const phantoms::Motion::MouthBounds mouth = motion.mouth_bounds();
+  bounds.speed_m_s = mouth.stretch * bounds.speed_m_s + mouth.speed_m_s;
+  bounds.stretch *= mouth.stretch;
+  bounds.at_rest.low -= mouth.shift_m;
+  bounds.at_rest.high += mouth.shift_m;
+  return bounds;
 }
 
 }  // namespace
@@ -133,6 +224,104 @@ std::optional<SurfaceCrossing> ScannedSurfaces::first_of_still(const hw::Ray& ra
     span.from_m = hit->distance_m + kPastCrossing_m;
   }
   return std::nullopt;
+}
+
+void ScannedSurfaces::sample(const hw::Ray& ray, double at_m, RaySample& sample) const {
+  const glm::dvec3 position = ray.at(at_m);
+  sample.at_m = at_m;
+  sample.stick = stick_at(position);
+  sample.rest_m = to_rest(position, sample.stick);
+  sample.distance_m.clear();
+  for (int target = 0; target < finder_.targets(); ++target) {
+    sample.distance_m.push_back(finder_.distance_bound(target, sample.rest_m));
+  }
+}
+
+/// Upper bound of the distance between the rest positions of `from` and of any point of the ray up
+/// to `step_m` beyond it, all at the time of `from`.
+double ScannedSurfaces::rest_displacement_m(const hw::Ray& ray,
+                                            const RaySample& from,
+                                            double step_m) const {
+  if (subject_.motion.rigid()) return step_m;
+  double farthest = 0;
+  for (int i = 1; i <= kDisplacementSamples; ++i) {
+    const glm::dvec3 rest =
+        to_rest(ray.at(from.at_m + step_m * i / kDisplacementSamples), from.stick);
+    farthest = std::max(farthest, glm::distance(rest, from.rest_m));
+  }
+  return farthest + bounds_.stretch * step_m / (2 * kDisplacementSamples);
+}
+
+/// Upper bound of the time between the stick of `from` and that of any point of the ray up to
+/// `step_m` beyond it. Frame numbers are monotonic along a straight ray; line numbers may turn
+/// back, but change by no more than the step's length allows.
+double ScannedSurfaces::time_difference_s(const hw::Ray& ray,
+                                          const RaySample& from,
+                                          double step_m) const {
+  const hw::StickIndex there = stick_at(ray.at(from.at_m + step_m));
+  const double lines = plan_.acquisition().sticks_per_frame;
+  const double frames = std::abs(1.0 * there.frame - 1.0 * from.stick.frame);
+  const double line_step_m = geometry_.radius_m() * plan_.theta_step_rad();
+  const double turned = lines > 1 ? std::min(lines, step_m / line_step_m + 1) : 0;
+  return plan_.stick_period_s() * (frames * lines + turned);
+}
+
+/// A step along the ray within which no surface can be crossed, whatever moves meanwhile.
+double ScannedSurfaces::safe_step_m(const hw::Ray& ray, const RaySample& from) const {
+  double clear_m = std::numeric_limits<double>::infinity();
+  for (const double distance : from.distance_m) clear_m = std::min(clear_m, std::abs(distance));
+  double step_m = 0.9 * clear_m;
+  while (step_m > kLeastStep_m) {
+    const double moved_m = bounds_.speed_m_s * time_difference_s(ray, from, step_m);
+    if (moved_m < clear_m && rest_displacement_m(ray, from, step_m) + moved_m <= clear_m)
+      return step_m;
+    step_m *= 0.6;
+  }
+  return kLeastStep_m;
+}
+
+std::optional<SurfaceCrossing> ScannedSurfaces::first_of_moving(const hw::Ray& ray,
+                                                                const render::Span& span) const {
+  if (!(span.from_m < span.to_m) || finder_.targets() == 0) return std::nullopt;
+  RaySample before, behind;
+  sample(ray, span.from_m, before);
+  while (before.at_m < span.to_m) {
+    sample(ray, std::min(span.to_m, before.at_m + safe_step_m(ray, before)), behind);
+    std::optional<SurfaceCrossing> nearest;
+    for (int target = 0; target < finder_.targets(); ++target) {
+      const auto found = crossing(ray, target, before, behind);
+      if (found && (!nearest || found->distance_m < nearest->distance_m)) nearest = found;
+    }
+    if (nearest) return nearest;
+    std::swap(before, behind);
+  }
+  return std::nullopt;
+}
+
+std::optional<SurfaceCrossing> ScannedSurfaces::crossing(const hw::Ray& ray,
+                                                         int target,
+                                                         RaySample before,
+                                                         RaySample behind) const {
+  const auto t = static_cast<std::size_t>(target);
+  const auto inside = [t](const RaySample& sample) { return sample.distance_m[t] < 0; };
+  if (inside(before) == inside(behind)) return std::nullopt;
+  while (behind.at_m - before.at_m > kBisected_m) {
+    RaySample middle;
+    sample(ray, 0.5 * (before.at_m + behind.at_m), middle);
+    (inside(middle) == inside(before) ? before : behind) = std::move(middle);
+  }
+  const bool outside_is_fluid = outward(finder_.surface(target), {1, 0, 0}).x > 0;
+  const bool enters_tissue = inside(behind) == outside_is_fluid;
+  if (enters_tissue != (edge_ == render::EdgeSign::rising)) return std::nullopt;
+  const auto there = finder_.target_distance(target, behind.rest_m);
+  // Outside the box a grid may be cut off, where signs change without a surface. Between two sticks
+  // tissue may have moved by more than its narrow band.
+  if (!there && before.stick == behind.stick) return std::nullopt;
+  glm::dvec3 normal = inside(behind) ? -ray.direction : ray.direction;
+  if (there) {
+    normal = glm::normalize(gradient_at_stick(ray.at(behind.at_m), behind.stick, there->gradient));
+  }
+  return SurfaceCrossing{behind.at_m, outward(finder_.surface(target), normal)};
 }
 
 }  // namespace wobblebench::bench

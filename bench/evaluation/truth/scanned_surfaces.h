@@ -7,13 +7,22 @@
 #include <optional>
 #include <vector>
 
-#include "bench/scene/motion_bounds.h"
 #include "hw/probe/acquisition_plan.h"
+#include "phantoms/motion.h"
+#include "phantoms/phantom.h"
 #include "phantoms/placed_phantom.h"
 #include "phantoms/truth.h"
 #include "render/view.h"
 
 namespace wobblebench::bench {
+
+/// Bounds of a phantom's motion: sampled in space and time, with a margin for motion between the
+/// samples; of a mouth in closed form.
+struct MotionBounds {
+  double speed_m_s = 0;   ///< of the position at rest of a fixed point
+  double stretch = 1;     ///< distance at rest over the distance now of two points
+  phantoms::Box at_rest;  ///< holds the positions at rest of all points of the box
+};
 
 struct SurfaceCrossing {
   double distance_m = 0;  ///< along the ray from its origin
@@ -60,7 +69,6 @@ class ScannedSurfaces {
   glm::dvec3 outward(int surface, const glm::dvec3& normal) const;
 
   std::optional<SurfaceCrossing> first_of_still(const hw::Ray& ray, render::Span span) const;
-  // scanned_surfaces_moving.cpp
   std::optional<SurfaceCrossing> first_of_moving(const hw::Ray& ray,
                                                  const render::Span& span) const;
   void sample(const hw::Ray& ray, double at_m, RaySample& sample) const;

@@ -116,4 +116,19 @@ void mark_shadowed(Truth& truth, const StickReach& reach, const render::Camera& 
   });
 }
 
+Truth true_surface(const ResolvedScene& scene,
+                   const sim::TissueMapSource& maps,
+                   std::uint32_t volume) {
+  return true_surface(scene, scene.view(), StickReach(scene, maps, volume), volume);
+}
+
+Truth true_surface(const ResolvedScene& scene,
+                   const render::View& view,
+                   const StickReach& reach,
+                   std::uint32_t volume) {
+  Truth truth = trace_truth(scene.subject().value(), scene.plan(), view, volume);
+  mark_shadowed(truth, reach, view.camera);
+  return truth;
+}
+
 }  // namespace wobblebench::bench

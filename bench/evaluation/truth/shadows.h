@@ -1,16 +1,17 @@
-// Which true surfaces lie in the shadow of what is in front of them.
+// The true surfaces that a scan can show: without those in the shadow of what is in front of them.
 #pragma once
 
 #include <vector>
 
 #include "bench/evaluation/truth/truth.h"
+#include "bench/scene/resolved_scene.h"
 #include "render/camera.h"
 #include "sim/options.h"
 #include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {
 
-/// Of the tissues on either side of the target surfaces, the mean echo of the brightest one, as
+/// Mean echo of the brightest tissue on either side of the target surfaces, as
 /// phantoms::Material::backscatter_db.
 double brightest_target_db(const phantoms::Phantom& phantom);
 
@@ -27,6 +28,10 @@ class StickReach {
              const sim::SimulationOptions& options,
              const sim::TissueMapSource& maps = {},
              std::uint32_t volume = 0);
+  explicit StickReach(const ResolvedScene& scene,
+                      const sim::TissueMapSource& maps = {},
+                      std::uint32_t volume = 0)
+      : StickReach(scene.subject().value(), scene.plan(), scene.simulation(), maps, volume) {}
 
   /// m, of the stick nearest to a position.
   double at(const glm::dvec3& position_m) const;
@@ -45,5 +50,16 @@ class StickReach {
 
 /// Surfaces beyond their stick's reach become `shadowed`. The truth must know its crossings.
 void mark_shadowed(Truth& truth, const StickReach& reach, const render::Camera& camera);
+
+/// What a picture of this volume is compared with: trace_truth(), then mark_shadowed(). The scene's
+/// subject must be known. Throws InvalidOption.
+Truth true_surface(const ResolvedScene& scene,
+                   const sim::TissueMapSource& maps = {},
+                   std::uint32_t volume = 0);
+/// The same for another view, with the reach of the volume's sticks.
+Truth true_surface(const ResolvedScene& scene,
+                   const render::View& view,
+                   const StickReach& reach,
+                   std::uint32_t volume = 0);
 
 }  // namespace wobblebench::bench

@@ -107,7 +107,7 @@ void draw_marks(Canvas& canvas, const Window& window, const Series& series, Colo
   }
 }
 
-/// To the right of its point, or to the left where the plot ends.
+/// The text stands to the right of its point, or to the left where the plot ends.
 void draw_label(Canvas& canvas, const Window& window, const PointLabel& label) {
   const Point2 at = window.at(label.x, label.y);
   const bool left = at.x + 9 + Canvas::text_width(label.text, kTickText) > window.plot.high.x;

@@ -1,6 +1,79 @@
-// What bench/output/encoders.cpp looks up.
-#include "bench/output/encoders/image_encoder.h"
-#include "bench/output/encoders/video_encoder.h"
+// The library that bench/output/encoders.cpp loads: pictures by OpenImageIO, videos by OpenCV.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <algorithm>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/videoio.hpp>
+#include <stdexcept>
+
+#include "bench/output/encoders.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::vector<char> encode_image(const Raster& raster, const std::string& extension) {
+  OIIO::ImageSpec spec(raster.width,
+                       raster.height,
+                       static_cast<int>(raster.channels.size()),
+                       raster.bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
+  spec.channelnames = raster.channels;
+  for (const auto& [name, value] : raster.attributes) spec.attribute(name, value);
+  // In memory: OpenImageIO does not check the last flush of its own files.
+  OIIO::Filesystem::IOVecOutput encoded;
+  const std::string name = "picture" + extension;
+  const auto output = OIIO::ImageOutput::create(name, &encoded);
+  if (!output) throw std::runtime_error(OIIO::geterror());
+  const bool whole = output->open(name, spec) &&
+                     output->write_image(OIIO::TypeDesc::FLOAT, raster.values.data()) &&
+                     output->close();
+  if (!whole) throw std::runtime_error(output->geterror());
+  const auto& bytes = encoded.buffer();
+  return {bytes.begin(), bytes.end()};
+}
+
+class OpenCvEncoder : public VideoEncoder {
+ public:
+  bool open(const std::filesystem::path& path, int backend, const VideoFormat& format) {
+    const auto& letters = format.four_letters;
+    size_ = {format.width, format.height};
+    return writer_.open(path.string(),
+                        backend,
+                        cv::VideoWriter::fourcc(letters[0], letters[1], letters[2], letters[3]),
+                        format.frames_per_second,
+                        size_);
+  }
+
+  void add(const std::vector<std::uint8_t>& bgr) override {
+    cv::Mat picture(size_, CV_8UC3);
+    std::copy(bgr.begin(), bgr.end(), picture.data);
+    writer_.write(picture);
+  }
+
+  std::string backend() const override { return writer_.getBackendName(); }
+
+ private:
+  cv::Size size_;
+  cv::VideoWriter writer_;
+};
+
+std::unique_ptr<VideoEncoder> open_video(const std::filesystem::path& path,
+                                         const VideoFormat& format) {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  auto encoder = std::make_unique<OpenCvEncoder>();
+  // FFmpeg first: some pictures of OpenCV's own Motion JPEG lack their last bytes, which readers
+  // complain about.
+  const bool opened = encoder->open(path, cv::CAP_FFMPEG, format) ||
+                      (format.or_by_opencv && encoder->open(path, cv::CAP_OPENCV_MJPEG, format));
+  if (!opened) return nullptr;
+  return encoder;
+}
+
+}  // namespace
+
+}  // namespace wobblebench::bench
 
 extern "C" const wobblebench::bench::Encoders* wobblebench_encoders() {
   using namespace wobblebench::bench;

@@ -8,11 +8,10 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {

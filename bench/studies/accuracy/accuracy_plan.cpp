@@ -6,8 +6,7 @@
 
 #include "base/user_error.h"
 #include "bench/scene/toml_file.h"
-#include "bench/scene/toml_reader.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/accuracy/accuracy_study.h"
 
 namespace wobblebench::bench {

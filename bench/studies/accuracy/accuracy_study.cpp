@@ -18,7 +18,7 @@ constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 AccuracyBound bound_of(const std::string& name,
                        Evaluator& evaluator,
                        const render::RenderOptions& options) {
-  const Scene& scene = evaluator.scene();
+  const ResolvedScene& scene = evaluator.scene();
   const TrueView& view = evaluator.truth(options);
   const Image<std::uint8_t> band = silhouette_band(view.truth, view.camera);
   const auto counted = [&](int column, int row) { return band.at(column, row) == 0; };
@@ -26,7 +26,7 @@ AccuracyBound bound_of(const std::string& name,
   const PictureBound bound = picture_bound(view.truth,
                                            view.camera,
                                            scene.plan(),
-                                           scene.simulation,
+                                           scene.simulation(),
                                            brightest_target_db(subject.phantom),
                                            counted);
   const StickRanges sticks = stick_ranges_m(subject, scene.plan(), render::make_view(options));

@@ -9,7 +9,6 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
-#include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/board_speed/board_speed.h"
 

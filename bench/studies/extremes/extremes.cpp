@@ -7,7 +7,7 @@
 
 #include "base/user_error.h"
 #include "bench/pipeline/acquire.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/extremes/sample_reach.h"
 #include "render/renderer.h"
 
@@ -39,14 +39,14 @@ Scene scene_of(const ExtremeCase& of, render::RenderPreset preset) {
   return load_scene({}, settings, kSource, preset);
 }
 
-hw::PolarVolume sticks_of(const ExtremeCase& of, Scene& scene, PhantomCache& cache) {
-  if (of.sticks == StickSource::ball) {
-    complete_from_plan(scene);
-    return ball_volume(scene.plan());
-  }
-  const auto phantom = cache.phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  return acquire_simulated(scene, phantom, cache.tissue_maps()).volume;
+ResolvedScene resolved_case(const ExtremeCase& of, const Scene& scene, PhantomCache& cache) {
+  if (of.sticks == StickSource::ball) return resolve_scene(scene, std::nullopt);
+  return resolve_scene(scene, cache.phantom(scene.phantom));
+}
+
+hw::PolarVolume sticks_of(const ResolvedScene& scene, PhantomCache& cache) {
+  if (!scene.subject()) return ball_volume(scene.plan());
+  return acquire_simulated(scene, cache.tissue_maps()).volume;
 }
 
 bool is_one_sample(SampleChange change) {
@@ -141,9 +141,8 @@ ExtremeOutcome run_extreme_case(const ExtremeCase& of,
                                 PhantomCache& cache) {
   ExtremeOutcome outcome{of, std::string(to_string(preset))};
   try {
-    Scene scene = scene_of(of, preset);
-    const hw::PolarVolume volume = sticks_of(of, scene, cache);
-    render_case(outcome, scene, volume, context);
+    const ResolvedScene scene = resolved_case(of, scene_of(of, preset), cache);
+    render_case(outcome, scene.options(), sticks_of(scene, cache), context);
   } catch (const UserError& error) {
     outcome.refusal = error.what();
   } catch (const std::exception& error) {

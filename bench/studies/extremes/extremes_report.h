@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/extremes/extremes.h"
 #include "bench/studies/extremes/number_cases.h"
 

@@ -9,7 +9,6 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/fit/fit_report.h"
 #include "render/gl/context.h"
@@ -59,12 +58,11 @@ void register_scene(const Scene& given,
                     const LoadedPhantom& phantom,
                     render::GlContext& context,
                     FitResults& results) {
-  const Scene scene = fit_scene(given, phantom.phantom);
-  const auto subject = scene.place(phantom.phantom);
-  render::Renderer renderer(context, scene.plan(), scene.render);
+  const ResolvedScene scene = fit_scene(given, phantom.phantom);
+  render::Renderer renderer(context, scene.plan(), scene.render());
   const auto picture =
-      render_frames(renderer, scan_with_seed(scene, scene.simulation.seed, subject, phantom.maps));
-  const SurfaceRegistration registration(subject, scene.plan(), render::make_view(scene.render));
+      render_frames(renderer, scan_with_seed(scene, scene.simulation().seed, phantom.maps));
+  const SurfaceRegistration registration(scene.subject().value(), scene.plan(), scene.view());
   results.known_pose = registration.fit(picture.depth_m, RegistrationPriors::of_known_pose());
   results.nothing_known = registration.fit(picture.depth_m, RegistrationPriors::of_nothing_known());
 }

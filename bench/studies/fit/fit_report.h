@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/evaluation/error_model/correction.h"
-#include "bench/output/figure.h"
-#include "bench/output/provenance.h"
+#include "bench/output/chart/chart.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/fit/model_study.h"
 #include "bench/studies/fit/planted_errors.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 #include "render/geometry/ray_sampling.h"
 
 namespace wobblebench::bench {
@@ -44,7 +44,7 @@ Scene with_plane(const Scene& scene, double tilt_x_rad, double tilt_y_rad) {
 
 /// Half a line and half a frame to the side: the sticks meet other points of the surface.
 Scene shifted(Scene scene, PhantomCache& cache) {
-  complete_from_phantom(scene, cache.phantom(scene.phantom));
+  scene = resolve_scene(scene, cache.phantom(scene.phantom)).options();
   const auto plan = scene.plan();
   const double range_m = plan.geometry().to_polar(scene.placement.position_m).range_m;
   const double line_m = (plan.geometry().radius_m() + range_m) * plan.theta_step_rad();
@@ -68,20 +68,19 @@ LoadedPhantom load_phantom(const phantoms::PhantomOptions& options, PhantomCache
   return loaded;
 }
 
-Scene fit_scene(Scene scene, const phantoms::Phantom& phantom) {
+ResolvedScene fit_scene(Scene scene, const phantoms::Phantom& phantom) {
   scene.picture.correction.clear();
   scene.render.ray_casting.image_size =
       std::min(scene.render.ray_casting.image_size, kFitImageSize);
-  complete_from_phantom(scene, phantom);
-  return scene;
+  return resolve_scene(std::move(scene), phantom);
 }
 
-hw::PolarVolume scan_with_seed(Scene scene,
+hw::PolarVolume scan_with_seed(const ResolvedScene& scene,
                                std::uint64_t seed,
-                               const phantoms::PlacedPhantom& subject,
                                const sim::TissueMapSource& maps) {
-  scene.simulation.seed = seed;
-  return BoardConnection(parse_board("sim")).acquire(scene, subject, maps).volume;
+  Scene seeded = scene.options();
+  seeded.simulation.seed = seed;
+  return acquire_simulated(ResolvedScene(std::move(seeded), scene.subject()), maps).volume;
 }
 
 render::Picture render_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {

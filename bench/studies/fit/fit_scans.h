@@ -9,7 +9,7 @@
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/pipeline/acquire.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -25,12 +25,11 @@ struct LoadedPhantom {
 LoadedPhantom load_phantom(const phantoms::PhantomOptions& options, PhantomCache& cache);
 
 /// The scene of a fit: at most kFitImageSize wide, z uncorrected, framed by the phantom.
-Scene fit_scene(Scene scene, const phantoms::Phantom& phantom);
+ResolvedScene fit_scene(Scene scene, const phantoms::Phantom& phantom);
 
 /// The volume of the scene's probe with this seed, through the board.
-hw::PolarVolume scan_with_seed(Scene scene,
+hw::PolarVolume scan_with_seed(const ResolvedScene& scene,
                                std::uint64_t seed,
-                               const phantoms::PlacedPhantom& subject,
                                const sim::TissueMapSource& maps);
 
 /// The picture of a volume, whose frames the renderer places as its own plan has them.

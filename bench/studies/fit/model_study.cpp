@@ -165,8 +165,8 @@ class SetScans {
  public:
   SetScans(const ScanSet& set, PhantomCache& cache, render::GlContext& context)
       : evaluator_(small(set.scene), context, cache),
-        options_(evaluator_.scene().render),
-        meter_(evaluator_.scene().plan(), evaluator_.scene().simulation, options_) {}
+        options_(evaluator_.scene().render()),
+        meter_(evaluator_.scene().plan(), evaluator_.scene().simulation(), options_) {}
 
   render::Camera camera() const { return render::make_camera(options_); }
   double step_mm() const { return render::step_m(options_) / kMillimetre; }

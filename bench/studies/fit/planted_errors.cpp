@@ -60,15 +60,16 @@ class PlantedScans {
   PlantedScans(const Scene& scene, const LoadedPhantom& phantom, render::GlContext& context)
       : scene_(fit_scene(scene, phantom.phantom)),
         phantom_(phantom),
-        subject_(scene_.place(phantom.phantom)),
-        renderer_(context, scene_.plan(), scene_.render),
-        registration_(subject_, scene_.plan(), render::make_view(scene_.render)) {}
+        renderer_(context, scene_.plan(), scene_.render()),
+        registration_(scene_.subject().value(), scene_.plan(), scene_.view()) {}
 
   /// z, with the bias added.
   Image<float> depth(std::uint64_t seed, const PlantedErrors& errors) {
-    const Scene truth = with_errors(scene_, errors);
-    const auto subject = seen_by_motor(subject_, truth.plan().geometry(), errors[kMotorAngle]);
-    auto picture = render_frames(renderer_, scan_with_seed(truth, seed, subject, phantom_.maps));
+    const Scene options = with_errors(scene_.options(), errors);
+    const ResolvedScene truth(
+        options,
+        seen_by_motor(scene_.subject().value(), options.plan().geometry(), errors[kMotorAngle]));
+    auto picture = render_frames(renderer_, scan_with_seed(truth, seed, phantom_.maps));
     for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors[kBias]);
     return picture.depth_m;
   }
@@ -80,9 +81,8 @@ class PlantedScans {
   }
 
  private:
-  Scene scene_;
+  ResolvedScene scene_;
   LoadedPhantom phantom_;
-  phantoms::PlacedPhantom subject_;
   render::Renderer renderer_;
   SurfaceRegistration registration_;
 };

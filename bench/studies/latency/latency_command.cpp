@@ -8,7 +8,6 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/latency/latency_report.h"
 #include "render/gl/context.h"

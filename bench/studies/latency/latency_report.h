@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/output/figure.h"
-#include "bench/output/provenance.h"
+#include "bench/output/chart/chart.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/latency/latency_study.h"
 
 namespace wobblebench::bench {

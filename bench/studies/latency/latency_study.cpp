@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "base/duration.h"
-#include "bench/cache/kept_maps.h"
+#include "bench/cache/phantom_cache.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/pipeline/stream/stream.h"
@@ -43,14 +43,11 @@ std::string board_text(const WallSetting& setting) {
 StreamResult run_wall_stream(const WallSetting& setting,
                              render::GlContext& context,
                              PhantomCache& cache) {
-  Scene scene = setting.scene;
   BoardConnection connection(parse_board(board_text(setting)));
-  const auto phantom = cache.phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  const auto subject = scene.place(phantom);
-  render::Renderer renderer(context, scene.plan(), scene.render);
+  const ResolvedScene scene = resolve_scene(setting.scene, cache.phantom(setting.scene.phantom));
+  render::Renderer renderer(context, scene.plan(), scene.render());
   renderer.compile();
-  const StreamSource source = connection.connect(scene, subject, kept_maps(cache.tissue_maps()));
+  const StreamSource source = connection.connect(scene, kept_maps(cache.tissue_maps()));
   GlStreamRenderer passes(renderer);
   StreamResult result = run_stream(
       source, passes, {.queue = setting.queue}, [](const ShownPicture&) {}, [] { return false; });

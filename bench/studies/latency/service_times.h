@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/pipeline/stream/latency_spans.h"
 #include "bench/pipeline/stream/stream.h"
+#include "bench/pipeline/stream/stream_summary.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 

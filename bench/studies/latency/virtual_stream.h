@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/pipeline/stream/stream_queues.h"
 #include "base/statistics.h"
-#include "bench/pipeline/stream/volume_queue.h"
+#include "bench/pipeline/stream/stream_queues.h"
 #include "bench/studies/latency/service_times.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"

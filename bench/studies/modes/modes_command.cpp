@@ -46,10 +46,9 @@ Rows measure_phantom(Scene scene,
                      render::GlContext& context,
                      const PartDone& done) {
   scene.phantom.name = name;
-  const auto phantom = cache.phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  const Acquisition acquisition = acquire_simulated(scene, phantom, cache.tissue_maps());
-  return measure_mode_agreement(name, acquisition.volume, scene.render, context, done);
+  const ResolvedScene resolved = resolve_scene(scene, cache.phantom(scene.phantom));
+  const Acquisition acquisition = acquire_simulated(resolved, cache.tissue_maps());
+  return measure_mode_agreement(name, acquisition.volume, resolved.render(), context, done);
 }
 
 void refuse_compared_settings(const Scene& scene) {

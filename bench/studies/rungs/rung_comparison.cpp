@@ -14,9 +14,9 @@
 #include <stdexcept>
 
 #include "base/duration.h"
-#include "base/file_descriptor.h"
+#include "base/file.h"
 #include "base/user_error.h"
-#include "bench/scene/late_refusal.h"
+#include "bench/scene/scene.h"
 #include "bench/studies/validate/scan.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
@@ -153,9 +153,11 @@ namespace {
 constexpr int kSeeds = 3;
 constexpr int kPanelWidth = 600;
 
-RungScene scene_of(Scene scene, const phantoms::Phantom& phantom) {
-  complete_from_phantom(scene, phantom);
-  return {{phantom, to_placement(scene.placement)}, scene.plan(), scene.simulation};
+/// At rest: the measurements set the motion.
+RungScene scene_of(Scene given, const phantoms::Phantom& phantom) {
+  given.motion = {};
+  const ResolvedScene scene = resolve_scene(std::move(given), phantom);
+  return {{phantom, scene.subject()->placement}, scene.plan(), scene.simulation()};
 }
 
 /// In processes of their own, before this one works on other threads.

@@ -8,6 +8,8 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
+#include "bench/scene/resolved_scene.h"
+#include "bench/studies/rungs/rung_comparison.h"
 #include "bench/studies/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 

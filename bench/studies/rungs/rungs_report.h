@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
-#include "bench/output/provenance.h"
+#include "bench/output/chart/chart.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/rungs/rung_comparison.h"
 
 namespace wobblebench::bench {

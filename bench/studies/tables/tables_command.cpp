@@ -14,7 +14,8 @@
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/board_link.h"
-#include "bench/scene/adopt_plan.h"
+#include "bench/scene/resolved_scene.h"
+#include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/tables_program.h"
 #include "bench/studies/tables/tables_report.h"
 
@@ -36,7 +37,7 @@ TableVolumes simulate(Scene& scene,
                       PhantomCache cache,
                       Progress& progress) {
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  complete_from_phantom(scene, phantom);
+  scene = resolve_scene(scene, phantom).options();
   return progress.step("scans", [&](const PartDone& done) {
     return scan_table_volumes(scene, phantom, board, cache.tissue_maps(), done);
   });
@@ -48,7 +49,8 @@ TableVolumes play(Scene& scene,
                   Progress& progress) {
   auto volumes =
       progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
-  adopt_plan(scene, volumes.by_frames.at(reference_row().frames).plan(), "--board " + board.text);
+  const auto& plan = volumes.by_frames.at(reference_row().frames).plan();
+  scene = with_plan(scene, plan, "--board " + board.text);
   return volumes;
 }
 
@@ -136,7 +138,7 @@ TableVolumes scan_table_volumes(const Scene& scene,
   for (const int frames : frame_counts()) {
     Scene varied = scene;
     varied.acquisition.frames_per_volume = frames;
-    Acquisition acquisition = BoardConnection(board).acquire(varied, varied.place(phantom), maps);
+    Acquisition acquisition = BoardConnection(board).acquire(resolve_scene(varied, phantom), maps);
     volumes.board = hw::to_string(acquisition.link.origin);
     volumes.effects = acquisition.simulated.value().effects;
     volumes.by_frames.emplace(frames, std::move(acquisition.volume));

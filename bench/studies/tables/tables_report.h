@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/volumes.h"
 #include "render/gl/context.h"

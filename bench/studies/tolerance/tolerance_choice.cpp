@@ -9,9 +9,10 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/cache/phantom_key.h"
+#include "bench/cache/phantom_cache.h"
+#include "bench/studies/trade/trade_study.h"
 #include "bench/studies/tune/tune_study.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/validate/statistics.h"
 
 namespace wobblebench::bench {
 

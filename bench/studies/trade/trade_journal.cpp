@@ -15,7 +15,6 @@
 #include <stdexcept>
 
 #include "base/file.h"
-#include "base/sync.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/output/report_parts.h"

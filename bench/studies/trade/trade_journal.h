@@ -12,8 +12,6 @@
 #include <vector>
 
 #include "base/file.h"
-#include "bench/studies/trade/trade_record.h"
-#include "base/file_descriptor.h"
 #include "bench/evaluation/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
 

@@ -14,8 +14,8 @@
 #include "base/hash.h"
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
-#include "bench/scene/toml_reader.h"
-#include "bench/studies/validate/seeds.h"
+#include "bench/studies/accuracy/accuracy_plan.h"
+#include "bench/studies/validate/statistics.h"
 
 namespace wobblebench::bench {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
-#include "bench/output/provenance.h"
+#include "bench/output/chart/chart.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/trade/trade_analysis.h"
 
 namespace wobblebench::bench {

@@ -8,7 +8,6 @@
 #include "base/statistics.h"
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
-#include "bench/scene/available_memory.h"
 #include "bench/scene/scene_cost.h"
 
 namespace wobblebench::bench {
@@ -147,7 +146,7 @@ struct TradeMeasurement::Reference {
             render::GlContext& context,
             PhantomCache& cache)
       : evaluator(work.reference(scene), context, cache) {
-    evaluator.scan(evaluator.scene().simulation.fidelity, work.plan.seeds.front());
+    evaluator.scan(evaluator.scene().simulation().fidelity, work.plan.seeds.front());
     options = evaluator.render_options(work.reference(scene));
     evaluator.time_picture(options);
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "hw/probe/probe_presets.h"
+#include "hw/probe/probe.h"
 #include "phantoms/phantom.h"
 #include "phantoms/placed_phantom.h"
 #include "sim/probe_simulator.h"

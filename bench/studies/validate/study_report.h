@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/figure.h"
+#include "bench/output/chart/chart.h"
 #include "bench/studies/validate/yardstick.h"
 #include "sim/options.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/provenance.h"
+#include "bench/output/report_parts.h"
 #include "bench/studies/validate/study_report.h"
 
 namespace wobblebench::bench {

@@ -7,9 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/studies/validate/yardstick/csv_table.h"
 #include "hw/probe/probe.h"
-#include "hw/probe/probe_presets.h"
 
 namespace wobblebench::bench {
 

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <set>
 
-#include "bench/cache/phantom_key.h"
 #include "phantoms/io/phantom_bytes.h"
 #include "sim/tissue/tissue_map_bytes.h"
 #include "tests/support/folder_test.h"

@@ -66,6 +66,8 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
   const auto all = bench({"--help"}, folder);
   EXPECT_EQ(all.exit_code, 0);
   for (const char* const command : {"run",
+                                    "stream",
+                                    "latency",
                                     "record",
                                     "inspect",
                                     "conformance",
@@ -80,6 +82,7 @@ TEST(Answers, HelpOfEveryCommandIsNoError) {
                                     "trade",
                                     "tune",
                                     "accuracy",
+                                    "fit",
                                     "extremes"}) {
     EXPECT_NE(all.out.find(std::string("\n  ") + command + " "), std::string::npos) << command;
     for (const char* const help : {"-h", "--help"}) {
@@ -113,50 +116,6 @@ TEST(Answers, NumbersAreDecimal) {
   const auto report = nlohmann::json::parse(ten.out).at("rehearsal");
   EXPECT_EQ(report.at("seeds"), 10);
   EXPECT_EQ(report.at("first_seed"), 8);
-}
-
-TEST(Answers, RungsRefuseAPhantomsFileWithOneLine) {
-  const ScratchFolder folder;
-  folder.write("bad.stl", "solid x\nendsolid x\n");
-  const auto result = bench({"rungs",
-                             "--set",
-                             "phantom.name=mesh",
-                             "--set",
-                             "phantom.file=bad.stl",
-                             "--set",
-                             "phantom.unit_mm=1"},
-                            folder);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.err.find("wobblebench: phantom.file = \"bad.stl\": "), 0U) << result.err;
-  EXPECT_EQ(lines_in(result.err), 1) << result.err;
-  EXPECT_EQ(result.out, "");
-}
-
-TEST(Answers, RungsRefuseWhatOneOfItsRungsCannotShow) {
-  const ScratchFolder folder;
-  const auto result = bench({"rungs", "--set", "simulation.speckle=false"}, folder);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.err,
-            "wobblebench: simulation.speckle = false: needs the rung geometry or field; the rung "
-            "is reference (asked for)\n");
-  EXPECT_TRUE(folder.files().empty());
-}
-
-TEST(Answers, WhatCannotBeOpenedIsRefusedBeforeAFolderIsMade) {
-  const ScratchFolder folder;
-  for (const Words& words : {Words{"conformance", "none.toml"},
-                             Words{"conformance", "--board", "nonsense"},
-                             Words{"conformance", "--board", "file=none.wbst"},
-                             Words{"tables", "--board", "file=none.wbst"},
-                             Words{"record", "--board", "file=none.wbst"},
-                             Words{"record", "--board", "xdma=none"},
-                             Words{"conformance", "--board", "xdma=none"},
-                             Words{"run", "--board", "file=none.wbst"}}) {
-    const auto result = bench(words, folder);
-    EXPECT_EQ(result.exit_code, 2) << result.err;
-    EXPECT_TRUE(folder.files().empty()) << words.front() << " " << words.back();
-    fs::remove_all(folder.path() / "out");
-  }
 }
 
 TEST(Answers, ARefusalThatOnlyThePhantomFindsLeavesNoFolder) {

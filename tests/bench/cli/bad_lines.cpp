@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <random>
 #include <sstream>
 #include <stdexcept>
 
@@ -19,6 +20,30 @@ namespace {
 
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
+
+/// Random choices that are the same on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : random_(seed) {}
+
+  /// In [0, count).
+  std::size_t below(std::size_t count) { return random_() % count; }
+  bool chance(double probability) {
+    return static_cast<double>(random_() >> 11) * 0x1p-53 < probability;
+  }
+  template <class T>
+  const T& one_of(const std::vector<T>& choices) {
+    return choices.at(below(choices.size()));
+  }
+  std::string letters(std::size_t count) {
+    std::string text;
+    while (text.size() < count) text += static_cast<char>('a' + below(26));
+    return text;
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
 
 /// What can be given where a file is read, and is none.
 const Words& no_files() {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "bench/command/program.h"
-#include "tests/bench/cli/dice.h"
 
 namespace wobblebench::bench::testing {
 

@@ -1,4 +1,4 @@
-// The program: good input, bad input, interruption, a full disk.
+// The program: good input, paths of any bytes, interruption, a full disk.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,146 +19,6 @@ namespace {
 const Words kQuick = with(kSphere, {kPicture, {"--set", "acquisition.frames_per_volume=9"}});
 const Words kResults = {
     "depth.exr", "error_depth.exr", "report.json", "surface.png", "truth_depth.exr", "volume.png"};
-
-struct BadInput {
-  std::string name;
-  Words arguments;
-  std::string expected;  ///< what the one line says after "wobblebench: "
-};
-
-void PrintTo(const BadInput& bad, std::ostream* out) {
-  *out << bad.name;
-}
-
-class RefusesBadInput : public testing::TestWithParam<BadInput> {};
-
-TEST_P(RefusesBadInput, WithOneLineAndExitCode2) {
-  const ScratchFolder folder;
-  folder.write("typo.toml", "[acquisition]\ndeptn_mm = 100\n");
-  folder.write("type.toml", "[acquisition]\nsticks_per_frame = \"many\"\n");
-  folder.write("range.toml", "[acquisition]\ndepth_mm = 4000\n");
-  folder.write("syntax.toml", "[acquisition\n");
-  folder.write("garbage.vdb", "this is not a VDB file, and is longer than a header would be");
-  folder.write("empty.vdb", "");
-  folder.write("lines.toml", "[phantom]\nname = \"a\\nb\"\n");
-  const ProcessResult result = bench(GetParam().arguments, folder);
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_EQ(result.out, "");
-  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-  EXPECT_EQ(result.err.find("wobblebench: " + GetParam().expected), 0u) << result.err;
-  EXPECT_FALSE(fs::exists(folder.path() / "out")) << "left something behind";
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    CommandLine,
-    RefusesBadInput,
-    testing::Values(
-        BadInput{"unknown_key",
-                 {"run", "typo.toml"},
-                 "typo.toml: acquisition.deptn_mm: unknown key; keys of"},
-        BadInput{"wrong_type",
-                 {"run", "type.toml"},
-                 "type.toml: acquisition.sticks_per_frame = 'many': must be a whole number"},
-        BadInput{"out_of_range",
-                 {"run", "range.toml"},
-                 "range.toml: acquisition.depth_mm = 4000: must be within 1 and 400"},
-        BadInput{"syntax", {"run", "syntax.toml"}, "syntax.toml: line 1: "},
-        BadInput{"missing_scene", {"run", "none.toml"}, "none.toml: no such file"},
-        BadInput{"missing_vdb",
-                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=none.vdb"},
-                 "--set: phantom.file = \"none.vdb\": no such file"},
-        BadInput{"vdb_not_named",
-                 {"run", "--set", "phantom.name=file"},
-                 "--set: phantom.file = \"\": must be the path of a .vdb"},
-        BadInput{"garbage_vdb",
-                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=garbage.vdb"},
-                 "phantom.file = \"garbage.vdb\": "},
-        BadInput{"empty_vdb",
-                 {"run", "--set", "phantom.name=file", "--set", "phantom.file=empty.vdb"},
-                 "--set: phantom.file = \"empty.vdb\": "},
-        BadInput{"out_is_a_file", {"run", "--out", "typo.toml"}, "--out = typo.toml: "},
-        BadInput{"out_under_a_file", {"run", "--out", "typo.toml/out"}, "--out = typo.toml/out: "},
-        BadInput{"out_cannot_be_written", {"run", "--out", "/proc/out"}, "--out = /proc/out: "},
-        BadInput{"board_nonsense",
-                 {"run", "--board", "nonsense"},
-                 "--board = nonsense: must be sim, file="},
-        BadInput{"unknown_phantom",
-                 {"phantom", "--set", "phantom.name=cat"},
-                 "--set: phantom.name = \"cat\": must be one of"},
-        BadInput{"voxel_too_coarse",
-                 {"run",
-                  "--set",
-                  "phantom.name=sphere",
-                  "--set",
-                  "phantom.radius_mm=5",
-                  "--set",
-                  "phantom.voxel_mm=4"},
-                 "--set: phantom.voxel_mm = 4: must be at most 2.5 for the phantom sphere"},
-        BadInput{"line_break_in_a_value",
-                 {"run", "--set", "phantom.name=a\nb"},
-                 "--set phantom.name=a\\nb: must be"},
-        BadInput{"line_break_in_a_file",
-                 {"run", "lines.toml"},
-                 "lines.toml: phantom.name = \"a\\nb\": must be one of"},
-        BadInput{
-            "line_break_in_out", {"run", "--out", "typo.toml/a\nb"}, "--out = typo.toml/a\\nb"},
-        BadInput{"no_utf8",
-                 {"run", "--set", "phantom.file=\xff.vdb"},
-                 "--set phantom.file=\\xff.vdb: must be UTF-8"},
-        BadInput{"name_too_long", {"run", std::string(300, 'a')}, std::string(300, 'a') + ": File"},
-        BadInput{"scene_is_a_folder", {"run", "."}, ".: not a file"},
-        BadInput{"scene_is_empty", {"run", ""}, "SCENE: is empty"},
-        BadInput{
-            "beyond_the_memory",
-            {"run",
-             "--set",
-             "acquisition.sticks_per_frame=1024",
-             "--set",
-             "acquisition.frames_per_volume=1024",
-             "--set",
-             "acquisition.samples_per_stick=4096",
-             "--set",
-             "probe.center_frequency_mhz=20",
-             "--set",
-             "probe.fractional_bandwidth=1.5",
-             "--set",
-             "acquisition.depth_mm=400"},
-            "--set: acquisition.frames_per_volume = 1024, acquisition.sticks_per_frame = 1024, "
-            "acquisition.samples_per_stick = 4096: need about "},
-        BadInput{"age_out_of_range",
-                 {"phantom", "--set", "phantom.gestational_age_weeks=12"},
-                 "--set: phantom.gestational_age_weeks = 12: must be within 20 and 30"},
-        BadInput{"even_kernel",
-                 {"run", "--set", "render.ray_casting.kernel_3d=2"},
-                 "--set: render.ray_casting.kernel_3d = 2: "},
-        BadInput{"set_without_value",
-                 {"run", "--set", "acquisition.depth_mm"},
-                 "--set acquisition.depth_mm: must be SECTION.KEY=VALUE"},
-        BadInput{"unknown_option", {"run", "--colour"}, ""},
-        BadInput{"unknown_command", {"paint"}, ""},
-        BadInput{"no_command", {}, ""},
-        BadInput{"repeats_of_none",
-                 {"tables", "--repeats", "0"},
-                 "--repeats = 0: must be a whole number from 1 to 100"},
-        BadInput{"unknown_gl", {"run", "--gl", "glide"}, "--gl: glide not in {auto,"},
-        BadInput{"unknown_gl_of_tables", {"tables", "--gl", "glide"}, "--gl: glide not in {auto,"},
-        BadInput{"pipeline_of_tables",
-                 {"tables", "--set", "render.pipeline.mode=plain"},
-                 "render.pipeline.mode: is set by the tables themselves"},
-        BadInput{"view_of_modes",
-                 {"modes", "--set", "render.view.yaw_deg=5"},
-                 "render.view.yaw_deg: is set by the comparison itself"},
-        BadInput{"modes_without_surface",
-                 {"modes", "--set", "render.ray_casting.mode=volume"},
-                 "render.ray_casting.mode = \"volume\": must be surface or both"}),
-    [](const auto& test) { return test.param.name; });
-
-TEST(CommandLine, HelpIsNoError) {
-  const ScratchFolder folder;
-  const auto result = bench({"--help"}, folder);
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_NE(result.out.find("tables"), std::string::npos);
-}
 
 TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   const ScratchFolder folder;
@@ -383,6 +243,30 @@ TEST(CommandLine, ResultsOfAnEarlierRunSurviveAFailedOne) {
   const auto failed = bench(with({"run"}, {kQuick}), folder, {.file_bytes = 500});
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_EQ(folder.files("out"), kResults);
+}
+
+const Words kSmall = with(kSphere, {kPicture, kScan});
+
+/// JSON cannot hold paths that are no UTF-8.
+TEST(PathsOfAnyBytes, WorkOrAreOneLine) {
+  const ScratchFolder folder;
+  folder.write("\xff.toml", "[acquisition]\ndepth_mm = 100\n");
+  for (const Words& first : {Words{"run", "--json", "--out", "\xff"},
+                             {"run", "--json", "\xff.toml"},
+                             {"record", "--volumes", "1", "--out", "\xfe"},
+                             {"run", "--json", "--board", "file=\xfe/recording.wbst"},
+                             {"run", "--json", "--board", "file=none\xff"},
+                             {"inspect", "--json", "\xfe/recording.wbst"},
+                             {"phantom", "--json", "--out", "\xfd"}}) {
+    Words words = first;
+    if (first[0] != "inspect") words.insert(words.end(), kSmall.begin(), kSmall.end());
+    const auto result = bench(words, folder);
+    SCOPED_TRACE(result.err);
+    if (result.exit_code == 0) continue;
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
+    EXPECT_EQ(result.err.find("json"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -36,14 +36,17 @@ ChainResult run_chain(std::vector<std::string> settings,
   settings.push_back("render.ray_casting.image_size=" + std::to_string(image_size));
   settings.push_back("render.scan_conversion.slice_size=" + std::to_string(slice_size));
   settings.emplace_back("render.ray_casting.mode=surface");
-  Scene scene = load_scene({}, settings);
-  const auto phantom = phantoms::make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  auto acquisition = acquire_simulated(scene, phantom);
-  auto picture = render::render_volume(context(), acquisition.volume, scene.render);
-  auto truth = trace_truth(scene.place(phantom), scene.plan(), render::make_view(scene.render));
-  auto error = measure_depth_error(picture.depth_m, truth, render::make_camera(scene.render));
-  return {scene, std::move(acquisition), std::move(picture), std::move(truth), std::move(error)};
+  const Scene given = load_scene({}, settings);
+  const ResolvedScene scene = resolve_scene(given, phantoms::make_phantom(given.phantom));
+  auto acquisition = acquire_simulated(scene);
+  auto picture = render::render_volume(context(), acquisition.volume, scene.render());
+  auto truth = trace_truth(*scene.subject(), scene.plan(), scene.view());
+  auto error = measure_depth_error(picture.depth_m, truth, scene.view().camera);
+  return {scene.options(),
+          std::move(acquisition),
+          std::move(picture),
+          std::move(truth),
+          std::move(error)};
 }
 
 struct Expected {
@@ -180,7 +183,7 @@ TEST(Tables, RefuseSettingsOfTheirOwn) {
 TEST(Tables, ScansHaveTheirFramesOverTheWholeFan) {
   Scene scene = load_scene({}, {"phantom.name=sphere", "phantom.voxel_mm=2"});
   const auto phantom = phantoms::make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
+  scene = resolve_scene(scene, phantom).options();
   take_reference_settings(scene, {.divisor = 8});
   const TableVolumes volumes = scan_table_volumes(scene, phantom, parse_board("sim"));
   EXPECT_EQ(volumes.board, "simulated");

@@ -40,20 +40,18 @@ TEST(Evaluator, HasTheSticksAndTheScoreOfARun) {
   Evaluator evaluator = scanned(cache, 5);
   auto settings = kScene;
   settings.emplace_back("simulation.seed=5");
-  Scene scene = load_scene({}, settings);
-  const auto& phantom = evaluator.subject().phantom;
-  complete_from_phantom(scene, phantom);
-  const auto acquired = acquire_simulated(scene, phantom);
+  const ResolvedScene scene = resolve_scene(load_scene({}, settings), evaluator.subject().phantom);
+  const auto acquired = acquire_simulated(scene);
   for (int frame = 0; frame < 17; ++frame) {
     EXPECT_EQ(evaluator.sticks().frame(frame).samples, acquired.volume.frame(frame).samples);
     EXPECT_EQ(evaluator.sticks().frame(frame).motor_angle_rad,
               acquired.volume.frame(frame).motor_angle_rad);
   }
-  const Evaluation scored = evaluator.evaluate(evaluator.scene().render);
-  const auto picture = render::render_volume(context(), acquired.volume, scene.render);
+  const Evaluation scored = evaluator.evaluate(evaluator.scene().render());
+  const auto picture = render::render_volume(context(), acquired.volume, scene.render());
   expect_same_depths(scored.picture, picture);
-  Truth truth = trace_truth(scene.place(phantom), scene.plan(), render::make_view(scene.render));
-  const auto error = measure_depth_error(picture.depth_m, truth, render::make_camera(scene.render));
+  const Truth truth = trace_truth(*scene.subject(), scene.plan(), scene.view());
+  const auto error = measure_depth_error(picture.depth_m, truth, scene.view().camera);
   EXPECT_GT(error.depth.n, 100);
   EXPECT_EQ(scored.measures.raw.depth.p95_m, error.depth.p95_m);
   EXPECT_EQ(scored.measures.raw.missed, error.missed);
@@ -63,7 +61,7 @@ TEST(Evaluator, HasTheSticksAndTheScoreOfARun) {
 TEST(Evaluator, DoesNotDependOnWhatWasEvaluatedBefore) {
   PhantomCache cache;
   Evaluator used = scanned(cache, 1);
-  const render::RenderOptions usual = used.scene().render;
+  const render::RenderOptions usual = used.scene().render();
   render::RenderOptions longer = usual, turned = usual, both = usual;
   longer.ray_casting.buffer_length = both.ray_casting.buffer_length = 32;
   turned.view.yaw_rad = both.view.yaw_rad = 20 * kDegree;
@@ -84,11 +82,11 @@ TEST(Evaluator, MeasuresOnlyWhatIsAskedFor) {
   // Few pixels of a ball, which can be turned at will: with seeds 1 and 7 of 8 the fit stays short.
   Evaluator evaluator = scanned(cache, 2);
   const EvaluationChoice cheap{{.shaded = false, .distance = false}, false};
-  const Evaluation few = evaluator.evaluate(evaluator.scene().render, cheap);
+  const Evaluation few = evaluator.evaluate(evaluator.scene().render(), cheap);
   EXPECT_FALSE(few.measures.distance);
   EXPECT_TRUE(std::isnan(few.measures.shaded.ssim));
   EXPECT_FALSE(few.registration);
-  const Evaluation all = evaluator.evaluate(evaluator.scene().render, {.registration = true});
+  const Evaluation all = evaluator.evaluate(evaluator.scene().render(), {.registration = true});
   EXPECT_TRUE(all.registration->converged);
   EXPECT_TRUE(all.measures.distance);
 }

@@ -34,8 +34,11 @@ TEST_F(Acquiring, ARecordingInRealTimeTakesItsTimeHoweverLateItIsAskedFor) {
   options.samples_per_stick = 16;
   const hw::AcquisitionPlan plan({}, options);
   BoardConnection board(parse_board("file=" + record(plan).string() + ",pace=realtime"));
-  Scene scene = load_scene({}, {});
-  EXPECT_EQ(board.adopt_plan(scene), hw::StreamOrigin::simulated);
+  PhantomCache cache;
+  Progress progress;
+  const Scene given = load_scene({}, {"phantom.name=sphere", "phantom.voxel_mm=2"});
+  const ResolvedScene scene = board.resolve(given, cache, progress);
+  EXPECT_TRUE(scene.subject()) << "the samples are simulated";
   std::this_thread::sleep_for(2 * plan.volume_duration());
   const auto asked = hw::HostClock::now();
   const Acquisition acquisition = board.acquire(scene);
@@ -47,16 +50,15 @@ TEST_F(Acquiring, ARecordingInRealTimeTakesItsTimeHoweverLateItIsAskedFor) {
 }
 
 TEST_F(Acquiring, TheTransportOfASimulatedVolumeIsNeverNegative) {
-  Scene scene = load_scene({},
-                           {"phantom.name=sphere",
-                            "phantom.voxel_mm=2",
-                            "acquisition.frames_per_volume=2",
-                            "acquisition.sticks_per_frame=64",
-                            "acquisition.samples_per_stick=512"});
-  const auto phantom = make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
+  const Scene given = load_scene({},
+                                 {"phantom.name=sphere",
+                                  "phantom.voxel_mm=2",
+                                  "acquisition.frames_per_volume=2",
+                                  "acquisition.sticks_per_frame=64",
+                                  "acquisition.samples_per_stick=512"});
+  const ResolvedScene scene = resolve_scene(given, make_phantom(given.phantom));
   for (int i = 0; i < 30; ++i) {
-    EXPECT_GE(acquire_simulated(scene, phantom).transport_ms, 0) << i;
+    EXPECT_GE(acquire_simulated(scene).transport_ms, 0) << i;
   }
 }
 

@@ -9,7 +9,6 @@
 #include <filesystem>
 
 #include "base/user_error.h"
-#include "bench/scene/available_memory.h"
 #include "tests/support/process.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 
 #include <gtest/gtest.h>
@@ -208,10 +208,10 @@ phantoms::Phantom empty_phantom(const phantoms::Box& box) {
 
 TEST_F(SceneFile, BoxOfInterestHoldsTheTurnedBoxOfThePhantom) {
   const auto phantom = empty_phantom({{-0.01, -0.02, -0.03}, {0.05, 0.02, 0.07}});
-  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 90, 0]"});
-  complete_from_phantom(scene, phantom);
+  const Scene given = load_scene({}, {"placement.rotation_deg=[0, 90, 0]"});
+  const ResolvedScene scene = resolve_scene(given, phantom);
   // About y, z turns to x and x to -z.
-  const auto& box = scene.render.volume_of_interest;
+  const auto& box = scene.render().volume_of_interest;
   const glm::dvec3 size(0.10, 0.04, 0.06), center(0.02, 0, 0.1 - 0.02);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(box.size_m[axis], size[axis], 1e-15);
@@ -221,9 +221,9 @@ TEST_F(SceneFile, BoxOfInterestHoldsTheTurnedBoxOfThePhantom) {
 
 TEST_F(SceneFile, BoxOfInterestOfATiltedPhantomHoldsItsCorners) {
   const auto phantom = empty_phantom({{-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01}});
-  Scene scene = load_scene({}, {"placement.rotation_deg=[0, 0, 45]"});
-  complete_from_phantom(scene, phantom);
-  const auto& size = scene.render.volume_of_interest.size_m;
+  const Scene given = load_scene({}, {"placement.rotation_deg=[0, 0, 45]"});
+  const ResolvedScene scene = resolve_scene(given, phantom);
+  const auto& size = scene.render().volume_of_interest.size_m;
   EXPECT_NEAR(size.x, 0.02 * std::sqrt(2), 1e-15);
   EXPECT_NEAR(size.z, 0.02, 1e-15);
 }
@@ -318,12 +318,12 @@ TEST_F(SceneFile, AHeadThatIsNotThereDoesNotTurn) {
   const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10"});
   const auto phantom = empty_phantom({});
   try {
-    static_cast<void>(scene.place(phantom));
+    resolve_scene(scene, phantom);
     FAIL() << "accepted";
   } catch (const UserError& error) {
     EXPECT_EQ(std::string(error.what()).find("motion.head_turn_deg = 10: "), 0U) << error.what();
   }
-  EXPECT_TRUE(load_scene({}, {}).place(phantom).motion.still());
+  EXPECT_TRUE(resolve_scene(load_scene({}, {}), phantom).subject()->motion.still());
 }
 
 TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {
@@ -401,12 +401,11 @@ TEST_F(SceneFile, ResolvedSceneReadsBackAsItself) {
 
 /// On the face, at the edges and in the middle of the sector: docs/units.md.
 TEST_F(SceneFile, WithoutAPhantomTheVolumeOfInterestIsTheScannedSector) {
-  Scene scene = load_scene({}, {});
-  complete_from_plan(scene);
+  const ResolvedScene scene = resolve_scene(load_scene({}, {}), std::nullopt);
   const double a = 0.04, b = 0.04 - 0.027, end = 0.04 + 0.16;
   const double half_sector = 38.5 * kDegree, half_fan = 30.5 * kDegree;
   const double low_z = b + (a * std::cos(half_sector) - b) * std::cos(half_fan);
-  const auto& box = scene.render.volume_of_interest;
+  const auto& box = scene.render().volume_of_interest;
   EXPECT_NEAR(box.size_m.x, 2 * end * std::sin(half_sector), 1e-12);
   EXPECT_NEAR(box.size_m.y, 2 * (end - b) * std::sin(half_fan), 1e-12);
   EXPECT_NEAR(box.size_m.z, end - low_z, 1e-12);
@@ -424,11 +423,11 @@ TEST_F(SceneFile, ARuleOfTheAcquisitionIsRefusedByItsOwnSection) {
 
 /// It was refused for a size that nobody had given.
 TEST_F(SceneFile, TheVolumeOfInterestOfTheNarrowestScanIsAllowed) {
-  Scene scene = load_scene(
+  const Scene given = load_scene(
       {}, {"acquisition.sector_deg=0.1", "acquisition.fan_deg=0.1", "acquisition.depth_mm=1"});
-  complete_from_plan(scene);
-  EXPECT_NO_THROW(render::validate(scene.render));
-  EXPECT_NEAR(scene.render.volume_of_interest.center_m.z, 0.0405, 1e-5);
+  const ResolvedScene scene = resolve_scene(given, std::nullopt);
+  EXPECT_NO_THROW(render::validate(scene.render()));
+  EXPECT_NEAR(scene.render().volume_of_interest.center_m.z, 0.0405, 1e-5);
 }
 
 TEST_F(SceneFile, AVolumeOfInterestThatWasGivenStaysAndTheWidestIsAllowed) {
@@ -437,11 +436,10 @@ TEST_F(SceneFile, AVolumeOfInterestThatWasGivenStaysAndTheWidestIsAllowed) {
                             "probe.radius_mm=200",
                             "acquisition.depth_mm=400",
                             "acquisition.sector_deg=170"});
-  complete_from_plan(scene);
-  EXPECT_EQ(scene.render.volume_of_interest.size_m, glm::dvec3(0.05, 0.06, 0.07));
+  EXPECT_EQ(resolve_scene(scene, std::nullopt).render().volume_of_interest.size_m,
+            glm::dvec3(0.05, 0.06, 0.07));
   scene.given.clear();
-  complete_from_plan(scene);
-  EXPECT_NO_THROW(render::validate(scene.render));
+  EXPECT_NO_THROW(render::validate(resolve_scene(scene, std::nullopt).render()));
 }
 
 }  // namespace

@@ -95,9 +95,9 @@ TEST_F(CorrectionFile, ThatIsNoneIsRefusedInOneLine) {
 TEST_F(CorrectionFile, OfAnotherStepIsRefused) {
   const Scene scene = small_scene();
   Correction correction = correction_of(scene, 1);
-  EXPECT_NO_THROW(check_correction_step(correction, scene));
+  EXPECT_NO_THROW(check_correction(correction, scene));
   correction.step_mm *= 1.2;
-  EXPECT_THROW(check_correction_step(correction, scene), UserError);
+  EXPECT_THROW(check_correction(correction, scene), UserError);
 }
 
 TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {

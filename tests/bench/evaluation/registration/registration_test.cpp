@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/evaluation/truth/truth.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
@@ -18,8 +18,9 @@ class KnownError : public testing::Test {
     scene_ = new Scene(load_scene({}, {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"}));
     scene_->render.ray_casting.image_size = 128;
     const auto phantom = phantoms::make_phantom(scene_->phantom);
-    complete_from_phantom(*scene_, phantom);
-    subject_ = new phantoms::PlacedPhantom(scene_->place(phantom));
+    const ResolvedScene resolved = resolve_scene(*scene_, phantom);
+    *scene_ = resolved.options();
+    subject_ = new phantoms::PlacedPhantom(*resolved.subject());
   }
   static void TearDownTestSuite() {
     delete subject_;
@@ -173,10 +174,9 @@ TEST(Registration, OfNothingDoesNotConverge) {
   Scene scene = load_scene({}, {"phantom.name=sphere", "phantom.voxel_mm=2"});
   scene.render.ray_casting.image_size = 32;
   const auto phantom = phantoms::make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
+  const ResolvedScene resolved = resolve_scene(scene, phantom);
   const Image<float> nothing(32, 32, kNoSurface);
-  const auto fit = register_surface(
-      nothing, scene.place(phantom), scene.plan(), render::make_view(scene.render));
+  const auto fit = register_surface(nothing, *resolved.subject(), resolved.plan(), resolved.view());
   EXPECT_FALSE(fit.converged);
   EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);

@@ -46,21 +46,15 @@ phantoms::Phantom plate_and_wall() {
 }
 
 struct Seen {
-  Scene scene;
-  phantoms::PlacedPhantom subject;
+  ResolvedScene scene;
   Truth truth;
   render::View view;
 };
 
 Seen look(const phantoms::Phantom& phantom, std::vector<std::string> settings) {
   settings.emplace_back("render.ray_casting.image_size=96");
-  Scene scene = load_scene({}, settings);
-  complete_from_phantom(scene, phantom);
-  const auto subject = scene.place(phantom);
-  const render::View view = render::make_view(scene.render);
-  Truth truth = trace_truth(subject, scene.plan(), view);
-  mark_shadowed(truth, StickReach(subject, scene.plan(), scene.simulation), view.camera);
-  return {scene, subject, truth, view};
+  const ResolvedScene scene = resolve_scene(load_scene({}, settings), phantom);
+  return {scene, true_surface(scene), scene.view()};
 }
 
 /// Signed distance, in the middle of the plate, of a stick's axis from its edge: negative inside.
@@ -132,7 +126,7 @@ TEST(Grazing, IsWhereAStickMeetsTheSurfaceAtMoreThan85Degrees) {
       if (kind != TruthKind::grazing && kind != TruthKind::surface) continue;
       const auto depth_m = static_cast<double>(seen.truth.crossing_m.at(column, row));
       const glm::dvec3 at = seen.view.camera.ray(column, row).at(depth_m);
-      const glm::dvec3 normal = glm::normalize(at - seen.subject.placement.position_m);
+      const glm::dvec3 normal = glm::normalize(at - seen.scene.subject()->placement.position_m);
       const auto stick = plan.nearest_stick(geometry.to_polar(at), 0);
       const glm::dvec3 along =
           geometry.stick(plan.theta_rad(static_cast<int>(stick.line)), plan.motor_angle_rad(stick))

@@ -9,38 +9,32 @@
 #include <optional>
 #include <vector>
 
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "phantoms/truth.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
 namespace {
 
-struct Stage {
-  Scene scene;
-  phantoms::PlacedPhantom subject;
-};
-
-Stage stage(const std::vector<std::string>& settings) {
+ResolvedScene stage(const std::vector<std::string>& settings) {
   Scene scene = load_scene({}, settings);
   scene.render.ray_casting.image_size = 64;
   const auto phantom = phantoms::make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  return {scene, scene.place(phantom)};
+  return resolve_scene(std::move(scene), phantom);
 }
 
-Truth truth_of(const Stage& s) {
-  return trace_truth(s.subject, s.scene.plan(), render::make_view(s.scene.render));
+Truth truth_of(const ResolvedScene& scene) {
+  return trace_truth(*scene.subject(), scene.plan(), scene.view());
 }
 
 TEST(Truth, SphereIsWhereItsEquationSays) {
   for (const std::string view :
        {"render.view.yaw_deg=0", "render.view.yaw_deg=35", "render.view.pitch_deg=-25"}) {
-    const Stage s = stage(
+    const ResolvedScene s = stage(
         {"phantom.name=sphere", "phantom.radius_mm=18", view, "placement.rotation_deg=[10,20,30]"});
     const Truth truth = truth_of(s);
-    const render::Camera camera = render::make_camera(s.scene.render);
-    const glm::dvec3 center = s.subject.placement.position_m;
+    const render::Camera camera = s.view().camera;
+    const glm::dvec3 center = s.subject()->placement.position_m;
     int compared = 0;
     for (int row = 0; row < 64; ++row) {
       for (int column = 0; column < 64; ++column) {
@@ -50,7 +44,7 @@ TEST(Truth, SphereIsWhereItsEquationSays) {
         // At the rim the voxels' round-off decides between hit and miss.
         if (off > 17.5e-3) continue;
         const double expected = along - std::sqrt(18e-3 * 18e-3 - off * off);
-        const auto span = render::clip_to_box(ray, s.scene.render.volume_of_interest);
+        const auto span = render::clip_to_box(ray, s.render().volume_of_interest);
         if (expected < span.from_m + 0.1e-3 || expected > span.to_m - 0.1e-3) continue;
         const bool seen = truth.kind.at(column, row) == TruthKind::surface;
         ASSERT_TRUE(seen || truth.kind.at(column, row) == TruthKind::grazing)
@@ -67,14 +61,14 @@ TEST(Truth, SphereIsWhereItsEquationSays) {
 }
 
 TEST(Truth, FallingEdgeOfASphereIsItsBack) {
-  const Stage s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=15",
-                         "render.ray_casting.edge=falling",
-                         "render.volume_of_interest.size_mm=[60,60,90]",
-                         "render.volume_of_interest.center_mm=[0,0,110]"});
+  const ResolvedScene s = stage({"phantom.name=sphere",
+                                 "phantom.radius_mm=15",
+                                 "render.ray_casting.edge=falling",
+                                 "render.volume_of_interest.size_mm=[60,60,90]",
+                                 "render.volume_of_interest.center_mm=[0,0,110]"});
   const Truth truth = truth_of(s);
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const glm::dvec3 center = s.subject.placement.position_m;
+  const render::Camera camera = s.view().camera;
+  const glm::dvec3 center = s.subject()->placement.position_m;
   const hw::Ray ray = camera.ray(32, 32);
   const double along = glm::dot(center - ray.origin, ray.direction);
   const double off = glm::length(ray.at(along) - center);
@@ -82,10 +76,11 @@ TEST(Truth, FallingEdgeOfASphereIsItsBack) {
 }
 
 TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
-  const Stage s = stage({"phantom.name=plane", "phantom.tilt_x_deg=15", "phantom.tilt_y_deg=-10"});
+  const ResolvedScene s =
+      stage({"phantom.name=plane", "phantom.tilt_x_deg=15", "phantom.tilt_y_deg=-10"});
   const Truth truth = truth_of(s);
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const glm::dvec3 origin = s.subject.placement.position_m;
+  const render::Camera camera = s.view().camera;
+  const glm::dvec3 origin = s.subject()->placement.position_m;
   const glm::dvec3 n =
       phantoms::rotation_xyz({15 * kDegree, -10 * kDegree, 0}) * glm::dvec3(0, 0, -1);
   int compared = 0;
@@ -102,11 +97,11 @@ TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
 }
 
 TEST(Truth, SurfacesOutsideTheFieldAreSeparate) {
-  const Stage s = stage({"phantom.name=plane", "acquisition.sector_deg=20"});
+  const ResolvedScene s = stage({"phantom.name=plane", "acquisition.sector_deg=20"});
   const Truth truth = truth_of(s);
   int outside = 0, visible = 0;
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const auto geometry = s.scene.plan().geometry();
+  const render::Camera camera = s.view().camera;
+  const auto geometry = s.plan().geometry();
   for (int row = 0; row < 64; ++row) {
     for (int column = 0; column < 64; ++column) {
       const TruthKind kind = truth.kind.at(column, row);
@@ -141,16 +136,16 @@ struct MovingSphere {
 class TruthOfMovingSphere : public testing::TestWithParam<MovingSphere> {};
 
 TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
-  const Stage s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=18",
-                         "placement.rotation_deg=[10,20,30]",
-                         "motion.velocity_mm_s=" + GetParam().velocity_mm_s,
-                         GetParam().view});
+  const ResolvedScene s = stage({"phantom.name=sphere",
+                                 "phantom.radius_mm=18",
+                                 "placement.rotation_deg=[10,20,30]",
+                                 "motion.velocity_mm_s=" + GetParam().velocity_mm_s,
+                                 GetParam().view});
   const Truth truth = truth_of(s);
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const auto geometry = s.scene.plan().geometry();
-  const auto placement = s.subject.placement;
-  const auto& v = s.scene.motion.velocity_m_s;
+  const render::Camera camera = s.view().camera;
+  const auto geometry = s.plan().geometry();
+  const auto placement = s.subject()->placement;
+  const auto& v = s.options().motion.velocity_m_s;
   const glm::dvec3 velocity = placement.direction_to_probe({v[0], v[1], v[2]});
   const auto center_at = [&](double time_s) { return placement.position_m + time_s * velocity; };
   const auto outside = [&](const glm::dvec3& position) {
@@ -161,7 +156,7 @@ TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
   for (int row = 0; row < 64; ++row) {
     for (int column = 0; column < 64; ++column) {
       const hw::Ray ray = camera.ray(column, row);
-      const auto span = render::clip_to_box(ray, s.scene.render.volume_of_interest);
+      const auto span = render::clip_to_box(ray, s.render().volume_of_interest);
       double expected = span.from_m;
       while (expected < span.to_m && outside(ray.at(expected))) expected += 20e-6;
       if (expected >= span.to_m - 0.1e-3 || expected < span.from_m + 0.1e-3) continue;
@@ -205,12 +200,12 @@ INSTANTIATE_TEST_SUITE_P(Velocities,
 
 /// A recording may be played from a later volume on.
 TEST(Truth, LaterVolumesAreThoseOfTheirOwnTime) {
-  const Stage s =
+  const ResolvedScene s =
       stage({"phantom.name=sphere", "phantom.radius_mm=18", "motion.velocity_mm_s=[0,0,5]"});
-  const auto plan = s.scene.plan();
-  const auto view = render::make_view(s.scene.render);
+  const auto plan = s.plan();
+  const auto view = s.view();
   const auto depth_m = [&](std::uint32_t volume) {
-    return trace_truth(s.subject, plan, view, volume).depth_m.at(32, 32);
+    return trace_truth(*s.subject(), plan, view, volume).depth_m.at(32, 32);
   };
   const double volume_s = 37 * 64 * 2 * 0.16 / 1540;
   EXPECT_NEAR(depth_m(3) - depth_m(0), 3 * volume_s * 5e-3, 0.05e-3);
@@ -218,16 +213,16 @@ TEST(Truth, LaterVolumesAreThoseOfTheirOwnTime) {
 
 TEST(Truth, NoFastSphereIsSteppedOver) {
   // Viewed across the sweep: a ray crosses frame after frame, with the sphere displaced in each.
-  const Stage s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=4",
-                         "motion.velocity_mm_s=[0,0,120]",
-                         "placement.position_mm=[0,0,90]",
-                         "render.volume_of_interest.center_mm=[0,0,110]",
-                         "render.volume_of_interest.size_mm=[60,80,80]",
-                         "render.view.pitch_deg=90"});
+  const ResolvedScene s = stage({"phantom.name=sphere",
+                                 "phantom.radius_mm=4",
+                                 "motion.velocity_mm_s=[0,0,120]",
+                                 "placement.position_mm=[0,0,90]",
+                                 "render.volume_of_interest.center_mm=[0,0,110]",
+                                 "render.volume_of_interest.size_mm=[60,80,80]",
+                                 "render.view.pitch_deg=90"});
   const Truth truth = truth_of(s);
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const auto geometry = s.scene.plan().geometry();
+  const render::Camera camera = s.view().camera;
+  const auto geometry = s.plan().geometry();
   const auto inside = [&](const glm::dvec3& position) {
     const glm::dvec3 center(0, 0, 90e-3 + 120e-3 * stick_time_s(geometry, position));
     return glm::distance(position, center) < 4e-3;
@@ -236,7 +231,7 @@ TEST(Truth, NoFastSphereIsSteppedOver) {
   for (int row = 0; row < 64; ++row) {
     for (int column = 0; column < 64; ++column) {
       const hw::Ray ray = camera.ray(column, row);
-      const auto span = render::clip_to_box(ray, s.scene.render.volume_of_interest);
+      const auto span = render::clip_to_box(ray, s.render().volume_of_interest);
       double expected = span.from_m;
       while (expected < span.to_m && !inside(ray.at(expected))) expected += 20e-6;
       if (truth.kind.at(column, row) == TruthKind::outside_field) continue;
@@ -254,11 +249,11 @@ TEST(Truth, NoFastSphereIsSteppedOver) {
 /// The first position along a ray where ray marching in tiny steps enters tissue.
 std::optional<double> march_finely(const hw::Ray& ray,
                                    const render::Span& span,
-                                   const Stage& s,
+                                   const ResolvedScene& s,
                                    const phantoms::SurfaceFinder& finder,
                                    const phantoms::Motion& motion) {
-  const auto geometry = s.scene.plan().geometry();
-  const auto placement = s.subject.placement;
+  const auto geometry = s.plan().geometry();
+  const auto placement = s.subject()->placement;
   std::vector<double> before;
   for (double at = span.from_m; at < span.to_m; at += 50e-6) {
     const glm::dvec3 position = ray.at(at);
@@ -268,8 +263,8 @@ std::optional<double> march_finely(const hw::Ray& ray,
     for (int t = 0; t < finder.targets(); ++t) now.push_back(finder.distance_bound(t, rest));
     for (std::size_t t = 0; t < before.size(); ++t) {
       const auto surface = static_cast<std::size_t>(finder.surface(static_cast<int>(t)));
-      const auto inside = static_cast<std::size_t>(s.subject.phantom.surfaces()[surface].inside);
-      const bool tissue = s.subject.phantom.materials()[inside].backscatter_db > -100;
+      const auto inside = static_cast<std::size_t>(s.subject()->phantom.surfaces()[surface].inside);
+      const bool tissue = s.subject()->phantom.materials()[inside].backscatter_db > -100;
       if ((before[t] < 0) != (now[t] < 0) && (now[t] < 0) == tissue) return at - 25e-6;
     }
     before = std::move(now);
@@ -284,16 +279,16 @@ class TruthOfMovingFace : public testing::TestWithParam<Settings> {};
 TEST_P(TruthOfMovingFace, IsThatOfAFineRayMarch) {
   Settings settings = {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"};
   settings.insert(settings.end(), GetParam().begin(), GetParam().end());
-  const Stage s = stage(settings);
+  const ResolvedScene s = stage(settings);
   const Truth truth = truth_of(s);
-  const render::Camera camera = render::make_camera(s.scene.render);
-  const phantoms::SurfaceFinder finder(s.subject.phantom);
-  const auto motion = s.subject.motion;
+  const render::Camera camera = s.view().camera;
+  const phantoms::SurfaceFinder finder(s.subject()->phantom);
+  const auto motion = s.subject()->motion;
   int compared = 0, different = 0;
   for (int row = 1; row < 64; row += 3) {
     for (int column = 1; column < 64; column += 3) {
       const hw::Ray ray = camera.ray(column, row);
-      const auto span = render::clip_to_box(ray, s.scene.render.volume_of_interest);
+      const auto span = render::clip_to_box(ray, s.render().volume_of_interest);
       const auto expected = march_finely(ray, span, s, finder, motion);
       if (truth.kind.at(column, row) == TruthKind::outside_field) continue;
       ++compared;
@@ -322,8 +317,8 @@ INSTANTIATE_TEST_SUITE_P(Motions,
                                                   "motion.head_turn_deg=20"}));
 
 TEST(Truth, RayMarchingAgreesWithOpenVdbForNegligibleMotion) {
-  const Stage still = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"});
-  const Stage crawling = stage(
+  const ResolvedScene still = stage({"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0"});
+  const ResolvedScene crawling = stage(
       {"phantom.voxel_mm=1", "phantom.maternal_layer_mm=0", "motion.velocity_mm_s=[0,0,1e-6]"});
   const Truth exact = truth_of(still), marched = truth_of(crawling);
   int compared = 0, different = 0;

@@ -91,10 +91,9 @@ TEST(DisplaySamples, OfALinearSimulationAreThoseOfALogCompressedOne) {
                             "acquisition.frames_per_volume=5",
                             "acquisition.sticks_per_frame=16"});
   const auto phantom = phantoms::make_phantom(scene.phantom);
-  complete_from_phantom(scene, phantom);
-  const Acquisition log = acquire_simulated(scene, phantom);
+  const Acquisition log = acquire_simulated(resolve_scene(scene, phantom));
   scene.simulation.output = hw::SampleScale::linear_envelope;
-  const Acquisition linear = acquire_simulated(scene, phantom);
+  const Acquisition linear = acquire_simulated(resolve_scene(scene, phantom));
   EXPECT_EQ(linear.samples.dynamic_range_db, 60);
   EXPECT_EQ(linear.volume.scale(), hw::SampleScale::log_compressed);
   double largest = 0;

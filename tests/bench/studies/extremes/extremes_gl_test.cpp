@@ -22,9 +22,8 @@ render::GlContext& gl_context() {
 }
 
 Scene small_scene(render::RenderPreset preset = render::RenderPreset::paper) {
-  Scene scene = load_scene({}, base_settings(), "extremes", preset);
-  complete_from_plan(scene);
-  return scene;
+  const Scene given = load_scene({}, base_settings(), "extremes", preset);
+  return resolve_scene(given, std::nullopt).options();
 }
 
 /// The passes that a change of their pictures puts beyond their bounds.
