@@ -1,6 +1,7 @@
 // The settings of a plan that a request asks for.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
@@ -80,6 +81,15 @@ std::string report_of(const TradeWork& work,
   return report_text(report);
 }
 
+/// Before any work.
+void check_search(const Arguments& arguments) {
+  if (arguments.random || arguments.tune.search.evaluations == 0 || has_nsga2()) return;
+  throw std::runtime_error(
+      "tune: this program was built without pagmo: `script/bootstrap tune`, then `script/build "
+      "run`; "
+      "or search with --random, or not at all with --evaluations 0");
+}
+
 /// --requests
 int study(const Arguments& arguments) {
   if (arguments.trade.empty()) throw UserError("--requests: needs --trade, about which it draws");
@@ -105,6 +115,7 @@ int study(const Arguments& arguments) {
 }
 
 int tune(const Arguments& arguments) {
+  check_search(arguments);
   if (arguments.requests > 0) return study(arguments);
   const TuneOptions options = options_of(arguments);
   TradeWork work = work_of(arguments);

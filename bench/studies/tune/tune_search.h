@@ -25,6 +25,9 @@ using SearchFunction = std::function<SearchValue(const SearchPoint&)>;
 /// random: uniform over all axes, what a search must beat.
 enum class SearchMethod { nsga2, random };
 
+/// Whether this build has pagmo, and with it nsga2.
+bool has_nsga2();
+
 struct SearchOptions {
   SearchMethod method = SearchMethod::nsga2;
   int evaluations = 200;  ///< at most; a point is evaluated once, and its value kept
