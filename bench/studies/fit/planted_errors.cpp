@@ -46,10 +46,9 @@ class PlantedScans {
   /// z, with the bias added.
   Image<float> depth(std::uint64_t seed, const PlantedErrors& errors) {
     const Scene options = with_errors(scene_.options(), errors);
-    const ResolvedScene truth(options,
-                              seen_by_motor(scene_.subject().value(),
-                                            options.plan().geometry(),
-                                            errors.motor_angle_rad));
+    const ResolvedScene truth(
+        options,
+        seen_by_motor(scene_.subject().value(), options.plan().geometry(), errors.motor_angle_rad));
     auto picture = render_frames(renderer_, scan_with_seed(truth, seed, phantom_.maps));
     for (float& z : picture.depth_m.pixels) z += static_cast<float>(errors.bias_m);
     return picture.depth_m;

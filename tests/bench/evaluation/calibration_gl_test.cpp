@@ -42,7 +42,11 @@ ChainResult run_chain(std::vector<std::string> settings,
   auto picture = render::render_volume(context(), acquisition.volume, scene.render());
   auto truth = trace_truth(*scene.subject(), scene.plan(), scene.view());
   auto error = measure_depth_error(picture.depth_m, truth, scene.view().camera);
-  return {scene.options(), std::move(acquisition), std::move(picture), std::move(truth), std::move(error)};
+  return {scene.options(),
+          std::move(acquisition),
+          std::move(picture),
+          std::move(truth),
+          std::move(error)};
 }
 
 struct Expected {

@@ -40,8 +40,7 @@ TEST(Evaluator, HasTheSticksAndTheScoreOfARun) {
   Evaluator evaluator = scanned(cache, 5);
   auto settings = kScene;
   settings.emplace_back("simulation.seed=5");
-  const ResolvedScene scene =
-      resolve_scene(load_scene({}, settings), evaluator.subject().phantom);
+  const ResolvedScene scene = resolve_scene(load_scene({}, settings), evaluator.subject().phantom);
   const auto acquired = acquire_simulated(scene);
   for (int frame = 0; frame < 17; ++frame) {
     EXPECT_EQ(evaluator.sticks().frame(frame).samples, acquired.volume.frame(frame).samples);

@@ -176,8 +176,7 @@ TEST(Registration, OfNothingDoesNotConverge) {
   const auto phantom = phantoms::make_phantom(scene.phantom);
   const ResolvedScene resolved = resolve_scene(scene, phantom);
   const Image<float> nothing(32, 32, kNoSurface);
-  const auto fit =
-      register_surface(nothing, *resolved.subject(), resolved.plan(), resolved.view());
+  const auto fit = register_surface(nothing, *resolved.subject(), resolved.plan(), resolved.view());
   EXPECT_FALSE(fit.converged);
   EXPECT_FALSE(fit.within_priors);
   EXPECT_EQ(fit.points, 0);

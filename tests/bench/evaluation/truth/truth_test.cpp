@@ -62,10 +62,10 @@ TEST(Truth, SphereIsWhereItsEquationSays) {
 
 TEST(Truth, FallingEdgeOfASphereIsItsBack) {
   const ResolvedScene s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=15",
-                         "render.ray_casting.edge=falling",
-                         "render.volume_of_interest.size_mm=[60,60,90]",
-                         "render.volume_of_interest.center_mm=[0,0,110]"});
+                                 "phantom.radius_mm=15",
+                                 "render.ray_casting.edge=falling",
+                                 "render.volume_of_interest.size_mm=[60,60,90]",
+                                 "render.volume_of_interest.center_mm=[0,0,110]"});
   const Truth truth = truth_of(s);
   const render::Camera camera = s.view().camera;
   const glm::dvec3 center = s.subject()->placement.position_m;
@@ -76,7 +76,8 @@ TEST(Truth, FallingEdgeOfASphereIsItsBack) {
 }
 
 TEST(Truth, TiltedPlaneIsWhereItsEquationSays) {
-  const ResolvedScene s = stage({"phantom.name=plane", "phantom.tilt_x_deg=15", "phantom.tilt_y_deg=-10"});
+  const ResolvedScene s =
+      stage({"phantom.name=plane", "phantom.tilt_x_deg=15", "phantom.tilt_y_deg=-10"});
   const Truth truth = truth_of(s);
   const render::Camera camera = s.view().camera;
   const glm::dvec3 origin = s.subject()->placement.position_m;
@@ -136,10 +137,10 @@ class TruthOfMovingSphere : public testing::TestWithParam<MovingSphere> {};
 
 TEST_P(TruthOfMovingSphere, IsWhereItWasWhenItsSticksWereFired) {
   const ResolvedScene s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=18",
-                         "placement.rotation_deg=[10,20,30]",
-                         "motion.velocity_mm_s=" + GetParam().velocity_mm_s,
-                         GetParam().view});
+                                 "phantom.radius_mm=18",
+                                 "placement.rotation_deg=[10,20,30]",
+                                 "motion.velocity_mm_s=" + GetParam().velocity_mm_s,
+                                 GetParam().view});
   const Truth truth = truth_of(s);
   const render::Camera camera = s.view().camera;
   const auto geometry = s.plan().geometry();
@@ -213,12 +214,12 @@ TEST(Truth, LaterVolumesAreThoseOfTheirOwnTime) {
 TEST(Truth, NoFastSphereIsSteppedOver) {
   // Viewed across the sweep: a ray crosses frame after frame, with the sphere displaced in each.
   const ResolvedScene s = stage({"phantom.name=sphere",
-                         "phantom.radius_mm=4",
-                         "motion.velocity_mm_s=[0,0,120]",
-                         "placement.position_mm=[0,0,90]",
-                         "render.volume_of_interest.center_mm=[0,0,110]",
-                         "render.volume_of_interest.size_mm=[60,80,80]",
-                         "render.view.pitch_deg=90"});
+                                 "phantom.radius_mm=4",
+                                 "motion.velocity_mm_s=[0,0,120]",
+                                 "placement.position_mm=[0,0,90]",
+                                 "render.volume_of_interest.center_mm=[0,0,110]",
+                                 "render.volume_of_interest.size_mm=[60,80,80]",
+                                 "render.view.pitch_deg=90"});
   const Truth truth = truth_of(s);
   const render::Camera camera = s.view().camera;
   const auto geometry = s.plan().geometry();
