@@ -7,7 +7,7 @@
 #include <limits>
 #include <set>
 
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/extremes/number_cases.h"
 #include "bench/studies/extremes/sample_reach.h"
 #include "render/renderer.h"
