@@ -72,7 +72,7 @@ VolumeSamples ProbeSimulator::volume(std::uint32_t index, const IqSink& iq) cons
   return volume;
 }
 
-std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence, const IqSink& iq) const {
+std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence) const {
   const auto lines = static_cast<std::uint64_t>(plan().acquisition().sticks_per_frame);
   const auto per_volume = static_cast<std::uint64_t>(plan().sticks_per_volume());
   const std::uint64_t left = per_volume - first_sequence % per_volume;
@@ -81,7 +81,7 @@ std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence, const IqS
   std::vector<float> block(frames * lines * samples);
   impl_->model->prepare(plan().index(first_sequence).volume);
   parallel_ranges(static_cast<int>(frames * lines), options().threads, [&](int first, int last) {
-    const StickMaker make = impl_->model->stick_maker(iq);
+    const StickMaker make = impl_->model->stick_maker({});
     for (auto i = static_cast<std::uint64_t>(first); i < static_cast<std::uint64_t>(last); ++i) {
       const std::uint64_t stick = i % frames * lines + i / frames;
       make(first_sequence + stick, std::span(block).subspan(stick * samples, samples));

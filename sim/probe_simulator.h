@@ -53,7 +53,7 @@ class ProbeSimulator {
   /// A part of volume(), stick after stick as there: the frame whose first stick has the number
   /// `first_sequence`, and the frames fired after it, 16 in all or as many as the volume has left.
   /// They are computed together because neighbouring frames share tissue and tables of the beam.
-  std::vector<float> block(std::uint64_t first_sequence, const IqSink& iq = {}) const;
+  std::vector<float> block(std::uint64_t first_sequence) const;
 
   const hw::AcquisitionPlan& plan() const;
   const SimulationOptions& options() const;

@@ -35,7 +35,8 @@ StickSource stick_source(ProbeSimulator simulator,
   return {plan,
           options.output,
           [simulator = std::move(simulator), iq](std::uint64_t first) {
-            return simulator.block(first, iq);
+            if (!iq) return simulator.block(first);
+            return simulator.volume(simulator.plan().index(first).volume, iq);
           },
           subject,
           {.full_scale_db = options.full_scale_db,

@@ -44,7 +44,9 @@ struct StickSource {
   hw::SubjectHash subject = {};
   hw::DisplayScale display_scale = {};
 };
-/// Blocks are those of ProbeSimulator::block(). `iq`: as there.
+/// Blocks are those of ProbeSimulator::block(). `iq`, if given, takes the IQ samples, as
+/// ProbeSimulator::volume() says; a block is then a whole volume, so that where the sink throws no
+/// stick of that volume is sent.
 StickSource stick_source(ProbeSimulator simulator,
                          const hw::SubjectHash& subject = {},
                          const IqSink& iq = {});
