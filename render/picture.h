@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/image.h"
-#include "render/gl/texture_fetch.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::render {
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "render/gl/driver_context.h"
+#include "render/gl/backends.h"
 #include "render/gl/egl.h"
 #include "render/gl/osmesa.h"
 

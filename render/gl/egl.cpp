@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "render/gl/driver_context.h"
+#include "render/gl/backends.h"
 
 namespace wobblebench::render {
 namespace {

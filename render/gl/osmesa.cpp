@@ -6,7 +6,7 @@
 #include <array>
 #include <stdexcept>
 
-#include "render/gl/driver_context.h"
+#include "render/gl/backends.h"
 
 namespace wobblebench::render {
 namespace {

@@ -8,8 +8,8 @@
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
-#include "render/passes/frame_store.h"
 #include "render/passes/frame_texture.h"
+#include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::render {
 

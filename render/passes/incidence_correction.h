@@ -4,7 +4,7 @@
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
-#include "render/passes/depth_filter.h"
+#include "render/passes/surface_depth.h"
 
 namespace wobblebench::render {
 

@@ -8,7 +8,7 @@
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/objects.h"
 #include "render/leaping/skippable_cells.h"
-#include "render/passes/frame_store.h"
+#include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::render {
 

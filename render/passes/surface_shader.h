@@ -4,7 +4,7 @@
 #include "render/gl/program.h"
 #include "render/leaping/shadow_tiles.h"
 #include "render/options.h"
-#include "render/passes/depth_filter.h"
+#include "render/passes/surface_depth.h"
 
 namespace wobblebench::render {
 

@@ -1,4 +1,4 @@
-#include "bench/studies/extremes/extreme_case.h"
+#include "bench/studies/extremes/extreme_cases.h"
 
 namespace wobblebench::bench {
 

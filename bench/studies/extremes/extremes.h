@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/studies/extremes/extreme_case.h"
+#include "bench/studies/extremes/extreme_cases.h"
 #include "bench/studies/extremes/pass_errors.h"
 #include "render/gl/context.h"
 #include "render/presets.h"

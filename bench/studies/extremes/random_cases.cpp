@@ -4,7 +4,7 @@
 
 #include "base/number_text.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/extremes/extreme_case.h"
+#include "bench/studies/extremes/extreme_cases.h"
 
 namespace wobblebench::bench {
 

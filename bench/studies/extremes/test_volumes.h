@@ -1,7 +1,7 @@
 // Volumes in closed form: a ball in noise, scaled to the cone of its plan.
 #pragma once
 
-#include "bench/studies/extremes/extreme_case.h"
+#include "bench/studies/extremes/extreme_cases.h"
 #include "hw/probe/polar_volume.h"
 
 namespace wobblebench::bench {

@@ -9,7 +9,7 @@
 #include "bench/studies/tables/variant.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
-#include "render/gl/texture_fetch.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::bench {
 

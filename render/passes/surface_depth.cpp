@@ -1,4 +1,4 @@
-#include "render/passes/depth_filter.h"
+#include "render/passes/surface_depth.h"
 
 #include "render/camera.h"
 

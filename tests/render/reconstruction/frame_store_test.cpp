@@ -1,4 +1,4 @@
-#include "render/passes/frame_store.h"
+#include "render/reconstruction/frame_store.h"
 
 #include "render/geometry/sample.h"
 
