@@ -15,7 +15,7 @@ set(included_by_public_headers
   hw/probe/clock.h hw/probe/probe.h hw/probe/stick.h
   hw/wire/account.h hw/wire/configuration.h hw/wire/stream_origin.h
   hw/wire/subject_hash.h hw/wire/unreadable_stream.h hw/wire/version.h
-  render/camera.h render/picture.h render/gl/texel_format.h render/gl/texels.h)
+  render/camera.h render/picture.h render/gl/texels.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers
     phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "render/gl/backends.h"
-#include "render/gl/egl.h"
-#include "render/gl/osmesa.h"
 
 namespace wobblebench::render {
 namespace {

@@ -1,12 +1,10 @@
-#include "render/gl/osmesa.h"
+#include "render/gl/backends.h"
 
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
 #include <array>
 #include <stdexcept>
-
-#include "render/gl/backends.h"
 
 namespace wobblebench::render {
 namespace {

@@ -36,4 +36,16 @@ ExtremeOutcome run_extreme_case(const ExtremeCase& of,
 /// within [0, 1].
 bool is_finite(const PassPictures& pictures);
 
+/// A number at its end that no picture shows: of device time, sequence numbers, phase.
+struct NumberOutcome {
+  std::string name;
+  double worst = 0;  ///< difference from the exact number
+  double bound = 0;
+  std::string unit;
+  std::string how;  ///< what the exact number and the bound follow from
+  bool passed() const { return worst <= bound; }
+};
+
+std::vector<NumberOutcome> run_number_cases();
+
 }  // namespace wobblebench::bench

@@ -1,13 +1,39 @@
+#include "bench/studies/extremes/extremes_report.h"
+
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/number_text.h"
-#include "bench/studies/extremes/extremes_report.h"
+#include "base/text.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json errors_json(const std::vector<PassError>& errors) {
+  Json list = Json::array();
+  for (const PassError& error : errors) {
+    list.push_back({{"pass", error.pass},
+                    {"worst", number(error.worst)},
+                    {"bound", number(error.bound)},
+                    {"compared", error.compared},
+                    {"outside", error.outside}});
+  }
+  return list;
+}
+
+constexpr int kDigits = 4;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
 
 void write_head(const ExtremesResults& results,
                 const Provenance& provenance,
@@ -20,24 +46,10 @@ void write_head(const ExtremesResults& results,
          "Sticks, where a case does not name simulated ones, are of a soft-edged ball in noise, in "
          "closed form. Each cell is the greatest difference of a pass from the same pass in "
          "double precision on the same input, and behind the slash the greatest that the bounds of "
-         "its "
-         "pixels allow; of slices and colours in full scales, of z relative to the ray's length. "
-         "Bounds follow from the arithmetic, not from measurement:\n\n"
-         "- u = 2^-24 is the unit roundoff of float32; a result of k rounded operations is within "
-         "k u of its greatest intermediate value. Fixed-point texels round by half a level each "
-         "time that they are stored: frame, rows, slice.\n"
-         "- An error of place (position, texture coordinate, motor angle from table or arc "
-         "tangent) counts by the greatest difference between neighbouring samples or pixels.\n"
-         "- A detector decides, so no error of z is bounded by itself: z must lie between those "
-         "that the reference finds with the threshold moved by the bound of what the detector "
-         "compares (n samples, each rounded to 2^-18), and with the picture moved by the bound of "
-         "a "
-         "position.\n"
-         "- A normal is as wrong as its two differences of positions, over their product; a "
-         "shadow's border may lie where the light's turn by a position's error in a pixel puts "
-         "it.\n"
-         "- inf: no bound; the motor's axis lies among the samples, where a frame's number has no "
-         "bounded slope. Only finite numbers are asked for there.\n";
+         "its pixels allow; of slices and colours in full scales, of z relative to the ray's "
+         "length. "
+         "Bounds follow from the arithmetic, not from measurement (decision 32); inf: no bound, as "
+         "the motor's axis lies among the samples, and only finite numbers are asked for.\n";
 }
 
 /// "1.2e-05 / 3e-05".
@@ -98,6 +110,48 @@ void write_numbers(const ExtremesResults& results, std::ostream& markdown) {
 
 }  // namespace
 
+int ExtremesResults::failed() const {
+  const auto failed = [](const auto& outcome) { return !outcome.passed(); };
+  return static_cast<int>(std::count_if(cases.begin(), cases.end(), failed) +
+                          std::count_if(numbers.begin(), numbers.end(), failed));
+}
+
+std::string verdict(const ExtremeOutcome& outcome) {
+  if (outcome.passed()) return outcome.rendered ? "rendered" : "refused";
+  std::string text = "FAILED";
+  for (const std::string& failure : outcome.failures) {
+    text += (text == "FAILED" ? ": " : "; ") + failure;
+  }
+  return text;
+}
+
+std::string extremes_csv(const ExtremesResults& results) {
+  std::ostringstream csv;
+  csv << "case,preset,settings,verdict,refusal,finite,changed_out_of_reach,pass,worst,bound,"
+         "compared,outside\n";
+  for (const ExtremeOutcome& outcome : results.cases) {
+    const auto& changed = outcome.changed_out_of_reach;
+    std::ostringstream head;
+    head << csv_field(outcome.of.name) << "," << outcome.preset << ","
+         << csv_field(joined(outcome.of.settings)) << "," << csv_field(verdict(outcome)) << ","
+         << csv_field(outcome.refusal) << ","
+         << (outcome.rendered ? (outcome.finite ? "1" : "0") : "") << ","
+         << (changed ? std::to_string(*changed) : "");
+    if (outcome.errors.empty()) csv << head.str() << ",,,,,\n";
+    for (const PassError& error : outcome.errors) {
+      csv << head.str() << "," << csv_field(error.pass) << "," << significant(error.worst, kDigits)
+          << "," << significant(error.bound, kDigits) << "," << error.compared << ","
+          << error.outside << "\n";
+    }
+  }
+  for (const NumberOutcome& number : results.numbers) {
+    csv << csv_field(number.name) << ",,," << (number.passed() ? "passed" : "FAILED") << ",,,,"
+        << csv_field(number.unit) << "," << significant(number.worst, kDigits) << ","
+        << significant(number.bound, kDigits) << ",,\n";
+  }
+  return csv.str();
+}
+
 std::string extremes_markdown(const ExtremesResults& results, const Provenance& provenance) {
   std::ostringstream markdown;
   write_head(results, provenance, markdown);
@@ -106,6 +160,31 @@ std::string extremes_markdown(const ExtremesResults& results, const Provenance& 
   write_reach(results, markdown);
   write_numbers(results, markdown);
   return markdown.str();
+}
+
+Json extremes_json(const ExtremesResults& results) {
+  Json cases = Json::array(), numbers = Json::array();
+  for (const ExtremeOutcome& outcome : results.cases) {
+    Json json = {{"name", outcome.of.name},
+                 {"preset", outcome.preset},
+                 {"settings", outcome.of.settings},
+                 {"passed", outcome.passed()},
+                 {"failures", outcome.failures},
+                 {"rendered", outcome.rendered}};
+    if (!outcome.rendered) json["refusal"] = outcome.refusal;
+    if (outcome.rendered) json["finite"] = outcome.finite;
+    if (outcome.changed_out_of_reach) json["changed_out_of_reach"] = *outcome.changed_out_of_reach;
+    json["passes"] = errors_json(outcome.errors);
+    cases.push_back(std::move(json));
+  }
+  for (const NumberOutcome& outcome : results.numbers) {
+    numbers.push_back({{"name", outcome.name},
+                       {"passed", outcome.passed()},
+                       {"worst", number(outcome.worst)},
+                       {"bound", outcome.bound},
+                       {"unit", outcome.unit}});
+  }
+  return {{"failed", results.failed()}, {"cases", cases}, {"numbers", numbers}};
 }
 
 }  // namespace wobblebench::bench

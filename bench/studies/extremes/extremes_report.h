@@ -7,7 +7,6 @@
 
 #include "bench/output/provenance.h"
 #include "bench/studies/extremes/extremes.h"
-#include "bench/studies/extremes/number_cases.h"
 
 namespace wobblebench::bench {
 
