@@ -148,7 +148,7 @@ int run(const Arguments& arguments) {
   if (correction) {
     uncorrected = picture;
     picture = progress.step("correct", [&] {
-      return corrected_picture(*correction, picture, acquisition.volume, scene);
+      return corrected_picture(*correction, renderer, picture, acquisition.volume, scene);
     });
   }
   RunResult result{std::move(acquisition),
