@@ -85,7 +85,7 @@ Json report_of(const AccuracyResults& results,
 
 CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
                                 const Arguments& arguments,
-                                const render::GlContext& context,
+                                render::GlContext& context,
                                 OutputFolder& out,
                                 Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
