@@ -70,6 +70,29 @@ double angle_error(const render::RenderOptions& options,
   return (position_m + rounded_m + 2 * entry_m * entry_m / 8 / least_m) / least_m;
 }
 
+/// Greatest difference between neighbouring pixels of slices.
+struct Steepness {
+  double column = 0, row = 0, frame = 0;
+};
+Steepness steepness(const render::reference::SliceStack& slices) {
+  Steepness found;
+  const int size = slices.geometry().slice_size();
+  for (int f = 0; f < slices.geometry().frames(); ++f) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const auto raise = [&](double& most, int frame, int c, int r) {
+          const double other = slices.pixel(std::max(frame, 0), std::max(c, 0), std::max(r, 0));
+          most = std::max(most, std::abs(slices.pixel(f, column, row) - other));
+        };
+        raise(found.column, f, column - 1, row);
+        raise(found.row, f, column, row - 1);
+        raise(found.frame, f - 1, column, row);
+      }
+    }
+  }
+  return found;
+}
+
 double detector_error(const render::RenderOptions& options, double sample) {
   const double summed = sample + kGridRounding;
   switch (options.ray_casting.detector) {
@@ -85,10 +108,13 @@ double detector_error(const render::RenderOptions& options, double sample) {
 
 }  // namespace
 
-PassBounds pass_bounds(const hw::AcquisitionPlan& plan, const render::RenderOptions& options) {
+PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
+                       const render::reference::SliceStack& slices,
+                       const render::RenderOptions& options) {
   const render::DenseFactors factors = dense_factors(plan, options);
   const hw::AcquisitionOptions dense = dense_plan(plan, factors).acquisition();
-  const render::SliceGeometry geometry(plan, options.scan_conversion.slice_size, factors);
+  const render::SliceGeometry& geometry = slices.geometry();
+  const Steepness steep = steepness(slices);
   const double size = geometry.slice_size(), frames = geometry.frames();
   PassBounds bounds;
   // Origin, offset and length along the ray, 8 operations.
@@ -105,10 +131,12 @@ PassBounds pass_bounds(const hw::AcquisitionPlan& plan, const render::RenderOpti
   const double row_m = (geometry.r_max_m() - geometry.depth_min_m()) / size;
   const double column_m = 2 * geometry.x_max_m() / size;
   const int kernel = ray_kernel_size(options.ray_casting) + options.ray_casting.window_2d;
-  bounds.sample = bounds.slices + bounds.position_m / column_m + bounds.cone_m / row_m +
-                  16 * u * size + (std::pow(kernel, 3) + 8) * u;
-  if (frames > 1) {
-    bounds.sample += factors.frames / std::abs(plan.phi_step_rad()) * angle + 8 * u * frames;
+  bounds.sample = bounds.slices + steep.column * (bounds.position_m / column_m + 8 * u * size) +
+                  steep.row * (bounds.cone_m / row_m + 8 * u * size) +
+                  (std::pow(kernel, 3) + 8) * u;
+  if (steep.frame > 0) {
+    const double per_rad = factors.frames / std::abs(plan.phi_step_rad());
+    bounds.sample += steep.frame * (per_rad * angle + 8 * u * frames);
   }
   bounds.detector = detector_error(options, bounds.sample);
   const double ray_m = options.ray_casting.stop_at_box

@@ -1,9 +1,9 @@
 // How far a pass in float32 and 8 or 16 bits may be from the same in double precision, derived from
 // its arithmetic: nothing here is measured on the renderer
 // (docs/decisions/0032-bounds-of-the-passes.md). `u` is the unit roundoff of float32, 2^-24. A
-// result of k rounded operations is within k u of the greatest intermediate value. Neighbouring
-// samples and pixels differ by at most a full scale, so that an error of position by a fraction of
-// their spacing is an error by that fraction of full scale.
+// result of k rounded operations is within k u of the greatest intermediate value. An error
+// of position, as a fraction of the spacing of samples or pixels, counts by the greatest difference
+// between neighbours: of samples a full scale, of pixels that of the reference's slices.
 #pragma once
 
 #include "base/image.h"
@@ -25,7 +25,9 @@ struct PassBounds {
 
 /// Infinite where a scan's motor axis lies among the samples of a ray: there a frame's number has
 /// no bounded slope.
-PassBounds pass_bounds(const hw::AcquisitionPlan& plan, const render::RenderOptions& options);
+PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
+                       const render::reference::SliceStack& slices,
+                       const render::RenderOptions& options);
 
 /// Of the blended picture of pass 2, full scales, for each pixel. Samples are exchanged for wrong
 /// ones one after the other along the reference's ray: each changes the picture by the light that

@@ -245,7 +245,7 @@ std::vector<PassError> pass_errors(const PassPictures& pictures,
                                    const hw::PolarVolume& meant,
                                    const RenderOptions& options) {
   const SliceStack slices(meant, options);
-  const PassBounds bounds = pass_bounds(meant.plan(), options);
+  const PassBounds bounds = pass_bounds(meant.plan(), slices, options);
   const CastSpans spans = cast_spans(slices, options, bounds);
   const Image<double> blended = blend_bounds(slices, options, bounds);
   const auto filtered_m = render::reference::filter_depth(in_double<double>(pictures.depth.depth_m),

@@ -1,6 +1,7 @@
 #include "render/reconstruction/frame_store.h"
 
 #include "render/geometry/ray_sampling.h"
+#include "render/geometry/slice_geometry.h"
 
 #include <gtest/gtest.h>
 

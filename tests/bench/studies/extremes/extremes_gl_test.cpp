@@ -9,6 +9,7 @@
 
 #include "bench/scene/scene.h"
 #include "bench/studies/extremes/test_volumes.h"
+#include "render/camera.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
