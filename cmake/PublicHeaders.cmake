@@ -12,7 +12,7 @@ set(public_headers
 set(included_by_public_headers
   base/duration.h base/image.h base/options.h base/units.h
   hw/probe/clock.h hw/wire/account.h
-  render/camera.h render/picture.h render/gl/texel_format.h render/gl/texture_fetch.h)
+  render/camera.h render/picture.h render/gl/texels.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers
     phantoms/options.h phantoms/phantom.h phantoms/placed_phantom.h phantoms/truth.h

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/image.h"
-#include "render/gl/texture_fetch.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::render {
 
@@ -33,10 +33,13 @@ struct Picture {
   Image<glm::vec3> surface;  ///< shaded and smoothed: light, linear RGB in [0, 1]
   /// Alpha-blended grey levels of the echoes in [0, 1]: display values, as of a scanner's picture.
   Image<glm::vec3> volume;
-  /// z of pass 2: ray length from the view plane (parallel) or the eye (perspective); kNoSurface.
+  /// z of pass 2, or its replacement: ray length from the view plane (parallel) or the eye
+  /// (perspective); kNoSurface.
   Image<float> depth_m;
   Image<float> filtered_depth_m;  ///< z after pass 3's homogeneous filter
-  std::vector<PassTime> passes;   ///< scan_conversion, ray_casting, surface_shading, smoothing
+  /// scan_conversion, ray_casting, surface_shading, smoothing; behind ray_casting `correction`,
+  /// where a tap (RenderTaps::depth) has replaced z.
+  std::vector<PassTime> passes;
 };
 
 }  // namespace wobblebench::render

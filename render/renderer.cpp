@@ -8,17 +8,17 @@
 #include <utility>
 
 #include "hw/probe/polar_volume.h"
-#include "render/geometry/sample.h"
 #include "render/gl/fetch_count.h"
-#include "render/gl/forget_names.h"
 #include "render/gl/host_state.h"
+#include "render/gl/objects.h"
 #include "render/gl/program.h"
 #include "render/gl/timer.h"
-#include "render/passes/incidence_correction.h"
 #include "render/passes/ray_caster.h"
 #include "render/passes/slice_volume.h"
 #include "render/passes/smoother.h"
+#include "render/passes/surface_depth.h"
 #include "render/passes/surface_shader.h"
+#include "render/reconstruction/frame_store.h"
 #include "render/reconstruction/reconstruction.h"
 
 namespace wobblebench::render {
@@ -60,7 +60,7 @@ struct Renderer::Pipeline {
         options(given),
         factory(plan, options),
         reconstruction(plan, options),
-        frames(factory.make_frame_store()),
+        frames(plan, options),
         incoming(factory.make()),
         ray_caster(make_ray_caster()),
         incidence(factory.geometry(), options),
@@ -77,7 +77,6 @@ struct Renderer::Pipeline {
     if (!layers.empty()) incoming->make_layers(layers, frames);
     if (!frames.volume_complete()) return;
     frames.begin_volume();
-    reconstruction.begin_volume();
     if (!complete) return;
     std::swap(incoming, complete);
     std::swap(incoming_levels, complete_levels);
@@ -86,15 +85,13 @@ struct Renderer::Pipeline {
   /// Before pass 1: levels of fluid and tissue and, if asked for, sticks between the sticks. False:
   /// the volume is not whole, which aligned sticks wait for.
   bool reconstruct() {
-    const bool whole = reconstruction.volume_complete();
+    const bool whole = frames.volume_complete();
     if (reconstruction.aligns() && !whole) return false;
     if (!needs_levels(options) || (!whole && !options.pipeline.mid_volume)) return true;
-    incoming_levels = reconstruction.levels();
+    incoming_levels = reconstruction.levels(frames.received());
     incoming->set_level(detection_level(*incoming_levels, options.ray_casting));
-    if (!reconstruction.aligns()) return true;
-    int index = 0;
-    for (auto& samples : reconstruction.aligned_frames(*incoming_levels)) {
-      frames.put(index++, std::move(samples));
+    if (reconstruction.aligns()) {
+      frames.put_aligned(reconstruction.aligned_frames(frames.received(), *incoming_levels));
     }
     return true;
   }
@@ -114,6 +111,47 @@ struct Renderer::Pipeline {
   void cast_rays() {
     ray_caster.cast(complete ? *complete : *incoming);
     depth = &incidence.correct(ray_caster.depth());
+  }
+
+  void tap_slices() const {
+    if (!taps.slices) return;
+    const SliceVolume& shown = complete ? *complete : *incoming;
+    VolumeSlices made{shown.pixels(), {}};
+    for (int f = 0; f < factory.geometry().frames(); ++f) {
+      made.slices.push_back(shown.download_slice(f));
+    }
+    taps.slices(made);
+  }
+
+  /// Lets a tap replace z. Returns the time of that, none if z stays.
+  std::optional<PassTime> tap_depth() {
+    if (!taps.depth) return std::nullopt;
+    const PassTime time = timed("correction", &Pipeline::replace_depth);
+    return depth == &replaced_depth ? std::optional(time) : std::nullopt;
+  }
+
+  void replace_depth() {
+    surface_shader.filter(*depth);
+    std::optional<Image<float>> other =
+        taps.depth({download_depth(ray_caster.depth()),
+                    download_depth(*depth),
+                    download_depth(surface_shader.filtered_depth())});
+    if (!other) return;
+    const Extent& extent = depth->extent();
+    if (other->width != extent.width || other->height != extent.height) {
+      throw std::invalid_argument("RenderTaps::depth: " + std::to_string(other->width) + " x " +
+                                  std::to_string(other->height) + " pixels for a picture of " +
+                                  std::to_string(extent.width) + " x " +
+                                  std::to_string(extent.height));
+    }
+    for (float& z : other->pixels) {
+      if (!(z >= 0)) z = kNoDepth;
+    }
+    if (!replaced_depth || replaced_depth.extent().width != extent.width) {
+      replaced_depth = Texture("replaced z", depth->format(), extent, TextureFilter::nearest);
+    }
+    replaced_depth.upload(other->pixels);
+    depth = &replaced_depth;
   }
 
   /// Pass 3, section 3.3: z-buffer, and with ShadingBase::rendered the volume picture, to shaded
@@ -175,7 +213,12 @@ struct Renderer::Pipeline {
   PassTime timed(const char* name, void (Pipeline::*pass)()) {
     PassTime time{name};
     timer.begin();
-    (this->*pass)();
+    try {
+      (this->*pass)();
+    } catch (...) {
+      timer.end(time);
+      throw;
+    }
     timer.end(time);
     if (FetchCounter* counter = FetchCounter::current()) time.fetches = counter->take();
     return time;
@@ -191,9 +234,11 @@ struct Renderer::Pipeline {
   std::optional<EchoLevels> incoming_levels, complete_levels;  ///< none: not measured
   RayCaster ray_caster;
   IncidenceCorrection incidence;
-  const Texture* depth = nullptr;  ///< z of pass 2, corrected
+  const Texture* depth = nullptr;  ///< z that pass 3 reads
+  Texture replaced_depth;          ///< of a tap; empty before it replaces any
   SurfaceShader surface_shader;
   Smoother smoother;
+  RenderTaps taps;
   PassTimer timer;
   PassTime scan_conversion{kScanConversion};  ///< since the last picture
   bool has_new_frames = false;                ///< since the last update()
@@ -237,11 +282,7 @@ std::future<void> Renderer::compile_in_background() {
 }
 
 void Renderer::add_frame(int frame_index, const hw::PolarFrame& frame) {
-  Reconstruction& reconstruction = pipeline_->reconstruction;
-  reconstruction.put(frame_index, frame);
-  if (!reconstruction.aligns()) {
-    pipeline_->frames.put(frame_index, reconstruction.frame(frame_index));
-  }
+  pipeline_->frames.put(frame_index, frame);
   pipeline_->incoming->sweep = sweep_of(frame);
   pipeline_->has_new_frames = true;
 }
@@ -266,11 +307,19 @@ Picture Renderer::render() {
   p.update();
   Picture picture;
   picture.passes.push_back(std::exchange(p.scan_conversion, {kScanConversion}));
+  p.tap_slices();
   picture.passes.push_back(p.timed("ray_casting", &Pipeline::cast_rays));
+  if (auto correction = p.tap_depth()) picture.passes.push_back(*std::move(correction));
   picture.passes.push_back(p.timed("surface_shading", &Pipeline::shade_surface));
+  if (p.taps.shaded) p.taps.shaded(download_rgb(p.surface_shader.surface()));
   picture.passes.push_back(p.timed("smoothing", &Pipeline::smooth_picture));
   p.download(picture);
+  if (p.taps.smoothed) p.taps.smoothed(picture.surface);
   return picture;
+}
+
+void Renderer::set_taps(RenderTaps taps) {
+  pipeline_->taps = std::move(taps);
 }
 
 bool Renderer::keeps_slices(const RenderOptions& options) const {

@@ -1,10 +1,14 @@
 // The four-pass renderer of the paper (docs/references.md [1]) on OpenGL.
 #pragma once
 
+#include <functional>
 #include <future>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "render/gl/context.h"
+#include "render/gl/texels.h"
 #include "render/options.h"
 #include "render/picture.h"
 
@@ -15,6 +19,53 @@ struct PolarFrame;
 }  // namespace wobblebench::hw
 
 namespace wobblebench::render {
+
+/// What pass 1 made of a volume, as pass 2 reads it.
+struct VolumeSlices {
+  Region pixels;                     ///< of a slice, those that are stored
+  std::vector<Image<float>> slices;  ///< one for each frame, of `pixels`; samples in [0, 1]
+};
+
+/// z between passes 2 and 3: ray lengths in metres, kNoSurface without a surface.
+struct CastDepth {
+  Image<float> cast_m;  ///< of pass 2
+  Image<float>
+      depth_m;  ///< corrected by RayCastingOptions::incidence_correction_m: Picture::depth_m
+  Image<float> filtered_m;  ///< `depth_m` after pass 3's homogeneous filter
+};
+
+/// Functions that Renderer::render() calls between the passes with what the last one made. They
+/// must not use the context or the renderer; what they throw leaves render(). One that is not set
+/// costs nothing; reading for one that is set counts in no pass.
+///
+/// @code
+/// #include "hw/probe/polar_volume.h"
+/// const hw::PolarVolume volume(hw::AcquisitionPlan({}, {}));
+/// const auto context = render::make_context();
+/// render::Renderer renderer(*context, volume.plan(), render::RenderOptions{});
+/// render::RenderTaps taps;
+/// taps.depth = [](const render::CastDepth& depth) {
+///   Image<float> nearer_m = depth.depth_m;
+///   for (float& z : nearer_m.pixels) z -= 1e-3F;
+///   return nearer_m;
+/// };
+/// renderer.set_taps(taps);
+/// renderer.add_volume(volume);
+/// const render::Picture picture = renderer.render();  // a millimetre nearer
+/// @endcode
+struct RenderTaps {
+  /// After pass 1.
+  std::function<void(const VolumeSlices&)> slices;
+  /// After pass 2. Passes 3 and 4 go on with the z that it returns, an image of the same size,
+  /// kNoSurface where there is none; without one with their own. A replacement is a pass of its own
+  /// in Picture::passes, `correction`, from reading z to having the new one on the GPU. render()
+  /// throws std::invalid_argument for an image of another size.
+  std::function<std::optional<Image<float>>(const CastDepth&)> depth;
+  /// After pass 3, linear RGB in [0, 1].
+  std::function<void(const Image<glm::vec3>&)> shaded;
+  /// After pass 4: Picture::surface.
+  std::function<void(const Image<glm::vec3>&)> smoothed;
+};
 
 /// Renders the volumes of one acquisition plan. The context must outlive the renderer; all calls
 /// come from the thread that owns the context.
@@ -82,6 +133,9 @@ class Renderer {
 
   /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture.
   Picture render();
+
+  /// For the pictures that follow; replaces those set before.
+  void set_taps(RenderTaps taps);
 
   /// Whether set_options() takes these: pass 1, with the reconstruction before it, makes the same
   /// by them. True of whatever concerns passes 2 to 4 only, but for a detector that needs the

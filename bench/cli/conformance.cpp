@@ -7,7 +7,6 @@
 
 #include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
-#include "bench/cli/conformance_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"

@@ -9,7 +9,6 @@
 
 #include "bench/board_checks/fault_simulation/fault_simulation.h"
 #include "bench/cli/board_report.h"
-#include "bench/cli/fault_simulation_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"

@@ -101,11 +101,12 @@ RunResult stream_volume(BoardConnection& board,
 std::optional<render::Picture> correct_picture(RunResult& result,
                                                const std::optional<Correction>& correction,
                                                const ResolvedScene& scene,
+                                               render::Renderer& renderer,
                                                Progress& progress) {
   if (!correction) return std::nullopt;
   render::Picture corrected = progress.step("correct", [&] {
     return corrected_picture(
-        *correction, result.picture, result.acquisition.volume, scene.options());
+        *correction, renderer, result.picture, result.acquisition.volume, scene.options());
   });
   return std::exchange(result.picture, std::move(corrected));
 }
@@ -179,7 +180,7 @@ int run(const Arguments& arguments) {
     RunResult result =
         progress.step("stream", [&] { return stream_volume(board, source, *context, renderer); });
     result.kept = cache.kept();
-    const auto found = correct_picture(result, correction, scene, progress);
+    const auto found = correct_picture(result, correction, scene, renderer, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;

@@ -14,7 +14,7 @@
 
 #include "base/user_error.h"
 #include "phantoms/motion.h"
-#include "render/geometry/dense_plan.h"
+#include "render/geometry/slice_geometry.h"
 #include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
 

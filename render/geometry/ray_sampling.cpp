@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "render/camera.h"
-#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {
@@ -15,6 +14,10 @@ double interpolate(const std::vector<double>& x, const std::vector<double>& y, d
     if (at < x[i]) return std::lerp(y[i - 1], y[i], (at - x[i - 1]) / (x[i] - x[i - 1]));
   }
   return y.back();
+}
+
+bool in_slices(const RayCastingOptions& options) {
+  return options.kernel_space == KernelSpace::slice;
 }
 
 }  // namespace
@@ -104,6 +107,19 @@ std::vector<float> TransferFunction::table(int size) const {
     entries.push_back(static_cast<float>(step_opacity(value)));
   }
   return entries;
+}
+
+std::vector<double> slice_weights(const RenderOptions& options) {
+  const int box = options.scan_conversion.filter_size;
+  return convolved_with_box(frame_weights(options.ray_casting), box);
+}
+
+std::vector<double> frame_weights(const RayCastingOptions& options) {
+  return gaussian_weights(in_slices(options) ? options.kernel_3d : 1);
+}
+
+int ray_kernel_size(const RayCastingOptions& options) {
+  return in_slices(options) ? 1 : options.kernel_3d;
 }
 
 }  // namespace wobblebench::render

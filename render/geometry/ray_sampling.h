@@ -1,4 +1,5 @@
-// Kernel weights and transfer function of pass 2, computed on the CPU for the shader and the
+// Kernel weights, sample counts and transfer function of pass 2, and how its 3D kernel splits into
+// filters of slices, of frames, and along the ray: computed on the CPU for the GL passes and the
 // double-precision reference.
 #pragma once
 
@@ -34,7 +35,7 @@ int detector_samples(const RenderOptions& options);
 
 /// Detector::floor: samples in the mean of a millimetre, at least 1 and at most 64.
 int floor_mean_samples(const RenderOptions& options);
-/// Detector::floor: finished blocks of so many samples, whose least mean is the floor with that of
+/// Detector::floor: finished blocks of floor_mean_samples(), whose least mean is the floor with that of
 /// the block that is not finished.
 inline constexpr int kFloorBlocks = 11;
 
@@ -59,5 +60,17 @@ class TransferFunction {
 
 /// Entries of the transfer function's texture.
 inline constexpr int kTransferTableSize = 4096;
+
+/// Taps within a slice, along each axis: pass 1's box, convolved with the Gaussian of the 3D kernel
+/// if that lies in slices. Odd length, sum 1. A pixel of a slice is the mean of the pixels around
+/// it that hold data, weighted by the product of the taps of both axes.
+std::vector<double> slice_weights(const RenderOptions& options);
+
+/// Taps across frames: the Gaussian of the 3D kernel if that lies in slices, else a single 1. Taps
+/// beyond the first and last frame carry no weight.
+std::vector<double> frame_weights(const RayCastingOptions& options);
+
+/// Taps per side of the 3D kernel in ray space; 1: none.
+int ray_kernel_size(const RayCastingOptions& options);
 
 }  // namespace wobblebench::render

@@ -1,15 +1,28 @@
-// Geometry of the slices: the Cartesian grid of pass 1 and the cone of valid data, for the GL
-// passes and the double-precision reference.
+// Geometry of the slices: the scan that they are made of, the Cartesian grid of pass 1 and the cone
+// of valid data, for the GL passes and the double-precision reference.
 #pragma once
 
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "render/geometry/dense_plan.h"
-#include "render/gl/region.h"
+#include "render/gl/texels.h"
 #include "render/options.h"
 
 namespace wobblebench::render {
+
+/// Steps between sticks and between frames of the denser scan for one of the real scan.
+struct DenseFactors {
+  int lines = 1, frames = 1;
+};
+
+/// The least factors for which neighbours lie within ReconstructionOptions::spacing_m at the far
+/// side of the box; no more than 8, and no more sticks or frames than a plan may have. 1 for plain
+/// sticks.
+DenseFactors dense_factors(const hw::AcquisitionPlan& plan, const RenderOptions& options);
+
+/// The scan that slices are made of: the sticks of a scan and those that are put between them, over
+/// the same sector and fan.
+hw::AcquisitionPlan dense_plan(const hw::AcquisitionPlan& plan, const DenseFactors& factors);
 
 /// Slice coordinates of a position in the probe frame.
 struct SlicePoint {
@@ -106,5 +119,12 @@ MotionTable make_motion_table(const SliceGeometry& geometry, int size);
 /// Entries per side of the LUT of pass 2. At the paper's settings a bilinear fetch is then within
 /// 1e-6 m and 1e-3 frames of the closed form (slice_geometry_test).
 inline constexpr int kMotionTableSize = 1024;
+
+/// Mode fast: consecutive layers of the volume texture that are made together, out of `count` + 1
+/// slices.
+struct LayerGroup {
+  int first = 0;
+  int count = 0;
+};
 
 }  // namespace wobblebench::render

@@ -4,9 +4,7 @@
 
 #include <utility>
 
-#include "render/gl/driver_context.h"
-#include "render/gl/egl.h"
-#include "render/gl/osmesa.h"
+#include "render/gl/backends.h"
 
 namespace wobblebench::render {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/gl/egl.h"
+#include "render/gl/backends.h"
 
 // Without it the header includes X11.
 #define EGL_NO_X11
@@ -11,8 +11,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <vector>
-
-#include "render/gl/driver_context.h"
 
 namespace wobblebench::render {
 namespace {

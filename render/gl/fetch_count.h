@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "render/gl/objects.h"
-#include "render/gl/texture_fetch.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::render {
 

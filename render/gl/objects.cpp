@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "render/gl/context.h"
-#include "render/gl/forget_names.h"
 
 namespace wobblebench::render {
 namespace {

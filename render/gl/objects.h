@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/gl/texel_format.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::render {
 
@@ -139,5 +139,15 @@ class Framebuffer {
 /// Throws std::runtime_error with `where` and the GL errors since the last check, if any;
 /// ContextLost (render/gl/context.h) if the driver says so.
 void check_gl(const std::string& where);
+
+/// While one exists on this thread, objects (render/gl/objects.h) forget their names instead of
+/// deleting them, which would delete another context's. The names go with their context.
+class ForgetNames {
+ public:
+  ForgetNames();
+  ~ForgetNames();
+  ForgetNames(const ForgetNames&) = delete;
+  ForgetNames& operator=(const ForgetNames&) = delete;
+};
 
 }  // namespace wobblebench::render

@@ -1,12 +1,10 @@
-#include "render/gl/osmesa.h"
+#include "render/gl/backends.h"
 
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 
 #include <array>
 #include <stdexcept>
-
-#include "render/gl/driver_context.h"
 
 namespace wobblebench::render {
 namespace {

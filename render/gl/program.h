@@ -1,18 +1,71 @@
-// Fragment programs: shader files specialised by #defines, run over every pixel of a framebuffer.
+// Fragment programs: shader files specialised by #defines, run over every pixel of a framebuffer;
+// linked programs wait in their context for the next renderer.
 #pragma once
 
+#include <cstddef>
+#include <deque>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "render/gl/objects.h"
-#include "render/gl/program_pool.h"
-#include "render/gl/region.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::render {
+
+/// Linked programs of one context that no FragmentProgram holds, by their source. A driver that
+/// compiles at the first draw, as llvmpipe does, takes longer for a program than for a picture.
+/// Uniforms keep the values of the last user: the next one sets all of them.
+class ProgramPool {
+ public:
+  ProgramPool() = default;
+  /// The names go with the context.
+  ~ProgramPool();
+  ProgramPool(const ProgramPool&) = delete;
+  ProgramPool& operator=(const ProgramPool&) = delete;
+
+  /// The program that was given back last with this source; empty if there is none.
+  GlName<delete_program> take(const std::string& source);
+  /// Deletes the one that waits longest if there are too many.
+  void give_back(std::string source, GlName<delete_program> program);
+
+ private:
+  struct Idle {
+    std::string source;
+    GlName<delete_program> program;
+  };
+  std::deque<Idle> idle_;  ///< in the order of their return
+};
+
+/// A program that goes back to its pool in the end.
+class PooledProgram {
+ public:
+  PooledProgram() = default;
+  PooledProgram(std::shared_ptr<ProgramPool> pool,
+                std::string source,
+                GlName<delete_program> program);
+  PooledProgram(PooledProgram&&) noexcept = default;
+  PooledProgram& operator=(PooledProgram&& other) noexcept;
+  ~PooledProgram();
+
+  unsigned id() const { return program_.id(); }
+  explicit operator bool() const { return bool(program_); }
+  const std::string& source() const { return source_; }
+
+ private:
+  void give_back();
+
+  std::shared_ptr<ProgramPool> pool_;
+  std::string source_;
+  GlName<delete_program> program_;
+};
+
+/// That of this thread's current context; null without one.
+std::shared_ptr<ProgramPool> current_program_pool();
 
 /// Text of a shader file, embedded at build time (cmake/EmbedText.cmake); empty if there is none of
 /// that name.
@@ -61,7 +114,7 @@ class FragmentProgram {
   /// source_layer`.
   enum class Layers { one, several };
   /// Compiles the files, concatenated, as one fragment shader, unless the context has the program
-  /// (render/gl/program_pool.h): all uniforms are to be set. Throws std::runtime_error with the
+  /// (ProgramPool): all uniforms are to be set. Throws std::runtime_error with the
   /// file names and the driver's log.
   FragmentProgram(std::initializer_list<std::string_view> files,
                   const Defines& defines,

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/geometry/layer_group.h"
+#include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/leaping/skippable_cells.h"
 

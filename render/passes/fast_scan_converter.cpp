@@ -4,7 +4,6 @@
 #include <string>
 
 #include "render/geometry/ray_sampling.h"
-#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {

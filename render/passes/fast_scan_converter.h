@@ -4,12 +4,11 @@
 #include <functional>
 #include <vector>
 
-#include "render/geometry/layer_group.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/program.h"
 #include "render/options.h"
-#include "render/passes/frame_store.h"
-#include "render/passes/frame_texture.h"
+#include "render/passes/scan_converter.h"
+#include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::render {
 

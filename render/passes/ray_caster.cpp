@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "render/geometry/ray_sampling.h"
-#include "render/geometry/slice_kernel.h"
 
 namespace wobblebench::render {
 namespace {
@@ -34,7 +33,8 @@ int block_length(const RenderOptions& options) {
   return options.ray_casting.detector == Detector::floor ? floor_mean_samples(options) : kBlock;
 }
 
-/// Whether samples are processed in blocks (ray_blocks.glsl): without a kernel along the ray.
+/// Whether samples are processed in blocks (ray_cast_fast.frag.glsl): without a kernel along the
+/// ray.
 bool in_blocks(const RenderOptions& options) {
   return buffer_weights(options.ray_casting).size() == 1 && block_length(options) <= kMaxBlock;
 }
@@ -89,17 +89,16 @@ Defines defines(const SliceGeometry& geometry, const RenderOptions& options, boo
 FragmentProgram make_program(const Defines& defines, bool fast) {
   if (fast) {
     return FragmentProgram({"ray.glsl",
-                            "cone_closed.glsl",
+                            "cone.glsl",
                             "ray_kernel.glsl",
                             "edge_detector.glsl",
                             "block_detector.glsl",
                             "ray_march.glsl",
-                            "ray_blocks.glsl",
                             "ray_cast_fast.frag.glsl"},
                            defines);
   }
   return FragmentProgram({"ray.glsl",
-                          "cone_table.glsl",
+                          "cone.glsl",
                           "ray_kernel.glsl",
                           "edge_detector.glsl",
                           "ray_march.glsl",

@@ -1,10 +1,10 @@
 #include "render/passes/slice_volume.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
 #include "render/geometry/ray_sampling.h"
-#include "render/geometry/slice_kernel.h"
 #include "render/leaping/empty_space.h"
 #include "render/passes/fast_scan_converter.h"
 #include "render/passes/scan_converter.h"
@@ -73,6 +73,18 @@ class FastVolume : public SliceVolume {
 
 }  // namespace
 
+Image<float> SliceVolume::download_slice(int frame) const {
+  const int last_layer = std::max(slices().extent().depth - 1, 0);
+  const int layer = std::min(frame, last_layer), channel = frame - layer;
+  const auto stride = static_cast<std::size_t>(channels(slices().format()));
+  const std::vector<float> texels = slices().download_layer(layer);
+  Image<float> slice(pixels().columns, pixels().rows);
+  for (std::size_t i = 0; i < slice.pixels.size(); ++i) {
+    slice.pixels[i] = texels.at(stride * i + static_cast<std::size_t>(channel));
+  }
+  return slice;
+}
+
 bool same_slices(const RenderOptions& one, const RenderOptions& other) {
   const auto same = [&](const auto& value_of) { return value_of(one) == value_of(other); };
   const auto region = [](const RenderOptions& o) {
@@ -122,11 +134,6 @@ std::unique_ptr<SliceVolume> SliceVolumeFactory::make() const {
     return std::make_unique<FastVolume>(*s.fast, s.geometry, s.plan, s.options, s.cell_bounds);
   }
   return std::make_unique<PlainVolume>(*s.plain, s.geometry, s.options);
-}
-
-FrameStore SliceVolumeFactory::make_frame_store() const {
-  const Shared& s = *shared_;
-  return FrameStore(s.plan, frame_weights(s.options.ray_casting), s.fast ? 2 : 1);
 }
 
 const SliceGeometry& SliceVolumeFactory::geometry() const {

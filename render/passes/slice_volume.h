@@ -5,10 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include "base/image.h"
 #include "render/geometry/slice_geometry.h"
 #include "render/gl/objects.h"
 #include "render/leaping/skippable_cells.h"
-#include "render/passes/frame_store.h"
+#include "render/reconstruction/frame_store.h"
 
 namespace wobblebench::render {
 
@@ -25,6 +26,9 @@ class SliceVolume {
   virtual const Texture& slices() const = 0;
   /// The pixels of a slice that slices() stores.
   virtual Region pixels() const = 0;
+
+  /// A slice's stored pixels, read from the GPU.
+  Image<float> download_slice(int frame) const;
 
   /// Skippable cells and their distance texture (SkippableCells::distances()) in mode fast; else
   /// null.
@@ -56,7 +60,6 @@ class SliceVolumeFactory {
   ~SliceVolumeFactory();
 
   [[nodiscard]] std::unique_ptr<SliceVolume> make() const;
-  [[nodiscard]] FrameStore make_frame_store() const;
   const SliceGeometry& geometry() const;
 
  private:

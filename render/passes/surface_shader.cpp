@@ -27,10 +27,7 @@ Defines shade_defines(const RenderOptions& options) {
 }
 
 FragmentProgram shade_program(const RenderOptions& options) {
-  const bool fast = options.pipeline.mode == PipelineMode::fast;
-  const std::string_view shadow = fast ? "shadow_leaps.glsl" : "shadow_trace.glsl";
-  return {{"view.glsl", "height_map.glsl", "quadrant.glsl", shadow, "surface_shade.frag.glsl"},
-          shade_defines(options)};
+  return {{"view.glsl", "shadows.glsl", "surface_shade.frag.glsl"}, shade_defines(options)};
 }
 
 void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
@@ -48,6 +45,36 @@ void set_uniforms(FragmentProgram& program, const RenderOptions& options) {
       .set("shininess", o.shininess)
       .set("shadow_coefficient", o.shadow_coefficient)
       .set("shadow_bias_m", o.shadow_bias_m);
+}
+
+namespace tiles {
+enum Bindings { kDepth, kTiles, kQuadrants, kWideQuadrants, kNearest };
+}
+
+FragmentProgram nearest_program(int block) {
+  return {{"nearest.frag.glsl"},
+          Defines()
+              .add("BIND_DEPTH", tiles::kDepth)
+              .add("BLOCK", block)
+              .add("NOTHING_NEAR", kNothingNear)};
+}
+
+FragmentProgram lit_depth_program(const RenderOptions& options) {
+  FragmentProgram program({"view.glsl", "shadow_lit_depth.frag.glsl"},
+                          Defines()
+                              .add("BIND_QUADRANTS", tiles::kQuadrants)
+                              .add("BIND_WIDE_QUADRANTS", tiles::kWideQuadrants)
+                              .add("BIND_NEAREST", tiles::kNearest)
+                              .add("TILE", kShadowTile)
+                              .add("PERSPECTIVE", 0)
+                              .add("POINT_LIGHT", options.shading.light == Light::point));
+  const Camera camera = make_camera(options);
+  program.set("pixel_m", camera.pixel_m())
+      .set("image_size", static_cast<double>(camera.image_size))
+      .set("light_position_m", light_position_m(options.shading, camera))
+      .set("light_direction", light_direction(options.shading))
+      .set("shadow_bias_m", options.shading.shadow_bias_m);
+  return program;
 }
 
 }  // namespace
@@ -81,6 +108,42 @@ void SurfaceShader::shade(const Texture& depth, const Texture& color) {
     shade_.draw(target_, {{kDepth, &filtered_depth()}, {kColor, &color}});
   }
   check_gl("surface shading");
+}
+
+ShadowTiles::ShadowTiles(const RenderOptions& options) {
+  const int image_size = options.ray_casting.image_size;
+  const int side = (image_size + kShadowTile - 1) / kShadowTile;
+  const std::string what = "shadow tiles of an image_size of " + std::to_string(image_size);
+  const auto map = [&](TexelFormat format, int texels) {
+    return Texture(what, format, {texels, texels}, TextureFilter::nearest);
+  };
+  tiles_ = map(TexelFormat::r32f, side);
+  quadrants_ = map(TexelFormat::rgba32f, side);
+  wide_quadrants_ = map(TexelFormat::rgba32f, side);
+  nearest_ = map(TexelFormat::r32f, 1);
+  tiles_target_ = Framebuffer({&tiles_});
+  quadrants_target_ = Framebuffer({&quadrants_, &wide_quadrants_});
+  nearest_target_ = Framebuffer({&nearest_});
+  reduce_ = nearest_program(kShadowTile);
+  gather_ = FragmentProgram(
+      {"shadow_tiles.frag.glsl"},
+      Defines().add("BIND_NEAREST", tiles::kTiles).add("NOTHING_NEAR", kNothingNear));
+  reduce_all_ = nearest_program(side);
+  if (options.view.projection == Projection::perspective) return;
+  lit_depth_ = map(TexelFormat::rg32f, side);
+  lit_depth_target_ = Framebuffer({&lit_depth_});
+  trace_ = lit_depth_program(options);
+}
+
+void ShadowTiles::update(const Texture& depth) {
+  reduce_.draw(tiles_target_, {{tiles::kDepth, &depth}});
+  gather_.draw(quadrants_target_, {{tiles::kTiles, &tiles_}});
+  reduce_all_.draw(nearest_target_, {{tiles::kDepth, &tiles_}});
+  if (!lit_depth_) return;
+  trace_.draw(lit_depth_target_,
+              {{tiles::kQuadrants, &quadrants_},
+               {tiles::kWideQuadrants, &wide_quadrants_},
+               {tiles::kNearest, &nearest_}});
 }
 
 }  // namespace wobblebench::render

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hw/probe/acquisition_plan.h"
-#include "render/geometry/dense_plan.h"
+#include "render/geometry/slice_geometry.h"
 
 namespace wobblebench::render {
 

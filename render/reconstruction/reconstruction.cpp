@@ -18,20 +18,20 @@ double detection_level(const EchoLevels& levels, const RayCastingOptions& option
 }
 
 Reconstruction::Reconstruction(const hw::AcquisitionPlan& plan, const RenderOptions& options)
-    : plan_(plan), options_(options), received_(plan) {
+    : plan_(plan), options_(options) {
   if (needs_levels(options)) spans_ = spans_in_box(plan, options.volume_of_interest);
 }
 
-EchoLevels Reconstruction::levels() const {
-  return measure_levels(plan_, received_.frames(), spans_);
+EchoLevels Reconstruction::levels(const std::vector<std::vector<float>>& received) const {
+  return measure_levels(plan_, received, spans_);
 }
 
-std::vector<std::vector<float>> Reconstruction::aligned_frames(const EchoLevels& levels) const {
+std::vector<std::vector<float>> Reconstruction::aligned_frames(
+    const std::vector<std::vector<float>>& received, const EchoLevels& levels) const {
   const ReconstructionOptions& o = options_.reconstruction;
-  const auto edges = find_stick_edges(
-      plan_, received_.frames(), spans_, levels, options_.ray_casting.edge, o.edge_level);
-  return align_sticks(
-      plan_, dense_factors(plan_, options_), received_.frames(), edges, o.steepest_rad);
+  const auto edges =
+      find_stick_edges(plan_, received, spans_, levels, options_.ray_casting.edge, o.edge_level);
+  return align_sticks(plan_, dense_factors(plan_, options_), received, edges, o.steepest_rad);
 }
 
 }  // namespace wobblebench::render

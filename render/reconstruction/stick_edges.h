@@ -7,7 +7,6 @@
 #include "hw/probe/acquisition_plan.h"
 #include "render/options.h"
 #include "render/reconstruction/echo_levels.h"
-#include "render/reconstruction/stick_span.h"
 
 namespace wobblebench::render {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "render/geometry/sample.h"
+#include "render/reconstruction/frame_store.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render {

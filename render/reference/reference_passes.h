@@ -12,13 +12,6 @@
 
 namespace wobblebench::render::reference {
 
-/// What pass 1 converts.
-struct ReferenceSticks {
-  std::vector<std::vector<double>> frames;  ///< of dense_plan(), [line * samples + sample]
-  double level = 0;                         ///< detection_level()
-};
-ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& options);
-
 /// Result of pass 1: scan-converted, filtered slices.
 class SliceStack {
  public:
@@ -34,6 +27,7 @@ class SliceStack {
   const SliceGeometry& geometry() const { return geometry_; }
   /// detection_level() of the volume.
   double level() const { return level_; }
+  void set_level(double level) { level_ = level; }
   /// Value of a slice's pixel.
   double pixel(int frame, int column, int row) const {
     return slices_[static_cast<std::size_t>(frame)].at(column, row);

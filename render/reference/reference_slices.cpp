@@ -1,9 +1,14 @@
-// Pass 1 of the reference.
+// Pass 1 of the reference, and its sticks: those of the scan, or aligned ones and those between
+// them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
-#include "render/geometry/slice_kernel.h"
+#include "render/geometry/ray_sampling.h"
+#include "render/reconstruction/frame_store.h"
+#include "render/reconstruction/reconstruction.h"
+#include "render/reconstruction/stick_edges.h"
 #include "render/reference/reference_passes.h"
 
 namespace wobblebench::render::reference {
@@ -115,6 +120,167 @@ Between between(double at, int count) {
   const double clamped = std::clamp(at, 0.0, count - 1.0);
   const int first = static_cast<int>(clamped);
   return {first, std::min(first + 1, count - 1), clamped - first};
+}
+
+/// A stick with its edge, NaN if it has none.
+struct EdgedStick {
+  std::vector<double> samples;
+  double edge_m = kNoEdge;
+
+  /// Linear between samples, constant beyond the ends.
+  double at(double sample) const {
+    const double inside = std::clamp(sample, 0.0, static_cast<double>(samples.size()) - 1);
+    const auto first = static_cast<std::size_t>(inside);
+    const std::size_t next = std::min(first + 1, samples.size() - 1);
+    return std::lerp(samples[first], samples[next], inside - static_cast<double>(first));
+  }
+};
+using Sticks = std::vector<EdgedStick>;
+
+/// Cubic B-spline around 0.
+double b_spline(double x) {
+  const double a = std::abs(x);
+  if (a >= 2) return 0;
+  return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : (2 - a) * (2 - a) * (2 - a) / 6;
+}
+
+/// Catmull-Rom: the Hermite cubic from p[1] to p[2] with slopes of central differences.
+double catmull_rom(const std::array<double, 4>& p, double t) {
+  const double begin_slope = (p[2] - p[0]) / 2, end_slope = (p[3] - p[1]) / 2;
+  const double t2 = t * t, t3 = t2 * t;
+  return (2 * t3 - 3 * t2 + 1) * p[1] + (t3 - 2 * t2 + t) * begin_slope + (3 * t2 - 2 * t3) * p[2] +
+         (t3 - t2) * end_slope;
+}
+
+/// As mix_sticks(), of neighbours a to d.
+EdgedStick mix(const std::array<const EdgedStick*, 4>& n,
+               double t,
+               double reach_m,
+               double spacing_m) {
+  const auto same = [&](int i, int j) { return std::abs(n[i]->edge_m - n[j]->edge_m) < reach_m; };
+  const bool first = !std::isnan(n[1]->edge_m), second = !std::isnan(n[2]->edge_m);
+  const int start = first && (t <= 0.5 || !second) ? 1 : 2;
+  std::array<bool, 4> on{};
+  if (first || second) {
+    on[start] = true;
+    on[3 - start] = same(1, 2);
+    on[0] = on[1] && same(0, 1);
+    on[3] = on[2] && same(2, 3);
+  }
+  std::array<double, 4> edges{};
+  for (int j = 0; j < 4; ++j) edges[j] = n[j]->edge_m;
+  if (!on[1]) edges[1] = on[3] ? 2 * edges[2] - edges[3] : edges[2];
+  if (!on[2]) edges[2] = on[0] ? 2 * edges[1] - edges[0] : edges[1];
+  if (!on[0]) edges[0] = 2 * edges[1] - edges[2];
+  if (!on[3]) edges[3] = 2 * edges[2] - edges[1];
+
+  EdgedStick mixed;
+  mixed.edge_m = first || second ? catmull_rom(edges, t) : kNoEdge;
+  for (std::size_t k = 0; k < n[0]->samples.size(); ++k) {
+    double sum = 0;
+    for (int j = 0; j < 4; ++j) {
+      const double shift = on[j] ? (n[j]->edge_m - mixed.edge_m) / spacing_m : 0;
+      sum += b_spline(t - (j - 1)) * n[j]->at(static_cast<double>(k) + shift);
+    }
+    mixed.samples.push_back(sum);
+  }
+  return mixed;
+}
+
+/// `steps` for each one along a row of sticks that turn by `step_rad` about a centre `radius_m`
+/// before their first sample.
+Sticks denser(const Sticks& row,
+              int steps,
+              double radius_m,
+              double step_rad,
+              double steepest_rad,
+              double spacing_m) {
+  const int count = static_cast<int>(row.size());
+  Sticks dense;
+  for (int i = 0; i <= (count - 1) * steps; ++i) {
+    const int before = std::min(i / steps, std::max(count - 2, 0));
+    std::array<const EdgedStick*, 4> n{};
+    for (int j = 0; j < 4; ++j) {
+      n[static_cast<std::size_t>(j)] =
+          &row[static_cast<std::size_t>(std::clamp(before + j - 1, 0, count - 1))];
+    }
+    const double edge_m = std::isnan(n[1]->edge_m) ? n[2]->edge_m : n[1]->edge_m;
+    const double reach_m =
+        std::isnan(edge_m) ? 0 : (radius_m + edge_m) * step_rad * std::tan(steepest_rad);
+    dense.push_back(mix(n, double(i) / steps - before, reach_m, spacing_m));
+  }
+  return dense;
+}
+
+std::vector<Sticks> edged_frames(const hw::AcquisitionPlan& plan,
+                                 const std::vector<std::vector<float>>& frames,
+                                 const std::vector<double>& edges) {
+  const auto lines = static_cast<std::size_t>(plan.acquisition().sticks_per_frame);
+  const auto samples = static_cast<std::ptrdiff_t>(plan.acquisition().samples_per_stick);
+  std::vector<Sticks> rows(frames.size(), Sticks(lines));
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (std::size_t l = 0; l < lines; ++l) {
+      const auto begin = frames[f].begin() + static_cast<std::ptrdiff_t>(l) * samples;
+      rows[f][l] = {{begin, begin + samples}, edges[f * lines + l]};
+    }
+  }
+  return rows;
+}
+
+/// What pass 1 converts.
+struct ReferenceSticks {
+  std::vector<std::vector<double>> frames;  ///< of dense_plan(), [line * samples + sample]
+  double level = 0;                         ///< detection_level()
+};
+
+ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& options) {
+  const hw::AcquisitionPlan& plan = volume.plan();
+  FrameStore store(plan, options);
+  for (int f = 0; f < static_cast<int>(volume.frames().size()); ++f) {
+    store.put(f, volume.frame(f));
+  }
+  const auto& received = store.received();
+  const auto spans = spans_in_box(plan, options.volume_of_interest);
+  const EchoLevels levels = measure_levels(plan, received, spans);
+  ReferenceSticks result;
+  result.level = detection_level(levels, options.ray_casting);
+  const ReconstructionOptions& o = options.reconstruction;
+  if (o.sticks == render::Sticks::plain) {
+    for (const auto& frame : received) {
+      result.frames.emplace_back(frame.begin(), frame.end());
+    }
+    return result;
+  }
+  const auto edges =
+      find_stick_edges(plan, received, spans, levels, options.ray_casting.edge, o.edge_level);
+  auto rows = edged_frames(plan, received, edges);
+  const DenseFactors factors = dense_factors(plan, options);
+  const hw::ProbeGeometry geometry = plan.geometry();
+  const double spacing_m = plan.sample_spacing_m();
+  parallel_rows(static_cast<int>(rows.size()), [&](int f) {
+    Sticks& row = rows[static_cast<std::size_t>(f)];
+    row = denser(
+        row, factors.lines, geometry.radius_m(), plan.theta_step_rad(), o.steepest_rad, spacing_m);
+  });
+  const int lines = static_cast<int>(rows.front().size());
+  std::vector<Sticks> columns(static_cast<std::size_t>(lines));
+  parallel_rows(lines, [&](int l) {
+    Sticks column;
+    for (const Sticks& row : rows) column.push_back(row[static_cast<std::size_t>(l)]);
+    columns[static_cast<std::size_t>(l)] = denser(column,
+                                                  factors.frames,
+                                                  geometry.radius_m() - geometry.axis_z_m(),
+                                                  plan.phi_step_rad(),
+                                                  o.steepest_rad,
+                                                  spacing_m);
+  });
+  for (std::size_t f = 0; f < columns.front().size(); ++f) {
+    std::vector<double>& frame = result.frames.emplace_back();
+    for (const Sticks& column : columns) {
+      frame.insert(frame.end(), column[f].samples.begin(), column[f].samples.end());
+    }
+  }
+  return result;
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include "base/number_text.h"
 #include "base/user_error.h"
 #include "render/camera.h"
-#include "render/reference/reference.h"
 
 namespace wobblebench::bench {
 
@@ -190,29 +189,33 @@ void check_correction(const Correction& correction, const Scene& scene) {
                   fixed(here_mm, 4) + " mm, and must make them the same within 10 %");
 }
 
-Image<float> corrected_depth(const Correction& correction,
-                             const render::Picture& picture,
-                             const hw::PolarVolume& volume,
-                             const Scene& scene) {
-  const TermMeter meter(scene.plan(), scene.simulation, scene.render);
-  const Image<PixelTerms> terms = meter.measure(picture.filtered_depth_m, volume);
-  Image<float> depth_m = picture.depth_m;
-  for (std::size_t i = 0; i < depth_m.pixels.size(); ++i) {
+Image<float> corrected_depth(const DetectionModel& model,
+                             const TermMeter& meter,
+                             const render::CastDepth& depth,
+                             const hw::PolarVolume& volume) {
+  const Image<PixelTerms> terms = meter.measure(depth.filtered_m, volume);
+  Image<float> corrected_m = depth.depth_m;
+  for (std::size_t i = 0; i < corrected_m.pixels.size(); ++i) {
     if (!terms.pixels[i].measured) continue;
-    depth_m.pixels[i] -= static_cast<float>(correction.model.bias_m(terms.pixels[i]));
+    corrected_m.pixels[i] -= static_cast<float>(model.bias_m(terms.pixels[i]));
   }
-  return depth_m;
+  return corrected_m;
 }
 
 render::Picture corrected_picture(const Correction& correction,
-                                  const render::Picture& picture,
+                                  render::Renderer& renderer,
+                                  const render::Picture& uncorrected,
                                   const hw::PolarVolume& volume,
                                   const Scene& scene) {
-  const Image<float> depth_m = corrected_depth(correction, picture, volume, scene);
-  render::Picture corrected = render::shade_depth(depth_m, scene.render, picture.volume);
-  corrected.depth_m = depth_m;
-  corrected.volume = picture.volume;
-  corrected.passes = picture.passes;
+  const TermMeter meter(volume.plan(), scene.simulation, scene.render);
+  render::RenderTaps taps;
+  taps.depth = [&](const render::CastDepth& depth) {
+    return corrected_depth(correction.model, meter, depth, volume);
+  };
+  renderer.set_taps(taps);
+  render::Picture corrected = renderer.render();
+  renderer.set_taps({});
+  corrected.passes.front() = uncorrected.passes.front();
   return corrected;
 }
 

@@ -7,7 +7,7 @@
 
 #include "bench/evaluation/error_model/detection_model.h"
 #include "bench/scene/scene.h"
-#include "render/picture.h"
+#include "render/renderer.h"
 
 namespace wobblebench::bench {
 
@@ -37,17 +37,19 @@ std::optional<Correction> read_correction(const Scene& scene);
 /// which follows from the volume of interest and may differ by 10 %.
 void check_correction(const Correction& correction, const Scene& scene);
 
-/// z of pass 2 less the model's bias, pixel by pixel, from measured quantities alone: normals of z
-/// after pass 3's filter, range, and the sticks about the point. Without terms the same bits.
-Image<float> corrected_depth(const Correction& correction,
-                             const render::Picture& picture,
-                             const hw::PolarVolume& volume,
-                             const Scene& scene);
+/// z less the model's bias, pixel by pixel, from measured quantities alone: normals of z after pass
+/// 3's filter, range, and the sticks about the point. Without terms the same bits.
+Image<float> corrected_depth(const DetectionModel& model,
+                             const TermMeter& meter,
+                             const render::CastDepth& depth,
+                             const hw::PolarVolume& volume);
 
-/// The picture with corrected z: passes 3 and 4 are made anew (double reference), so that what is
-/// shaded is the corrected z after pass 3's filter. The volume picture and pass times stay.
+/// What `renderer` shows, of this volume, rendered once more with corrected z: RenderTaps::depth is
+/// corrected_depth(), whose time is the pass `correction`. Pass 1 is not done again: its time is that
+/// of `uncorrected`, the picture without. Replaces the renderer's taps and leaves it without any.
 render::Picture corrected_picture(const Correction& correction,
-                                  const render::Picture& picture,
+                                  render::Renderer& renderer,
+                                  const render::Picture& uncorrected,
                                   const hw::PolarVolume& volume,
                                   const Scene& scene);
 

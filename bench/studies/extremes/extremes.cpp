@@ -8,7 +8,8 @@
 #include "base/user_error.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/resolved_scene.h"
-#include "bench/studies/extremes/sample_reach.h"
+#include "bench/scene/scene.h"
+#include "bench/studies/extremes/test_volumes.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -54,36 +55,28 @@ bool is_one_sample(SampleChange change) {
          change != SampleChange::all_one;
 }
 
-/// The largest pictures, by the renderer itself.
-bool renders_finite(const hw::PolarVolume& volume,
-                    const render::RenderOptions& options,
-                    render::GlContext& context) {
-  const render::Picture picture = render_volume(context, volume, options);
-  return are_depths(picture.depth_m) && are_depths(picture.filtered_depth_m) &&
-         are_colours(picture.volume) && are_colours(picture.surface);
-}
-
 void render_case(ExtremeOutcome& outcome,
                  const Scene& scene,
                  const hw::PolarVolume& volume,
                  render::GlContext& context) {
   const ExtremeCase& of = outcome.of;
   if (!of.compared) {
-    outcome.finite = renders_finite(volume, scene.render, context);
+    outcome.finite = is_finite({.picture = render_volume(context, volume, scene.render)});
     outcome.rendered = true;
     return;
   }
-  context.make_current();
   const ChangedVolume changed = changed_volume(volume, of.change);
-  const PassPictures pictures = run_passes(changed.given, scene.render);
+  const PassPictures pictures = run_passes(changed.given, scene.render, context);
   outcome.rendered = true;
   outcome.finite = is_finite(pictures);
   outcome.errors = pass_errors(pictures, changed.meant, scene.render);
   if (!is_one_sample(of.change)) return;
-  const PassPictures before = run_passes(volume, scene.render);
-  const auto reached = reached_pixels(volume.plan(), scene.render, changed_sample(volume.plan()));
+  const PassPictures before = run_passes(volume, scene.render, context);
   outcome.changed_out_of_reach =
-      changed_out_of_reach(reached, before.cast_m, pictures.cast_m, scene.render);
+      changed_out_of_reach(reached_pixels(volume, changed.meant, scene.render),
+                           before.depth.cast_m,
+                           pictures.depth.cast_m,
+                           scene.render);
 }
 
 /// "extremes: SECTION.KEY = VALUE: what is allowed", of a key that there is.
@@ -129,10 +122,11 @@ bool is_finite(const PassPictures& pictures) {
     return std::all_of(
         slice.pixels.begin(), slice.pixels.end(), [](float v) { return std::isfinite(v); });
   };
-  return std::all_of(pictures.slices.begin(), pictures.slices.end(), in_slice) &&
-         are_depths(pictures.cast_m) && are_depths(pictures.corrected_m) &&
-         are_depths(pictures.filtered_m) && are_colours(pictures.volume) &&
-         are_colours(pictures.shaded) && are_colours(pictures.smoothed);
+  const auto& [slices, depth, shaded, picture] = pictures;
+  return std::all_of(slices.slices.begin(), slices.slices.end(), in_slice) &&
+         are_depths(depth.cast_m) && are_depths(picture.depth_m) &&
+         are_depths(picture.filtered_depth_m) && are_colours(picture.volume) &&
+         are_colours(shaded) && are_colours(picture.surface);
 }
 
 ExtremeOutcome run_extreme_case(const ExtremeCase& of,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/studies/extremes/extreme_case.h"
+#include "bench/studies/extremes/extreme_cases.h"
 #include "bench/studies/extremes/pass_errors.h"
 #include "render/gl/context.h"
 #include "render/presets.h"
@@ -35,5 +35,17 @@ ExtremeOutcome run_extreme_case(const ExtremeCase& of,
 /// Whether every number is finite, where z may say that there is no surface, and every colour
 /// within [0, 1].
 bool is_finite(const PassPictures& pictures);
+
+/// A number at its end that no picture shows: of device time, sequence numbers, phase.
+struct NumberOutcome {
+  std::string name;
+  double worst = 0;  ///< difference from the exact number
+  double bound = 0;
+  std::string unit;
+  std::string how;  ///< what the exact number and the bound follow from
+  bool passed() const { return worst <= bound; }
+};
+
+std::vector<NumberOutcome> run_number_cases();
 
 }  // namespace wobblebench::bench

@@ -1,18 +1,200 @@
 // What becomes of the ends of every range, of bad samples, and of numbers at their ends.
-#include <iostream>
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "base/number_text.h"
+#include "base/text.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/report.h"
-#include "bench/studies/extremes/extremes_report.h"
+#include "bench/output/report_parts.h"
+#include "bench/studies/extremes/extremes.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+struct ExtremesResults {
+  std::vector<ExtremeOutcome> cases;
+  std::vector<NumberOutcome> numbers;
+
+  int failed() const {
+    const auto failed = [](const auto& outcome) { return !outcome.passed(); };
+    return static_cast<int>(std::count_if(cases.begin(), cases.end(), failed) +
+                            std::count_if(numbers.begin(), numbers.end(), failed));
+  }
+};
+
+/// "rendered", "refused" or "FAILED: why".
+std::string verdict(const ExtremeOutcome& outcome) {
+  if (outcome.passed()) return outcome.rendered ? "rendered" : "refused";
+  std::string text = "FAILED";
+  for (const std::string& failure : outcome.failures) {
+    text += (text == "FAILED" ? ": " : "; ") + failure;
+  }
+  return text;
+}
+
+constexpr int kDigits = 4;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
+
+/// One row a case, preset and pass; a refusal has one row without a pass.
+std::string extremes_csv(const ExtremesResults& results) {
+  std::ostringstream csv;
+  csv << "case,preset,settings,verdict,refusal,finite,changed_out_of_reach,pass,worst,bound,"
+         "compared,outside\n";
+  for (const ExtremeOutcome& outcome : results.cases) {
+    const auto& changed = outcome.changed_out_of_reach;
+    std::ostringstream head;
+    head << csv_field(outcome.of.name) << "," << outcome.preset << ","
+         << csv_field(joined(outcome.of.settings)) << "," << csv_field(verdict(outcome)) << ","
+         << csv_field(outcome.refusal) << ","
+         << (outcome.rendered ? (outcome.finite ? "1" : "0") : "") << ","
+         << (changed ? std::to_string(*changed) : "");
+    if (outcome.errors.empty()) csv << head.str() << ",,,,,\n";
+    for (const PassError& error : outcome.errors) {
+      csv << head.str() << "," << csv_field(error.pass) << "," << significant(error.worst, kDigits)
+          << "," << significant(error.bound, kDigits) << "," << error.compared << ","
+          << error.outside << "\n";
+    }
+  }
+  for (const NumberOutcome& number : results.numbers) {
+    csv << csv_field(number.name) << ",,," << (number.passed() ? "passed" : "FAILED") << ",,,,"
+        << csv_field(number.unit) << "," << significant(number.worst, kDigits) << ","
+        << significant(number.bound, kDigits) << ",,\n";
+  }
+  return csv.str();
+}
+
+void write_head(const ExtremesResults& results,
+                const Provenance& provenance,
+                std::ostream& markdown) {
+  markdown
+      << "# The extremes\n\nMade by `wobblebench extremes`. Commit " << provenance.commit << ", "
+      << provenance.cpu << ", GL: " << provenance.gl_backend << ", " << provenance.gl_renderer
+      << ". " << results.cases.size() + results.numbers.size() << " outcomes, " << results.failed()
+      << " failed. Settings, bounds and the number of pixels are in `extremes.csv`.\n\n"
+         "Sticks, where a case does not name simulated ones, are of a soft-edged ball in noise, in "
+         "closed form. Each cell is the greatest difference of a pass from the same pass in "
+         "double precision on the same input, and behind the slash the greatest that the bounds of "
+         "its pixels allow; of slices and colours in full scales, of z relative to the ray's "
+         "length. "
+         "Bounds follow from the arithmetic, not from measurement (decision 32); inf: no bound, as "
+         "the motor's axis lies among the samples, and only finite numbers are asked for.\n";
+}
+
+/// "1.2e-05 / 3e-05".
+std::string cell(const PassError& error) {
+  const auto text = [](double value) { return std::isinf(value) ? "inf" : significant(value, 2); };
+  return text(error.worst) + " / " + text(error.bound) +
+         (error.outside > 0 ? " (" + std::to_string(error.outside) + " beyond)" : "");
+}
+
+void write_rendered(const ExtremesResults& results, std::ostream& markdown) {
+  const auto& cases = results.cases;
+  const auto first = std::find_if(
+      cases.begin(), cases.end(), [](const auto& outcome) { return !outcome.errors.empty(); });
+  if (first == cases.end()) return;
+  markdown << "\n## Rendered\n\n| case | preset | outcome |";
+  for (const PassError& error : first->errors) markdown << " " << error.pass << " |";
+  markdown << "\n| --- | --- | --- |";
+  for (std::size_t i = 0; i < first->errors.size(); ++i) markdown << " --- |";
+  markdown << "\n";
+  for (const ExtremeOutcome& outcome : cases) {
+    if (!outcome.rendered) continue;
+    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | " << verdict(outcome)
+             << (outcome.passed() ? ", finite" : "") << " |";
+    for (const PassError& error : outcome.errors) markdown << " " << cell(error) << " |";
+    for (std::size_t i = outcome.errors.size(); i < first->errors.size(); ++i) markdown << " |";
+    markdown << "\n";
+  }
+}
+
+void write_refused(const ExtremesResults& results, std::ostream& markdown) {
+  markdown << "\n## Refused\n\n| case | preset | outcome | line |\n| --- | --- | --- | --- |\n";
+  for (const ExtremeOutcome& outcome : results.cases) {
+    if (outcome.rendered) continue;
+    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | " << verdict(outcome)
+             << " | " << outcome.refusal << " |\n";
+  }
+}
+
+void write_reach(const ExtremesResults& results, std::ostream& markdown) {
+  markdown << "\n## One bad sample\n\nPixels whose z changed out of the reach of the sample: their "
+              "rays read no other sample in double precision.\n\n| case | preset | pixels |\n| --- | --- | ---: |\n";
+  for (const ExtremeOutcome& outcome : results.cases) {
+    if (!outcome.changed_out_of_reach) continue;
+    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | "
+             << *outcome.changed_out_of_reach << " |\n";
+  }
+}
+
+void write_numbers(const ExtremesResults& results, std::ostream& markdown) {
+  markdown << "\n## Numbers\n\n| case | outcome | error | bound | unit | against |\n| --- | --- | "
+              "---: | ---: | --- | --- |\n";
+  for (const NumberOutcome& number : results.numbers) {
+    markdown << "| " << number.name << " | " << (number.passed() ? "passed" : "FAILED") << " | "
+             << significant(number.worst, 2) << " | " << significant(number.bound, 2) << " | "
+             << number.unit << " | " << number.how << " |\n";
+  }
+}
+
+std::string extremes_markdown(const ExtremesResults& results, const Provenance& provenance) {
+  std::ostringstream markdown;
+  write_head(results, provenance, markdown);
+  write_rendered(results, markdown);
+  write_refused(results, markdown);
+  write_reach(results, markdown);
+  write_numbers(results, markdown);
+  return markdown.str();
+}
+
+Json errors_json(const std::vector<PassError>& errors) {
+  Json list = Json::array();
+  for (const PassError& error : errors) {
+    list.push_back({{"pass", error.pass},
+                    {"worst", number(error.worst)},
+                    {"bound", number(error.bound)},
+                    {"compared", error.compared},
+                    {"outside", error.outside}});
+  }
+  return list;
+}
+
+/// "extremes".
+Json extremes_json(const ExtremesResults& results) {
+  Json cases = Json::array(), numbers = Json::array();
+  for (const ExtremeOutcome& outcome : results.cases) {
+    Json json = {{"name", outcome.of.name},
+                 {"preset", outcome.preset},
+                 {"settings", outcome.of.settings},
+                 {"passed", outcome.passed()},
+                 {"failures", outcome.failures},
+                 {"rendered", outcome.rendered}};
+    if (!outcome.rendered) json["refusal"] = outcome.refusal;
+    if (outcome.rendered) json["finite"] = outcome.finite;
+    if (outcome.changed_out_of_reach) json["changed_out_of_reach"] = *outcome.changed_out_of_reach;
+    json["passes"] = errors_json(outcome.errors);
+    cases.push_back(std::move(json));
+  }
+  for (const NumberOutcome& outcome : results.numbers) {
+    numbers.push_back({{"name", outcome.name},
+                       {"passed", outcome.passed()},
+                       {"worst", number(outcome.worst)},
+                       {"bound", outcome.bound},
+                       {"unit", outcome.unit}});
+  }
+  return {{"failed", results.failed()}, {"cases", cases}, {"numbers", numbers}};
+}
 
 constexpr int kRandomCases = 20, kLongRandomCases = 200;
 
@@ -51,43 +233,46 @@ std::vector<ExtremeOutcome> run_cases(const std::vector<ExtremeCase>& cases,
   return outcomes;
 }
 
-void print_failures(const ExtremesResults& results) {
+std::string failures_text(const ExtremesResults& results) {
+  std::string text;
   for (const ExtremeOutcome& outcome : results.cases) {
     if (outcome.passed()) continue;
-    std::cout << outcome.of.name << ", " << outcome.preset << ": " << verdict(outcome) << "\n";
+    text += outcome.of.name + ", " + outcome.preset + ": " + verdict(outcome) + "\n";
   }
   for (const NumberOutcome& number : results.numbers) {
-    if (!number.passed()) std::cout << number.name << ": FAILED\n";
+    if (!number.passed()) text += number.name + ": FAILED\n";
   }
-  std::cout << results.cases.size() + results.numbers.size() << " outcomes, " << results.failed()
-            << " failed\n";
+  return text + std::to_string(results.cases.size() + results.numbers.size()) + " outcomes, " +
+         std::to_string(results.failed()) + " failed\n";
+}
+
+CommandResult measure_and_write(const Arguments& arguments,
+                                render::GlContext& context,
+                                OutputFolder& out,
+                                Progress& progress) {
+  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  ExtremesResults results;
+  results.cases = progress.step("cases", [&](const PartDone& done) {
+    return run_cases(cases_of(arguments), context, cache, done);
+  });
+  results.numbers = run_number_cases();
+  const Provenance provenance = provenance_of_simulation(context, arguments.seed);
+  Json report = report_head("extremes", provenance, load_scene({}, base_settings(), "extremes"));
+  report["extremes"] = extremes_json(results);
+  report["wall_ms"] = wall_json(progress.times());
+  out.write_text("extremes.md", extremes_markdown(results, provenance));
+  out.write_text("extremes.csv", extremes_csv(results));
+  return {.report = report_text(report),
+          .summary = failures_text(results),
+          .exit_code = results.failed() == 0 ? kDone : kFailed};
 }
 
 int run_extremes(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"cases", 1}});
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  ExtremesResults results;
-  results.cases = progress.step("cases", [&](const PartDone& done) {
-    return run_cases(cases_of(arguments), *context, cache, done);
-  });
-  results.numbers = run_number_cases();
-  const Provenance provenance = provenance_of_simulation(*context, arguments.seed);
-  Json report = report_head("extremes", provenance, load_scene({}, base_settings(), "extremes"));
-  report["extremes"] = extremes_json(results);
-  report["wall_ms"] = wall_json(progress.times());
-  const std::string text = report_text(report);
-  out.write_text("extremes.md", extremes_markdown(results, provenance));
-  out.write_text("extremes.csv", extremes_csv(results));
-  out.write_text("report.json", text);
-  out.commit();
-  if (arguments.output.json) {
-    std::cout << text;
-  } else {
-    print_failures(results);
-  }
-  return results.failed() == 0 ? 0 : 1;
+  return run_in_folder(
+      arguments.output, {{"cases", 1}}, [&](OutputFolder& out, Progress& progress) {
+        return measure_and_write(arguments, *context, out, progress);
+      });
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-#include "bench/studies/extremes/number_cases.h"
-
+// Numbers at their ends that no picture shows: device time, sequence numbers, phase.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -7,6 +6,7 @@
 #include <utility>
 
 #include "base/units.h"
+#include "bench/studies/extremes/extremes.h"
 #include "bench/studies/extremes/pass_bounds.h"
 #include "hw/wire/decoder.h"
 #include "sim/echo/iq_field.h"

@@ -4,13 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
-#include "base/units.h"
-#include "render/camera.h"
+#include "render/geometry/lighting.h"
 #include "render/geometry/ray_sampling.h"
-#include "render/geometry/slice_geometry.h"
-#include "render/geometry/slice_kernel.h"
-#include "render/passes/incidence_correction.h"
 
 namespace wobblebench::bench {
 
@@ -20,12 +17,12 @@ constexpr double u = kUnitRoundoff;
 
 /// Mesa's atan is a polynomial whose leading coefficient is 0.99998; to 2^-15 of the angle.
 constexpr double kArcTangent = 1.0 / (1 << 15);
-
-/// Half a step of 2^-18.
+/// Samples enter running sums as multiples of 2^-18, whose sums are exact (edge_detector.glsl).
 constexpr double kGridRounding = 1.0 / (1 << 19);
-
 /// Most that a ray through the whole field is long, in far ends of the sticks.
 constexpr double kFieldLength = 6;
+/// Between two unit vectors.
+constexpr double kMostTurn = 2;
 
 /// Rounded to half a level when a frame is uploaded, after the filter of rows, and as a slice.
 double texel_error(render::TextureFormat format) {
@@ -44,19 +41,15 @@ double extent_m(const render::RenderOptions& options, const render::SliceGeometr
   return glm::length(camera.center) + camera.width_m + before_m + behind_m;
 }
 
-/// Distances from the motor's axis of what rays sample.
-struct Arms {
-  double least_m = 0, most_m = 0;
-};
-Arms arms(const render::RenderOptions& options, const render::SliceGeometry& geometry) {
-  const double axis_m = geometry.axis_z_m();
-  const double in_cone_m = geometry.depth_min_m() - axis_m;
+/// Least distance from the motor's axis of what rays sample: in the cone and, where they end there,
+/// in the box.
+double least_arm_m(const render::RenderOptions& options, const render::SliceGeometry& geometry) {
   const glm::dvec3 center = options.volume_of_interest.center_m,
                    half = 0.5 * options.volume_of_interest.size_m;
   const double y_m = std::max(std::abs(center.y) - half.y, 0.0);
-  const double z_m = std::max(std::abs(center.z - axis_m) - half.z, 0.0);
+  const double z_m = std::max(std::abs(center.z - geometry.axis_z_m()) - half.z, 0.0);
   const double in_box_m = options.ray_casting.stop_at_box ? std::hypot(y_m, z_m) : 0.0;
-  return {std::max({in_cone_m, in_box_m, 0.0}), geometry.r_max_m() - axis_m};
+  return std::max({geometry.depth_min_m() - geometry.axis_z_m(), in_box_m, 0.0});
 }
 
 /// Of the motor angle: of the position; in mode plain of the table, bilinear between
@@ -64,20 +57,42 @@ Arms arms(const render::RenderOptions& options, const render::SliceGeometry& geo
 /// mode fast of the arc tangent.
 double angle_error(const render::RenderOptions& options,
                    const render::SliceGeometry& geometry,
-                   const Arms& arms,
                    double position_m) {
-  if (arms.least_m <= 0) return std::numeric_limits<double>::infinity();
-  const double widest = std::max(-geometry.phi_min_rad(), geometry.phi_max_rad());
-  const double of_position = position_m / arms.least_m;
+  const double least_m = least_arm_m(options, geometry);
+  if (least_m <= 0) return std::numeric_limits<double>::infinity();
   if (options.pipeline.mode == render::PipelineMode::fast) {
-    return of_position + kArcTangent * widest + 4 * u;
+    const double widest = std::max(-geometry.phi_min_rad(), geometry.phi_max_rad());
+    return position_m / least_m + kArcTangent * widest + 4 * u;
   }
-  const double entry_m = 2 * arms.most_m / (render::kMotionTableSize - 1) * 1.01;
+  const double most_m = geometry.r_max_m() - geometry.axis_z_m();
+  const double entry_m = 2 * most_m / (render::kMotionTableSize - 1) * 1.01;
   const double rounded_m = 4 * u * render::kMotionTableSize * entry_m;
-  return (rounded_m + 2 * entry_m * entry_m / 8 / arms.least_m) / arms.least_m + of_position;
+  return (position_m + rounded_m + 2 * entry_m * entry_m / 8 / least_m) / least_m;
 }
 
-/// Samples enter running sums as multiples of 2^-18, whose sums are exact (edge_detector.glsl).
+/// Greatest difference between neighbouring pixels of slices.
+struct Steepness {
+  double column = 0, row = 0, frame = 0;
+};
+Steepness steepness(const render::reference::SliceStack& slices) {
+  Steepness found;
+  const int size = slices.geometry().slice_size();
+  for (int f = 0; f < slices.geometry().frames(); ++f) {
+    for (int row = 0; row < size; ++row) {
+      for (int column = 0; column < size; ++column) {
+        const auto raise = [&](double& most, int frame, int c, int r) {
+          const double other = slices.pixel(std::max(frame, 0), std::max(c, 0), std::max(r, 0));
+          most = std::max(most, std::abs(slices.pixel(f, column, row) - other));
+        };
+        raise(found.column, f, column - 1, row);
+        raise(found.row, f, column, row - 1);
+        raise(found.frame, f - 1, column, row);
+      }
+    }
+  }
+  return found;
+}
+
 double detector_error(const render::RenderOptions& options, double sample) {
   const double summed = sample + kGridRounding;
   switch (options.ray_casting.detector) {
@@ -91,44 +106,98 @@ double detector_error(const render::RenderOptions& options, double sample) {
   return render::buffer_samples(options) * summed;
 }
 
-/// Places of samples are stored rounded and scaled to texels, 8 operations; then the taps' sums.
-double slice_error(const hw::AcquisitionPlan& plan,
-                   const render::RenderOptions& options,
-                   const Steepness& steep) {
-  const auto taps = static_cast<double>(slice_weights(options).size());
-  const hw::AcquisitionOptions dense = dense_plan(plan, dense_factors(plan, options)).acquisition();
-  return texel_error(options.scan_conversion.format) +
-         8 * u * (dense.samples_per_stick * steep.sample + dense.sticks_per_frame * steep.line) +
-         (taps * taps + 8) * u;
-}
+}  // namespace
 
-/// Of a fetch from the slices beside their own error: of its place in each direction, scaled to
-/// texels, and of the sum of a kernel's taps along the ray.
-double sample_error(const hw::AcquisitionPlan& plan,
-                    const render::RenderOptions& options,
-                    const Steepness& steep,
-                    const PassBounds& bounds,
-                    double angle) {
+PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
+                       const render::reference::SliceStack& slices,
+                       const render::RenderOptions& options) {
   const render::DenseFactors factors = dense_factors(plan, options);
-  const render::SliceGeometry geometry(plan, options.scan_conversion.slice_size, factors);
+  const hw::AcquisitionOptions dense = dense_plan(plan, factors).acquisition();
+  const render::SliceGeometry& geometry = slices.geometry();
+  const Steepness steep = steepness(slices);
   const double size = geometry.slice_size(), frames = geometry.frames();
+  PassBounds bounds;
+  // Origin, offset and length along the ray, 8 operations.
+  bounds.position_m = 8 * u * extent_m(options, geometry);
+  // Line and sample are stored rounded and scaled to texels, 8 operations; then the taps' sums.
+  const auto taps = static_cast<double>(slice_weights(options).size());
+  bounds.slices = texel_error(options.scan_conversion.format) +
+                  8 * u * (dense.samples_per_stick + dense.sticks_per_frame) +
+                  (taps * taps + 8) * u;
+  // A fetch: its position in the slice and across the frames, and the sum of a kernel's taps.
+  const double angle = angle_error(options, geometry, bounds.position_m);
+  const double arm_m = geometry.r_max_m() - geometry.axis_z_m();
+  bounds.cone_m = bounds.position_m + (std::isfinite(angle) ? angle * arm_m : 0);
   const double row_m = (geometry.r_max_m() - geometry.depth_min_m()) / size;
   const double column_m = 2 * geometry.x_max_m() / size;
-  const double per_rad = frames > 1 ? factors.frames / std::abs(plan.phi_step_rad()) : 0;
-  const int taps = ray_kernel_size(options.ray_casting) + options.ray_casting.window_2d;
-  double error = steep.column * (bounds.position_m / column_m + 8 * u * size) +
-                 steep.row * (bounds.place_m / row_m + 8 * u * size) + (std::pow(taps, 3) + 8) * u;
-  if (steep.frame > 0) error += steep.frame * (per_rad * angle + 8 * u * frames);
-  return error;
+  const int kernel = ray_kernel_size(options.ray_casting) + options.ray_casting.window_2d;
+  bounds.sample = bounds.slices + steep.column * (bounds.position_m / column_m + 8 * u * size) +
+                  steep.row * (bounds.cone_m / row_m + 8 * u * size) +
+                  (std::pow(kernel, 3) + 8) * u;
+  if (steep.frame > 0) {
+    const double per_rad = factors.frames / std::abs(plan.phi_step_rad());
+    bounds.sample += steep.frame * (per_rad * angle + 8 * u * frames);
+  }
+  bounds.detector = detector_error(options, bounds.sample);
+  const double ray_m = options.ray_casting.stop_at_box
+                           ? glm::length(options.volume_of_interest.size_m)
+                           : kFieldLength * geometry.r_max_m();
+  bounds.depth_m = bounds.position_m + 8 * u * ray_m;
+  return bounds;
 }
 
-/// A sum over a square window.
-double window_error(int filter_size) {
+Image<double> blend_bounds(const render::reference::SliceStack& slices,
+                           const render::RenderOptions& options,
+                           const PassBounds& bounds) {
+  const render::RayCastingOptions& o = options.ray_casting;
+  Image<double> errors(o.image_size, o.image_size, 1.0);
+  // A kernel along the ray mixes samples that are not followed here.
+  if (ray_kernel_size(o) > 1 || !std::isfinite(bounds.sample)) return errors;
+  if (o.mode == render::RenderMode::surface) return Image<double>(o.image_size, o.image_size, 0.0);
+  const render::Camera camera = make_camera(options);
+  const render::VolumeOfInterest end_box =
+      o.stop_at_box ? options.volume_of_interest : field_box(slices.geometry());
+  const double step = step_m(options);
+  const render::TransferFunction transfer(o, step);
+  // Linear interpolation of the shader's table reads from up to an entry away.
+  const double reach = std::min(bounds.sample + 1.0 / (render::kTransferTableSize - 1), 1.0);
+  const auto change = [&](double (render::TransferFunction::*of)(double) const, double value) {
+    const double here = (transfer.*of)(value);
+    return std::max(std::abs((transfer.*of)(value + reach) - here),
+                    std::abs((transfer.*of)(value - reach) - here));
+  };
+  const auto error_of = [&](const hw::Ray& ray) {
+    const render::Span span = clip_to_box(ray, options.volume_of_interest);
+    const double end_m = clip_to_box(ray, end_box).to_m + step;
+    double error = 0, opacity = 0, most_light = 1;
+    for (double at_m = span.from_m + 0.5 * step; at_m < end_m; at_m += step) {
+      const auto sample = slices.at(ray.at(at_m));
+      if (!sample.inside) continue;
+      const double own = transfer.step_opacity(sample.value);
+      const double own_error = change(&render::TransferFunction::step_opacity, sample.value);
+      error += most_light *
+               (own_error + own * change(&render::TransferFunction::grey, sample.value) + 4 * u);
+      most_light *= 1 - std::max(own - own_error, 0.0);
+      opacity += (1 - opacity) * own;
+      if (std::abs(opacity - o.opacity_limit) <= error) error += most_light;
+      if (opacity >= o.opacity_limit) break;
+    }
+    return std::min(error, 1.0);
+  };
+  for (int row = 0; row < o.image_size; ++row) {
+    for (int column = 0; column < o.image_size; ++column) {
+      errors.at(column, row) = error_of(camera.ray(column, row));
+    }
+  }
+  return errors;
+}
+
+double window_bound(int filter_size) {
   return (1.0 * filter_size * filter_size + 8) * u;
 }
 
-double smoothing_error(const render::SmoothingOptions& o) {
-  const double window = 2 * window_error(o.filter_size);
+double smoothing_bound(const render::SmoothingOptions& o) {
+  const double window = 2 * window_bound(o.filter_size);
   switch (o.filter) {
     case render::SmoothingFilter::guided:  // variance / (variance + sigma^2), slope 1 / sigma^2
       return std::min(1.0, window * (1 + 3 / (o.range_sigma * o.range_sigma)));
@@ -141,58 +210,64 @@ double smoothing_error(const render::SmoothingOptions& o) {
   return window;
 }
 
-}  // namespace
+SurfaceBounds::SurfaceBounds(const Image<double>& depth_m,
+                             const render::RenderOptions& options,
+                             double position_m)
+    : depth_m_(depth_m),
+      options_(options),
+      camera_(make_camera(options)),
+      position_m_(position_m) {}
 
-Steepness steepness(const hw::PolarVolume& volume,
-                    const render::reference::SliceStack& slices,
-                    const render::RenderOptions& options) {
-  Steepness found;
-  const auto sticks = render::reference::make_sticks(volume, options);
-  const auto length = static_cast<std::size_t>(volume.plan().acquisition().samples_per_stick);
-  const auto raise = [](double& most, double a, double b) {
-    most = std::max(most, std::abs(a - b));
+/// The product of the surface's tangents, one-sided where a neighbour is missing; `lengths_m`: the
+/// sum of their lengths.
+glm::dvec3 SurfaceBounds::across(int column, int row, double& lengths_m) const {
+  const double here_m = depth_m_.at(column, row);
+  const auto point = [&](int c, int r) {
+    const bool inside = c >= 0 && r >= 0 && c < depth_m_.width && r < depth_m_.height;
+    const double z_m = inside ? depth_m_.at(c, r) : kNoSurface;
+    return std::pair(!std::isnan(z_m), camera_.ray(c, r).at(std::isnan(z_m) ? here_m : z_m));
   };
-  for (const auto& frame : sticks.frames) {
-    for (std::size_t i = 0; i < frame.size(); ++i) {
-      if (i % length != 0) raise(found.sample, frame[i], frame[i - 1]);
-      if (i >= length) raise(found.line, frame[i], frame[i - length]);
-    }
-  }
-  const int size = slices.geometry().slice_size();
-  for (int f = 0; f < slices.geometry().frames(); ++f) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        const double here = slices.pixel(f, column, row);
-        if (column > 0) raise(found.column, here, slices.pixel(f, column - 1, row));
-        if (row > 0) raise(found.row, here, slices.pixel(f, column, row - 1));
-        if (f > 0) raise(found.frame, here, slices.pixel(f - 1, column, row));
-      }
-    }
-  }
-  return found;
+  const auto tangent = [&](int right, int down) {
+    const auto [has_before, before] = point(column - right, row - down);
+    const auto [has_after, after] = point(column + right, row + down);
+    const glm::dvec3 here = camera_.ray(column, row).at(here_m);
+    if (has_before == has_after) return after - before;
+    return has_after ? after - here : here - before;
+  };
+  const glm::dvec3 one = tangent(1, 0), other = tangent(0, 1);
+  lengths_m = glm::length(one) + glm::length(other);
+  return glm::cross(one, other);
 }
 
-PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
-                       const render::RenderOptions& options,
-                       const Steepness& steep) {
-  const render::SliceGeometry geometry(
-      plan, options.scan_conversion.slice_size, dense_factors(plan, options));
-  PassBounds bounds;
-  // A position: origin, offset and length along the ray, 8 operations.
-  bounds.position_m = 8 * u * extent_m(options, geometry);
-  const Arms arm = arms(options, geometry);
-  const double angle = angle_error(options, geometry, arm, bounds.position_m);
-  bounds.place_m = bounds.position_m + (std::isfinite(angle) ? angle * arm.most_m : 0);
-  bounds.slices = slice_error(plan, options, steep);
-  bounds.sample = bounds.slices + sample_error(plan, options, steep, bounds, angle);
-  const double ray_m = options.ray_casting.stop_at_box
-                           ? glm::length(options.volume_of_interest.size_m)
-                           : kFieldLength * geometry.r_max_m();
-  bounds.detector = detector_error(options, bounds.sample);
-  bounds.step_error_m = bounds.position_m + 8 * u * ray_m;
-  bounds.filter = window_error(options.shading.depth_filter_size);
-  bounds.smoothing = smoothing_error(options.smoothing);
-  return bounds;
+double SurfaceBounds::normal(int column, int row) const {
+  double lengths_m = 0;
+  const double area = glm::length(across(column, row, lengths_m));
+  const double product_m2 = 2 * position_m_ * lengths_m;
+  return area > product_m2 ? std::min(kMostTurn, 2 * product_m2 / area) : kMostTurn;
+}
+
+double SurfaceBounds::colour(int column, int row) const {
+  const render::ShadingOptions& o = options_.shading;
+  const hw::Ray ray = camera_.ray(column, row);
+  const glm::dvec3 surface = ray.at(depth_m_.at(column, row));
+  glm::dvec3 light = light_direction_in_probe(o, camera_);
+  double of_light = 8 * u;
+  if (o.light == render::Light::point) {
+    const glm::dvec3 offset = light_position_in_probe_m(o, camera_) - surface;
+    const double distance_m = glm::length(offset);
+    of_light = std::min(kMostTurn, 2 * position_m_ / std::max(distance_m, 1e-30));
+    light = distance_m > 0 ? offset / distance_m : -ray.direction;
+  }
+  const double turn = std::min(kMostTurn, normal(column, row) + of_light);
+  const double halfway = std::max(glm::length(light - ray.direction), 1e-20);
+  const double of_halfway = std::min(kMostTurn, turn + 2 * (of_light + u) / halfway);
+  double lengths_m = 0;
+  const glm::dvec3 away = across(column, row, lengths_m);
+  const double facing = glm::dot(away, light) / std::max(glm::length(away), 1e-300);
+  const bool either_side = std::abs(facing) <= turn;  // of the light: with a highlight or without
+  const double highlight = either_side ? 1.0 : std::min(1.0, o.shininess * of_halfway);
+  const double base = std::max({o.base_rgb.x, o.base_rgb.y, o.base_rgb.z});
+  return 16 * u * (1 + o.shininess) + base * o.diffuse * turn + o.specular * highlight;
 }
 
 }  // namespace wobblebench::bench

@@ -4,10 +4,23 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/extremes/pass_bounds.h"
-#include "bench/studies/extremes/pass_chain.h"
+#include "hw/probe/polar_volume.h"
+#include "render/renderer.h"
 
 namespace wobblebench::bench {
+
+/// What each pass made.
+struct PassPictures {
+  render::VolumeSlices slices;
+  render::CastDepth depth;
+  Image<glm::vec3> shaded;
+  render::Picture picture;
+};
+
+/// By the renderer's taps. Throws as its constructor and add_volume() do.
+PassPictures run_passes(const hw::PolarVolume& volume,
+                        const render::RenderOptions& options,
+                        render::GlContext& context);
 
 /// Of slices and colours relative to full scale, of depths to the length of the ray.
 struct PassError {

@@ -7,6 +7,9 @@
 #include <stdexcept>
 
 #include "base/hash.h"
+#include "render/camera.h"
+#include "render/reconstruction/reconstruction.h"
+#include "render/reference/reference_passes.h"
 
 namespace wobblebench::bench {
 
@@ -93,24 +96,63 @@ hw::PolarVolume ball_volume(const hw::AcquisitionPlan& plan) {
   });
 }
 
-ChangedSample changed_sample(const hw::AcquisitionPlan& plan) {
-  const double range_m = (kMiddle - kRadius) * plan.acquisition().depth_m;
-  return {plan.nearest_stick({.range_m = range_m, .theta_rad = 0, .phi_rad = 0}, 0),
-          static_cast<int>(range_m / plan.sample_spacing_m())};
-}
-
 ChangedVolume changed_volume(const hw::PolarVolume& volume, SampleChange change) {
   if (change == SampleChange::none) return {volume, volume};
   const hw::AcquisitionPlan& plan = volume.plan();
-  const ChangedSample at = changed_sample(plan);
+  const double range_m = (kMiddle - kRadius) * plan.acquisition().depth_m;
+  const hw::StickIndex changed_stick =
+      plan.nearest_stick({.range_m = range_m, .theta_rad = 0, .phi_rad = 0}, 0);
+  const int changed_sample = static_cast<int>(range_m / plan.sample_spacing_m());
   const Change to = of(change);
   const auto with = [&](float value) {
     return made(plan, [&](const hw::Stick& stick, int k) {
-      const bool changed = to.all || (stick.index == at.stick && k == at.sample);
+      const bool changed = to.all || (stick.index == changed_stick && k == changed_sample);
       return changed ? value : sample_of(volume, stick, k);
     });
   };
   return {with(to.given), with(to.meant)};
+}
+
+std::vector<bool> reached_pixels(const hw::PolarVolume& before,
+                                 const hw::PolarVolume& after,
+                                 const render::RenderOptions& options) {
+  const render::reference::SliceStack one(before, options), other(after, options);
+  const double same = needs_levels(options) ? 1e-3 : 0;
+  const auto differs = [&](const hw::Ray& ray) {
+    const render::Span span = clip_to_box(ray, options.volume_of_interest);
+    const double part_m = 0.25 * step_m(options);
+    for (double at_m = span.from_m; at_m <= span.to_m; at_m += part_m) {
+      const glm::dvec3 position = ray.at(at_m);
+      if (std::abs(one.at(position).value - other.at(position).value) > same) return true;
+    }
+    return false;
+  };
+  const render::Camera camera = make_camera(options);
+  std::vector<bool> reached;
+  for (int row = 0; row < camera.image_size; ++row) {
+    for (int column = 0; column < camera.image_size; ++column) {
+      const auto beside = [&](double right, double down) {
+        return differs(camera.ray(column + right, row + down));
+      };
+      reached.push_back(beside(0, 0) || beside(-0.25, 0) || beside(0.25, 0) || beside(0, -0.25) ||
+                        beside(0, 0.25));
+    }
+  }
+  return reached;
+}
+
+long changed_out_of_reach(const std::vector<bool>& reached,
+                          const Image<float>& before_m,
+                          const Image<float>& after_m,
+                          const render::RenderOptions& options) {
+  const double allowed_m = needs_levels(options) ? 0.01 * step_m(options) : 0;
+  long changed = 0;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const double before = before_m.pixels[i], after = after_m.pixels[i];
+    if (reached[i] || (std::isnan(before) && std::isnan(after))) continue;
+    if (!(std::abs(after - before) <= allowed_m)) ++changed;
+  }
+  return changed;
 }
 
 }  // namespace wobblebench::bench

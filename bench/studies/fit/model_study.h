@@ -8,7 +8,7 @@
 #include "base/image.h"
 #include "base/part_done.h"
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/error_model/term_choice.h"
+#include "bench/evaluation/error_model/detection_model.h"
 #include "bench/scene/scene.h"
 #include "render/gl/context.h"
 

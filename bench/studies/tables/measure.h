@@ -13,7 +13,7 @@
 #include "bench/studies/tables/volumes.h"
 #include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
-#include "render/gl/texture_fetch.h"
+#include "render/gl/texels.h"
 
 namespace wobblebench::bench {
 

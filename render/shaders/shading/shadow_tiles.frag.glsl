@@ -1,5 +1,5 @@
 // Pass 3, mode fast: minimum z of a tile and its neighbours, one channel for each quadrant of
-// directions (quadrant.glsl). A ray that moves at most one tile's side along either axis stays
+// directions (quadrant()). A ray that moves at most one tile's side along either axis stays
 // within the 2 x 2 tiles of its quadrant (quadrants), at most two sides within 3 x 3
 // (wide_quadrants).
 layout(binding = BIND_NEAREST) uniform sampler2D nearest;  // minimum z of each tile

@@ -1,4 +1,4 @@
-// Passes 3 and 4: mode fast against mode plain, pixel by pixel, for random height maps.
+// Pass 3: mode fast against mode plain, pixel by pixel, for random height maps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 
 #include "render/camera.h"
 #include "render/passes/ray_caster.h"
-#include "render/passes/smoother.h"
 #include "render/passes/surface_shader.h"
 #include "render/picture.h"
 #include "tests/render/support/gl_fixture.h"
@@ -179,44 +178,6 @@ TEST(FastShadingInput, ACoverBesideALowLightCastsItsShadow) {
     EXPECT_LT(largest_change(plain, fast, pixel), 2e-3f) << column;
   }
 }
-
-class FastSmoothing : public ::testing::TestWithParam<SmoothingFilter> {};
-
-TEST_P(FastSmoothing, EqualsModePlain) {
-  gl_context();
-  for (int side : {1, 2, 7, 33}) {
-    std::mt19937 random(static_cast<unsigned>(side));
-    std::vector<float> rgba;
-    for (int i = 0; i < 4 * side * side; ++i) {
-      rgba.push_back(i % 4 == 3 ? 1 : static_cast<float>(random() % 256) / 255);
-    }
-    Texture picture("test picture", TexelFormat::rgba32f, {side, side}, TextureFilter::nearest);
-    picture.upload(rgba);
-    for (int size : {1, 3, 9, 15}) {
-      for (double range_sigma : {0.05, 0.1, 10.0}) {
-        const SmoothingOptions options{GetParam(), size, range_sigma};
-        Smoother plain(options, side, PipelineMode::plain);
-        Smoother fast(options, side, PipelineMode::fast);
-        plain.smooth(picture);
-        fast.smooth(picture);
-        const std::vector<float> a = plain.smoothed().download(), b = fast.smoothed().download();
-        for (std::size_t i = 0; i < a.size(); ++i) {
-          ASSERT_NEAR(a[i], b[i], 3e-6) << side << " pixels, size " << size << ", value " << i;
-        }
-      }
-    }
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Filters,
-    FastSmoothing,
-    ::testing::Values(SmoothingFilter::box, SmoothingFilter::bilateral, SmoothingFilter::guided),
-    [](const auto& param_info) {
-      return std::string(param_info.param == SmoothingFilter::box      ? "box"
-                         : param_info.param == SmoothingFilter::guided ? "guided"
-                                                                       : "bilateral");
-    });
 
 }  // namespace
 }  // namespace wobblebench::render

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <tuple>
 
@@ -44,9 +45,9 @@ class Layers {
          const RenderOptions& options,
          const std::vector<int>& frames)
       : factory_(volume.plan(), options), made_(factory_.make()) {
-    FrameStore store = factory_.make_frame_store();
+    FrameStore store(volume.plan(), options);
     const int count = factory_.geometry().frames();
-    for (int f = 0; f < count; ++f) store.put(f, volume.frame(f).samples);
+    for (int f = 0; f < count; ++f) store.put(f, volume.frame(f));
     is_pairs_ = options.pipeline.mode == PipelineMode::fast;
     std::vector<int> layers;
     for (int f : frames) layers.push_back(layer_of(f));
@@ -301,22 +302,42 @@ struct SmoothingCase {
 
 class PassFour : public ::testing::TestWithParam<SmoothingCase> {};
 
+void expect_smoothed(const Image<glm::dvec3>& picture,
+                     const SmoothingOptions& options,
+                     PipelineMode mode) {
+  Smoother smoother(options, picture.width, mode);
+  smoother.smooth(upload(picture));
+  const auto expected = reference::smooth(picture, options);
+  const std::vector<float> got = smoother.smoothed().download();
+  for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_NEAR(got[4 * i + c], expected.pixels[i][static_cast<int>(c)], 3e-6)
+          << picture.width << " pixels, size " << options.filter_size << ", pixel " << i;
+    }
+  }
+}
+
 TEST_P(PassFour, SmoothsLikeTheReference) {
   gl_context();
   RenderOptions options;
   options.ray_casting.image_size = 64;
   const Image<glm::dvec3> picture = reference::shade(bumpy_depth(64), {}, options);
-  const Texture texture = upload(picture);
   for (int size : {1, 3, 5, 9, 15}) {
-    const SmoothingOptions smoothing{GetParam().filter, size, 0.1};
-    Smoother smoother(smoothing, 64, GetParam().mode);
-    smoother.smooth(texture);
-    const auto expected = reference::smooth(picture, smoothing);
-    const std::vector<float> got = smoother.smoothed().download();
-    for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        ASSERT_NEAR(got[4 * i + c], expected.pixels[i][static_cast<int>(c)], 3e-6)
-            << "size " << size << ", pixel " << i;
+    expect_smoothed(picture, {GetParam().filter, size, 0.1}, GetParam().mode);
+  }
+}
+
+TEST_P(PassFour, SmoothsNoiseOfAnySizeLikeTheReference) {
+  gl_context();
+  for (int side : {1, 2, 7, 33}) {
+    std::mt19937 random(static_cast<unsigned>(side));
+    Image<glm::dvec3> picture(side, side);
+    for (glm::dvec3& pixel : picture.pixels) {
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(random() % 256) / 255;
+    }
+    for (int size : {1, 3, 9, 15}) {
+      for (double range_sigma : {0.05, 0.1, 10.0}) {
+        expect_smoothed(picture, {GetParam().filter, size, range_sigma}, GetParam().mode);
       }
     }
   }

@@ -1,5 +1,5 @@
 // Closed forms of passes 3 and 4, and the reference on blank and uniform data. passes_gl_test and
-// settings_gl_test compare the GL passes with the reference.
+// agreement_gl_test compare the GL passes with the reference.
 #include "render/reference/reference.h"
 
 #include <gtest/gtest.h>

@@ -122,52 +122,49 @@ TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
 }
 
 /// A slanting surface in the middle of the picture.
-render::Picture slanting(const Scene& scene) {
+render::CastDepth slanting(const Scene& scene) {
   const int size = scene.render.ray_casting.image_size;
-  render::Picture picture;
-  picture.depth_m = Image<float>(size, size, kNoSurface);
+  Image<float> depth_m(size, size, kNoSurface);
   for (int row = 4; row < size - 4; ++row) {
     for (int column = 4; column < size - 4; ++column) {
-      picture.depth_m.at(column, row) = 0.05f + 1e-4f * static_cast<float>(column);
+      depth_m.at(column, row) = 0.05f + 1e-4f * static_cast<float>(column);
     }
   }
-  picture.filtered_depth_m = picture.depth_m;
-  picture.volume = Image<glm::vec3>(size, size);
-  return picture;
+  return {depth_m, depth_m, depth_m};
+}
+
+Image<float> corrected(const Scene& scene, double constant_mm) {
+  const TermMeter meter(scene.plan(), scene.simulation, scene.render);
+  const hw::PolarVolume volume(scene.plan());
+  return corrected_depth(correction_of(scene, constant_mm).model, meter, slanting(scene), volume);
 }
 
 TEST(CorrectedDepth, WithoutTermsHasTheSameBits) {
   const Scene scene = small_scene();
-  const hw::PolarVolume volume(scene.plan());
-  const auto picture = slanting(scene);
-  const auto corrected = corrected_depth(correction_of(scene, 0), picture, volume, scene);
-  EXPECT_EQ(std::memcmp(corrected.pixels.data(),
-                        picture.depth_m.pixels.data(),
-                        corrected.pixels.size() * sizeof(float)),
+  const auto same_m = corrected(scene, 0), depth_m = slanting(scene).depth_m;
+  EXPECT_EQ(std::memcmp(
+                same_m.pixels.data(), depth_m.pixels.data(), same_m.pixels.size() * sizeof(float)),
             0);
 }
 
 TEST(CorrectedDepth, SubtractsTheBiasWhereASurfaceIs) {
   const Scene scene = small_scene();
-  const hw::PolarVolume volume(scene.plan());
-  const auto picture = slanting(scene);
-  const auto corrected = corrected_picture(correction_of(scene, -1), picture, volume, scene);
+  const auto corrected_m = corrected(scene, -1), depth_m = slanting(scene).depth_m;
   for (const int column : {6, 16, 25}) {
-    EXPECT_NEAR(corrected.depth_m.at(column, 16) - picture.depth_m.at(column, 16), 1e-3, 1e-8);
+    EXPECT_NEAR(corrected_m.at(column, 16) - depth_m.at(column, 16), 1e-3, 1e-8);
   }
-  EXPECT_TRUE(std::isnan(corrected.depth_m.at(0, 0)));
-  EXPECT_NEAR(corrected.filtered_depth_m.at(16, 16), corrected.depth_m.at(16, 16), 2e-4);
+  EXPECT_TRUE(std::isnan(corrected_m.at(0, 0)));
 }
 
 TEST(TermMeter, MeasuresIncidenceAndContrastOfAKnownSurface) {
   const Scene scene = small_scene();
   hw::PolarVolume volume(scene.plan());
-  const auto picture = slanting(scene);
+  const auto depth = slanting(scene);
   const auto view = render::make_camera(scene.render);
   const int middle = scene.render.ray_casting.image_size / 2;
   // Samples are 0.3 before and 0.7 behind the surface's range in the middle.
   const auto point = scene.plan().geometry().to_polar(
-      view.ray(middle, middle).at(static_cast<double>(picture.depth_m.at(middle, middle))));
+      view.ray(middle, middle).at(static_cast<double>(depth.depth_m.at(middle, middle))));
   const auto& scan = scene.acquisition;
   for (std::uint32_t frame = 0; frame < static_cast<std::uint32_t>(scan.frames_per_volume);
        ++frame) {
@@ -181,7 +178,7 @@ TEST(TermMeter, MeasuresIncidenceAndContrastOfAKnownSurface) {
     }
   }
   const TermMeter meter(scene.plan(), scene.simulation, scene.render);
-  const auto terms = meter.measure(picture.filtered_depth_m, volume).at(middle, middle);
+  const auto terms = meter.measure(depth.filtered_m, volume).at(middle, middle);
   EXPECT_NEAR(terms.x[kContrastTerm], 0.4, 0.02);
   // z grows by 0.1 mm a pixel along x; the stick in the middle is almost the ray.
   const double slope = std::atan(1e-4 / view.pixel_m());

@@ -8,8 +8,9 @@
 #include <set>
 
 #include "bench/scene/resolved_scene.h"
-#include "bench/studies/extremes/number_cases.h"
-#include "bench/studies/extremes/sample_reach.h"
+#include "bench/scene/scene.h"
+#include "bench/studies/extremes/test_volumes.h"
+#include "render/camera.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -44,21 +45,21 @@ std::size_t surface_pixel(const Image<float>& depth_m) {
 
 class Passes : public ::testing::TestWithParam<render::RenderPreset> {};
 
-TEST_P(Passes, AreTheRenderers) {
+TEST_P(Passes, AreThoseOfTheUntappedRenderer) {
   const Scene scene = small_scene(GetParam());
   const hw::PolarVolume volume = ball_volume(scene.plan());
   const render::Picture expected = render_volume(gl_context(), volume, scene.render);
-  const PassPictures pictures = run_passes(volume, scene.render);
+  const PassPictures pictures = run_passes(volume, scene.render, gl_context());
   int surfaces = 0;
   for (std::size_t i = 0; i < expected.depth_m.pixels.size(); ++i) {
-    EXPECT_EQ(pictures.smoothed.pixels[i], expected.surface.pixels[i]);
-    EXPECT_EQ(pictures.volume.pixels[i], expected.volume.pixels[i]);
+    EXPECT_EQ(pictures.picture.surface.pixels[i], expected.surface.pixels[i]);
+    EXPECT_EQ(pictures.picture.volume.pixels[i], expected.volume.pixels[i]);
     const float z = expected.depth_m.pixels[i], filtered = expected.filtered_depth_m.pixels[i];
-    EXPECT_EQ(std::isnan(pictures.corrected_m.pixels[i]), std::isnan(z));
+    EXPECT_EQ(std::isnan(pictures.depth.depth_m.pixels[i]), std::isnan(z));
     if (std::isnan(z)) continue;
     ++surfaces;
-    EXPECT_EQ(pictures.corrected_m.pixels[i], z);
-    EXPECT_EQ(pictures.filtered_m.pixels[i], filtered);
+    EXPECT_EQ(pictures.depth.depth_m.pixels[i], z);
+    EXPECT_EQ(pictures.depth.filtered_m.pixels[i], filtered);
   }
   EXPECT_GT(surfaces, 20);
 }
@@ -67,25 +68,25 @@ TEST_P(Passes, AreTheRenderers) {
 TEST_P(Passes, AFaultOfOnePixelIsBeyondTheBoundOfItsPassAlone) {
   const Scene scene = small_scene(GetParam());
   gl_context();
-  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render);
+  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render, gl_context());
   EXPECT_EQ(beyond(right, scene), std::set<std::string>{});
-  const std::size_t pixel = surface_pixel(right.cast_m);
+  const std::size_t pixel = surface_pixel(right.depth.cast_m);
   PassPictures wrong = right;
-  wrong.slices[4].at(10, 10) += 0.005F;
+  wrong.slices.slices[4].at(10, 10) += 0.005F;
   EXPECT_EQ(beyond(wrong, scene), std::set<std::string>{"scan conversion"});
   wrong = right;
-  wrong.smoothed.pixels[pixel].g += 0.005F;
+  wrong.picture.surface.pixels[pixel].g += 0.005F;
   EXPECT_EQ(beyond(wrong, scene), std::set<std::string>{"smoothing"});
   wrong = right;
-  wrong.cast_m.pixels[pixel] += 5 * static_cast<float>(step_m(scene.render));
+  wrong.depth.cast_m.pixels[pixel] += 5 * static_cast<float>(step_m(scene.render));
   EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, z"));
-  wrong.cast_m.pixels[pixel] = kNoSurface;
+  wrong.depth.cast_m.pixels[pixel] = kNoSurface;
   EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, z"));
   wrong = right;
-  wrong.volume.pixels[pixel] += glm::vec3(0.05F);
+  wrong.picture.volume.pixels[pixel] += glm::vec3(0.05F);
   EXPECT_TRUE(beyond(wrong, scene).contains("ray casting, volume"));
   wrong = right;
-  wrong.filtered_m.pixels[pixel] += 1e-3F;
+  wrong.picture.filtered_depth_m.pixels[pixel] += 1e-3F;
   EXPECT_TRUE(beyond(wrong, scene).contains("z filter"));
   wrong = right;
   wrong.shaded.pixels[pixel] += glm::vec3(0.02F);
@@ -101,35 +102,35 @@ INSTANTIATE_TEST_SUITE_P(Presets,
 TEST(Extremes, ANumberThatIsNotFiniteIsFound) {
   gl_context();
   const Scene scene = small_scene();
-  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render);
+  const PassPictures right = run_passes(ball_volume(scene.plan()), scene.render, gl_context());
   EXPECT_TRUE(is_finite(right));
   PassPictures wrong = right;
-  wrong.slices[0].pixels[7] = std::numeric_limits<float>::quiet_NaN();
+  wrong.slices.slices[0].pixels[7] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(is_finite(wrong));
   wrong = right;
   wrong.shaded.pixels[7].b = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(is_finite(wrong));
   wrong = right;
-  wrong.filtered_m.pixels[7] = std::numeric_limits<float>::infinity();
+  wrong.picture.filtered_depth_m.pixels[7] = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(is_finite(wrong));
 }
 
-/// The reach is no blank cheque: most pixels are out of it, and some within it change.
+/// Most pixels are out of reach, and some within it change.
 TEST(Extremes, ASampleChangesPixelsWithinItsReachOnly) {
   gl_context();
   const Scene scene = small_scene();
   const hw::AcquisitionPlan plan = scene.plan();
   const hw::PolarVolume volume = ball_volume(plan);
-  const auto reached = reached_pixels(plan, scene.render, changed_sample(plan));
+  const ChangedVolume changed = changed_volume(volume, SampleChange::one_1e30);
+  const auto reached = reached_pixels(volume, changed.meant, scene.render);
   const auto count = std::count(reached.begin(), reached.end(), true);
   EXPECT_GT(count, 0);
   EXPECT_LT(count, static_cast<long>(reached.size()) / 3);
-  const PassPictures before = run_passes(volume, scene.render);
-  const ChangedVolume changed = changed_volume(volume, SampleChange::one_1e30);
-  const PassPictures after = run_passes(changed.given, scene.render);
-  EXPECT_EQ(changed_out_of_reach(reached, before.cast_m, after.cast_m, scene.render), 0);
+  const Image<float> before_m = run_passes(volume, scene.render, gl_context()).depth.cast_m,
+                     after_m = run_passes(changed.given, scene.render, gl_context()).depth.cast_m;
+  EXPECT_EQ(changed_out_of_reach(reached, before_m, after_m, scene.render), 0);
   const std::vector<bool> nothing(reached.size(), false);
-  EXPECT_GT(changed_out_of_reach(nothing, before.cast_m, after.cast_m, scene.render), 0);
+  EXPECT_GT(changed_out_of_reach(nothing, before_m, after_m, scene.render), 0);
 }
 
 TEST(Extremes, WhatMustBeRefusedFailsWhereItIsRendered) {

@@ -1,11 +1,13 @@
-// What a backend implements: a context of its driver.
+// What a backend implements: a context of its driver, without window and surface. libEGL and
+// libOSMesa are loaded on first use, so that programs start without them.
 #pragma once
 
 #include <atomic>
 #include <memory>
 #include <string>
 
-#include "render/gl/program_pool.h"
+#include "render/gl/context.h"
+#include "render/gl/program.h"
 
 namespace wobblebench::render {
 
@@ -30,5 +32,16 @@ class DriverContext {
   std::atomic<bool> is_current{false};  ///< on some thread
   const std::shared_ptr<ProgramPool> programs = std::make_shared<ProgramPool>();
 };
+
+/// "egl": EGL_MESA_platform_surfaceless. Throws std::runtime_error that says what is missing.
+[[nodiscard]] std::unique_ptr<GlContext> make_surfaceless_context();
+
+/// "egl-device": EGL_EXT_platform_device, on the first device that gives an OpenGL 4.5 core
+/// context, hardware before software. Throws std::runtime_error with each device and its reason.
+[[nodiscard]] std::unique_ptr<GlContext> make_device_context();
+
+/// "osmesa": Mesa's software rasteriser drawing to memory (Mesa 25.1 removed it). Throws
+/// std::runtime_error when libOSMesa is missing or gives no OpenGL 4.5 core context.
+[[nodiscard]] std::unique_ptr<GlContext> make_osmesa_context();
 
 }  // namespace wobblebench::render

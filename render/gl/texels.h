@@ -1,13 +1,15 @@
-// Kinds of texture fetches, by the properties that determine their cost.
+// Plain values that describe textures: formats of texels, rectangles of them, and kinds of fetches,
+// by the properties that determine their cost.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <tuple>
 
-#include "render/gl/texel_format.h"
-
 namespace wobblebench::render {
+
+enum class TexelFormat { r8, r16, r32f, rg8, rg16, rg32f, rgba8, rgba16, rgb32f, rgba32f };
+enum class TextureFilter { nearest, linear };
 
 /// A kind of fetch. A texelFetch counts as a nearest one.
 struct TextureFetch {
@@ -24,5 +26,13 @@ struct TextureFetch {
 
 /// Number of fetches of each kind.
 using FetchCounts = std::map<TextureFetch, std::int64_t>;
+
+/// A rectangle of a picture, slice or framebuffer, in pixels.
+struct Region {
+  int column = 0;
+  int row = 0;
+  int columns = 0;
+  int rows = 0;
+};
 
 }  // namespace wobblebench::render

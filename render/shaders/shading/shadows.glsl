@@ -1,10 +1,50 @@
-// Pass 3, mode fast: cast shadows by the samples of shadow_trace.glsl, TILE at a time. If no
-// surface in the tiles of these samples is nearer than the ray, none of them is in shadow and they
-// are skipped. The trace ends when no surface ahead can be nearer than the ray.
+// Pass 3, shared: access to the filtered z-buffer, and cast shadows.
+layout(binding = BIND_DEPTH) uniform sampler2D depth;
+
+// z of a pixel in metres; negative without a surface or outside the picture.
+float depth_at(ivec2 pixel) {
+  ivec2 size = textureSize(depth, 0);
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return NO_SURFACE;
+#if FAST
+  return textureLod(depth, (vec2(pixel) + 0.5) / vec2(size), 0.0).r;
+#else
+  return texelFetch(depth, pixel, 0).r;
+#endif
+}
+
 uniform float shadow_bias_m;
 
+#if !FAST
+
+// Traces from each pixel towards the light through the height map, one pixel of the picture per step
+// (paper section 3.3, Fig. 4).
+// Whether the height map occludes the light.
+bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
+  float travelled = 0.0;
+  for (int i = 0; i < MAX_SHADOW_STEPS; ++i) {
+    vec3 here = position + travelled * to_light;
+    travelled += 1.0 / max(pixels_per_m(here, to_light), 1e-3);
+    if (travelled >= light_distance) return false;
+    here = position + travelled * to_light;
+    if (here.z <= 0.0) return false;  // in front of the view plane, or behind the eye
+    vec3 projected = to_picture(here);
+    if (any(lessThan(projected.xy, vec2(0.0))) ||
+        any(greaterThanEqual(projected.xy, vec2(image_size)))) {
+      return false;
+    }
+    float height = depth_at(ivec2(projected.xy));
+    if (height >= 0.0 && height + shadow_bias_m < projected.z) return true;
+  }
+  return false;
+}
+
+#else
+
+// Takes the samples of mode plain, TILE at a time. If no surface in the tiles of these samples is
+// nearer than the ray, none of them is in shadow and they are skipped. The trace ends when no surface
+// ahead can be nearer than the ray.
 const float FOREVER = 1e30;
-const float LONGEST_STEP = 1e3;  // metres, as in shadow_trace.glsl
+const float LONGEST_STEP = 1e3;  // metres, as in mode plain
 
 // `projected`: picture coordinates as fractions of the picture's side (xy), depth in metres (z).
 bool shadowed_at(vec3 projected) {
@@ -100,5 +140,7 @@ bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
   }
   return false;
 }
+
+#endif
 
 #endif

@@ -1,0 +1,86 @@
+// Frames of the volume that is being received, from their arrival to what pass 1 converts.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hw/probe/polar_volume.h"
+#include "render/options.h"
+
+namespace wobblebench::render {
+
+/// A sample clamped to [0, 1], 0 for NaN and infinities, so that a bad sample affects its
+/// neighbourhood only.
+inline float clean_sample(float sample) {
+  // On the bit patterns, which order as the positive floats do, so that the loop is vectorised:
+  // negative values, infinity and NaN lie above the largest finite float.
+  const auto bits = std::bit_cast<std::uint32_t>(sample);
+  const bool is_valid = bits <= std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
+  return std::bit_cast<float>(is_valid ? std::min(bits, std::bit_cast<std::uint32_t>(1.0f)) : 0u);
+}
+
+/// Throws std::invalid_argument for linear envelopes: thresholds and transfer function are those of
+/// log-compressed samples.
+void check_log_compressed(const hw::PolarVolume& volume);
+
+/// Keeps each frame as it arrives, with clean_sample() and without gaps: a lost stick is the mean
+/// of the nearest sticks of its frame on both sides that arrived, weighted by their distance. A
+/// frame of which no stick arrived is zero.
+///
+/// Pass 1 converts these frames or, with Sticks::aligned, those of the denser scan that
+/// put_aligned() gives. It reads them through filtered(): the part of the 3D kernel that lies
+/// across frames. Filtering sticks equals filtering slices, as scan conversion is linear and the
+/// same for all frames, and sticks are fewer than pixels.
+///
+/// Tracks which layers of the volume texture a frame changes, and which of them are complete: all
+/// frames that contribute to them have arrived since begin_volume(). Layer k holds slice k, in mode
+/// fast slices k and k + 1.
+class FrameStore {
+ public:
+  FrameStore(const hw::AcquisitionPlan& plan, const RenderOptions& options);
+
+  /// Throws std::out_of_range for an index outside the plan, std::invalid_argument for a frame of
+  /// another size.
+  void put(int index, const hw::PolarFrame& frame);
+  /// All frames of dense_plan(), of the volume that has arrived.
+  void put_aligned(std::vector<std::vector<float>> frames);
+
+  /// Whether all frames have arrived since begin_volume().
+  bool volume_complete() const;
+  void begin_volume();
+
+  /// [frame][line * samples_per_stick + sample] of the scan; zeros before a frame's arrival.
+  const std::vector<std::vector<float>>& received() const { return received_; }
+
+  /// Changed layers that are complete, ascending; they count as unchanged from then on.
+  [[nodiscard]] std::vector<int> take_complete();
+  /// All changed layers, likewise.
+  [[nodiscard]] std::vector<int> take_changed();
+
+  /// The frame filtered across frames, from which its slice is made; valid until the next call.
+  const std::vector<float>& filtered(int index);
+
+ private:
+  void fill_lost_sticks(const std::vector<std::uint8_t>& arrived,
+                        std::vector<float>& samples) const;
+  const std::vector<std::vector<float>>& converted() const;
+  int first_neighbour(int slice) const;
+  int last_neighbour(int slice) const;
+  bool is_complete(int layer) const;
+
+  std::size_t lines_, samples_;  ///< of a frame, of a stick
+  int slices_per_layer_;
+  std::vector<double> weights_;  ///< frame_weights()
+  int half_;                     ///< of the weights
+  std::vector<std::vector<float>> received_;
+  std::vector<std::vector<float>> aligned_;  ///< empty for plain sticks
+  std::vector<bool> arrived_;                ///< per frame
+  std::vector<bool> changed_;                ///< per layer
+  std::vector<float> filtered_;
+};
+
+}  // namespace wobblebench::render
