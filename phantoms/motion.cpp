@@ -15,7 +15,7 @@ namespace wobblebench::phantoms {
 namespace {
 
 // Of the jaw's reach: tissue is then stretched by at most 1.5 (measured), as the search for
-// scatterers in the beam assumes of tissue that deforms (sim/scatterers/cells/block_search.cpp).
+// scatterers in the beam assumes of tissue that deforms (sim/speckle/scatterers/block_search.cpp).
 constexpr double kMostRise = 1.0 / 3;
 constexpr double kBeatShare = 0.3;  // of the heartbeat's period; no displacement in the rest of it
 

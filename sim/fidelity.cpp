@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "sim/echo/echo_model.h"
+#include "sim/losses/losses.h"
 #include "sim/math/random.h"
-#include "sim/receive/losses.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::sim {
 

@@ -11,7 +11,7 @@
 namespace wobblebench::sim {
 
 /// The ladder of fidelity (docs/architecture.md): each rung adds effects to the one below. Each is
-/// a class in sim/echo.
+/// a class in sim/rungs.
 enum class Rung {
   automatic,   ///< the lowest that models what the options switch on (sim/fidelity.h)
   geometry,    ///< mean echo of the tissue at each sample; no speckle, no beam, no losses

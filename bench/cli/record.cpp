@@ -18,7 +18,7 @@
 #include "bench/pipeline/recording_sink.h"
 #include "bench/pipeline/simulated_sticks.h"
 #include "hw/recording/recorder.h"
-#include "sim/echo/echo_model.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::bench {
 

@@ -10,8 +10,8 @@
 #include "base/user_error.h"
 #include "phantoms/motion.h"
 #include "render/geometry/dense_plan.h"
-#include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::bench {
 

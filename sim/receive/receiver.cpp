@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/losses/losses.h"
 #include "sim/math/fast_math.h"
 #include "sim/math/random.h"
-#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 

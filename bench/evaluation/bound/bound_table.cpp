@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "sim/beam/profile/beam_at_samples.h"
+#include "sim/optics/beam_at_samples.h"
 
 namespace wobblebench::bench {
 

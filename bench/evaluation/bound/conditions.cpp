@@ -6,7 +6,7 @@
 
 #include "base/units.h"
 #include "bench/evaluation/bound/detection_bound.h"
-#include "sim/beam/point_spread.h"
+#include "sim/optics/point_spread.h"
 
 namespace wobblebench::bench {
 

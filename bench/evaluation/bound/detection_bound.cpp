@@ -8,8 +8,8 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "bench/evaluation/bound/neighbour_modes.h"
-#include "sim/beam/point_spread.h"
-#include "sim/beam/profile/beam_at_samples.h"
+#include "sim/optics/beam_at_samples.h"
+#include "sim/optics/point_spread.h"
 
 namespace wobblebench::bench {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "sim/beam/point_spread.h"
+#include "sim/optics/point_spread.h"
 
 namespace wobblebench::bench {
 

@@ -8,9 +8,9 @@
 #include "base/units.h"
 #include "bench/evaluation/bound/beam_pair.h"
 #include "phantoms/phantom.h"
-#include "sim/beam/point_spread.h"
-#include "sim/echo/iq_field.h"
+#include "sim/optics/point_spread.h"
 #include "sim/probe_simulator.h"
+#include "sim/speckle/iq_field.h"
 #include "sim/tissue/tissue_map.h"
 
 namespace wobblebench::bench {

@@ -10,7 +10,7 @@
 #include "bench/evaluation/bound/oracle.h"
 #include "bench/evaluation/bound/plane_oracle.h"
 #include "phantoms/placed_phantom.h"
-#include "sim/beam/table/beam_table.h"
+#include "sim/optics/beam_table.h"
 
 namespace wobblebench::bench {
 

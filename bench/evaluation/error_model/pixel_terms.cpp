@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "render/camera.h"
 #include "render/geometry/ray_sampling.h"
-#include "sim/beam/profile/beam_profile.h"
+#include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
 

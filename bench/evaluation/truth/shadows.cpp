@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "sim/echo/echo_model.h"
-#include "sim/echo/stick_propagation.h"
-#include "sim/receive/losses.h"
+#include "sim/losses/losses.h"
+#include "sim/rungs/echo_model.h"
+#include "sim/rungs/stick_propagation.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::bench {

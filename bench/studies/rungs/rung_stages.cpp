@@ -5,15 +5,15 @@
 #include <memory>
 #include <optional>
 
-#include "sim/aperture/aperture_losses.h"
-#include "sim/beam/point_spread.h"
-#include "sim/echo/field_model.h"
-#include "sim/echo/highest_frequency.h"
-#include "sim/echo/scatterers_model.h"
-#include "sim/echo/stick_propagation.h"
+#include "sim/losses/aperture_losses.h"
+#include "sim/optics/point_spread.h"
 #include "sim/probe_simulator.h"
 #include "sim/receive/receiver.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/rungs/field_model.h"
+#include "sim/rungs/highest_frequency.h"
+#include "sim/rungs/scatterers_model.h"
+#include "sim/rungs/stick_propagation.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/stick_order.h"
 
 namespace wobblebench::bench {
@@ -116,7 +116,7 @@ struct Worker {
   }
 };
 
-/// Fills the caches of the tissue (sim/scatterers/cells/tissue_blocks.h), so that this is not
+/// Fills the caches of the tissue (sim/speckle/scatterers/tissue_blocks.h), so that this is not
 /// timed.
 void warm_up(const RungScene& scene,
              const sim::ScannedTissue& subject,

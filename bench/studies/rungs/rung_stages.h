@@ -20,7 +20,7 @@ struct StageTimes {
   double total_ms() const;
 };
 
-/// Times the stages that the simulator calls (sim/echo/stick_propagation.h, sim/echo/iq_model.h)
+/// Times the stages that the simulator calls (sim/rungs/stick_propagation.h, sim/rungs/iq_model.h)
 /// one by one; "rest" is what remains of its total time.
 StageTimes measure_stages(const RungScene& scene, sim::Rung rung);
 

@@ -7,9 +7,9 @@
 
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
-#include "sim/beam/point_spread.h"
-#include "sim/echo/reference_scene.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/optics/point_spread.h"
+#include "sim/rungs/reference_scene.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 

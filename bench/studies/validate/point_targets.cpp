@@ -10,8 +10,8 @@
 #include "bench/studies/validate/point_echoes.h"
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/beam/profile/beam_profile.h"
-#include "sim/receive/band_loss.h"
+#include "sim/losses/band_loss.h"
+#include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
 

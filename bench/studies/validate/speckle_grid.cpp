@@ -10,8 +10,8 @@
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/scan.h"
-#include "sim/beam/point_spread.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/optics/point_spread.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/tissue_map.h"
 

@@ -8,7 +8,7 @@
 
 #include "base/units.h"
 #include "bench/evaluation/bound/neighbour_modes.h"
-#include "sim/beam/point_spread.h"
+#include "sim/optics/point_spread.h"
 
 namespace wobblebench::bench {
 namespace {

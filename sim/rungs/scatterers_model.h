@@ -1,0 +1,34 @@
+// The rung `scatterers`: point scatterers fixed in the tissue, so that speckle moves with it.
+#pragma once
+
+#include "sim/rungs/iq_model.h"
+#include "sim/rungs/stick_propagation.h"
+#include "sim/speckle/scatterers/points_in_beam.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
+
+namespace wobblebench::sim {
+
+class ScatterersModel final : public IqModel {
+ public:
+  static const EchoModelType kType;
+
+  ScatterersModel(const ScannedTissue& tissue,
+                  const hw::AcquisitionPlan& plan,
+                  const SimulationOptions& options);
+
+  const EchoModelType& type() const override { return kType; }
+  void prepare(std::uint32_t volume) const override { propagation_.prepare(volume); }
+  IqMaker iq_maker() const override;
+
+  /// Half the diagonal of a hash cell of scatterers, at most, and the thickness of the layer of
+  /// scatterers that stands for a rough interface.
+  static double reach_m(const hw::AcquisitionPlan& plan);
+
+ private:
+  ScannedTissue tissue_;
+  StickPropagation propagation_;  ///< copied into each IQ maker
+  ScattererField scatterers_;
+  PointsInBeam points_;  ///< copied into each IQ maker
+};
+
+}  // namespace wobblebench::sim
