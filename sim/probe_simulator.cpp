@@ -4,7 +4,6 @@
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
 #include "sim/rungs/echo_model.h"
-#include "sim/stick_order.h"
 
 namespace wobblebench::sim {
 

@@ -3,7 +3,7 @@
 #include "base/byte_stream.h"
 #include "bench/cache/phantom_key.h"
 #include "phantoms/io/phantom_bytes.h"
-#include "sim/tissue/tissue_map_bytes.h"
+#include "sim/tissue/tissue_map.h"
 
 namespace wobblebench::bench {
 

@@ -18,7 +18,7 @@
 #include "bench/cache/sha256.h"
 #include "phantom_sources.h"
 #include "phantoms/io/phantom_bytes.h"
-#include "sim/tissue/tissue_map_bytes.h"
+#include "sim/tissue/tissue_map.h"
 
 namespace wobblebench::bench {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "bench/pipeline/npy_header.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -20,19 +20,19 @@ bool has_aperture_losses(const SimulationOptions& options,
 }
 
 ApertureLosses::ApertureLosses(const ScannedTissue& tissue,
-                               const hw::AcquisitionPlan& plan,
+                               const ProbeOptics& optics,
                                const SimulationOptions& options,
                                double depth_m)
     : tissue_(&tissue),
-      plan_(plan),
-      geometry_(plan.geometry()),
+      plan_(optics.plan()),
+      geometry_(plan_.geometry()),
       threads_(options.threads),
       depth_m_(depth_m),
-      losses_(plan, options, tissue.materials),
-      band_(plan.probe()),
-      grid_(LossGrid::of(plan, depth_m)),
-      cone_(plan, grid_),
-      places_(plan, grid_, cone_) {}
+      losses_(plan_, options, tissue.materials),
+      band_(plan_.probe()),
+      grid_(LossGrid::of(plan_, depth_m)),
+      cone_(optics, grid_),
+      section_(optics, grid_, cone_) {}
 
 double ApertureLosses::bytes(const hw::AcquisitionPlan& plan, double depth_m, int kept) {
   const LossGrid grid = LossGrid::of(plan, depth_m);
@@ -52,8 +52,8 @@ std::shared_ptr<const VolumeCorrections> ApertureLosses::volume(std::uint32_t nu
   return recent_.back();
 }
 
-/// Computes the corrections of a volume in three steps, each of which needs the one before in
-/// neighbouring frames.
+/// Computes the corrections of a volume in three steps; each needs the results of the step before
+/// in neighbouring frames.
 class CorrectionMaker {
  public:
   CorrectionMaker(const ApertureLosses& source, std::uint32_t number)
@@ -63,7 +63,7 @@ class CorrectionMaker {
     parts_.resize(frames * ConeMean::parts_size(source.grid_));
   }
 
-  /// Both [frame][line][node].
+  /// Fills both arrays, [frame][line][node].
   void fill(std::vector<float>& log_gain, std::vector<float>& frequency) {
     const int frames = source_.grid_.frames;
     parallel_ranges(frames, source_.threads_, [&](int first, int last) {
@@ -89,16 +89,16 @@ class CorrectionMaker {
 
  private:
   ConeMean cone_mean() const {
-    return {source_.cone_, source_.places_, source_.grid_, table_, source_.band_};
+    return {source_.cone_, source_.section_, source_.grid_, table_, source_.band_};
   }
 
-  /// Frames that the third step reads: about each that has corrections.
+  /// Finds the frames that the third step reads: those around each frame with corrections.
   void find_read() {
     const ConeMean mean = cone_mean();
-    const int reach = source_.places_.most_frames() + 1;  // places lie between two frames
+    const int reach = source_.section_.most_frames() + 1;  // points lie between two frames
     const int frames = source_.grid_.frames;
     for (int frame = 0; frame < frames; ++frame) {
-      if (!mean.uneven(frame)) continue;
+      if (!mean.differs(frame)) continue;
       const int from = std::max(frame - reach, 0), to = std::min(frame + reach + 1, frames);
       std::fill(is_read_.begin() + from, is_read_.begin() + to, char{1});
     }
@@ -127,7 +127,7 @@ class CorrectionMaker {
   std::uint32_t number_;
   LossTable table_;
   std::vector<char> is_read_;  ///< of each frame
-  std::vector<float> parts_;   ///< [frame] as ConeMean::follow has them
+  std::vector<float> parts_;   ///< [frame][node][part][line], as in ConeMean::follow()
 };
 
 VolumeCorrections::VolumeCorrections(const ApertureLosses& source, std::uint32_t number)

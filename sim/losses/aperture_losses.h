@@ -1,4 +1,4 @@
-// Losses of all ways between the aperture and an echo, against those on the stick's axis.
+// Losses on all ray paths between the aperture and an echo, relative to those on the stick's axis.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "sim/losses/band_loss.h"
-#include "sim/losses/beam_places.h"
-#include "sim/losses/cone.h"
+#include "sim/losses/aperture_paths.h"
 #include "sim/losses/loss_table.h"
+#include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -18,27 +17,27 @@ namespace wobblebench::sim {
 
 class VolumeCorrections;
 
-/// The power of an echo is that of tissue: the mean over the places in the beam, each with the ways
-/// from the transmit and to the receive aperture that are left (place_sums.h). The losses of ways
-/// beside a stick are those of the sticks that they pass, each traced at its own time; beyond the
-/// sector and the fan, of the outermost sticks. Const functions may be called from several threads;
-/// results do not depend on their number.
+/// The echo power of tissue is the mean over sample points across the beam, each with the losses on
+/// its paths from the transmit aperture and to the receive aperture (section_sums.h). The losses on
+/// a path beside a stick are interpolated between the sticks that it crosses, each traced at its
+/// own time; beyond the sector and the fan they are those of the outermost sticks. Const functions
+/// may be called from several threads; results do not depend on their number.
 class ApertureLosses {
  public:
   /// `tissue` must outlive it. `depth_m`: true range of the sticks' ends.
   ApertureLosses(const ScannedTissue& tissue,
-                 const hw::AcquisitionPlan& plan,
+                 const ProbeOptics& optics,
                  const SimulationOptions& options,
                  double depth_m);
 
-  /// Volumes kept: a thread may still be in one when another begins the next.
+  /// Number of volumes kept: a thread may still work on one when another begins the next.
   static constexpr int kRecent = 3;
 
-  /// Memory of `kept` volumes, and of computing one.
+  /// Bytes for `kept` volumes and for the computation of one.
   static double bytes(const hw::AcquisitionPlan& plan, double depth_m, int kept);
 
-  /// Shared by all who ask for the same volume; the first computes it on all threads while the
-  /// others wait.
+  /// The corrections of a volume, shared between calls. The first call computes them on all threads
+  /// while others wait.
   std::shared_ptr<const VolumeCorrections> volume(std::uint32_t number) const;
 
  private:
@@ -54,7 +53,7 @@ class ApertureLosses {
   BandLoss band_;
   LossGrid grid_;
   ApertureCone cone_;
-  BeamPlaces places_;
+  BeamSection section_;
   mutable std::mutex mutex_;
   mutable std::vector<std::shared_ptr<const VolumeCorrections>> recent_;
 };
@@ -65,7 +64,7 @@ class VolumeCorrections {
   VolumeCorrections(const ApertureLosses& source, std::uint32_t number);
 
   std::uint32_t number() const { return number_; }
-  /// Valid as long as this object.
+  /// The result is valid as long as this object.
   ApertureCorrection of(const hw::StickIndex& index) const;
 
  private:
@@ -76,7 +75,7 @@ class VolumeCorrections {
   std::vector<char> differs_;  ///< [frame][line]: whether a stick has a correction
 };
 
-/// Whether the options ask for these losses, and the materials lose different amounts.
+/// True if the options ask for these losses and the losses of the materials differ.
 bool has_aperture_losses(const SimulationOptions& options,
                          const std::vector<phantoms::Material>& materials);
 

@@ -3,23 +3,93 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/math/fast_math.h"
+
 namespace wobblebench::sim {
 
+WOBBLEBENCH_SIMD void interpolate(const float* __restrict near,
+                                  const float* __restrict far,
+                                  const float* __restrict share,
+                                  int count,
+                                  float* __restrict row) {
+  for (int i = 0; i < count; ++i) row[i] = (1.0f - share[i]) * near[i] + share[i] * far[i];
+}
+
+WOBBLEBENCH_SIMD void step_paths(const LossRows& rows,
+                                 float share,
+                                 const float* __restrict axis_gain,
+                                 const float* __restrict axis_nepers,
+                                 int lines,
+                                 float* __restrict relative,
+                                 float* __restrict nepers) {
+  constexpr float kLeast = 1e-30f;
+  const float* __restrict t0 = rows.near_transmitted;
+  const float* __restrict d0 = rows.near_absorbed;
+  const float* __restrict t1 = rows.far_transmitted;
+  const float* __restrict d1 = rows.far_absorbed;
+  const float rest = 1.0f - share;
+  for (int i = 0; i < lines; ++i) {
+    const float near = 1.0f / (rest * t0[i] + share * t0[i + 1]);
+    const float far = rest * t1[i] + share * t1[i + 1];
+    const float near_absorbed = rest * d0[i] + share * d0[i + 1];
+    const float far_absorbed = rest * d1[i] + share * d1[i + 1];
+    const float amplitude = relative[i] * (far * near) * axis_gain[i];
+    relative[i] = amplitude < kLeast ? kLeast : amplitude;
+    nepers[i] += far_absorbed / far - near_absorbed * near - axis_nepers[i];
+  }
+}
+
+namespace {
+
+/// For each step from node to node on the axis: gain[line] is its inverse transmission,
+/// nepers[line] its absorption.
+WOBBLEBENCH_SIMD void step_axis(const LossRows& rows,
+                                int lines,
+                                float* __restrict gain,
+                                float* __restrict nepers) {
+  const float* __restrict t0 = rows.near_transmitted;
+  const float* __restrict d0 = rows.near_absorbed;
+  const float* __restrict t1 = rows.far_transmitted;
+  const float* __restrict d1 = rows.far_absorbed;
+  for (int i = 0; i < lines; ++i) {
+    gain[i] = t0[i] / t1[i];
+    nepers[i] = d1[i] / t1[i] - d0[i] / t0[i];
+  }
+}
+
+/// sum[i] += factor * values[i].
+WOBBLEBENCH_SIMD void add_scaled(const float* __restrict values,
+                                 float factor,
+                                 int count,
+                                 float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += factor * values[i];
+}
+
+/// sum[i] += factors[i] * values[i].
+WOBBLEBENCH_SIMD void add_products(const float* __restrict values,
+                                   const float* __restrict factors,
+                                   int count,
+                                   float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += factors[i] * values[i];
+}
+
+}  // namespace
+
 ConeMean::ConeMean(const ApertureCone& cone,
-                   const BeamPlaces& places,
+                   const BeamSection& section,
                    const LossGrid& grid,
                    const LossTable& table,
                    const BandLoss& band)
     : cone_(cone),
-      places_(places),
+      section_(section),
       grid_(grid),
       table_(table),
       band_(band),
       elevations_(grid.frames > 1 ? ApertureCone::kElevation : 1),
       margin_(cone.most_lines() + 2),
-      ways_(static_cast<std::size_t>(ApertureCone::kEnds * ApertureCone::kLateral * elevations_)),
-      lateral_(cone, places, grid),
-      elevation_(places, grid, table) {
+      paths_(static_cast<std::size_t>(ApertureCone::kEnds * ApertureCone::kLateral * elevations_)),
+      lateral_(cone, section, grid),
+      elevation_(section, grid, table) {
   const auto lines = static_cast<std::size_t>(grid.lines);
   for (auto& row : rows_) row.resize(lines + 2 * static_cast<std::size_t>(margin_));
   for (auto* values : {&axis_gain_, &axis_nepers_, &between_}) values->resize(lines);
@@ -36,12 +106,12 @@ void ConeMean::follow(int frame,
                       std::span<float> log_gain,
                       std::span<float> frequency,
                       std::span<float> parts) {
-  find_uneven(frame);
-  const auto differs = std::ranges::find(uneven_, 1) - uneven_.begin();
+  find_differing(frame);
+  const auto differs = std::ranges::find(differs_, 1) - differs_.begin();
   for (int node = 1; node < grid_.nodes; ++node) {
-    const bool is_even = node < differs + 2;
-    if (!is_even || elevations_ > 1) follow_to(node, frame);
-    if (!is_even) average(node, frame, log_gain, frequency);
+    const bool same_losses = node < differs + 2;
+    if (!same_losses || elevations_ > 1) follow_to(node, frame);
+    if (!same_losses) average(node, frame, log_gain, frequency);
     if (elevations_ > 1) {
       const auto first = static_cast<std::size_t>(node * ApertureCone::kElevation * grid_.lines);
       average_parts(node, parts.data() + first);
@@ -51,7 +121,7 @@ void ConeMean::follow(int frame,
 
 void ConeMean::add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain) {
   if (elevations_ == 1) return;
-  for (int node = first_uneven(frame) + 2; node < grid_.nodes; ++node) {
+  for (int node = first_differing(frame) + 2; node < grid_.nodes; ++node) {
     const double* power = elevation_.power_over_mean(frame, node, parts.data());
     for (int line = 0; line < grid_.lines; ++line) {
       log_gain[static_cast<std::size_t>(line * grid_.nodes + node)] +=
@@ -60,10 +130,10 @@ void ConeMean::add_elevation(int frame, std::span<const float> parts, std::span<
   }
 }
 
-int ConeMean::first_uneven(int frame) const {
+int ConeMean::first_differing(int frame) const {
   for (int node = 0; node + 2 < grid_.nodes; ++node) {
-    const int reach = cone_.most_frames(node) + places_.most_frames() + 1;
-    if (table_.uneven(
+    const int reach = cone_.most_frames(node) + section_.most_frames() + 1;
+    if (table_.differs(
             node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1))) {
       return node;
     }
@@ -71,23 +141,23 @@ int ConeMean::first_uneven(int frame) const {
   return grid_.nodes;
 }
 
-void ConeMean::find_uneven(int frame) {
-  uneven_.clear();
+void ConeMean::find_differing(int frame) {
+  differs_.clear();
   for (int node = 0; node + 2 < grid_.nodes; ++node) {
     const int reach = cone_.most_frames(node);
     const bool differs =
-        table_.uneven(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1));
-    uneven_.push_back(differs ? 1 : 0);
+        table_.differs(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1));
+    differs_.push_back(differs ? 1 : 0);
   }
 }
 
 void ConeMean::follow_to(int node, int frame) {
-  for (Ways& each : ways_) {
+  for (RayPaths& each : paths_) {
     each.relative.assign(static_cast<std::size_t>(grid_.lines), 1.0f);
     each.nepers.assign(static_cast<std::size_t>(grid_.lines), 0.0f);
   }
   for (int from = 0; from + 1 < node; ++from) {
-    if (uneven_[static_cast<std::size_t>(from)] == 0) continue;
+    if (differs_[static_cast<std::size_t>(from)] == 0) continue;
     load_axis(from, frame);
     for (int elevation = 0; elevation < elevations_; ++elevation) {
       load_rows(elevation, from, node, frame);
@@ -128,7 +198,7 @@ void ConeMean::load_rows(int elevation, int from, int to, int frame) {
   for (auto& row : rows_) extend(row);
 }
 
-/// Neighbouring lines mostly have the same frame before them, and are blended together.
+/// Neighbouring lines mostly have the same frame before a path and are interpolated together.
 void ConeMean::blend_frames() {
   for (int first = 0, end = 0; first < grid_.lines; first = end) {
     const std::int32_t before = before_[static_cast<std::size_t>(first)];
@@ -163,26 +233,26 @@ void ConeMean::step(int elevation, int from, int to) {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
       const float aside = cone_.lines_aside(end, part, from, to);
       const float before = std::floor(aside);
-      Ways& followed = ways_[way(end, part, elevation)];
-      step_ways(rows_at(static_cast<int>(before)),
-                aside - before,
-                axis_gain_.data(),
-                axis_nepers_.data(),
-                grid_.lines,
-                followed.relative.data(),
-                followed.nepers.data());
+      RayPaths& followed = paths_[path(end, part, elevation)];
+      step_paths(rows_at(static_cast<int>(before)),
+                 aside - before,
+                 axis_gain_.data(),
+                 axis_nepers_.data(),
+                 grid_.lines,
+                 followed.relative.data(),
+                 followed.nepers.data());
     }
   }
 }
 
-/// Mean of what the ways absorb more than the axis, weighted with their amplitudes.
+/// Mean absorption of the paths minus that of the axis, weighted by their amplitudes.
 double ConeMean::nepers_aside(int end, int node, int line) const {
   const auto at = static_cast<std::size_t>(line);
   double sum = 0, absorbed = 0;
   for (int part = 0; part < ApertureCone::kLateral; ++part) {
     const auto share = static_cast<double>(cone_.on_array(end, part, node)[line]);
     for (int elevation = 0; elevation < elevations_; ++elevation) {
-      const Ways& each = ways_[way(end, part, elevation)];
+      const RayPaths& each = paths_[path(end, part, elevation)];
       const double amplitude = share * static_cast<double>(each.relative[at]);
       sum += amplitude;
       absorbed += amplitude * static_cast<double>(each.nepers[at]);
@@ -213,10 +283,10 @@ void ConeMean::load_lateral() {
   const float each = 1.0f / static_cast<float>(elevations_);
   for (int end = 0; end < ApertureCone::kEnds; ++end) {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
-      float* mean = lateral_.ways(end, part);
+      float* mean = lateral_.paths(end, part);
       std::fill_n(mean, grid_.lines, 0.0f);
       for (int elevation = 0; elevation < elevations_; ++elevation) {
-        const Ways& followed = ways_[way(end, part, elevation)];
+        const RayPaths& followed = paths_[path(end, part, elevation)];
         add_scaled(followed.relative.data(), each, grid_.lines, mean);
       }
     }
@@ -229,7 +299,7 @@ void ConeMean::average_parts(int node, float* parts) const {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
       const float* on_array = cone_.on_array(end, part, node);
       for (int elevation = 0; elevation < elevations_; ++elevation) {
-        const Ways& followed = ways_[way(end, part, elevation)];
+        const RayPaths& followed = paths_[path(end, part, elevation)];
         float* to = parts + static_cast<std::ptrdiff_t>(elevation) * grid_.lines;
         add_products(followed.relative.data(), on_array, grid_.lines, to);
       }

@@ -1,54 +1,79 @@
-// What the ways from the aperture to each point of a frame's sticks lose, against the axis.
+// Losses on the ray paths from the aperture to each point of a frame's sticks, relative to the
+// axis.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "sim/losses/band_loss.h"
-#include "sim/losses/cone.h"
-#include "sim/losses/cone_kernels.h"
+#include "sim/losses/aperture_paths.h"
 #include "sim/losses/loss_table.h"
-#include "sim/losses/place_sums.h"
+#include "sim/losses/losses.h"
+#include "sim/losses/section_sums.h"
 
 namespace wobblebench::sim {
 
-/// Computes the nodes of ApertureCorrection in two steps: the second needs the first of
-/// neighbouring frames. Holds the working memory of one thread.
+/// row[i] = (1 - share[i]) * near[i] + share[i] * far[i]. It is positive where both values are,
+/// also where one is too small to change their difference.
+void interpolate(const float* near, const float* far, const float* share, int count, float* row);
+
+/// Rows of a LossTable at a node and the next one.
+struct LossRows {
+  const float* near_transmitted;
+  const float* near_absorbed;
+  const float* far_transmitted;
+  const float* far_absorbed;
+};
+
+/// Continues paths by one step: multiplies `relative`, the amplitude of a path relative to that of
+/// the axis, and adds to `nepers`, the absorption of a path minus that of the axis. The path lies
+/// between entries i and i + 1 of `rows`, at the fraction `share`.
+void step_paths(const LossRows& rows,
+                float share,
+                const float* axis_gain,
+                const float* axis_nepers,
+                int lines,
+                float* relative,
+                float* nepers);
+
+/// Computes the nodes of ApertureCorrection in two steps: follow() for the image plane,
+/// add_elevation() across it, which needs the results of follow() for neighbouring frames. Holds
+/// the working memory of one thread.
 class ConeMean {
  public:
   /// All must outlive it.
   ConeMean(const ApertureCone& cone,
-           const BeamPlaces& places,
+           const BeamSection& section,
            const LossGrid& grid,
            const LossTable& table,
            const BandLoss& band);
 
-  /// Floats of a frame's elevation parts, [node][part][line].
+  /// Number of floats of a frame's elevation parts, [node][part][line].
   static std::size_t parts_size(const LossGrid& grid);
 
-  /// Of a frame, [line][node], what ways and places in the image plane change; and for each
-  /// part across it the sum of its ways' amplitudes over the axis', by their shares on the array.
-  /// All frames that a way passes must be finished. Nodes before which sticks lose the same keep 0.
+  /// Computes the corrections [line][node] of a frame for the paths and sample points in the image
+  /// plane, and for each part across the image plane the sum of its paths' amplitudes relative to
+  /// the axis, weighted by their fractions on the array. The LossTable must be finished for all
+  /// frames that a path crosses. Nodes up to which all sticks have the same losses keep 0.
   void follow(int frame,
               std::span<float> log_gain,
               std::span<float> frequency,
               std::span<float> parts);
-  /// Adds what places across the image plane change. `parts`: of all frames; those within
-  /// BeamPlaces::most_frames() must have been followed.
+  /// Adds the correction for the sample points across the image plane. `parts`: of all frames;
+  /// follow() must have computed those within BeamSection::most_frames().
   void add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain);
 
-  /// Whether anything in reach of a frame's ways and places differs.
-  bool uneven(int frame) const { return first_uneven(frame) < grid_.nodes; }
+  /// True if the losses differ anywhere within reach of a frame's paths and sample points.
+  bool differs(int frame) const { return first_differing(frame) < grid_.nodes; }
 
  private:
-  /// Ways of a part of the aperture, on each line.
-  struct Ways {
-    std::vector<float> relative;  ///< amplitude over the axis'
-    std::vector<float> nepers;    ///< absorbed more than on the axis
+  /// Paths from a part of the aperture, on each line.
+  struct RayPaths {
+    std::vector<float> relative;  ///< amplitude relative to the axis
+    std::vector<float> nepers;    ///< absorption minus that of the axis
   };
 
-  int first_uneven(int frame) const;
-  void find_uneven(int frame);
+  int first_differing(int frame) const;
+  void find_differing(int frame);
   void follow_to(int node, int frame);
   void load_axis(int from, int frame);
   void load_rows(int elevation, int from, int to, int frame);
@@ -60,27 +85,27 @@ class ConeMean {
   void average(int node, int frame, std::span<float> log_gain, std::span<float> frequency);
   void average_parts(int node, float* parts) const;
   void load_lateral();
-  std::size_t way(int end, int lateral, int elevation) const {
+  std::size_t path(int end, int lateral, int elevation) const {
     return static_cast<std::size_t>((end * ApertureCone::kLateral + lateral) * elevations_ +
                                     elevation);
   }
 
   const ApertureCone& cone_;
-  const BeamPlaces& places_;
+  const BeamSection& section_;
   const LossGrid& grid_;
   const LossTable& table_;
   const BandLoss& band_;
-  int elevations_;            ///< 1: there is one frame
-  int margin_;                ///< lines beyond the first and the last, with their values
-  std::vector<char> uneven_;  ///< whether ways differ between a node and the next
-  std::vector<Ways> ways_;    ///< [end][lateral][elevation]
+  int elevations_;               ///< 1 where there is only one frame
+  int margin_;                   ///< lines beyond the first and the last, with their values
+  std::vector<char> differs_;    ///< whether losses differ between a node and the next
+  std::vector<RayPaths> paths_;  ///< [end][lateral][elevation]
   LateralSum lateral_;
   ElevationSum elevation_;
   const float* planes_[4] = {};  ///< as in LossRows, [frame][line]
   std::vector<float> rows_[4];   ///< as in LossRows, with margins
   std::vector<float> axis_gain_;
   std::vector<float> axis_nepers_;
-  std::vector<std::int32_t> before_;  ///< frame before a way, on each line
+  std::vector<std::int32_t> before_;  ///< frame before a path, on each line
   std::vector<float> between_;        ///< share of the distance to the next
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kStep_m = 8e-3;
 constexpr int kMostSteps = 64;
-/// Differences between sticks that are ignored, in nepers for one step.
-constexpr float kEven = 3e-4F;
+/// Differences between sticks that are ignored, in nepers per step.
+constexpr float kNegligible = 3e-4F;
 
 }  // namespace
 
@@ -77,13 +77,13 @@ LossTable::Bounds LossTable::bounds(int node, int frame) const {
   return {low, high};
 }
 
-bool LossTable::uneven(int node, int first_frame, int last_frame) const {
+bool LossTable::differs(int node, int first_frame, int last_frame) const {
   Bounds all{1, 0};
   for (int frame = first_frame; frame <= last_frame; ++frame) {
     const Bounds& here = bounds_[static_cast<std::size_t>(frame * grid_.nodes + node)];
     all = {std::min(all.low, here.low), std::max(all.high, here.high)};
   }
-  return all.high - all.low > kEven * all.high;
+  return all.high - all.low > kNegligible * all.high;
 }
 
 }  // namespace wobblebench::sim

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/losses/tissue_losses.h"
+#include "sim/losses/losses.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
@@ -16,31 +16,32 @@ struct LossGrid {
   int nodes = 2;
   double step_m = 0;
 
-  /// About 8 mm a step, at most 64 steps.
+  /// About 8 mm per step, at most 64 steps.
   static LossGrid of(const hw::AcquisitionPlan& plan, double depth_m);
 };
 
-/// For each node, frame and line the amplitude that reaches the node, at the centre frequency, its
-/// product with the nepers absorbed on the way (both are interpolated between sticks), and the
-/// material there.
+/// For each node, frame and line: the amplitude that reaches the node at the centre frequency, its
+/// product with the nepers absorbed up to there, and the material. The first two are interpolated
+/// between sticks.
 class LossTable {
  public:
   explicit LossTable(const LossGrid& grid);
 
-  /// Sticks may be recorded by several threads; frames have to be finished one by one.
+  /// Several threads may record sticks at the same time.
   void record(int frame, int line, const StickTrack& track, const TissueLosses& losses);
-  /// Bounds the losses of a frame whose sticks have all been recorded.
+  /// Computes the bounds of a frame's losses when all its sticks have been recorded.
   void finish(int frame);
 
   /// Values of a node, [frame][line].
   const float* transmitted(int node) const { return transmitted_.data() + plane(node); }
   const float* absorbed(int node) const { return absorbed_.data() + plane(node); }
   const float* material(int node) const { return material_.data() + plane(node); }
-  /// True if sticks of these frames lose different amounts between a node and the next.
-  bool uneven(int node, int first_frame, int last_frame) const;
+  /// True if sticks of these frames lose different amounts between a node and the next one.
+  bool differs(int node, int first_frame, int last_frame) const;
 
  private:
-  /// Of the logarithm of what is lost from one node to the next.
+  /// Smallest and largest ratio of the amplitudes at two successive nodes, over the lines of a
+  /// frame.
   struct Bounds {
     float low;
     float high;

@@ -5,19 +5,6 @@
 
 namespace wobblebench::sim {
 
-namespace {
-
-constexpr double kCentimetre = 1e-2;
-/// Echoes so far below the noise or the dynamic range are invisible.
-constexpr double kInvisible_db = 20;
-
-/// Two-way loss for a centimetre of range at the centre frequency.
-double two_way_db_per_cm(const hw::AcquisitionPlan& plan, double alpha_db_per_cm_mhz) {
-  return 2 * alpha_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz;
-}
-
-}  // namespace
-
 double roughness(const phantoms::Material& before, const phantoms::Material& behind) {
   return std::max(before.roughness, behind.roughness);
 }
@@ -54,22 +41,42 @@ double specular_echo(const phantoms::Material& before,
 }
 
 double two_way_nepers_per_m(const hw::AcquisitionPlan& plan, double alpha_db_per_cm_mhz) {
-  return two_way_db_per_cm(plan, alpha_db_per_cm_mhz) / kCentimetre * std::log(10.0) / 20;
+  constexpr double kCentimetre = 1e-2;
+  return 2 * alpha_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz / kCentimetre *
+         std::log(10.0) / 20;
 }
 
-double time_gain(const hw::AcquisitionPlan& plan,
-                 const SimulationOptions& options,
-                 double range_m) {
-  return amplitude_of_db(two_way_db_per_cm(plan, options.tgc_db_per_cm_mhz) * range_m /
-                         kCentimetre);
+BandLoss::BandLoss(const hw::ProbeOptions& probe) {
+  const double sigma = probe.fractional_bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
+  variance_ = sigma * sigma;
+  most_nepers_ = (1 - kLowest) / variance_;
 }
 
-double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
-  if (options.noise_db > kZeroAmplitude_db)
-    return amplitude_of_db(options.noise_db - kInvisible_db);
-  if (options.output == hw::SampleScale::linear_envelope) return 0;
-  const double invisible_db = options.full_scale_db - options.dynamic_range_db - kInvisible_db;
-  return amplitude_of_db(invisible_db) / time_gain(plan, options, plan.acquisition().depth_m);
+double BandLoss::log_gain(double nepers) const {
+  const double within = std::min(nepers, most_nepers_);
+  return variance_ * within * (nepers - 0.5 * within);
+}
+
+double BandLoss::frequency_ratio(double nepers) const {
+  return std::max(kLowest, 1 - nepers * variance_);
+}
+
+TissueLosses::TissueLosses(const hw::AcquisitionPlan& plan,
+                           const SimulationOptions& options,
+                           const std::vector<phantoms::Material>& materials)
+    : materials_(&materials), interfaces_(options.transmission_loss) {
+  for (const auto& material : materials) {
+    const double alpha = options.attenuation ? material.attenuation_db_per_cm_mhz : 0;
+    nepers_per_m_.push_back(two_way_nepers_per_m(plan, alpha));
+  }
+}
+
+double TissueLosses::transmission(const Interface& crossed) const {
+  if (!interfaces_) return 1;
+  const double r = reflection(materials_->at(static_cast<std::size_t>(crossed.before)),
+                              materials_->at(static_cast<std::size_t>(crossed.behind)),
+                              crossed.cos_incidence);
+  return 1 - r * r;
 }
 
 }  // namespace wobblebench::sim

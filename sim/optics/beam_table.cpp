@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "sim/optics/beam_plane.h"
+#include "sim/optics/beam_row.h"
 
 namespace wobblebench::sim {
 
@@ -15,22 +15,15 @@ namespace {
 constexpr double kRow_m = 1e-3;
 constexpr int kMaxRows = 320;
 constexpr int kMinRows = 16;
-constexpr int kColumns = 40;  // an error of -38 dB, from using the middle of the column
+constexpr int kColumns = 40;  ///< the response at the middle of a column has an error of -38 dB
 constexpr int kSideLobeColumns = 96;
 static_assert(kMaxRows * 2 * kSideLobeColumns <= BeamTable::kMaxEntries);
 static_assert(kMaxRows * BeamTable::kElevationParts * kSideLobeColumns <= BeamTable::kMaxEntries);
-/// Share of the beam's power that the reach in each direction leaves out.
+/// Fraction of the beam's power that lies beyond its reach in each direction.
 constexpr double kPowerBeyond = 8e-3;
 constexpr double kPowerBeyondSideLobes = 5e-5;
-/// Least angle between the sticks that have lateral tables.
+/// Smallest angle between two sticks with lateral tables.
 constexpr double kAngleStep_rad = 0.3 * kDegree;
-
-/// Integral over a row of the power at a node.
-double power_m(const SampledRow& row, std::size_t node) {
-  double sum = 0;
-  for (const auto& value : row.values) sum += std::norm(value[node]);
-  return (row.both_sides ? 1 : 2) * row.step_m() * sum;
-}
 
 double largest_amplitude(const SampledRow& row, const PulseBand& band) {
   double largest = 0;
@@ -38,7 +31,7 @@ double largest_amplitude(const SampledRow& row, const PulseBand& band) {
   return std::sqrt(largest);
 }
 
-/// Writes a direction.
+/// Samples a direction of the beam and writes its table.
 class DirectionWriter {
  public:
   DirectionWriter(const PulseBand& band, int rows, int columns, double rows_per_m)
@@ -57,7 +50,7 @@ class DirectionWriter {
     return sampled;
   }
 
-  /// In the image plane. `scale`: of each row.
+  /// The lateral table. `scale`: factor of each row.
   BeamTable::Direction write(const std::vector<SampledRow>& sampled,
                              const std::vector<double>& scale) const {
     BeamTable::Direction direction{.part_columns = 2 * columns_};
@@ -69,7 +62,7 @@ class DirectionWriter {
     return direction;
   }
 
-  /// Across it: the parts of each row, whose reach and delay lie on the row's lines.
+  /// The elevation table, several parts per row. Reach and delay of a part lie on the row's lines.
   BeamTable::Direction write_parts(const std::vector<SampledRow>& sampled,
                                    const BeamPlane& plane) const {
     BeamTable::Direction direction{.parts = BeamTable::kElevationParts, .part_columns = columns_};
@@ -118,12 +111,12 @@ class DirectionWriter {
   double rows_per_m_;
 };
 
-/// The middle stick's rows, and what is the same for all sticks.
+/// The middle stick's rows, whose scales are used for all sticks.
 struct MiddleStick {
   std::vector<SampledRow> lateral, elevation;
   std::vector<double> elevation_scale;
   std::vector<double> lateral_scale;  ///< makes the peak of an echo on the axis 1
-  std::vector<std::array<double, PulseBand::kNodes>> power_m2;  ///< at each node, across the beam
+  std::vector<std::array<double, PulseBand::kNodes>> power_m2;  ///< of each row, as BeamTable
 
   MiddleStick(const DirectionWriter& writer, const BeamPlane& in_plane, const BeamPlane& across)
       : lateral(writer.sample(in_plane)), elevation(writer.sample(across)) {
@@ -150,13 +143,13 @@ struct MiddleStick {
     lateral_scale.push_back(1 / band.peak(on_axis));
     auto& power = power_m2.emplace_back();
     for (std::size_t i = 0; i < power.size(); ++i) {
-      power[i] = elevation_scale[row] * elevation_scale[row] * power_m(elevation[row], i) *
-                 lateral_scale[row] * lateral_scale[row] * power_m(lateral[row], i);
+      power[i] = elevation_scale[row] * elevation_scale[row] * elevation[row].power_m(i) *
+                 lateral_scale[row] * lateral_scale[row] * lateral[row].power_m(i);
     }
   }
 };
 
-/// Angles of the sticks on one side of the sector: first, and spacing.
+/// Equidistant stick angles on one side of the sector.
 struct StickAngles {
   double first_rad;
   double step_rad;
@@ -173,32 +166,27 @@ struct StickAngles {
 
 }  // namespace
 
-BeamTable::BeamTable(const hw::AcquisitionPlan& plan,
-                     BeamShape shape,
-                     Apodisation apodisation,
-                     int threads,
-                     const FrequencyCourse& course)
-    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns), band_(plan) {
-  const double depth_m = plan.acquisition().depth_m;
+BeamTable::BeamTable(const ProbeOptics& optics, BeamShape shape, const FrequencyCourse& course)
+    : columns_(shape == BeamShape::side_lobes ? kSideLobeColumns : kColumns), band_(optics.band()) {
+  const double depth_m = optics.plan().acquisition().depth_m;
   const int count = std::clamp(static_cast<int>(std::ceil(depth_m / kRow_m)), kMinRows, kMaxRows);
   rows_per_m_ = count / depth_m;
-  const StickAngles angles(plan);
+  const StickAngles angles(optics.plan());
   first_angle_rad_ = angles.first_rad;
   angle_step_rad_ = angles.step_rad;
   const BeamReach reach{shape == BeamShape::side_lobes ? kPowerBeyondSideLobes : kPowerBeyond,
                         course};
   const DirectionWriter writer(band_, count, columns_, rows_per_m_);
   const auto in_plane = [&](int angle) {
-    return BeamPlane::lateral(
-        plan, band_, apodisation, angles.first_rad + angle * angles.step_rad, reach);
+    return BeamPlane::lateral(optics, angles.first_rad + angle * angles.step_rad, reach);
   };
-  const BeamPlane across = BeamPlane::elevation(plan, band_, apodisation, reach);
+  const BeamPlane across = BeamPlane::elevation(optics, reach);
   const MiddleStick middle(writer, in_plane(0), across);
   elevation_ = writer.write_parts(middle.elevation, across);
   power_m2_ = middle.power_m2;
   lateral_.resize(static_cast<std::size_t>(angles.count));
   lateral_[0] = writer.write(middle.lateral, middle.lateral_scale);
-  parallel_ranges(angles.count - 1, threads, [&](int first, int last) {
+  parallel_ranges(angles.count - 1, optics.threads(), [&](int first, int last) {
     for (int angle = first + 1; angle <= last; ++angle) {
       lateral_[static_cast<std::size_t>(angle)] =
           writer.write(writer.sample(in_plane(angle)), middle.lateral_scale);
@@ -230,6 +218,26 @@ double BeamTable::lateral_reach_m(int row) const {
 std::size_t BeamTable::lateral_of(double theta_rad) const {
   const double steps = std::round((std::abs(theta_rad) - first_angle_rad_) / angle_step_rad_);
   return static_cast<std::size_t>(std::clamp(steps, 0.0, static_cast<double>(lateral_.size() - 1)));
+}
+
+BeamBounds::BeamBounds(const BeamTable& table,
+                       const BeamTable::Direction& lateral,
+                       double depth_m,
+                       double margin_m)
+    : per_m_(1 / kStep_m) {
+  const int count = static_cast<int>(std::ceil(depth_m * per_m_)) + 1;
+  const int window = static_cast<int>(std::ceil(margin_m * per_m_)) + 1;
+  for (int i = 0; i < count; ++i) {
+    Reach reach{0, 0};
+    const int last = table.row((i + window) * kStep_m);
+    for (int row = table.row((i - window) * kStep_m); row <= last; ++row) {
+      reach.lateral_m = std::max(reach.lateral_m, table.reach_m(lateral, row));
+      reach.elevation_m = std::max(reach.elevation_m, table.reach_m(table.elevation(), row));
+    }
+    reach_.push_back(reach);
+    widest_.lateral_m = std::max(widest_.lateral_m, reach.lateral_m);
+    widest_.elevation_m = std::max(widest_.elevation_m, reach.elevation_m);
+  }
 }
 
 }  // namespace wobblebench::sim

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/math/complex.h"
-#include "sim/optics/point_spread.h"
+#include "sim/math/fast_math.h"
 #include "sim/optics/pulse_band.h"
 
 namespace wobblebench::sim {
@@ -15,8 +14,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kColumnsPerElement = 3;
-constexpr double kBandSigmas = 3.2;  // where the spectrum has 0.6 % of its peak left
-constexpr double kPulseSigmas = 4;   // and the pulse 0.03 %
+constexpr double kBandSigmas = 3.2;  ///< the spectrum has 0.6 % of its peak there
+constexpr double kPulseSigmas = 4;   ///< the pulse has 0.03 % of its peak there
 constexpr double kPeriodSlack = 1.1;
 constexpr int kLanes = 8;
 
@@ -55,15 +54,13 @@ void add_sources(const double* paths,
 
 }  // namespace
 
-ElementSum::ElementSum(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad)
-    : sigma_m_(sigma_of_fwhm(axial_fwhm_m(plan))),
-      wavenumber_per_m_(2 * kPi * plan.probe().center_frequency_hz /
-                        plan.acquisition().sound_speed_m_s),
-      plan_(plan),
-      aperture_(plan, apodisation, theta_rad),
-      lens_(plan) {
-  const double radius_m = plan.probe().radius_m;
-  const double width_rad = plan.probe().pitch_m / radius_m;
+ElementSum::ElementSum(const ProbeOptics& optics, double theta_rad)
+    : sigma_m_(optics.band().sigma_m()),
+      wavenumber_per_m_(optics.band().center_per_m()),
+      optics_(optics),
+      aperture_(optics, theta_rad) {
+  const double radius_m = optics.probe().radius_m;
+  const double width_rad = optics.probe().pitch_m / radius_m;
   for (std::size_t e = 0; e < aperture_.elements().size(); ++e) {
     for (int c = 0; c < kColumnsPerElement; ++c) {
       const double at =
@@ -79,16 +76,16 @@ std::size_t ElementSum::sources(double range_m) const {
     sending += aperture_.transmit_weight(element, range_m) > 0;
     receiving += aperture_.receive_weight(element, range_m) > 0;
   }
-  return (sending + receiving) * kColumnsPerElement * lens_.height_m.size();
+  return (sending + receiving) * kColumnsPerElement * optics_.lens().height_m.size();
 }
 
 ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
   Paths paths;
   for (const Column& column : columns_) {
     const double in_plane = std::hypot(point_m.x - column.axial_m, point_m.y - column.lateral_m);
-    for (std::size_t i = 0; i < lens_.height_m.size(); ++i) {
-      const double distance = std::hypot(in_plane, point_m.z - lens_.height_m[i]);
-      paths.length_m.push_back(distance + lens_.lens_m[i]);
+    for (std::size_t i = 0; i < optics_.lens().height_m.size(); ++i) {
+      const double distance = std::hypot(in_plane, point_m.z - optics_.lens().height_m[i]);
+      paths.length_m.push_back(distance + optics_.lens().lens_m[i]);
       paths.weight.push_back(1 / distance);
     }
   }
@@ -118,7 +115,8 @@ std::vector<Complex> ElementSum::element_spectra(const Paths& paths,
                                                  const Band& band,
                                                  double range_m,
                                                  double last_m) const {
-  const std::size_t count = band.power.size(), each = kColumnsPerElement * lens_.height_m.size();
+  const std::size_t count = band.power.size(),
+                    each = kColumnsPerElement * optics_.lens().height_m.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   const auto& elements = aperture_.elements();
   std::vector<Complex> spectra(elements.size() * count);
@@ -166,7 +164,7 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
 }
 
 ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const {
-  const std::size_t each = kColumnsPerElement * lens_.height_m.size();
+  const std::size_t each = kColumnsPerElement * optics_.lens().height_m.size();
   Extent extent{std::numeric_limits<double>::infinity(), 0};
   const auto& elements = aperture_.elements();
   for (std::size_t e = 0; e < elements.size(); ++e) {
@@ -174,7 +172,7 @@ ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const 
     if (!transmits && aperture_.receive_weight(elements[e], range_m) == 0) continue;
     const double focus_m = StickAperture::excess_m(elements[e], range_m);
     const double transmit_m =
-        StickAperture::excess_m(elements[e], transmit_focus_m(plan_, range_m));
+        StickAperture::excess_m(elements[e], optics_.transmit_focus_m(range_m));
     const double early_m = transmits ? std::max(transmit_m, focus_m) : focus_m;
     const double late_m = transmits ? std::min(transmit_m, focus_m) : focus_m;
     const auto [low, high] = std::minmax_element(paths.length_m.begin() + e * each,
@@ -194,7 +192,7 @@ std::vector<Complex> ElementSum::transmitted_spectrum(const std::vector<Complex>
   for (std::size_t e = 0; e < elements.size(); ++e) {
     const double share = aperture_.transmit_weight(elements[e], range_m);
     if (share == 0) continue;
-    const double path_m = StickAperture::excess_m(elements[e], transmit_focus_m(plan_, range_m));
+    const double path_m = StickAperture::excess_m(elements[e], optics_.transmit_focus_m(range_m));
     for (std::size_t f = 0; f < count; ++f) {
       const double ahead = band.wavenumber_per_m[f] * path_m;
       sent[f] += times(spectra[e * count + f], std::polar(share, ahead));
@@ -228,7 +226,7 @@ void ElementSum::add(const BeamPoint& point,
 }
 
 double ElementSum::on_axis(double range_m) const {
-  // The largest sample of a dense few around the range.
+  // The largest of densely spaced samples around the range.
   const double spacing_m = 0.1 * sigma_m_;
   const int half = 20;
   const double first_m = range_m - (half + 0.5) * spacing_m;

@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "hw/probe/acquisition_plan.h"
-#include "sim/optics/stick_aperture.h"
+#include "sim/optics/probe_optics.h"
 
 namespace wobblebench::sim {
 
@@ -19,16 +18,16 @@ struct BeamPoint {
   double amplitude = 1;
 };
 
-/// The probe's elements as used for one stick (sim/optics/stick_aperture.h), each divided
-/// into point sources: three along the face, and across it those of the lens. On transmit, delays
-/// focus at the transmit focus; on receive, at each range (dynamic focus).
+/// The probe's elements as one stick uses them (StickAperture), each divided into point sources:
+/// three along the face, and those of the lens across it. On transmit, delays focus at the transmit
+/// focus; on receive, at each range (dynamic focus).
 class ElementSum {
  public:
   /// `theta_rad`: angle of the stick.
-  ElementSum(const hw::AcquisitionPlan& plan, Apodisation apodisation, double theta_rad);
+  ElementSum(const ProbeOptics& optics, double theta_rad);
 
   /// Adds the echo to IQ samples at ranges (i + 1/2) * spacing_m, delayed by `delay_m` of range.
-  /// The pulse is that of sim/optics/point_spread.h, demodulated by the centre frequency with phase
+  /// The pulse is Gaussian, demodulated by the centre frequency with phase
   /// 0 at range 0. Not normalised: a sum over sources of amplitude / distance.
   void add(const BeamPoint& point,
            double delay_m,
@@ -42,7 +41,7 @@ class ElementSum {
   std::size_t sources(double range_m) const;
 
  private:
-  /// One of the strips along the face into which an element is divided, over its whole height.
+  /// One of the strips into which an element is divided along the face, over its whole height.
   struct Column {
     double axial_m;
     double lateral_m;
@@ -81,9 +80,8 @@ class ElementSum {
 
   double sigma_m_;  ///< of the pulse
   double wavenumber_per_m_;
-  hw::AcquisitionPlan plan_;
+  ProbeOptics optics_;
   StickAperture aperture_;
-  ElevationSources lens_;
   std::vector<Column> columns_;
 };
 

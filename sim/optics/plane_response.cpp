@@ -5,8 +5,6 @@
 
 #include "base/units.h"
 #include "sim/math/fast_math.h"
-#include "sim/math/simd.h"
-#include "sim/optics/point_spread.h"
 
 namespace wobblebench::sim {
 
@@ -22,12 +20,12 @@ struct PointLanes {
 
 /// A source seen from a batch of points.
 struct Seen {
-  float excess_m[kBatch];  ///< of the way over the axial one
+  float excess_m[kBatch];  ///< path length minus the axial distance
   float amplitude[kBatch];
   float sine2[kBatch];  ///< squared sine of the angle to the source's normal
 };
 
-struct Place {
+struct SourcePosition {
   float axial_m;
   float lateral_m;
   float normal_axial;
@@ -35,6 +33,7 @@ struct Place {
   float lens_m;
 };
 
+/// Responses of a batch of points in one direction, transmit or receive.
 struct OneWay {
   float re[kBatch];
   float im[kBatch];
@@ -48,11 +47,11 @@ WOBBLEBENCH_INLINE float sinc(float x2) {
                                 (1.0f - q * (1.0f / 42.0f) * (1.0f - q * (1.0f / 72.0f))));
 }
 
-WOBBLEBENCH_SIMD void see(const Place& source,
+WOBBLEBENCH_SIMD void see(const SourcePosition& source,
                           const PointLanes& points,
                           bool spreads,
                           Seen& __restrict seen) {
-  const Place from = source;
+  const SourcePosition from = source;
   for (int i = 0; i < kBatch; ++i) {
     const float axial = points.axial_m[i] - from.axial_m;
     const float lateral = points.offset_m[i] - from.lateral_m;
@@ -98,14 +97,12 @@ PlaneResponse::Phasors PlaneResponse::phasors(double weight, double delay_m) con
   return at;
 }
 
-PlaneResponse PlaneResponse::lateral(const StickAperture& aperture,
-                                     const hw::AcquisitionPlan& plan,
-                                     const PulseBand& band,
-                                     double range_m) {
-  PlaneResponse response(band);
-  response.half_width_m_ = 0.5 * plan.probe().pitch_m;
+PlaneResponse PlaneResponse::lateral(const StickAperture& aperture, double range_m) {
+  const ProbeOptics& optics = aperture.optics();
+  PlaneResponse response(optics.band());
+  response.half_width_m_ = 0.5 * optics.probe().pitch_m;
   response.spreads_ = true;
-  const double focus_m = transmit_focus_m(plan, range_m);
+  const double focus_m = optics.transmit_focus_m(range_m);
   for (const Element& element : aperture.elements()) {
     const double sent = aperture.transmit_weight(element, range_m);
     const double received = aperture.receive_weight(element, range_m);
@@ -122,46 +119,47 @@ PlaneResponse PlaneResponse::lateral(const StickAperture& aperture,
   return response;
 }
 
-InPlaneExcess::InPlaneExcess(const StickAperture& aperture,
-                             const hw::AcquisitionPlan& plan,
-                             const PulseBand& band,
-                             double range_m) {
-  const double focus_m = transmit_focus_m(plan, range_m);
-  std::complex<double> sent = 0, sent_way = 0;
-  double received = 0, received_way = 0, least_m = HUGE_VAL, most_m = -HUGE_VAL;
+InPlaneExcess::InPlaneExcess(const StickAperture& aperture, double range_m) {
+  const ProbeOptics& optics = aperture.optics();
+  const double focus_m = optics.transmit_focus_m(range_m);
+  std::complex<double> sent = 0, sent_path = 0;
+  double received = 0, received_path = 0, least_m = HUGE_VAL, most_m = -HUGE_VAL;
   for (const Element& element : aperture.elements()) {
     const double excess_m = StickAperture::excess_m(element, range_m);
     const double late_m = excess_m - StickAperture::excess_m(element, focus_m);
     const std::complex<double> one =
         std::polar(aperture.transmit_weight(element, range_m) / (range_m + excess_m),
-                   -band.center_per_m() * late_m);
+                   -optics.band().center_per_m() * late_m);
     const double focused = aperture.receive_weight(element, range_m) / (range_m + excess_m);
     sent += one;
-    sent_way += one * excess_m;
+    sent_path += one * excess_m;
     if (std::norm(one) > 0) {
       least_m = std::min(least_m, excess_m);
       most_m = std::max(most_m, excess_m);
     }
     received += focused;
-    received_way += focused * excess_m;
+    received_path += focused * excess_m;
   }
-  // Out of focus shares are complex, and their mean may lie outside the ways. Where the elements
-  // nearly cancel each other it could be anything.
+  // Out of focus the weights are complex, and the weighted mean may lie outside the range of the
+  // path lengths. It is unbounded where the elements nearly cancel each other.
   const double spread_m = most_m - least_m;
   if (std::norm(sent) > 0) {
-    sent_m = std::clamp((sent_way / sent).real(), least_m - spread_m, most_m + spread_m);
+    sent_m = std::clamp((sent_path / sent).real(), least_m - spread_m, most_m + spread_m);
   }
-  if (received > 0) received_m = received_way / received;
+  if (received > 0) received_m = received_path / received;
 }
 
-PlaneResponse PlaneResponse::elevation(const ElevationSources& sources,
-                                       const PulseBand& band,
-                                       const InPlaneExcess& excess) {
-  PlaneResponse response(band);
+PlaneResponse PlaneResponse::elevation(const ProbeOptics& optics, double range_m) {
+  return elevation(optics, InPlaneExcess(StickAperture(optics, 0), range_m));
+}
+
+PlaneResponse PlaneResponse::elevation(const ProbeOptics& optics, const InPlaneExcess& excess) {
+  const ElevationSources& sources = optics.lens();
+  PlaneResponse response(optics.band());
   const Phasors one = response.phasors(1.0 / static_cast<double>(sources.height_m.size()), 0);
   for (std::size_t i = 0; i < sources.height_m.size(); ++i) {
     const auto add = [&](double excess_m, const Phasors& transmit, const Phasors& receive) {
-      // Farther by the excess, whose own phase belongs to the image plane.
+      // The source is farther by the excess; the phase of the excess belongs to the image plane.
       response.sources_.push_back({static_cast<float>(-excess_m),
                                    static_cast<float>(sources.height_m[i]),
                                    1,
@@ -218,6 +216,11 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
     }
   }
   return values;
+}
+
+PulseBand::Values PlaneResponse::on_axis(double range_m) const {
+  const PlanePoint axis{range_m, 0};
+  return at({&axis, 1}).front();
 }
 
 }  // namespace wobblebench::sim

@@ -4,20 +4,113 @@
 #include <cmath>
 
 #include "base/units.h"
-#include "sim/optics/point_spread.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-constexpr double kHighest = 7;  // where the spectrum is 2e-11 of its peak
-/// Of the Gauss-Hermite rule with eight nodes: the largest zero of H8.
+constexpr double kHighest = 7;  ///< the spectrum is 2e-11 of its peak there
+/// Outermost node of the Gauss-Hermite rule with eight nodes: the largest zero of H8.
 constexpr double kOutermostNode = 2.9307;
-constexpr double kSampling = 0.05;  // of the spectrum: repeats the pulse after 126 sigmas
-constexpr int kHalf = 20;           // out of focus an echo is late by a few sigmas
+/// Step of the sampled spectrum: the pulse repeats after 126 standard deviations.
+constexpr double kSampling = 0.05;
+constexpr int kHalf = 20;  ///< out of focus an echo is late by a few standard deviations
 constexpr double kStep_sigmas = 0.25;
 
+constexpr int kWeightSamples = 1000;  ///< over the interval
+
+double sample_at(double low, double high, int i) {
+  return low + (i + 0.5) * (high - low) / kWeightSamples;
+}
+
 }  // namespace
+
+double axial_fwhm_m(const hw::AcquisitionPlan& plan) {
+  const auto& probe = plan.probe();
+  return 0.5 * plan.acquisition().sound_speed_m_s * 0.8825 /
+         (probe.fractional_bandwidth * probe.center_frequency_hz);
+}
+
+int iq_oversampling(const hw::AcquisitionPlan& plan) {
+  const auto& acquisition = plan.acquisition();
+  const double output_rate_hz = acquisition.sound_speed_m_s / (2 * plan.sample_spacing_m());
+  const double band_hz = plan.probe().fractional_bandwidth * plan.probe().center_frequency_hz;
+  // A Gaussian pulse is 29 dB down at 2.2 times its -6 dB band.
+  return std::max(1, static_cast<int>(std::ceil(2.2 * band_hz / output_rate_hz)));
+}
+
+double sigma_of_fwhm(double fwhm) {
+  return fwhm / (2 * std::sqrt(2 * std::log(2.0)));
+}
+
+double power_sigma(double amplitude_fwhm) {
+  return sigma_of_fwhm(amplitude_fwhm) / std::sqrt(2.0);
+}
+
+GaussRule::GaussRule(double low, double high, int nodes) {
+  find_recurrence(low, high, nodes);
+  for (int i = 0; i + 1 < kWeightSamples; ++i) {
+    const double from = sample_at(low, high, i), to = sample_at(low, high, i + 1);
+    if (polynomials(from).back() * polynomials(to).back() > 0) continue;
+    nodes_.push_back(zero_between(from, to));
+    double square = 0;
+    const std::vector<double> at = polynomials(nodes_.back());
+    for (int n = 0; n < nodes; ++n) {
+      square += at[static_cast<std::size_t>(n)] * at[static_cast<std::size_t>(n)];
+    }
+    weights_.push_back(1 / square);
+  }
+}
+
+void GaussRule::find_recurrence(double low, double high, int nodes) {
+  double sum = 0;
+  for (int i = 0; i < kWeightSamples; ++i) sum += std::exp(-std::pow(sample_at(low, high, i), 2));
+  std::vector<double> before(kWeightSamples, 0.0), here(kWeightSamples, 1.0);
+  beta_ = {0};
+  for (int n = 0; n < nodes; ++n) {
+    double mean = 0, square = 0;
+    for (int i = 0; i < kWeightSamples; ++i) {
+      const double x = sample_at(low, high, i), p = here[static_cast<std::size_t>(i)];
+      mean += std::exp(-x * x) / sum * x * p * p;
+    }
+    for (int i = 0; i < kWeightSamples; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double x = sample_at(low, high, i);
+      before[at] = (x - mean) * here[at] - beta_.back() * before[at];
+      square += std::exp(-x * x) / sum * before[at] * before[at];
+    }
+    alpha_.push_back(mean);
+    beta_.push_back(std::sqrt(square));
+    for (double& value : before) value /= beta_.back();
+    before.swap(here);
+  }
+}
+
+std::vector<double> GaussRule::polynomials(double x) const {
+  std::vector<double> p = {1};
+  for (std::size_t n = 0; n < alpha_.size(); ++n) {
+    const double before = n == 0 ? 0 : beta_[n] * p[n - 1];
+    p.push_back(((x - alpha_[n]) * p[n] - before) / beta_[n + 1]);
+  }
+  return p;
+}
+
+double GaussRule::zero_between(double low, double high) const {
+  const double sign = polynomials(low).back();
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (polynomials(middle).back() * sign > 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double GaussRule::lagrange(int node, double x) const {
+  const auto at = static_cast<std::size_t>(node);
+  const std::vector<double> here = polynomials(x), there = polynomials(nodes_[at]);
+  double sum = 0;
+  for (std::size_t n = 0; n + 1 < here.size(); ++n) sum += here[n] * there[n];
+  return weights_[at] * sum;
+}
 
 PulseBand::Rule::Rule(double lowest, double cut_at)
     : low(lowest), cut(cut_at), gauss(lowest, kHighest, kNodes) {
@@ -59,7 +152,7 @@ PulseBand::PulseBand(const hw::AcquisitionPlan& plan)
     : sigma_m_(sigma_of_fwhm(axial_fwhm_m(plan))),
       center_per_m_(2 * kPi * plan.probe().center_frequency_hz /
                     plan.acquisition().sound_speed_m_s) {
-  // Cut where the band ends, unless all nodes of the whole rule lie within it.
+  // The rule ends at the lower end of the band, unless all nodes of the whole rule lie above it.
   const double lowest = -(1 - kLowest) * center_per_m_ * 2 * sigma_m_;
   rule_ = std::make_shared<const Rule>(lowest <= -kOutermostNode ? -kHighest : lowest, lowest);
 }

@@ -3,27 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hw/probe/acquisition_plan.h"
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
-#include "sim/math/simd.h"
-#include "sim/optics/point_spread.h"
+#include "sim/math/fast_math.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Of the vectorised loop; nodes are padded to multiples of it.
+/// Width of the vectorised loop; nodes are padded to multiples of it.
 constexpr std::size_t kLanes = 16;
-
-/// A Rayleigh envelope's mean is sqrt(pi)/2 of its RMS; the material table gives means.
-constexpr double kPowerOfRayleighMean = 4 / kPi;
 
 float squared(double x) {
   return static_cast<float>(x * x);
 }
 
-/// Material outside the surface of `layer` at node `n`, by the layers before it.
+/// Material outside the surface of `layer` at node `n`, given by the layers before it.
 phantoms::MaterialIndex material_beneath(const StickTrack& track,
                                          const TrackPiece& piece,
                                          int layer,
@@ -44,7 +40,7 @@ bool is_just_behind(const TrackNode& node) {
          std::abs(node.value_m) < kSameCrossing_m * std::abs(node.axial);
 }
 
-/// A beam of lower frequencies is wider.
+/// Widens the beam for a lower centre frequency.
 void widen(const std::vector<float>& frequency_ratio, int sample, BeamAtSample& beam) {
   if (frequency_ratio.empty()) return;
   const auto at = std::min(static_cast<std::size_t>(sample), frequency_ratio.size() - 1);
@@ -94,7 +90,7 @@ struct NodeKernels {
   }
 };
 
-BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
+BeamNodes::BeamNodes(const ProbeOptics& optics,
                      const SimulationOptions& options,
                      const std::vector<phantoms::Material>& materials,
                      double spacing_m,
@@ -103,10 +99,10 @@ BeamNodes::BeamNodes(const hw::AcquisitionPlan& plan,
     : materials_(materials.size()),
       interface_echo_(options.interface_echo),
       spacing_m_(spacing_m),
-      pulse2_(squared(power_sigma(axial_fwhm_m(plan)))),
+      pulse2_(squared(power_sigma(optics.axial_fwhm_m()))),
       max2_(squared(reach_m / kReachSigmas)),
       interface_gain_(
-          static_cast<float>(mean_power_gain(options) * power_sigma(axial_fwhm_m(plan)))),
+          static_cast<float>(mean_power_gain(options) * power_sigma(optics.axial_fwhm_m()))),
       samples_(samples) {
   for (const auto& before : materials) {
     for (const auto& behind : materials) {

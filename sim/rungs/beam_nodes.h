@@ -1,17 +1,13 @@
 // Surfaces near a stick relative to the beam: at each node of a track, the distance to the surface
-// over the beam's width, and the echo power of its rough interface.
+// in units of the beam's width, and the echo power of its rough interface.
 #pragma once
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
-#include "sim/optics/beam_at_samples.h"
+#include "sim/optics/beam_profile.h"
 #include "sim/tissue/stick_track.h"
-
-namespace wobblebench::hw {
-class AcquisitionPlan;
-}
 
 namespace wobblebench::phantoms {
 struct Material;
@@ -22,31 +18,32 @@ namespace wobblebench::sim {
 struct SimulationOptions;
 class StickLosses;
 
-/// Mean power over the squared mean envelope, which the material table gives: with speckle that of
-/// a Rayleigh envelope, without 1.
+/// Mean power divided by the squared mean envelope, which the material table gives:
+/// kPowerOfRayleighMean with speckle, 1 without.
 double mean_power_gain(const SimulationOptions& options);
 
 class BeamNodes {
  public:
   struct Node {
-    float distance_sigmas =
-        0;  ///< to the surface, over the sigma of the beam's power along its normal
+    float distance_sigmas = 0;  ///< distance to the surface, in standard deviations of the beam's
+                                ///< power along its normal
     float interface_power = 0;  ///< peak of the mean power of the rough interface's speckle
   };
 
-  /// Surfaces farther away than this many sigmas of the beam's power are ignored.
+  /// Surfaces farther away than this number of standard deviations of the beam's power are ignored.
   static constexpr double kReachSigmas = 3;
 
-  /// `reach_m`: largest distance to a surface that tracks contain; where kReachSigmas of the beam
-  /// are wider, the beam is narrowed to it.
-  BeamNodes(const hw::AcquisitionPlan& plan,
+  /// `reach_m`: largest distance of the surfaces in a track; the beam is narrowed where
+  /// kReachSigmas exceed it.
+  BeamNodes(const ProbeOptics& optics,
             const SimulationOptions& options,
             const std::vector<phantoms::Material>& materials,
             double spacing_m,
             int samples,
             double reach_m);
 
-  /// Computes the nodes of one stick; reuses the memory of the last. `beam`: at each sample.
+  /// Computes the nodes of one stick; reuses the memory of the stick before. `beam`: values at each
+  /// sample.
   void compute(const StickTrack& track, const StickLosses& losses, const BeamAtSample* beam);
 
   /// The nodes of a layer; at least one more can be read behind them.
@@ -58,16 +55,16 @@ class BeamNodes {
     int node;
     int before;  ///< sample
   };
-  /// Those of a layer with so many nodes, in the order of their nodes.
+  /// The fronts of a layer with `nodes` nodes, in ascending order.
   std::span<const Front> fronts_of(const TrackLayer& layer, int nodes) const;
 
  private:
-  /// An interface, from the side from which the sound arrives.
+  /// An interface, in the direction of propagation.
   struct Crossing {
     float impedance_before = 1;
     float impedance_behind = 1;
-    float speed_ratio2 = 1;  ///< behind over before, squared
-    float roughness = 0;     ///< diffuse share of the echo; 0: no echo
+    float speed_ratio2 = 1;  ///< squared sound speed behind it relative to before it
+    float roughness = 0;     ///< diffuse fraction of the echo; 0: no echo
   };
   friend struct NodeKernels;
 
@@ -81,8 +78,8 @@ class BeamNodes {
   std::size_t materials_;
   bool interface_echo_;
   double spacing_m_;
-  float pulse2_;          ///< squared sigma of the pulse's power
-  float max2_;            ///< largest squared sigma that the reach allows
+  float pulse2_;          ///< variance of the pulse's power
+  float max2_;            ///< largest variance that the reach allows
   float interface_gain_;  ///< factor of an interface's power: pulse and speckle statistics
   int samples_;
   std::vector<Crossing> crossings_;  ///< [before][behind]

@@ -1,7 +1,8 @@
-// EchoModel: the interface between a scan and the rungs of the ladder of fidelity, and their
-// factory.
+// The interface between a scan and the rungs of the ladder of fidelity: EchoModel, its factory, and
+// IqModel, the base of the rungs that compute IQ echoes.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,7 +11,9 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "sim/iq_sink.h"
+#include "sim/optics/probe_optics.h"
 #include "sim/options.h"
+#include "sim/receive/receiver.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -31,21 +34,26 @@ class EchoModel {
   EchoModel& operator=(const EchoModel&) = delete;
 
   virtual const EchoModelType& type() const = 0;
-  /// Computes what the sticks of a volume share, on the threads of the options. Without it, the
-  /// first stick does, and other threads wait for it.
+  /// Computes the data that the sticks of a volume share, on the threads of the options. Without
+  /// this call the first stick computes them while other threads wait.
   virtual void prepare(std::uint32_t /*volume*/) const {}
-  /// `iq`, if given, is called with each stick's IQ samples. Throws std::logic_error if it is given
-  /// to a rung that makes none.
+  /// If given, `iq` is called with the IQ samples of each stick. Throws std::logic_error if it is
+  /// given to a rung that makes none.
   virtual StickMaker stick_maker(const IqSink& iq) const = 0;
 };
 
+/// Stick number `i` of a volume in the order of computation, on which results do not depend: a few
+/// frames at a time, line by line. The sticks of a line share the beam's tables of their angle, and
+/// neighbouring frames the tissue, so that both stay in the cache.
+hw::StickIndex stick_in_order(const hw::AcquisitionPlan& plan, std::uint32_t volume, int i);
+
 /// Bytes of a model's largest arrays.
 struct EchoMemory {
-  double constructing = 0;  ///< at most, in the constructor
+  double constructing = 0;  ///< peak in the constructor
   double kept = 0;
 };
 
-/// Whether neither tissue nor the directions of the sticks change from volume to volume.
+/// True if neither the tissue nor the directions of the sticks change from volume to volume.
 bool volumes_repeat(const hw::AcquisitionPlan& plan, bool tissue_moves);
 
 /// The properties of a rung, before a model is made.
@@ -55,28 +63,68 @@ struct EchoModelType {
   const EchoModelType* lower;
   /// The effects that this rung adds, by their names in reports.
   std::span<const std::string_view> added_effects;
-  /// Distance from a stick up to which surfaces contribute: what a TissueMap has to cover.
+  /// Distance from a stick up to which surfaces contribute; a TissueMap has to cover it.
   double (*reach_m)(const hw::AcquisitionPlan& plan);
   EchoMemory (*memory)(const hw::AcquisitionPlan& plan,
                        const SimulationOptions& options,
                        bool tissue_moves);
   std::unique_ptr<const EchoModel> (*make)(const ScannedTissue& tissue,
-                                           const hw::AcquisitionPlan& plan,
+                                           const ProbeOptics& optics,
                                            const SimulationOptions& options);
 
-  /// Effects have the names of sim/fidelity.h.
+  /// True if the rung models an effect, by its name in sim/fidelity.h.
   bool models(std::string_view effect) const;
-  /// Echoes are IQ samples, which a Receiver detects.
+  /// True if the echoes are IQ samples, which a Receiver detects.
   bool makes_iq() const { return models("envelope"); }
 };
 
 /// Throws std::logic_error for `automatic`, which choose_fidelity() resolves.
 const EchoModelType& echo_model_type(Rung rung);
 
-/// The factory. Throws InvalidOption where the scene is too large for the rung.
+/// Throws InvalidOption if the scene is too large for the rung.
 std::unique_ptr<const EchoModel> make_echo_model(Rung rung,
                                                  const ScannedTissue& tissue,
                                                  const hw::AcquisitionPlan& plan,
                                                  const SimulationOptions& options);
+
+/// Computes the noiseless IQ samples of one stick; they are valid until the next call. Holds the
+/// working memory of one thread.
+using IqMaker = std::function<std::span<const std::complex<float>>(const hw::StickIndex& index)>;
+
+class IqModel : public EchoModel {
+ public:
+  IqModel(const ProbeOptics& optics, const SimulationOptions& options);
+
+  /// Computes the IQ samples and then applies the receive chain, with noise that depends on the
+  /// stick.
+  StickMaker stick_maker(const IqSink& sink) const final;
+  virtual IqMaker iq_maker() const = 0;
+
+ private:
+  hw::AcquisitionPlan plan_;
+  std::uint64_t seed_;
+  Receiver receiver_;  ///< copied into each stick maker
+};
+
+/// If neither tissue nor sticks change from volume to volume, returns a model that has computed the
+/// echoes of one volume by `model` and uses them for all volumes; otherwise returns `model`.
+std::unique_ptr<const EchoModel> reuse_echoes(std::unique_ptr<const IqModel> model,
+                                              const ScannedTissue& tissue,
+                                              const ProbeOptics& optics,
+                                              const SimulationOptions& options);
+
+/// EchoModelType::memory of an IqModel that itself stores `model_bytes`.
+EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     bool tissue_moves,
+                     double model_bytes);
+
+/// EchoModelType::make of an IqModel.
+template <class Model>
+std::unique_ptr<const EchoModel> make_iq_model(const ScannedTissue& tissue,
+                                               const ProbeOptics& optics,
+                                               const SimulationOptions& options) {
+  return reuse_echoes(std::make_unique<Model>(tissue, optics, options), tissue, optics, options);
+}
 
 }  // namespace wobblebench::sim

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/math/simd.h"
+#include "sim/math/fast_math.h"
 #include "sim/rungs/geometry_model.h"
-#include "sim/rungs/highest_frequency.h"
+#include "sim/rungs/stick_propagation.h"
 
 namespace wobblebench::sim {
 
@@ -53,25 +53,25 @@ constinit const EchoModelType FieldModel::kType = {
     .make = &make_iq_model<FieldModel>};
 
 FieldModel::FieldModel(const ScannedTissue& tissue,
-                       const hw::AcquisitionPlan& plan,
+                       const ProbeOptics& optics,
                        const SimulationOptions& options)
-    : IqModel(plan, options),
+    : IqModel(optics, options),
       tissue_(tissue),
-      propagation_(tissue_, plan, options, Surfaces::nearby),
-      mean_power_(plan,
+      propagation_(tissue_, optics, options, Surfaces::nearby),
+      mean_power_(optics,
                   options,
-                  BeamProfile(plan, options),
                   tissue_.materials,
                   propagation_.spacing_m(),
                   propagation_.samples(),
                   tissue_.map->reach_m()),
       has_speckle_(options.speckle) {
   if (tissue_.has_points()) {
-    const auto settings = ScattererSettings::of(options, highest_frequency(tissue_, plan, options));
-    echoing_ = ScattererField(tissue_, plan, options, settings);
+    const auto settings =
+        ScattererSettings::of(options, highest_frequency(tissue_, optics, options));
+    echoing_ = ScattererField(tissue_, optics, options, settings);
     points_ = PointsInBeam(tissue_, echoing_->beam());
   }
-  if (has_speckle_) speckle_ = homogeneous_speckle(plan, options);
+  if (has_speckle_) speckle_ = homogeneous_speckle(optics, options.seed);
 }
 
 IqMaker FieldModel::iq_maker() const {
@@ -87,10 +87,10 @@ IqMaker FieldModel::iq_maker() const {
             propagation.track(), propagation.losses(), propagation.theta_rad(), power)) {
       std::fill(iq.begin(), iq.end(), Complex(0));
     } else if (has_speckle_) {
-      scale_by_root(reinterpret_cast<const float*>(speckle_.stick(index).data()),
+      scale_by_root(parts_of(speckle_.stick(index).data()),
                     power.data(),
                     static_cast<int>(iq.size()),
-                    reinterpret_cast<float*>(iq.data()));
+                    parts_of(iq.data()));
     } else {
       std::transform(
           power.begin(), power.end(), iq.begin(), [](float p) { return Complex(std::sqrt(p)); });

@@ -3,11 +3,10 @@
 
 #include <optional>
 
-#include "sim/rungs/iq_model.h"
+#include "sim/rungs/echo_model.h"
 #include "sim/rungs/mean_power.h"
 #include "sim/rungs/stick_propagation.h"
 #include "sim/speckle/iq_field.h"
-#include "sim/speckle/scatterers/points_in_beam.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::sim {
@@ -18,7 +17,7 @@ class FieldModel final : public IqModel {
   static const EchoModelType kType;
 
   FieldModel(const ScannedTissue& tissue,
-             const hw::AcquisitionPlan& plan,
+             const ProbeOptics& optics,
              const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }
@@ -27,11 +26,11 @@ class FieldModel final : public IqModel {
 
  private:
   ScannedTissue tissue_;
-  StickPropagation propagation_;  ///< copied into each IQ maker, as the next
+  StickPropagation propagation_;  ///< copied into each IQ maker, like mean_power_
   MeanPower mean_power_;
   bool has_speckle_;
   IqField speckle_;  ///< of unit power; empty without speckle
-  // Only where the phantom has point scatterers.
+  // Set only if the phantom has point scatterers.
   std::optional<ScattererField> echoing_;
   std::optional<PointsInBeam> points_;  ///< copied into each IQ maker
 };

@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "sim/losses/losses.h"
 #include "sim/receive/receiver.h"
 #include "sim/rungs/stick_propagation.h"
 
@@ -22,15 +21,15 @@ constinit const EchoModelType GeometryModel::kType = {
     .memory =
         [](const hw::AcquisitionPlan&, const SimulationOptions&, bool) { return EchoMemory{}; },
     .make = [](const ScannedTissue& tissue,
-               const hw::AcquisitionPlan& plan,
+               const ProbeOptics& optics,
                const SimulationOptions& options) -> std::unique_ptr<const EchoModel> {
-      return std::make_unique<GeometryModel>(tissue, plan, options);
+      return std::make_unique<GeometryModel>(tissue, optics, options);
     }};
 
 GeometryModel::GeometryModel(const ScannedTissue& tissue,
-                             const hw::AcquisitionPlan& plan,
+                             const ProbeOptics& optics,
                              const SimulationOptions& options)
-    : tissue_(tissue), plan_(plan) {
+    : tissue_(tissue), plan_(optics.plan()) {
   for (const auto& material : tissue.materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
     sample_of_material_.push_back(

@@ -9,13 +9,13 @@
 namespace wobblebench::sim {
 
 /// No speckle, beam, losses or noise: each sample has the mean backscatter of the material on the
-/// axis at its range, log-compressed if the output is.
+/// axis at its range, log-compressed if the options ask for it.
 class GeometryModel final : public EchoModel {
  public:
   static const EchoModelType kType;
 
   GeometryModel(const ScannedTissue& tissue,
-                const hw::AcquisitionPlan& plan,
+                const ProbeOptics& optics,
                 const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }

@@ -8,7 +8,7 @@
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
 #include "sim/math/fast_math.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
@@ -16,10 +16,10 @@ namespace wobblebench::sim {
 namespace {
 
 constexpr double kMaxReach_m = 4e-3;
-/// Of the vectorised loops; runs of samples are padded to multiples of it.
+/// Width of the vectorised loops; runs of samples are padded to multiples of it.
 constexpr std::size_t kLanes = 16;
 
-/// Positions of samples among a piece's nodes: the node before, and the share of the distance to
+/// Positions of samples among a piece's nodes: the node before, and the fraction of the distance to
 /// the next. `delay_m` may be null.
 WOBBLEBENCH_SIMD void locate_samples(int first,
                                      int count,
@@ -77,26 +77,25 @@ std::size_t padded(std::size_t count) {
 }  // namespace
 
 double MeanPower::reach_m(const hw::AcquisitionPlan& plan) {
-  // At most: the first lobe and the shadow of the lens.
+  // Upper bound of the width: the first lobe plus the geometric shadow of the lens.
   const auto& probe = plan.probe();
   const double depth_m = plan.acquisition().depth_m;
   const double lobe_m = plan.acquisition().sound_speed_m_s / probe.center_frequency_hz * depth_m /
-                        std::min(probe.element_height_m, receive_aperture_m(plan, depth_m));
+                        std::min(probe.element_height_m, receive_aperture_m(probe, depth_m));
   const double shadow_m =
       probe.element_height_m * std::max(1.0, depth_m / probe.elevation_focus_m - 1);
   return std::min(BeamNodes::kReachSigmas * power_sigma(lobe_m + shadow_m), kMaxReach_m);
 }
 
-MeanPower::MeanPower(const hw::AcquisitionPlan& plan,
+MeanPower::MeanPower(const ProbeOptics& optics,
                      const SimulationOptions& options,
-                     const BeamProfile& profile,
                      const std::vector<phantoms::Material>& materials,
                      double spacing_m,
                      int samples,
                      double reach_m)
     : spacing_m_(spacing_m),
-      beam_(plan, profile, spacing_m, samples),
-      nodes_(plan, options, materials, spacing_m, samples, reach_m) {
+      beam_(optics.plan(), optics.profile(), spacing_m, samples),
+      nodes_(optics, options, materials, spacing_m, samples, reach_m) {
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
     const bool echoes = material.backscatter_db > kZeroAmplitude_db;
@@ -196,15 +195,15 @@ void MeanPower::load_layer(const StickTrack& track, const Section& section, int 
   restore_fronts(surface, section);
 }
 
-/// An interface's echo that the beam smears to behind it has not crossed it: it has the amplitude
-/// that remains before it.
+/// The part of an interface's echo that the beam spreads to samples behind the interface has not
+/// crossed it: its amplitude is the one that remains before the interface.
 void MeanPower::restore_fronts(const TrackLayer& surface, const Section& section) {
   constexpr float kMostGain = 1e15F;  // its square is a finite float
   const auto fronts = nodes_.fronts_of(surface, section.piece->nodes);
   auto front = fronts.begin();
   const std::size_t end = section.first + section.count;
   for (std::size_t i = section.first; i < end && front != fronts.end(); ++i) {
-    // The next sample's nodes are the same or farther.
+    // The nodes of the next sample are the same or farther away.
     const int near = surface.first_node + node_[i];
     while (front != fronts.end() && front->node < near) ++front;
     if (front == fronts.end() || front->node > near + 1) continue;
@@ -216,7 +215,8 @@ void MeanPower::restore_fronts(const TrackLayer& surface, const Section& section
   }
 }
 
-/// Blends the first surface of every section, adjacent sections together; few have more than one.
+/// Blends the first surface of every section; adjacent sections are processed together. Few
+/// sections have more than one surface.
 void MeanPower::blend_first_layers() {
   for (auto section = sections_.begin(); section != sections_.end(); ++section) {
     const auto clear = std::find_if(section, sections_.end(), std::mem_fn(&Section::clear));

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "sim/rungs/field_model.h"
-#include "sim/rungs/highest_frequency.h"
+#include "sim/rungs/stick_propagation.h"
 
 namespace wobblebench::sim {
 
@@ -30,15 +30,15 @@ double ScatterersModel::reach_m(const hw::AcquisitionPlan&) {
 }
 
 ScatterersModel::ScatterersModel(const ScannedTissue& tissue,
-                                 const hw::AcquisitionPlan& plan,
+                                 const ProbeOptics& optics,
                                  const SimulationOptions& options)
-    : IqModel(plan, options),
+    : IqModel(optics, options),
       tissue_(tissue),
-      propagation_(tissue_, plan, options, Surfaces::crossed),
+      propagation_(tissue_, optics, options, Surfaces::crossed),
       scatterers_(tissue_,
-                  plan,
+                  optics,
                   options,
-                  ScattererSettings::of(options, highest_frequency(tissue_, plan, options))),
+                  ScattererSettings::of(options, highest_frequency(tissue_, optics, options))),
       points_(tissue_, scatterers_.beam()) {}
 
 IqMaker ScatterersModel::iq_maker() const {

@@ -1,9 +1,8 @@
 // The rung `scatterers`: point scatterers fixed in the tissue, so that speckle moves with it.
 #pragma once
 
-#include "sim/rungs/iq_model.h"
+#include "sim/rungs/echo_model.h"
 #include "sim/rungs/stick_propagation.h"
-#include "sim/speckle/scatterers/points_in_beam.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::sim {
@@ -13,15 +12,15 @@ class ScatterersModel final : public IqModel {
   static const EchoModelType kType;
 
   ScatterersModel(const ScannedTissue& tissue,
-                  const hw::AcquisitionPlan& plan,
+                  const ProbeOptics& optics,
                   const SimulationOptions& options);
 
   const EchoModelType& type() const override { return kType; }
   void prepare(std::uint32_t volume) const override { propagation_.prepare(volume); }
   IqMaker iq_maker() const override;
 
-  /// Half the diagonal of a hash cell of scatterers, at most, and the thickness of the layer of
-  /// scatterers that stands for a rough interface.
+  /// Upper bound of half the diagonal of a hash cell plus the thickness of the layer of scatterers
+  /// that represents a rough interface.
   static double reach_m(const hw::AcquisitionPlan& plan);
 
  private:

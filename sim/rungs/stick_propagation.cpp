@@ -1,9 +1,10 @@
 #include "sim/rungs/stick_propagation.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "sim/losses/losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/receive/receiver.h"
 #include "sim/speckle/iq_field.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -33,22 +34,22 @@ StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses
 }
 
 StickPropagation::StickPropagation(const ScannedTissue& tissue,
-                                   const hw::AcquisitionPlan& plan,
+                                   const ProbeOptics& optics,
                                    const SimulationOptions& options,
                                    Surfaces surfaces)
     : tissue_(&tissue),
-      plan_(plan),
-      geometry_(plan.geometry()),
+      plan_(optics.plan()),
+      geometry_(plan_.geometry()),
       options_(options),
       surfaces_(surfaces),
-      samples_(plan.acquisition().samples_per_stick * iq_oversampling(plan)),
-      spacing_m_(plan.sample_spacing_m() / iq_oversampling(plan)),
-      visible_(visible_amplitude(plan, options)),
-      depth_m_(plan.acquisition().depth_m),
-      losses_(plan, options, tissue.materials, spacing_m_, samples_) {
-  if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(tissue, plan);
+      samples_(optics.iq_samples()),
+      spacing_m_(optics.iq_spacing_m()),
+      visible_(visible_amplitude(plan_, options)),
+      depth_m_(plan_.acquisition().depth_m),
+      losses_(plan_, options, tissue.materials, spacing_m_, samples_) {
+  if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(tissue, plan_);
   if (has_aperture_losses(options, tissue.materials)) {
-    aperture_ = std::make_shared<const ApertureLosses>(tissue, plan, options, depth_m_);
+    aperture_ = std::make_shared<const ApertureLosses>(tissue, optics, options, depth_m_);
   }
 }
 
@@ -77,6 +78,32 @@ void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) co
     if (echo <= visible_) continue;
     add_reflector(iq, spacing_m_, losses_.apparent_m(track_, at.range_m), echo, plan_);
   }
+}
+
+namespace {
+
+constexpr std::uint64_t kSticks = 97;  ///< a prime, so that they lie on many lines
+
+}  // namespace
+
+FrequencyCourse highest_frequency(const ScannedTissue& tissue,
+                                  const ProbeOptics& optics,
+                                  const SimulationOptions& options) {
+  const hw::AcquisitionPlan& plan = optics.plan();
+  SimulationOptions axis_alone = options;
+  axis_alone.aperture_losses = false;
+  StickPropagation propagation(tissue, optics, axis_alone, Surfaces::crossed);
+  FrequencyCourse course{propagation.spacing_m(), {}};
+  const auto sticks = static_cast<std::uint64_t>(plan.sticks_per_volume());
+  for (std::uint64_t i = 0; i < kSticks; ++i) {
+    propagation.follow(plan.index(sticks * i / kSticks));
+    const std::span<const float> ratio = propagation.path().frequency_ratio;
+    if (course.ratio.size() < ratio.size()) course.ratio.resize(ratio.size(), 0.0f);
+    for (std::size_t at = 0; at < ratio.size(); ++at) {
+      course.ratio[at] = std::max(course.ratio[at], ratio[at]);
+    }
+  }
+  return course;
 }
 
 }  // namespace wobblebench::sim

@@ -1,5 +1,5 @@
-// Propagation of sound along one stick: the tissue on its way, its losses, and the specular echoes
-// of the interfaces that it crosses.
+// Propagation of sound along one stick: the tissue that it crosses, its losses, and the specular
+// echoes of interfaces.
 #pragma once
 
 #include <complex>
@@ -9,25 +9,29 @@
 #include "hw/probe/acquisition_plan.h"
 #include "sim/losses/aperture_losses.h"
 #include "sim/losses/stick_losses.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/options.h"
-#include "sim/speckle/scatterers/stick_path.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
+#include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/stick_track.h"
 
 namespace wobblebench::sim {
 
-/// Ends where echoes of scatterers are invisible. Valid as long as `losses` is unchanged.
+/// The path up to the last visible echo of scatterers. Valid as long as `losses` is unchanged.
 StickPath visible_path(const TimedRay& line, double spacing_m, const StickLosses& losses);
 
-/// What the models of IQ echoes have in common, with the working memory of one thread.
+/// The part of the computation that all models of IQ echoes share. Holds the working memory of one
+/// thread.
 class StickPropagation {
  public:
-  /// `tissue` must outlive it. `surfaces`: those that the track has to hold.
+  /// `tissue` must outlive it. `surfaces`: the surfaces of which the track has layers.
   StickPropagation(const ScannedTissue& tissue,
-                   const hw::AcquisitionPlan& plan,
+                   const ProbeOptics& optics,
                    const SimulationOptions& options,
                    Surfaces surfaces);
 
-  /// Computes what the sticks of a volume share, on all threads. Without it, the first stick does.
+  /// Computes the data that the sticks of a volume share, on all threads; otherwise the first stick
+  /// does.
   void prepare(std::uint32_t volume) const {
     if (aperture_ != nullptr) aperture_->volume(volume);
   }
@@ -53,13 +57,20 @@ class StickPropagation {
   Surfaces surfaces_;
   int samples_;
   double spacing_m_;
-  double visible_;  ///< amplitude below which an echo is left out
-  double depth_m_;  ///< true range that the last sample can come from
+  double visible_;  ///< smallest amplitude of an echo that is not left out
+  double depth_m_;  ///< largest true range of the last sample's echoes
   TimedRay line_;
   StickTrack track_;
   StickLosses losses_;
-  std::shared_ptr<const ApertureLosses> aperture_;   ///< null: losses are those of the axis
-  std::shared_ptr<const VolumeCorrections> volume_;  ///< the one in hand
+  std::shared_ptr<const ApertureLosses> aperture_;   ///< null: losses are those on the axis
+  std::shared_ptr<const VolumeCorrections> volume_;  ///< of the current volume
 };
+
+/// Highest centre frequency of the pulses at each range, over a sample of the sticks of volume 0
+/// that still have echoes there; it determines the width of the beam. Empty where nothing absorbs.
+/// Losses are those on the sticks' axes.
+FrequencyCourse highest_frequency(const ScannedTissue& tissue,
+                                  const ProbeOptics& optics,
+                                  const SimulationOptions& options);
 
 }  // namespace wobblebench::sim

@@ -5,12 +5,10 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
-#include "sim/math/complex.h"
+#include "sim/math/fast_math.h"
 #include "sim/math/random.h"
-#include "sim/optics/point_spread.h"
-#include "sim/speckle/line_filter.h"
+#include "sim/speckle/line_covariance.h"
 #include "sim/speckle/speckle_kernels.h"
-#include "sim/speckle/speckle_length.h"
 
 namespace wobblebench::sim {
 
@@ -39,8 +37,8 @@ WOBBLEBENCH_SIMD void add_weighted(float* target,
   }
 }
 
-/// Symmetric kernels across frames, one for each range, stored tap by tap so that loops run along
-/// the stick.
+/// Symmetric kernels across frames, one per range, stored tap by tap so that loops run along the
+/// stick.
 class RangeKernels {
  public:
   RangeKernels(int samples, double spacing_m, const SpeckleKernels& kernels, int angle)
@@ -58,7 +56,7 @@ class RangeKernels {
   }
 
   int half() const { return half_; }
-  /// End of the samples at which the tap is not 0.
+  /// End of the samples at which the tap is nonzero.
   int end(int tap) const { return ends_[static_cast<std::size_t>(tap)]; }
   const float* tap(int tap) const { return taps_.data() + at(tap); }
   int samples() const { return samples_; }
@@ -105,6 +103,190 @@ void filter_line(Complex* values, int count, std::size_t stride, const RangeKern
   }
 }
 
+constexpr double kFactorStep_m = 5e-3;
+/// Share of white noise, -25 dB. With it the factors of neighbouring ranges are similar and can be
+/// interpolated.
+constexpr double kNoiseShare = 3e-3;
+
+/// A linear function of the sample along the stick.
+struct Ramp {
+  float first;
+  float step;
+};
+
+WOBBLEBENCH_SIMD void scale(float* target, Ramp weight, int count) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    const float here = weight.first + weight.step * static_cast<float>(i);
+    target[at] *= here;
+    target[at + 1] *= here;
+  }
+}
+
+WOBBLEBENCH_SIMD void add_ramped(float* __restrict target,
+                                 const float* source,
+                                 Ramp weight,
+                                 int count) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    const float here = weight.first + weight.step * static_cast<float>(i);
+    target[at] += here * source[at];
+    target[at + 1] += here * source[at + 1];
+  }
+}
+
+/// Scales to unit power a field that is the mean, by `share`, of two fields of unit power whose
+/// correlation is `correlation`.
+WOBBLEBENCH_SIMD void normalise(float* target, Ramp share, Ramp correlation, int count) {
+  for (int i = 0; i < count; ++i) {
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    const float x = static_cast<float>(i), second = share.first + share.step * x;
+    const float apart = 1.0f - (correlation.first + correlation.step * x);
+    const float power = 1.0f - 2.0f * second * (1.0f - second) * apart;
+    const float amplitude = 1.0f / std::sqrt(power);
+    target[at] *= amplitude;
+    target[at + 1] *= amplitude;
+  }
+}
+
+/// Entry of a factor; 0 beyond its band.
+double factor_weight(const BandedMatrix& factor, int row, int lag) {
+  return lag <= factor.band ? factor.at(row, lag) : 0;
+}
+
+/// Correlation of two filtered lines: by a row of one factor, and by the row `lag` before it of
+/// another.
+double correlation(const BandedMatrix& one, int row, const BandedMatrix& other, int lag) {
+  double sum = 0;
+  for (int k = lag; k <= std::min(row, one.band); ++k) {
+    sum += one.at(row, k) * factor_weight(other, row - lag, k - lag);
+  }
+  return sum;
+}
+
+std::vector<BandedMatrix> factors_by_range(const LineCovariance& covariance,
+                                           const BeamGrid& grid,
+                                           int threads) {
+  std::vector<BandedMatrix> factors(static_cast<std::size_t>(grid.ranges()));
+  parallel_ranges(grid.ranges(), threads, [&](int first, int last) {
+    for (int i = first; i < last; ++i) {
+      factors[static_cast<std::size_t>(i)] =
+          cholesky_factor(covariance.at(grid.range_m(i)), kNoiseShare);
+    }
+  });
+  return factors;
+}
+
+/// Gives the white noise of a frame the correlation that speckle has between its lines. Multiplies
+/// by the triangular factor of the lines' covariance, which is valid for lines with different
+/// apertures and at the ends of the scan. The mean power is unchanged.
+class LineFilter {
+ public:
+  /// For sticks at the IQ rate.
+  explicit LineFilter(const ProbeOptics& optics);
+
+  /// `frame`: lines x samples, sample fastest.
+  void apply(std::complex<float>* frame) const;
+
+ private:
+  /// Samples between two ranges at which the covariance is factored.
+  struct Span {
+    int first, last;        ///< first sample, and the one behind the last
+    std::size_t near, far;  ///< indices in factors_
+    float share;            ///< weight of the far factor at the first sample
+    float share_step;       ///< change of the weight per sample
+  };
+  /// Correlates the noise of one of the factored_ lines.
+  void correlate(std::complex<float>* noise, int line, const Span& span) const;
+  void interpolate(const std::complex<float>* from, int line, std::complex<float>* target) const;
+
+  int samples_;
+  int lines_;
+  UniformLines factored_;
+  std::vector<Span> spans_;
+  std::vector<BandedMatrix> factors_;  ///< by range
+};
+
+LineFilter::LineFilter(const ProbeOptics& optics)
+    : samples_(optics.iq_samples()),
+      lines_(optics.plan().acquisition().sticks_per_frame),
+      factored_(UniformLines::needed(optics)) {
+  const BeamGrid grid(optics.plan(), kFactorStep_m, kPi);  // its ranges alone are used
+  factors_ = factors_by_range(LineCovariance(optics, factored_), grid, optics.threads());
+  for (int i = 0; i < samples_; ++i) {
+    const BeamGrid::Between at = grid.range_at((i + 0.5) * optics.iq_spacing_m());
+    const std::size_t far = at.share > 0 ? at.second : at.first;
+    if (spans_.empty() || spans_.back().near != at.first || spans_.back().far != far) {
+      spans_.push_back({i, i, at.first, far, static_cast<float>(at.share), 0});
+    }
+    Span& span = spans_.back();
+    span.last = i + 1;
+    if (i > span.first) {
+      span.share_step =
+          (static_cast<float>(at.share) - span.share) / static_cast<float>(i - span.first);
+    }
+  }
+}
+
+void LineFilter::apply(Complex* frame) const {
+  // In a dense scan the noise of the first lines is used for the lines that are factored.
+  std::vector<Complex> copy;
+  if (factored_.count < lines_) {
+    copy.assign(frame, frame + static_cast<std::ptrdiff_t>(factored_.count) * samples_);
+  }
+  Complex* noise = copy.empty() ? frame : copy.data();
+  // A line is a sum over the noise of the lines up to it: lines are overwritten from the last to
+  // the first.
+  for (int line = factored_.count - 1; line >= 0; --line) {
+    for (const Span& span : spans_) correlate(noise, line, span);
+  }
+  if (copy.empty()) return;
+  for (int line = 0; line < lines_; ++line) {
+    interpolate(noise, line, frame + static_cast<std::ptrdiff_t>(line) * samples_);
+  }
+}
+
+void LineFilter::correlate(Complex* noise, int line, const Span& span) const {
+  const BandedMatrix &near = factors_[span.near], &far = factors_[span.far];
+  const auto parts = [&](int of_line) {
+    return parts_of(noise + static_cast<std::ptrdiff_t>(of_line) * samples_ + span.first);
+  };
+  const auto weight = [&](int lag) {
+    const auto first = static_cast<float>(factor_weight(near, line, lag));
+    const float change = static_cast<float>(factor_weight(far, line, lag)) - first;
+    return Ramp{first + change * span.share, change * span.share_step};
+  };
+  const int count = span.last - span.first;
+  float* target = parts(line);
+  scale(target, weight(0), count);
+  for (int lag = 1; lag <= std::min(line, std::max(near.band, far.band)); ++lag) {
+    add_ramped(target, parts(line - lag), weight(lag), count);
+  }
+  normalise(target,
+            {span.share, span.share_step},
+            {static_cast<float>(correlation(near, line, far, 0)), 0},
+            count);
+}
+
+void LineFilter::interpolate(const Complex* from, int line, Complex* target) const {
+  const double at = line * (factored_.count - 1.0) / (lines_ - 1);
+  const int before = std::min(static_cast<int>(at), factored_.count - 2);
+  const auto share = static_cast<float>(at - before);
+  const Complex* first = from + static_cast<std::ptrdiff_t>(before) * samples_;
+  const Complex* second = first + samples_;
+  for (int i = 0; i < samples_; ++i) target[i] = (1 - share) * first[i] + share * second[i];
+  for (const Span& span : spans_) {
+    const auto neighbours = [&](std::size_t range) {
+      return static_cast<float>(correlation(factors_[range], before + 1, factors_[range], 1));
+    };
+    const float near = neighbours(span.near), change = neighbours(span.far) - near;
+    normalise(parts_of(target + span.first),
+              {share, 0},
+              {near + change * span.share, change * span.share_step},
+              span.last - span.first);
+  }
+}
+
 std::vector<RangeKernels> kernels_by_angle(const IqField& field, const SpeckleKernels& kernels) {
   std::vector<RangeKernels> by_angle;
   for (int angle = 0; angle < kernels.angles(); ++angle) {
@@ -131,6 +313,21 @@ IqField make_iq_field(const hw::AcquisitionPlan& plan) {
   field.values.resize(static_cast<std::size_t>(plan.sticks_per_volume()) *
                       static_cast<std::size_t>(field.samples));
   return field;
+}
+
+std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half) {
+  constexpr double kCutSigmas = 3.035;  // exp(-kCutSigmas^2 / 2) = 0.01
+  const int half = static_cast<int>(std::clamp<double>(kCutSigmas * sigma_in_steps, 0, max_half));
+  std::vector<double> taps;
+  double power = 0;
+  for (int i = -half; i <= half; ++i) {
+    const double tap = half == 0 ? 1 : std::exp(-0.5 * i * i / (sigma_in_steps * sigma_in_steps));
+    taps.push_back(tap);
+    power += tap * tap;
+  }
+  std::vector<float> unit;
+  for (double tap : taps) unit.push_back(static_cast<float>(tap / std::sqrt(power)));
+  return unit;
 }
 
 AxialKernels::AxialKernels(const std::vector<double>& sigmas_samples)
@@ -163,50 +360,46 @@ void fill_speckle(std::span<Complex> stick, std::uint64_t key, const AxialKernel
   }
 }
 
-void filter_across_lines(IqField& field,
-                         const hw::AcquisitionPlan& plan,
-                         const SimulationOptions& options) {
-  const LineFilter filter(plan, options, field.samples, field.spacing_m);
-  parallel_ranges(field.frames, options.threads, [&](int first, int last) {
+void filter_across_lines(IqField& field, const ProbeOptics& optics) {
+  const LineFilter filter(optics);
+  parallel_ranges(field.frames, optics.threads(), [&](int first, int last) {
     for (int frame = first; frame < last; ++frame) filter.apply(field.stick(frame, 0).data());
   });
 }
 
-void filter_across_frames(IqField& field,
-                          const hw::AcquisitionPlan& plan,
-                          const SimulationOptions& options) {
-  const SpeckleKernels kernels(plan, options);
+void filter_across_frames(IqField& field, const ProbeOptics& optics) {
+  const SpeckleKernels kernels(optics);
   if (kernels.count() == 1) return;
   const std::size_t frame = static_cast<std::size_t>(field.samples) * field.lines;
   const auto by_angle = kernels_by_angle(field, kernels);
-  parallel_ranges(field.lines, options.threads, [&](int first, int last) {
+  parallel_ranges(field.lines, optics.threads(), [&](int first, int last) {
     for (int line = first; line < last; ++line) {
-      const auto angle = static_cast<std::size_t>(kernels.angle_of(plan.theta_rad(line)));
+      const auto angle = static_cast<std::size_t>(kernels.angle_of(optics.plan().theta_rad(line)));
       filter_line(field.stick(0, line).data(), field.frames, frame, by_angle[angle]);
     }
   });
 }
 
-IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
-  IqField field = make_iq_field(plan);
-  const SpeckleLengths lengths(plan, options);
+IqField homogeneous_speckle(const ProbeOptics& optics, std::uint64_t seed) {
+  IqField field = make_iq_field(optics.plan());
+  const SpeckleLengths lengths(optics);
   std::vector<double> sigmas_samples;
   for (int i = 0; i < field.samples; ++i) {
     sigmas_samples.push_back(lengths.sigma_m((i + 0.5) * field.spacing_m) / field.spacing_m);
   }
   const AxialKernels kernels(sigmas_samples);
-  parallel_ranges(plan.sticks_per_volume(), options.threads, [&](int first, int last) {
+  parallel_ranges(optics.plan().sticks_per_volume(), optics.threads(), [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const int frame = i / field.lines, line = i % field.lines;
-      const auto key = random_key(options.seed,
+      const auto key = random_key(seed,
                                   RandomStream::speckle,
                                   static_cast<std::uint64_t>(frame),
                                   static_cast<std::uint64_t>(line));
       fill_speckle(field.stick(frame, line), key, kernels);
     }
   });
-  filter_across_lines(field, plan, options);
-  filter_across_frames(field, plan, options);
+  filter_across_lines(field, optics);
+  filter_across_frames(field, optics);
   return field;
 }
 

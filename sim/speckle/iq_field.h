@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "hw/probe/acquisition_plan.h"
-#include "sim/options.h"
+#include "sim/optics/probe_optics.h"
 
 namespace wobblebench::sim {
 
@@ -40,14 +39,18 @@ struct IqField {
   }
 };
 
-/// Largest half length of a pulse, in IQ samples; reached only by scans finer than 1 um a sample.
+/// Largest half length of a pulse, in IQ samples; only scans finer than 1 um per sample reach it.
 inline constexpr int kMaxHalfPulse = 1024;
 
-/// Memory of an IqField.
+/// Bytes of an IqField.
 double iq_bytes(const hw::AcquisitionPlan& plan);
 
-/// All samples 0.
+/// A field for the plan's sticks at the IQ rate; all samples are 0.
 IqField make_iq_field(const hw::AcquisitionPlan& plan);
+
+/// Taps of a Gaussian filter with sum of squares 1, so that filtered white noise keeps its power.
+/// Their number is odd, at most 2 * max_half + 1; taps below one percent of the peak are left out.
+std::vector<float> unit_power_gaussian(double sigma_in_steps, int max_half);
 
 /// Gaussian filters along a stick, one for each of its samples, of unit power.
 class AxialKernels {
@@ -57,7 +60,7 @@ class AxialKernels {
   int samples() const { return samples_; }
   /// Taps lie at -half() to half() samples.
   int half() const { return half_; }
-  /// Of each sample.
+  /// Weight of one tap for each sample.
   const float* weights(int tap) const {
     return weights_.data() + static_cast<std::ptrdiff_t>(tap + half_) * samples_;
   }
@@ -69,23 +72,19 @@ class AxialKernels {
 };
 
 /// Circular complex white noise, filtered along the stick, of unit mean power. Throws
-/// std::invalid_argument for a stick of another number of samples.
+/// std::invalid_argument if the stick and the kernels have different numbers of samples.
 void fill_speckle(std::span<std::complex<float>> stick,
                   std::uint64_t key,
                   const AxialKernels& kernels);
 
-/// Filters each range so that white noise gets the correlation of speckle there, across the lines
-/// of each frame (sim/speckle/line_filter.h) or across frames (sim/speckle/speckle_kernels.h).
-/// Keeps the mean power.
-void filter_across_lines(IqField& field,
-                         const hw::AcquisitionPlan& plan,
-                         const SimulationOptions& options);
-void filter_across_frames(IqField& field,
-                          const hw::AcquisitionPlan& plan,
-                          const SimulationOptions& options);
+/// Filter each range so that white noise gets the correlation that speckle has there, across the
+/// lines of each frame (by the factor of their LineCovariance) or across frames (SpeckleKernels).
+/// The mean power is unchanged.
+void filter_across_lines(IqField& field, const ProbeOptics& optics);
+void filter_across_frames(IqField& field, const ProbeOptics& optics);
 
 /// Speckle of unit mean power on the whole grid, filtered in all three directions.
-IqField homogeneous_speckle(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
+IqField homogeneous_speckle(const ProbeOptics& optics, std::uint64_t seed);
 
 /// Adds the echo of one reflector: a Gaussian pulse of peak `amplitude` at a range, with the phase
 /// of its two-way path.

@@ -125,7 +125,6 @@ TEST(IncludeOrder, FoldersOfARoomIncludeEachOtherOneWay) {
 const std::set<std::string> kHeavyOfOurs = {"phantoms/float_grid.h",
                                             "phantoms/io/vdb_file.h",
                                             "phantoms/io/clearance.h",
-                                            "sim/tissue/extended_distance.h",
                                             "bench/studies/accuracy/option_tables.h",
                                             "bench/scene/toml_file.h",
                                             "bench/scene/toml_reader.h"};

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "sim/optics/beam_at_samples.h"
+#include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
 

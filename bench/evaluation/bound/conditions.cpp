@@ -6,7 +6,7 @@
 
 #include "base/units.h"
 #include "bench/evaluation/bound/detection_bound.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

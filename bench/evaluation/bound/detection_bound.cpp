@@ -8,8 +8,8 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "bench/evaluation/bound/neighbour_modes.h"
-#include "sim/optics/beam_at_samples.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/beam_profile.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -8,7 +8,7 @@
 #include "base/units.h"
 #include "bench/evaluation/bound/beam_pair.h"
 #include "phantoms/phantom.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 #include "sim/speckle/iq_field.h"
 #include "sim/tissue/tissue_map.h"
@@ -74,9 +74,9 @@ PlaneScan::PlaneScan(const PlaneCell& cell)
       plan_(few_sticks()),
       options_(options_of(cell)),
       plane_(cell, plan_.probe().radius_m),
-      profile_(plan_, options_) {
+      profile_(sim::ProbeOptics(plan_, options_)) {
   if (cell.rung == sim::Rung::scatterers) {
-    beam_.emplace(plan_, sim::BeamShape::main_lobe, options_.apodisation);
+    beam_.emplace(sim::ProbeOptics(plan_, options_), sim::BeamShape::main_lobe);
   }
   for (int i = 0; i < plan_.sticks_per_volume(); ++i) {
     sticks_.push_back(stick(plan_.index(static_cast<std::uint64_t>(i))));

@@ -7,8 +7,8 @@
 
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
-#include "sim/optics/point_spread.h"
-#include "sim/rungs/reference_scene.h"
+#include "sim/optics/pulse_band.h"
+#include "sim/rungs/reference_model.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
@@ -28,13 +28,14 @@ PointEchoes::PointEchoes(sim::Rung rung,
       {},
       {}};
   if (rung == sim::Rung::reference) {
-    const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
+    const auto scene = std::make_shared<const sim::ReferenceScene>(
+        subject, sim::ProbeOptics(plan, options), options);
     add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
   } else {
     const auto settings =
         sim::ScattererSettings::of(options, {plan.sample_spacing_m(), loss_.frequency_ratio});
-    const auto field =
-        std::make_shared<const sim::ScattererField>(subject, plan, options, settings);
+    const auto field = std::make_shared<const sim::ScattererField>(
+        subject, sim::ProbeOptics(plan, options), options, settings);
     add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };
   }
 }

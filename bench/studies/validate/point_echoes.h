@@ -8,7 +8,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
-#include "sim/speckle/scatterers/stick_path.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 

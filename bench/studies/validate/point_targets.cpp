@@ -10,7 +10,7 @@
 #include "bench/studies/validate/point_echoes.h"
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/losses/band_loss.h"
+#include "sim/losses/losses.h"
 #include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
@@ -107,7 +107,7 @@ class PointScan {
 std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const BeamRow> places) {
   const hw::AcquisitionPlan plan = plan_of(preset);
   const std::vector<BeamRow> own = stick_beam_rows(preset);
-  const sim::BeamProfile profile(plan, {});
+  const sim::BeamProfile profile{sim::ProbeOptics(plan)};
   std::vector<BeamComparison> results;
   for (BeamRow place : places) {
     const auto same = std::ranges::find_if(own, [&](const BeamRow& row) {

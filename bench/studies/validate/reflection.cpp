@@ -6,7 +6,7 @@
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

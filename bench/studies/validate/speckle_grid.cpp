@@ -10,7 +10,7 @@
 #include "bench/studies/validate/bodies.h"
 #include "bench/studies/validate/preset_plan.h"
 #include "bench/studies/validate/scan.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/tissue_map.h"
@@ -81,7 +81,7 @@ std::vector<SpeckleGrid> scattered_grids(hw::ProbePreset preset,
       tissue.materials(),
       {},
       {}};
-  const sim::ScattererField field(subject, plan, options);
+  const sim::ScattererField field(subject, sim::ProbeOptics(plan, options), options);
   std::vector<SpeckleGrid> grids;
   for (const GridPlan& one : plans) grids.push_back(scattered(field, plan.geometry(), one));
   return grids;

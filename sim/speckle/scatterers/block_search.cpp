@@ -5,13 +5,13 @@
 #include <glm/common.hpp>
 #include <limits>
 
-#include "sim/tissue/stick_transform.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Non-rigid motion may stretch a block's diagonal by this much.
+/// Largest stretch of a block's diagonal by non-rigid motion.
 constexpr double kMaxStretch = 1.5;
 
 /// Half the extent of a block along one of the beam's axes.
@@ -65,7 +65,7 @@ class RigidBlockSearch {
   }
 
  private:
-  /// Half sizes of the section of the beam's bounds by a layer, along the layer's two axes.
+  /// Half extents, along a layer's two axes, of the section of the beam's bounds with the layer.
   struct Extent {
     double first_m;
     double second_m;

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "sim/optics/beam_bounds.h"
+#include "sim/optics/beam_table.h"
 
 namespace wobblebench::sim {
 

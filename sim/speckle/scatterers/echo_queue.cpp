@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/speckle/scatterers/scatterer_scene.h"
-#include "sim/speckle/scatterers/stick_path.h"
 #include "sim/speckle/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/speckle/scatterers/projected_scatterers.h"
 #include "sim/speckle/scatterers/range_bins.h"
+#include "sim/speckle/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {
 
@@ -24,18 +24,17 @@ struct EchoRange {
   EchoRange(const ScattererScene& scene, const StickPath& path);
 };
 
-/// Working memory of one thread.
+/// Holds the working memory of one thread.
 class EchoQueue {
  public:
   /// The arguments must outlive finish().
   void begin(const ScattererScene& scene, const StickPath& path);
-  /// Memory for `count` scatterers and kCompactionWidth more, to be filled before commit().
+  /// Memory for `count` scatterers, plus kCompactionWidth, to be filled before commit().
   ProjectedScatterers reserve(std::size_t count);
-  /// Appends the first `count` scatterers written to the reserved memory. Computes echoes when
-  /// there are enough.
+  /// Appends the first `count` scatterers written to the reserved memory. Computes echoes when a
+  /// batch is complete.
   void commit(int count);
-  /// Adds all echoes to `iq`, scaled by a factor for each sample (empty: 1). Returns how many there
-  /// were.
+  /// Adds all echoes to `iq`, scaled by a factor for each sample (empty: 1). Returns their number.
   std::uint64_t finish(std::span<std::complex<float>> iq, std::span<const float> factor = {});
 
  private:
@@ -49,7 +48,7 @@ class EchoQueue {
   std::vector<float> range_m_;
   std::vector<std::uint32_t> table_index_;
   std::vector<float> amplitude_;
-  std::vector<float> delay_m_;  ///< by true range, one sample apart; empty: none
+  std::vector<float> delay_m_;  ///< at true ranges one sample apart; empty: no delay
   RangeBins bins_;
   std::size_t pending_ = 0;
   std::uint64_t total_ = 0;

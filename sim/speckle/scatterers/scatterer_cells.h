@@ -3,11 +3,12 @@
 // every stick and thread gets the same.
 //
 // Away from the beam's foci thousands of scatterers would fall into one resolution cell, where ten
-// give the same speckle statistics. Scatterers are therefore the sum of octaves: the first has
-// about the density that the largest resolution cell needs, each further one about that of all
-// before it together. Where fewer are needed the last octaves do not contribute, and the others are
-// stronger, so that the mean echo is unchanged. The transition is gradual and depends on the range
-// alone: tissue keeps its speckle when it moves or is seen from another stick.
+// give the same speckle statistics. Scatterers are therefore divided into octaves: the first has
+// about the density that the largest resolution cell needs, and each further octave about the
+// density of all octaves before it together. Where fewer scatterers are needed the last octaves do
+// not contribute and the amplitudes of the others are increased, so that the mean echo is
+// unchanged. The transition is gradual and depends on the range alone: tissue keeps its speckle
+// when it moves or is seen from another stick.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +52,7 @@ WOBBLEBENCH_INLINE CellOffset scatterer_offset(std::uint32_t bits) {
           static_cast<float>(static_cast<std::int32_t>(bits))};
 }
 
-/// The same as fractions of the cell's sides from its low corner.
+/// Position of the scatterer as fractions of the cell's sides, from its low corner.
 inline glm::dvec3 scatterer_position(std::uint32_t key, std::uint32_t index) {
   const CellOffset at = scatterer_offset(scatterer_bits(key, index));
   return {kHashOrigin[0] + static_cast<double>(at.x) / kHashUnits[0],
@@ -93,7 +94,7 @@ struct Octave {
   std::uint32_t block_key(const glm::ivec3& block) const;
 };
 
-/// All octaves. Each divides the same blocks of tissue into hash cells of its own size.
+/// All octaves. They divide the same blocks of tissue into hash cells of different sizes.
 struct ScattererCells {
   double block_m = 0;  ///< side of a block
   std::vector<Octave> octaves;
@@ -108,9 +109,9 @@ struct ScattererCells {
 };
 
 /// Relative power of a cell's `scatterer`-th scatterer when `share` of its octave contributes: 1
-/// for the first scatterers, a fraction for the next, 0 for the others, which cost nothing then. A
-/// cell's effective number of scatterers, (sum of powers)^2 / sum of squared powers, is at least
-/// that share of them.
+/// for the first scatterers, a fraction for the next, 0 for the others, which are then not
+/// computed. A cell's effective number of scatterers, (sum of powers)^2 / sum of squared powers, is
+/// at least that share of them.
 double scatterer_power(double share, int scatterer);
 
 }  // namespace wobblebench::sim

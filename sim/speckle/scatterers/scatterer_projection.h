@@ -6,12 +6,31 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/math/simd.h"
+#include "sim/math/fast_math.h"
 #include "sim/optics/beam_table.h"
-#include "sim/speckle/scatterers/beam_vector.h"
-#include "sim/speckle/scatterers/projected_scatterers.h"
+#include "sim/speckle/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {
+
+/// Beam coordinates in single precision, for vectorised loops: metres along the stick, across it in
+/// the image plane, and across the image plane. The resolution of a float is 1e-8 m there, 1e-4 of
+/// a cycle.
+struct BeamVector {
+  float axial = 0;
+  float lateral = 0;
+  float elevation = 0;
+};
+
+/// Shape of the beam's edge across the axis: an ellipse whose half axes are the reach in both
+/// directions, or, for side lobes, a diamond, on which the two offsets relative to their reach add
+/// up to 1.
+enum class BeamRim { ellipse, diamond };
+
+/// `u` and `v`: magnitudes of the offsets in both directions, scaled to a common `reach`.
+template <BeamRim rim>
+WOBBLEBENCH_INLINE bool within_rim(float u, float v, float reach) {
+  return rim == BeamRim::ellipse ? u * u + v * v < reach * reach : u + v < reach;
+}
 
 struct MixedCell;
 
@@ -42,13 +61,13 @@ struct alignas(32) BeamAtRow {
   }
 };
 
-/// Of the first entry of a row of the tables in each direction.
+/// Table index of the first entry of a row in each direction.
 inline std::uint32_t first_table_index(int row, int columns) {
   const int elevation = row * BeamTable::kElevationParts * columns;
   return static_cast<std::uint32_t>(2 * row * columns) | static_cast<std::uint32_t>(elevation)
                                                              << 16;
 }
-/// An axial position, or the end of its row nearest to it: the first and the last row stand for all
+/// An axial position clamped to its row: the first and the last row are used for all positions
 /// before and behind them, where their lines could cross 0.
 WOBBLEBENCH_INLINE float within_row(float axial_m, float rows_per_m, int row) {
   const float begin_m = static_cast<float>(row) / rows_per_m;
@@ -57,7 +76,8 @@ WOBBLEBENCH_INLINE float within_row(float axial_m, float rows_per_m, int row) {
   return behind_begin < end_m ? behind_begin : end_m;
 }
 
-/// Of the part of a row that contains an axial position, after the row's first.
+/// Table index of the part of a row that contains an axial position, relative to the row's first
+/// part.
 WOBBLEBENCH_INLINE std::uint32_t part_index(float axial_m, float rows_per_m, int row, int columns) {
   const float within = axial_m * rows_per_m - static_cast<float>(row);
   std::int32_t part = static_cast<std::int32_t>(within * BeamTable::kElevationParts);
@@ -67,8 +87,8 @@ WOBBLEBENCH_INLINE std::uint32_t part_index(float axial_m, float rows_per_m, int
 }
 
 /// Amplitudes of the scatterers of an octave's cells in one row: the first `full_count` have
-/// `full`, then one may have `partial`, up to `count`; the others do not contribute. Amplitudes are
-/// of an echo from the axis in tissue of echo power 1.
+/// `full`, then one may have `partial`, up to `count`; the others do not contribute. They are the
+/// amplitudes of echoes from the axis in tissue of echo power 1.
 struct alignas(16) OctaveAtRow {
   float full = 0;
   float partial = 0;
@@ -98,7 +118,7 @@ inline CellOrigin operator+(CellOrigin a, const CellOrigin& b) {
 struct HashCellArrays {
   CellOrigin* origin;
   std::uint32_t* seed;
-  float* amplitude;  ///< of its tissue
+  float* amplitude;  ///< of the cell's tissue
 
   HashCellArrays from(std::size_t first) const {
     return {origin + first, seed + first, amplitude + first};
@@ -155,7 +175,7 @@ struct PointScatterer {
   float amplitude = 0;
   std::int32_t row = 0;
 };
-/// Writes it to `projected` if it is within the beam. Returns 1 if so, else 0.
+/// Writes the scatterer to `projected` if it is within the beam. Returns 1 if so, else 0.
 int project_point(const PointScatterer& point,
                   const BeamProjection& projection,
                   const ProjectedScatterers& projected);

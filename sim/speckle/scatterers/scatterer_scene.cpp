@@ -3,37 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/optics/point_spread.h"
-
 namespace wobblebench::sim {
 
 namespace {
 
 constexpr double kRangeStep_m = 0.5e-3;
-/// Of the logarithm of the density along the stick: tissue that moves along it keeps most
-/// of its scatterers.
+/// Largest slope of the logarithm of the density along the stick: tissue that moves along it keeps
+/// most of its scatterers.
 constexpr double kMostChange_per_m = 30;
-
-/// Smallest and largest resolution cell at any range.
-struct ResolutionCells {
-  double smallest_m3 = HUGE_VAL;
-  double largest_m3 = 0;
-
-  ResolutionCells(const BeamProfile& profile, double depth_m) {
-    const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
-    for (int i = 1; i <= steps; ++i) {
-      const double here_m3 = profile.resolution_cell_m3(depth_m * i / steps);
-      smallest_m3 = std::min(smallest_m3, here_m3);
-      largest_m3 = std::max(largest_m3, here_m3);
-    }
-  }
-};
 
 double half_diagonal(double side_m) {
   return 0.5 * std::sqrt(3.0) * side_m;
 }
 
-/// `full_power`: of a scatterer on the axis that contributes fully.
+/// `full_power`: power of a scatterer on the axis that contributes fully.
 OctaveAtRow octave_at_row(double share, double full_power) {
   OctaveAtRow at;
   for (int i = 0; i < kScatterersInCell; ++i) {
@@ -52,39 +35,45 @@ OctaveAtRow octave_at_row(double share, double full_power) {
 
 }  // namespace
 
+ResolutionCells::ResolutionCells(const BeamProfile& profile, double depth_m)
+    : smallest_m3(HUGE_VAL) {
+  const int steps = std::max(1, static_cast<int>(depth_m / kRangeStep_m));
+  for (int i = 1; i <= steps; ++i) {
+    const double here_m3 = profile.resolution_cell_m3(depth_m * i / steps);
+    smallest_m3 = std::min(smallest_m3, here_m3);
+    largest_m3 = std::max(largest_m3, here_m3);
+  }
+}
+
 ScattererScene::ScattererScene(const ScannedTissue& scanned,
-                               const hw::AcquisitionPlan& plan,
+                               const ProbeOptics& probe_optics,
                                const SimulationOptions& options,
                                const ScattererSettings& settings)
     : tissue(scanned),
-      table(plan, settings.beam, options.apodisation, options.threads, settings.course),
-      profile(plan, options),
+      optics(probe_optics),
+      table(optics, settings.beam, settings.course),
       course(settings.course),
-      per_m3(options.scatterers_per_cell /
-             ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3),
-      pulse_m(std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan))),
-      cells(per_m3,
-            ResolutionCells(profile, plan.acquisition().depth_m).largest_m3 /
-                ResolutionCells(profile, plan.acquisition().depth_m).smallest_m3,
-            options.seed),
-      blocks(scanned, plan, options, cells),
+      resolution(optics.profile(), optics.plan().acquisition().depth_m),
+      per_m3(options.scatterers_per_cell / resolution.smallest_m3),
+      pulse_m(std::sqrt(kPi) * optics.band().sigma_m()),
+      cells(per_m3, resolution.largest_m3 / resolution.smallest_m3, options.seed),
+      blocks(scanned, optics, options, cells),
       rim(settings.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
-      band(plan),
-      taps(band, plan.sample_spacing_m() / iq_oversampling(plan)) {
+      taps(optics.band(), optics.iq_spacing_m()) {
   const double per_cell = settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell;
   compute_octave_gains(per_cell);
   compute_tissue_gain();
-  for (int i = 0; i < kBinPlaces; ++i) {
-    const double from_middle_m = ((i + 0.5) / kBinPlaces - 0.5) * taps.spacing_m();
-    BandValues& place = places.emplace_back();
-    for (int node = 0; node < band.nodes(); ++node) {
-      const auto phasor = std::polar(1.0, -2 * band.offset_per_m(node) * from_middle_m);
-      place.re[node] = static_cast<float>(phasor.real());
-      place.im[node] = static_cast<float>(phasor.imag());
+  for (int i = 0; i < kBinPositions; ++i) {
+    const double from_middle_m = ((i + 0.5) / kBinPositions - 0.5) * taps.spacing_m();
+    BandValues& phasors = bin_phasors.emplace_back();
+    for (int node = 0; node < PulseBand::kNodes; ++node) {
+      const auto phasor = std::polar(1.0, -2 * optics.band().offset_per_m(node) * from_middle_m);
+      phasors.re[node] = static_cast<float>(phasor.real());
+      phasors.im[node] = static_cast<float>(phasor.imag());
     }
   }
   for (std::size_t i = 0; i < table.lateral().size(); ++i) {
-    add_beam(i, plan.acquisition().depth_m);
+    add_beam(i, optics.plan().acquisition().depth_m);
   }
 }
 
@@ -96,8 +85,8 @@ std::vector<double> ScattererScene::needed_per_m3(double per_cell) const {
   std::vector<double> needed;
   for (int row = 0; row < table.rows(); ++row) {
     const double range_m = (row + 0.5) / table.rows_per_m();
-    const double narrower = course.at(range_m);  // in both directions
-    needed.push_back(narrower * narrower * per_cell / profile.resolution_cell_m3(range_m));
+    const double narrower = course.at(range_m);  // factor in both directions
+    needed.push_back(narrower * narrower * per_cell / optics.profile().resolution_cell_m3(range_m));
   }
   const double fade = std::exp(-kMostChange_per_m / table.rows_per_m());
   for (std::size_t i = 1; i < needed.size(); ++i) {
@@ -213,9 +202,9 @@ const StickBeam& ScattererScene::beam(const hw::Ray& stick) const {
 EchoConstants ScattererScene::echo_constants(const StickBeam& beam, std::int32_t last_bin) const {
   return {beam.lateral,
           table.elevation().values.data(),
-          static_cast<float>(band.center_per_m() / kPi),
+          static_cast<float>(optics.band().center_per_m() / kPi),
           static_cast<float>(taps.spacing_m()),
-          places.data(),
+          bin_phasors.data(),
           last_bin};
 }
 

@@ -1,4 +1,4 @@
-// Tables for the scatterers of one scene: what all sticks share.
+// The tables that all sticks of a scene share to compute the echoes of scatterers.
 #pragma once
 
 #include <array>
@@ -6,20 +6,19 @@
 #include <vector>
 
 #include "hw/probe/probe.h"
-#include "sim/optics/beam_bounds.h"
 #include "sim/optics/beam_profile.h"
 #include "sim/speckle/scatterers/block_search.h"
-#include "sim/speckle/scatterers/cell_search.h"
+#include "sim/speckle/scatterers/hash_cells.h"
 #include "sim/speckle/scatterers/range_bins.h"
 #include "sim/speckle/scatterers/scatterer_cells.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/speckle/scatterers/scatterer_projection.h"
-#include "sim/speckle/scatterers/scatterer_settings.h"
 #include "sim/speckle/scatterers/tissue_blocks.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 
-/// The beam of sticks at about one angle, or at its opposite.
+/// The beam of the sticks that share a lateral table, on one side of the sector.
 struct StickBeam {
   std::vector<BeamAtRow> rows;
   BeamBounds bounds;
@@ -27,10 +26,18 @@ struct StickBeam {
   const BandValues* lateral;        ///< of the table
 };
 
+/// Smallest and largest resolution cell of a beam at any range.
+struct ResolutionCells {
+  double smallest_m3;
+  double largest_m3 = 0;
+
+  ResolutionCells(const BeamProfile& profile, double depth_m);
+};
+
 /// Immutable after construction.
 struct ScattererScene {
   ScattererScene(const ScannedTissue& scanned,
-                 const hw::AcquisitionPlan& plan,
+                 const ProbeOptics& probe_optics,
                  const SimulationOptions& options,
                  const ScattererSettings& settings);
 
@@ -45,27 +52,28 @@ struct ScattererScene {
   };
 
   ScannedTissue tissue;
+  ProbeOptics optics;
   BeamTable table;
-  BeamProfile profile;
-  FrequencyCourse course;  ///< which the table and the density follow
-  double per_m3;           ///< density of the scatterers of all octaves
-  double pulse_m;          ///< integral of the pulse's power over range: its equivalent length
+  FrequencyCourse course;  ///< determines the reach of the table and the density of scatterers
+  ResolutionCells resolution;
+  double per_m3;   ///< density of the scatterers of all octaves
+  double pulse_m;  ///< integral of the pulse's power over range: its equivalent length
   ScattererCells cells;
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
-  /// [row][level of PulseTaps]: the factor on even tissue for which it echoes at a lower frequency,
-  /// whose beam is wider, as at the one sent, but for what PulseBand cuts off below kLowest.
+  /// [row][level of PulseTaps]: gain that keeps the mean echo of uniform tissue constant when the
+  /// centre frequency, and with it the beam width, changes with depth. The part of the spectrum
+  /// that PulseBand cuts off below kLowest is not compensated.
   std::vector<std::array<float, PulseTaps::kLevels>> tissue_gain;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;
   BeamRim rim;
-  PulseBand band;
   PulseTaps taps;
-  std::vector<BandValues> places;  ///< EchoConstants::places
+  std::vector<BandValues> bin_phasors;  ///< EchoConstants::bin_phasors
 
   const StickBeam& beam(const hw::Ray& stick) const;
   EchoConstants echo_constants(const StickBeam& beam, std::int32_t last_bin) const;
-  /// For the scatterers of an octave; of no octave: for project_point().
+  /// For the scatterers of an octave, or without one for project_point().
   BeamProjection projection(const StickBeam& beam, const OctaveGain* octave = nullptr) const {
     return {beam.rows.data(),
             octave == nullptr ? nullptr : octave->rows.data(),
@@ -74,19 +82,20 @@ struct ScattererScene {
             static_cast<float>(table.rows_per_m()),
             rim};
   }
-  /// Rows of the beam's table about a block's centre that scatterers of the block may lie in.
+  /// Number of rows of the beam's table, on either side of the row of a block's centre, in which
+  /// scatterers of the block may lie.
   int window() const;
   BlockGrid block_grid() const {
     return {blocks.origin_m(), blocks.side_m(), blocks.first(), blocks.last()};
   }
 
  private:
-  /// `per_cell`: least number of scatterers in each resolution cell.
+  /// `per_cell`: least number of scatterers in a resolution cell.
   void compute_octave_gains(double per_cell);
   void compute_tissue_gain();
-  /// The octaves at a row, where a density is needed.
+  /// Amplitudes of the octaves at a row, for the density that is needed there.
   std::vector<OctaveAtRow> octaves_at(int row, double needed_per_m3) const;
-  /// By row.
+  /// Density of scatterers needed at each row.
   std::vector<double> needed_per_m3(double per_cell) const;
   void add_beam(std::size_t angle, double depth_m);
   std::vector<BeamAtRow> rows_of(const BeamTable::Direction& lateral, bool mirrored) const;

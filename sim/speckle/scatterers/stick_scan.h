@@ -1,4 +1,5 @@
-// The echoes of one stick: beam bounds, blocks of tissue, hash cells, scatterers, range bins.
+// Computes the echoes of one stick, from the blocks of tissue within the beam's bounds to hash
+// cells, scatterers and range bins.
 #pragma once
 
 #include <complex>
@@ -7,9 +8,9 @@
 #include <vector>
 
 #include "sim/speckle/scatterers/echo_queue.h"
-#include "sim/speckle/scatterers/hash_cell_queue.h"
+#include "sim/speckle/scatterers/hash_cells.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/speckle/scatterers/scatterer_scene.h"
-#include "sim/speckle/scatterers/stick_path.h"
 #include "sim/speckle/scatterers/stream_compaction.h"
 
 namespace wobblebench::sim {
@@ -17,17 +18,17 @@ namespace wobblebench::sim {
 /// Working memory of one thread, reused from stick to stick.
 struct ScanBuffers {
   std::vector<TouchedBlock> blocks;
-  /// By octave. `rigid`: tissue that rests, tissue that turns as a whole; `deforming`: the block in
-  /// hand of tissue that moves non-rigidly.
+  /// By octave. `rigid`: tissue that rests, tissue that turns as a whole; `deforming`: the current
+  /// block of tissue that moves non-rigidly.
   std::vector<OctaveCells> rigid[2], deforming;
   /// One flag for each hash cell of a block, and padding.
   static constexpr int kFlags = kMaxCells + kCompactionWidth;
   std::uint8_t touched[kFlags];
   std::uint8_t selected[kFlags];
-  std::int32_t list[kFlags];  ///< numbers of the cells in hand
+  std::int32_t list[kFlags];  ///< numbers of the current cells
   std::vector<InterfaceHit> hits;
   EchoQueue echoes;
-  std::vector<float> gain;  ///< of tissue, at each sample
+  std::vector<float> gain;  ///< tissue_gain() at each sample
 };
 
 class StickScan {
@@ -44,16 +45,17 @@ class StickScan {
   struct Block {
     TissueBlocks::Block tissue;
     RestToBeam map;
-    bool deforms = false;  ///< moves non-rigidly and has a map of its own …
-    bool linear = true;    ///< … which holds in the whole block
+    bool deforms = false;  ///< moves non-rigidly and has its own map
+    bool linear = true;    ///< that map is accurate in the whole block
     glm::dvec3 corner;     ///< low corner, at rest
     BeamVector beam_corner;
     glm::vec3 direction;  ///< of the sound, at rest
     BlockReach reach;
-    std::uint32_t key = 0;  ///< of the octave in hand
+    std::uint32_t key = 0;  ///< of the current octave
   };
 
-  /// Of tissue at each sample; empty where nothing absorbs.
+  /// Gain of the tissue's echoes at each sample (ScattererScene::tissue_gain); empty where nothing
+  /// absorbs.
   std::span<const float> tissue_gain() const;
   /// Prepares the buffers, when the first block has been found.
   void begin();

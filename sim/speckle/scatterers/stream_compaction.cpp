@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-#include "sim/math/simd.h"
+#include "sim/math/fast_math.h"
 
 #if WOBBLEBENCH_INTRINSICS
 #include <immintrin.h>

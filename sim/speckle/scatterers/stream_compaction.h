@@ -1,13 +1,25 @@
-// Stream compaction: moves the selected elements of an array to its front. AVX-512 has an
-// instruction for it that compilers do not generate from a C++ loop, so this has a version with
-// intrinsics and a portable one. Values are moved, none is computed.
+// Scatterers within the beam of one stick, and stream compaction: moving the selected elements of
+// an array to its front. AVX-512 has an instruction for it that compilers do not generate from a
+// C++ loop, so this has a version with intrinsics and a portable one. Values are moved, none is
+// computed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
-#include "sim/speckle/scatterers/projected_scatterers.h"
-
 namespace wobblebench::sim {
+
+/// Scatterers within the beam of one stick, one array per property.
+struct ProjectedScatterers {
+  float* range_m;              ///< apparent range of the echo
+  std::uint32_t* table_index;  ///< entries of the BeamTable: lateral in the low 16 bits, elevation
+                               ///< in the high 16 bits
+  float* amplitude;
+
+  ProjectedScatterers from(std::size_t first) const {
+    return {range_m + first, table_index + first, amplitude + first};
+  }
+};
 
 /// Elements compacted at a time: counts are multiples of it, and outputs need room for this many
 /// more elements than are selected.

@@ -8,9 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "hw/probe/acquisition_plan.h"
 #include "sim/losses/losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/probe_optics.h"
 #include "sim/options.h"
 #include "sim/tissue/scanned_tissue.h"
 
@@ -22,9 +21,6 @@ constexpr double kNoEcho_db = -199;
 constexpr int kCosines = 64;
 /// Block index beyond the reach of any stick.
 constexpr int kUnbounded = 1 << 28;
-
-/// Mean intensity of a Rayleigh envelope of mean 1.
-constexpr double kPowerOfMean = 4 / kPi;
 
 /// A cube at rest.
 struct Cube {
@@ -94,7 +90,7 @@ Surroundings surroundings(const TissueMap& map, const glm::dvec3& rest_m, float 
 }  // namespace
 
 TissueBlocks::TissueBlocks(const ScannedTissue& tissue,
-                           const hw::AcquisitionPlan& plan,
+                           const ProbeOptics& optics,
                            const SimulationOptions& options,
                            const ScattererCells& cells)
     : map_(tissue.map),
@@ -106,11 +102,11 @@ TissueBlocks::TissueBlocks(const ScannedTissue& tissue,
   for (const auto& material : tissue.materials) {
     const double mean =
         material.backscatter_db > kNoEcho_db ? amplitude_of_db(material.backscatter_db) : 0;
-    power_.push_back(static_cast<float>(kPowerOfMean * mean * mean));
+    power_.push_back(static_cast<float>(kPowerOfRayleighMean * mean * mean));
     amplitude_.push_back(std::sqrt(power_.back()));
   }
   if (options.interface_echo) {
-    half_layer_m_ = static_cast<float>(0.5 * std::sqrt(kPi) * sigma_of_fwhm(axial_fwhm_m(plan)));
+    half_layer_m_ = static_cast<float>(0.5 * std::sqrt(kPi) * optics.band().sigma_m());
     tabulate_interfaces(tissue.materials);
   }
   for (const Octave& octave : cells.octaves) {
@@ -132,7 +128,7 @@ void TissueBlocks::tabulate_interfaces(const std::vector<phantoms::Material>& ma
         // A stick's path through a tilted layer is longer, for the same energy.
         const double cosine = static_cast<double>(i) / kCosines;
         const double mean = diffuse_echo(before, behind, cosine);
-        interface_power_.push_back(static_cast<float>(kPowerOfMean * mean * mean * cosine));
+        interface_power_.push_back(static_cast<float>(kPowerOfRayleighMean * mean * mean * cosine));
       }
     }
   }

@@ -14,19 +14,16 @@
 #include "phantoms/material.h"
 #include "sim/speckle/scatterers/scatterer_cells.h"
 
-namespace wobblebench::hw {
-class AcquisitionPlan;
-}
-
 namespace wobblebench::sim {
 
+class ProbeOptics;
 class TissueMap;
 struct ScannedTissue;
 struct SimulationOptions;
 
 /// A hash cell whose scatterers lie in several materials, or near a rough interface.
 struct MixedCell {
-  float amplitude[kScatterersInCell] = {};  ///< 0: anechoic; near a rough interface any other value
+  float amplitude[kScatterersInCell] = {};  ///< 0: anechoic; near a rough interface 1
   std::int32_t first_interface = 0;         ///< index of its first InterfaceScatterer
   std::uint32_t near_interface =
       0;  ///< bit i: scatterer i has an InterfaceScatterer, in this order
@@ -35,7 +32,7 @@ struct MixedCell {
 /// A scatterer that also echoes as part of a rough interface. The interface is represented by a
 /// layer as thick as the pulse, whose echo has the energy of a pulse with the interface's power.
 struct InterfaceScatterer {
-  float power;  ///< of its tissue
+  float power;  ///< echo power of its tissue
   phantoms::MaterialIndex inside;
   phantoms::MaterialIndex outside;
   glm::vec3 outwards;  ///< unit normal
@@ -44,7 +41,7 @@ struct InterfaceScatterer {
 /// The tissue of a hash cell.
 enum class CellKind : std::uint8_t { anechoic, homogeneous, mixed };
 
-/// The hash cells of a block with several materials.
+/// The hash cells of a mixed block: one with several materials.
 struct BlockCells {
   /// All hash cells, octave by octave; see TissueBlocks::code.
   std::vector<std::int16_t> codes;
@@ -59,7 +56,7 @@ class TissueBlocks {
  public:
   /// `cells` must outlive it. Const functions may be called from several threads.
   TissueBlocks(const ScannedTissue& tissue,
-               const hw::AcquisitionPlan& plan,
+               const ProbeOptics& optics,
                const SimulationOptions& options,
                const ScattererCells& cells);
   ~TissueBlocks();
@@ -77,19 +74,19 @@ class TissueBlocks {
     phantoms::MaterialIndex material = 0;  ///< of the whole block, if it is not mixed
     const BlockCells* mixed = nullptr;     ///< null: the block is homogeneous
   };
-  /// Any index is valid; outside the tissue map there is background.
+  /// Any index is valid; blocks outside the tissue map are of the background material.
   Block block(const glm::ivec3& index) const;
   /// True if the whole block is anechoic.
   bool anechoic(const Block& block) const {
     return block.mixed == nullptr && amplitude(block.material) == 0;
   }
 
-  /// A hash cell's material, or if below 0 the argument of mixed_cell().
+  /// A hash cell's material, or, if negative, the argument of mixed_cell().
   int code(const Block& block, int octave, int cell) const {
     if (block.mixed == nullptr) return block.material;
     return block.mixed->codes[first_cell(octave) + static_cast<std::size_t>(cell)];
   }
-  /// Those of an octave's hash cells in a mixed block.
+  /// Codes and kinds of an octave's hash cells in a mixed block.
   const std::int16_t* codes(const Block& block, int octave) const {
     return block.mixed->codes.data() + first_cell(octave);
   }
@@ -103,8 +100,8 @@ class TissueBlocks {
   float amplitude(phantoms::MaterialIndex material) const {
     return amplitude_[static_cast<std::size_t>(material)];
   }
-  /// Amplitude of a mixed cell's scatterer near a rough interface. `direction`: of the sound, at
-  /// rest.
+  /// Amplitude of a mixed cell's scatterer near a rough interface. `direction`: of propagation, in
+  /// the rest frame.
   float interface_amplitude(const BlockCells& cells,
                             const MixedCell& cell,
                             int scatterer,

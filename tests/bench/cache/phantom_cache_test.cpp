@@ -8,7 +8,7 @@
 
 #include "bench/cache/phantom_key.h"
 #include "phantoms/io/phantom_bytes.h"
-#include "sim/tissue/tissue_map_bytes.h"
+#include "sim/tissue/tissue_map.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {

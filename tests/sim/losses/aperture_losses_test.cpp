@@ -1,4 +1,4 @@
-// Scans of phantoms with and without the losses of the ways beside the axis.
+// Scans of phantoms with and without the losses of the paths beside the axis.
 #include "sim/losses/aperture_losses.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "phantoms/placed_phantom.h"
 #include "sim/losses/cone_mean.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 #include "tests/sim/losses/shadow_sum.h"
 
@@ -89,8 +89,9 @@ std::vector<float> all_corrections(const ScannedTissue& tissue,
                                    const hw::AcquisitionPlan& plan,
                                    const SimulationOptions& options) {
   const LossGrid grid = LossGrid::of(plan, kDepth_m);
-  const ApertureCone cone(plan, grid);
-  const BeamPlaces places(plan, grid, cone);
+  const ProbeOptics optics(plan);
+  const ApertureCone cone(optics, grid);
+  const BeamSection section(optics, grid, cone);
   const BandLoss band(plan.probe());
   const TissueLosses losses(plan, options, tissue.materials);
   LossTable table(grid);
@@ -101,7 +102,7 @@ std::vector<float> all_corrections(const ScannedTissue& tissue,
     table.record(static_cast<int>(stick.frame), static_cast<int>(stick.line), track, losses);
   }
   for (int frame = 0; frame < grid.frames; ++frame) table.finish(frame);
-  ConeMean mean(cone, places, grid, table, band);
+  ConeMean mean(cone, section, grid, table, band);
   const auto frames = static_cast<std::size_t>(grid.frames);
   const auto size = static_cast<std::size_t>(grid.lines * grid.nodes);
   std::vector<float> gain(frames * size), frequency(size),
@@ -131,7 +132,7 @@ TEST(ApertureLosses, WhatIsSkippedChangesNothing) {
                              {glm::dmat3(1.0), {0, 0, dense.probe().radius_m + 110e-3}},
                              {}};
   const auto expected = all_corrections(tissue, dense, options);
-  const auto volume = ApertureLosses(tissue, dense, options, kDepth_m).volume(0);
+  const auto volume = ApertureLosses(tissue, ProbeOptics(dense), options, kDepth_m).volume(0);
   const std::size_t nodes = expected.size() / static_cast<std::size_t>(dense.sticks_per_volume());
   int corrected = 0;
   for (int i = 0; i < dense.sticks_per_volume(); ++i) {
@@ -159,7 +160,7 @@ double rise_m(const std::vector<double>& x_m, const std::vector<double>& profile
   return crossing(0.9 * profile.back()) - crossing(0.1 * profile.back());
 }
 
-/// The phantom bone_plate ends 15 mm aside of the axis, its front 40 mm below the face. Ways that
+/// The phantom bone_plate ends 15 mm aside of the axis, its front 40 mm below the face. Paths that
 /// pass the edge of its front diverge from the plate.
 struct Edge {
   double theta_rad = std::atan2(15e-3, 80e-3);
@@ -169,10 +170,11 @@ struct Edge {
 /// Two-way amplitude on a stick behind the edge at a range. The plate lets little through.
 double amplitude_at(const hw::AcquisitionPlan& plan, double range_m, double theta_rad) {
   const Edge edge;
+  const ProbeOptics optics(plan);
   const double aside_m = (theta_rad - edge.theta_rad) * (40e-3 + edge.to_plate_m);
   constexpr double kThroughPlate = 0.02;
-  return amplitude_behind({transmit_aperture_m(plan, range_m), plan.probe().transmit_focus_m},
-                          {receive_aperture_m(plan, range_m), range_m},
+  return amplitude_behind({optics.transmit_aperture_m(range_m), plan.probe().transmit_focus_m},
+                          {optics.receive_aperture_m(range_m), range_m},
                           range_m,
                           plan.acquisition().sound_speed_m_s / plan.probe().center_frequency_hz,
                           {edge.to_plate_m, kThroughPlate, aside_m});

@@ -1,5 +1,5 @@
 // The shadow of a reflecting sheet that covers one half of the sector, or of the fan, against a sum
-// over the waves and the places of the beam.
+// over the waves and the sample points of the beam.
 #include "sim/losses/cone_mean.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <span>
 
 #include "phantoms/material.h"
-#include "sim/losses/tissue_losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/losses/losses.h"
+#include "sim/optics/pulse_band.h"
 #include "tests/sim/losses/shadow_sum.h"
 
 namespace wobblebench::sim {
@@ -63,8 +63,8 @@ class Shadow {
       const std::function<double(int line)>& sheet_m = [](int) { return kSheet_m; },
       bool fluid_beside = false)
       : grid_(LossGrid::of(plan, kDepth_m)),
-        cone_(plan, grid_),
-        places_(plan, grid_, cone_),
+        cone_(ProbeOptics(plan), grid_),
+        section_(ProbeOptics(plan), grid_, cone_),
         table_(grid_),
         band_(plan.probe()),
         covered_(covered) {
@@ -77,7 +77,7 @@ class Shadow {
       }
       table_.finish(frame);
     }
-    ConeMean mean(cone_, places_, grid_, table_, band_);
+    ConeMean mean(cone_, section_, grid_, table_, band_);
     std::vector<float> frequency(size());
     log_gain_.resize(size() * static_cast<std::size_t>(grid_.frames));
     parts_.resize(ConeMean::parts_size(grid_) * static_cast<std::size_t>(grid_.frames));
@@ -103,7 +103,7 @@ class Shadow {
     return result;
   }
 
-  /// What the ways and places beside the axis change, natural logarithm, [line][node].
+  /// Correction for the paths and sample points beside the axis, natural logarithm, [line][node].
   std::span<const float> log_gain(int frame) { return of(log_gain_, frame); }
 
   const LossGrid& grid() const { return grid_; }
@@ -117,7 +117,7 @@ class Shadow {
 
   LossGrid grid_;
   ApertureCone cone_;
-  BeamPlaces places_;
+  BeamSection section_;
   LossTable table_;
   BandLoss band_;
   std::function<bool(int, int)> covered_;
@@ -139,18 +139,18 @@ TEST(ConeMean, ValuesBetweenSticksKeepTheSmallerOne) {
   const float absorbed[] = {0, 0}, transmitted[] = {1, 1e-30F}, free[] = {1, 1};
   const float axis_gain = 1, axis_nepers = 0;
   float relative = 1, nepers = 0;
-  step_ways(
+  step_paths(
       {free, absorbed, transmitted, absorbed}, 1, &axis_gain, &axis_nepers, 1, &relative, &nepers);
   EXPECT_EQ(relative, 1e-30F);
   EXPECT_EQ(nepers, 0);
   // The next step begins there.
-  step_ways({transmitted, absorbed, transmitted, absorbed},
-            1,
-            &axis_gain,
-            &axis_nepers,
-            1,
-            &relative,
-            &nepers);
+  step_paths({transmitted, absorbed, transmitted, absorbed},
+             1,
+             &axis_gain,
+             &axis_nepers,
+             1,
+             &relative,
+             &nepers);
   EXPECT_FLOAT_EQ(relative, 1e-30F);
 }
 
@@ -173,13 +173,13 @@ TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
     if (r > kSheet_m && r < kSheet_m + 16e-3) continue;
     for (int line = 0; line < shadow.grid().lines; ++line) {
       const double aside_m = (line - 31.5) * line_m;
-      const double expected = r < kSheet_m
-                                  ? 1
-                                  : amplitude_behind({transmit_aperture_m(plan(), r), focus_m},
-                                                     {receive_aperture_m(plan(), r), r},
-                                                     r,
-                                                     wavelength_m(),
-                                                     {kSheet_m, kFace, aside_m});
+      const double expected =
+          r < kSheet_m ? 1
+                       : amplitude_behind({ProbeOptics(plan()).transmit_aperture_m(r), focus_m},
+                                          {ProbeOptics(plan()).receive_aperture_m(r), r},
+                                          r,
+                                          wavelength_m(),
+                                          {kSheet_m, kFace, aside_m});
       const double amplitude = found[static_cast<std::size_t>(line * nodes + node)];
       EXPECT_NEAR(amplitude, expected, kTolerance) << line << " " << r;
       if (line == 29) softest = std::max(softest, amplitude);
@@ -253,12 +253,12 @@ TEST(ConeMean, FluidBesideAShadowDoesNotLightIt) {
   EXPECT_LT(rim.amplitudes(69)[i], 0.75 * tissue.amplitudes(69)[i]);
 }
 
-/// The aperture ends with the array: at the sector's edge only ways from one side are left.
+/// The aperture ends with the array: at the sector's edge only the paths from one side remain.
 TEST(ConeMean, NoWayStartsBesideTheArray) {
   Shadow shadow(plan(), [](int, int line) { return line > 0; });
   const auto found = shadow.amplitudes(18);
   const int nodes = shadow.grid().nodes;
-  // The sheet covers all the array's ways but those within half a line of its end.
+  // The sheet covers all paths from the array except those within half a line of its end.
   EXPECT_LT(found[static_cast<std::size_t>(nodes - 1)], 0.3);
 }
 

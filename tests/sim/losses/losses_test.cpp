@@ -1,5 +1,6 @@
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
+#include "sim/receive/receiver.h"
 
 #include <gtest/gtest.h>
 
@@ -86,8 +87,9 @@ TEST(Losses, EnergyIsReciprocalAtAnyAngle) {
   }
 }
 
-/// A Gaussian amplitude spectrum, -6 dB at the edges of the default band, after a loss of so many
-/// nepers at the centre frequency that grows in proportion to frequency. Summed over frequency.
+/// A Gaussian amplitude spectrum, -6 dB at the edges of the default band, after a loss of this
+/// number of nepers at the centre frequency that grows in proportion to frequency. Summed over
+/// frequency.
 struct Received {
   double amplitude = 0;  ///< of the echo's peak, over that without loss
   double frequency = 0;  ///< centre of the spectrum, over that without loss
@@ -252,7 +254,7 @@ TEST(Losses, TimeGainCompensatesTheCentreFrequency) {
   }
 }
 
-/// Nodes of range at which the ways beside the axis are brighter.
+/// Nodes of range at which the paths beside the axis are brighter.
 TEST(Losses, TheAperturesCorrectionIsInterpolatedBetweenNodes) {
   auto options = no_threshold();
   options.attenuation = false;

@@ -1,4 +1,5 @@
-// Power of tissue's echo behind a half plane, by a sum over the waves and the places of a beam.
+// Echo power of tissue behind a half plane, by a sum over the waves and the sample points of a
+// beam.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +22,8 @@ struct ShadowPlane {
   double aside_m;
 };
 
-/// Two-way amplitude, RMS over even tissue, at a range, relative to no half plane. Waves go
-/// straight from 200 places of the aperture to 201 places of the beam, each with its phase
+/// Two-way amplitude, RMS over uniform tissue, at a range, relative to no half plane. Waves go
+/// straight from 200 points of the aperture to 201 points of the beam, each with its phase
 /// (Goodman, Introduction to Fourier Optics, 4.2).
 inline double amplitude_behind(const ShadowAperture& transmit,
                                const ShadowAperture& receive,

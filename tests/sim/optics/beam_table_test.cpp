@@ -57,7 +57,7 @@ PulseBand::Values stored(const BeamTable& table,
 
 class BeamShapes : public testing::TestWithParam<BeamShape> {};
 
-/// Normalised correlation of two rows over all places and nodes.
+/// Normalised correlation of two rows over all offsets and nodes.
 class Agreement {
  public:
   void add(const PulseBand::Values& a, const PulseBand::Values& b) {
@@ -75,7 +75,7 @@ class Agreement {
 };
 
 TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
-  const BeamTable table(plan(), GetParam());
+  const BeamTable table(ProbeOptics(plan()), GetParam());
   const int columns = 2 * table.columns();
   for (double theta_deg : {0.0, 21.0, 38.5}) {
     const std::size_t angle = table.lateral_of(theta_deg * kDegree);
@@ -85,11 +85,10 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
       const double theta = plan().theta_rad(line);
       if (table.lateral_of(theta) == angle && theta > 0) nearest = theta;
     }
-    const StickAperture aperture(plan(), Apodisation::rectangular, nearest);
+    const StickAperture aperture(ProbeOptics(plan()), nearest);
     const auto& direction = table.lateral()[angle];
     for (int row : {40, 41, 75, 120, 151}) {
-      const auto response =
-          PlaneResponse::lateral(aperture, plan(), PulseBand(plan()), middle_m(table, row));
+      const auto response = PlaneResponse::lateral(aperture, middle_m(table, row));
       Agreement agreement;
       for (int c = 0; c < columns; ++c) {
         const double offset_m = (2 * (c + 0.5) / columns - 1) * table.reach_m(direction, row);
@@ -103,15 +102,15 @@ TEST_P(BeamShapes, RowsAreTheResponseOfTheirStick) {
 }
 
 TEST_P(BeamShapes, PartsOfRowsAreTheResponseOfTheLens) {
-  const BeamTable table(plan(), GetParam());
+  const BeamTable table(ProbeOptics(plan()), GetParam());
   const auto& direction = table.elevation();
   const PulseBand band(plan());
-  const StickAperture middle(plan(), Apodisation::rectangular, 0);
+  const StickAperture middle(ProbeOptics(plan()), 0);
   for (int row : {30, 40, 41, 75, 120, 151}) {
     for (int part = 0; part < direction.parts; ++part) {
       const double range_m = part_m(table, direction, row, part);
-      const auto response = PlaneResponse::elevation(
-          ElevationSources(plan()), band, InPlaneExcess(middle, plan(), band, range_m));
+      const auto response =
+          PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess(middle, range_m));
       // The last column ends where the line of the row's columns has it.
       const double columns_per_m =
           line_around(row, table.rows(), table.rows_per_m(), [&](std::size_t i) {
@@ -129,7 +128,7 @@ TEST_P(BeamShapes, PartsOfRowsAreTheResponseOfTheLens) {
 }
 
 TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
-  const BeamTable table(plan(), GetParam());
+  const BeamTable table(ProbeOptics(plan()), GetParam());
   for (int row = 30; row < 150; row += 17) {
     const auto& lateral = table.lateral()[0];
     const auto at = static_cast<std::size_t>(row);
@@ -143,13 +142,12 @@ TEST_P(BeamShapes, AnEchoOnTheAxisHasAPeakOfOne) {
 }
 
 TEST_P(BeamShapes, ReachLeavesOutTheSameShareOfPowerAtEveryRange) {
-  const BeamTable table(plan(), GetParam());
+  const BeamTable table(ProbeOptics(plan()), GetParam());
   const double beyond = GetParam() == BeamShape::main_lobe ? 0.008 : 5e-5;
   const PulseBand band(plan());
   for (int row = 20; row < table.rows(); row += 23) {
-    const InPlaneExcess excess(
-        StickAperture(plan(), Apodisation::rectangular, 0), plan(), band, middle_m(table, row));
-    const auto response = PlaneResponse::elevation(ElevationSources(plan()), band, excess);
+    const InPlaneExcess excess(StickAperture(ProbeOptics(plan()), 0), middle_m(table, row));
+    const auto response = PlaneResponse::elevation(ProbeOptics(plan()), excess);
     const double reach_m = table.reach_m(table.elevation(), row);
     double within = 0, outside = 0;
     std::vector<PlanePoint> points;
@@ -170,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(BeamShape::main_lobe, BeamShape::side_lobes));
 
 TEST(BeamTable, SticksHaveTheTableOfTheirAngle) {
-  const BeamTable table(plan(), BeamShape::main_lobe);
+  const BeamTable table(ProbeOptics(plan()), BeamShape::main_lobe);
   const int lines = plan().acquisition().sticks_per_frame;
   for (int line = 0; line < lines / 2; ++line) {
     EXPECT_EQ(table.lateral_of(plan().theta_rad(line)),

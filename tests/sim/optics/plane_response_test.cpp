@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/units.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "tests/support/yardstick.h"
 
 namespace wobblebench::sim {
@@ -29,7 +29,7 @@ PulseBand::Values at(const PlaneResponse& response, double axial_m, double offse
 
 TEST(PlaneResponse, InItsFocusALensMakesASquaredSinc) {
   const PulseBand band(plan());
-  const auto response = PlaneResponse::elevation(ElevationSources(plan()), band, {});
+  const auto response = PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess());
   const auto& probe = plan().probe();
   const auto axis = at(response, probe.elevation_focus_m, 0);
   for (double offset_m : {0.3e-3, 1e-3, 1.7e-3, 2.9e-3}) {
@@ -47,10 +47,10 @@ TEST(PlaneResponse, InItsFocusALensMakesASquaredSinc) {
 /// -6 dB width across frames of the largest echo of a point on the middle stick at a range.
 double width_across_m(double range_m) {
   const PulseBand band(plan());
-  const StickAperture aperture(plan(), Apodisation::rectangular, 0);
-  const auto in_plane = at(PlaneResponse::lateral(aperture, plan(), band, range_m), range_m, 0);
-  const auto across = PlaneResponse::elevation(
-      ElevationSources(plan()), band, InPlaneExcess(aperture, plan(), band, range_m));
+  const StickAperture aperture(ProbeOptics(plan()), 0);
+  const auto in_plane = at(PlaneResponse::lateral(aperture, range_m), range_m, 0);
+  const auto across =
+      PlaneResponse::elevation(ProbeOptics(plan()), InPlaneExcess(aperture, range_m));
   constexpr double kStep_m = 20e-6;
   std::vector<double> peaks;
   for (int i = 0; i < 400; ++i) {
@@ -66,7 +66,7 @@ double width_across_m(double range_m) {
 }
 
 TEST(PlaneResponse, APointIsAsWideAcrossFramesAsTheElementSumSays) {
-  // With the range in the place of the mean way 130 and 160 mm are 0.9 % too narrow.
+  // With the range instead of the mean path 130 and 160 mm are 0.9 % too narrow.
   for (const auto& row : yardstick("point_widths", "standard")) {
     const double range_m = row.number("depth_mm") * 1e-3;
     if (row.number("sector_fraction") != 0 || range_m < 30e-3) continue;
@@ -113,9 +113,9 @@ Complex brute_force(double theta_rad, double range_m, double offset_m, double wa
 TEST(PlaneResponse, IsTheSumOverTheStripsOfElements) {
   const PulseBand band(plan());
   for (double theta_deg : {0.0, 20.0, -38.5}) {
-    const StickAperture aperture(plan(), Apodisation::rectangular, theta_deg * kDegree);
+    const StickAperture aperture(ProbeOptics(plan()), theta_deg * kDegree);
     for (double range_m : {30e-3, 75e-3, 140e-3}) {
-      const auto response = PlaneResponse::lateral(aperture, plan(), band, range_m);
+      const auto response = PlaneResponse::lateral(aperture, range_m);
       const double largest = std::abs(brute_force(0, range_m, 0, band.wavenumber_per_m(1)));
       for (double offset_m : {-3e-3, -0.6e-3, 0.0, 1.1e-3, 4e-3}) {
         const auto found = at(response, range_m, offset_m);
@@ -135,7 +135,7 @@ TEST(PlaneResponse, IsTheSumOverTheStripsOfElements) {
 TEST(StickAperture, EndsWithTheArray) {
   const double edge_rad = 38.5 * kDegree, focus_m = 75e-3;
   const auto sum = [&](double theta_rad) {
-    const StickAperture aperture(plan(), Apodisation::rectangular, theta_rad);
+    const StickAperture aperture(ProbeOptics(plan()), theta_rad);
     double weights = 0;
     for (const Element& element : aperture.elements()) {
       weights += aperture.receive_weight(element, focus_m);
@@ -150,7 +150,7 @@ TEST(StickAperture, EndsWithTheArray) {
 TEST(StickAperture, WindowsFallTowardsTheEnds) {
   const double focus_m = 75e-3;
   for (const auto apodisation : {Apodisation::hann, Apodisation::tukey}) {
-    const StickAperture aperture(plan(), apodisation, 0);
+    const StickAperture aperture(ProbeOptics(plan(), {.apodisation = apodisation}), 0);
     double sum = 0, middle = 0, count = 0;
     for (const Element& element : aperture.elements()) {
       const double weight = aperture.transmit_weight(element, focus_m);

@@ -7,7 +7,7 @@
 
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -45,8 +45,8 @@ TEST_P(RoughInterface, EchoesByItsDiffusePart) {
     const StickTrack track = tilting(entering);
     StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
     losses.compute(track);
-    BeamNodes nodes(plan(), options, materials, kSpacing_m, kSamples, 4e-3);
-    const BeamAtSamples beam(plan(), BeamProfile(plan(), {}), kSpacing_m, kSamples);
+    BeamNodes nodes(ProbeOptics(plan()), options, materials, kSpacing_m, kSamples, 4e-3);
+    const BeamAtSamples beam(plan(), BeamProfile(ProbeOptics(plan())), kSpacing_m, kSamples);
     nodes.compute(track, losses, beam.of(0));
     const auto& before = materials[entering ? 0 : 1];
     const auto& behind = materials[entering ? 1 : 0];

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "sim/fidelity.h"
@@ -106,6 +107,26 @@ TEST(EchoModel, VolumesRepeatUnlessTheSweepAlternates) {
     const auto model = make_echo_model(Rung::field, sphere(Rung::field, plan), plan, options);
     const bool repeats = stick(*model, 0) == stick(*model, next_volume);
     EXPECT_EQ(repeats, motor == hw::MotorMode::stepped);
+  }
+}
+
+TEST(StickOrder, TakesEachStickOnce) {
+  for (const int frames : {1, 15, 16, 17, 37}) {
+    for (const int lines : {1, 5}) {
+      for (const std::uint32_t volume : {0u, 1u}) {  // an odd volume sweeps back
+        const hw::AcquisitionPlan plan({},
+                                       {.sticks_per_frame = lines,
+                                        .frames_per_volume = frames,
+                                        .motor = hw::MotorMode::alternating});
+        std::set<std::uint64_t> sequences;
+        for (int i = 0; i < frames * lines; ++i) {
+          sequences.insert(plan.sequence(stick_in_order(plan, volume, i)));
+        }
+        ASSERT_EQ(sequences.size(), static_cast<std::size_t>(frames * lines));
+        EXPECT_EQ(*sequences.begin(), plan.first_sequence(volume));
+        EXPECT_EQ(*sequences.rbegin() + 1, plan.first_sequence(volume + 1));
+      }
+    }
   }
 }
 

@@ -12,7 +12,7 @@
 #include "phantoms/phantom.h"
 #include "sim/losses/losses.h"
 #include "sim/losses/stick_losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -28,8 +28,8 @@ const hw::AcquisitionPlan& plan() {
   return default_plan;
 }
 
-const BeamProfile& profile() {
-  static const BeamProfile shared(plan(), {});
+const ProbeOptics& optics() {
+  static const ProbeOptics shared(plan());
   return shared;
 }
 
@@ -68,7 +68,7 @@ std::vector<float> power_of(const Scanned& scanned,
   StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
   losses.compute(track);
   MeanPower power(
-      plan(), options, profile(), materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
+      optics(), options, materials, kSpacing_m, kSamples, scanned.tissue.map->reach_m());
   std::vector<float> result(kSamples);
   power.compute(track, losses, stick_angle_rad(stick), result);
   return result;
@@ -82,8 +82,9 @@ double tissue_power() {
 /// the pulse.
 double share_inside(const hw::Ray& stick, double range_m) {
   const auto across = across_stick(stick);
-  const double lateral = sigma_of_fwhm(profile().lateral_fwhm_m(range_m)) / std::sqrt(2.0);
-  const double elevation = sigma_of_fwhm(profile().elevation_fwhm_m(range_m)) / std::sqrt(2.0);
+  const double lateral = sigma_of_fwhm(optics().profile().lateral_fwhm_m(range_m)) / std::sqrt(2.0);
+  const double elevation =
+      sigma_of_fwhm(optics().profile().elevation_fwhm_m(range_m)) / std::sqrt(2.0);
   const double axial = sigma_of_fwhm(axial_fwhm_m(plan())) / std::sqrt(2.0);
   double inside = 0, all = 0;
   constexpr int kHalf = 12;
@@ -238,7 +239,7 @@ double power_of(const StickTrack& track, const TrackPiece& piece) {
 TEST(MeanPower, EachPieceEchoesAsItsTissue) {
   const auto& materials = phantoms::material_table();
   StickLosses losses(plan(), tissue_alone(), materials, kSpacing_m, kSamples);
-  MeanPower beam(plan(), tissue_alone(), profile(), materials, kSpacing_m, kSamples, 4e-3);
+  MeanPower beam(optics(), tissue_alone(), materials, kSpacing_m, kSamples, 4e-3);
   std::mt19937 generator(13);
   std::vector<float> found(kSamples);
   for (int run = 0; run < 200; ++run) {
@@ -289,7 +290,7 @@ TEST(MeanPower, RoughSurfaceKeepsItsEnergyAtEveryAngle) {
   displayed.noise_db = -95;
   for (const auto& options : {hidden, displayed}) {
     StickLosses losses(plan(), options, materials, kSpacing_m, kSamples);
-    MeanPower beam(plan(), options, profile(), materials, kSpacing_m, kSamples, 4e-3);
+    MeanPower beam(optics(), options, materials, kSpacing_m, kSamples, 4e-3);
     for (const double angle_deg : {20.0, 24.0, 26.0, 28.0, 30.0, 40.0, 60.0}) {
       const StickTrack track = inclined_plane(angle_deg * kDegree);
       std::vector<float> power(kSamples);

@@ -11,10 +11,10 @@
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "sim/losses/losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 #include "sim/rungs/stick_propagation.h"
-#include "sim/speckle/scatterers/points_in_beam.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "tests/support/yardstick.h"
 
 namespace wobblebench::sim {
@@ -210,7 +210,7 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
                        scene.placement,
                        {},
                        scene.phantom.shared_scatterers()};
-  const BeamTable beam(plan, BeamShape::main_lobe);
+  const BeamTable beam(ProbeOptics(plan), BeamShape::main_lobe);
   const phantoms::Joint joint{{0, 0, 0.08}, 20e-3, 50e-3};
   for (const auto& motion :
        {phantoms::Motion(),
@@ -240,8 +240,8 @@ TEST(PointsInBeam, FindsThoseNearTheStick) {
 
 TEST(PointsInBeam, APulseThatHasLostItsHighFrequenciesHearsFartherAside) {
   const hw::AcquisitionPlan plan({}, {});
-  const BeamTable sent(plan, BeamShape::main_lobe);
-  const BeamTable lower(plan, BeamShape::main_lobe, Apodisation::rectangular, 0, {1e-3, {0.5f}});
+  const BeamTable sent(ProbeOptics(plan), BeamShape::main_lobe);
+  const BeamTable lower(ProbeOptics(plan), BeamShape::main_lobe, {1e-3, {0.5f}});
   const double range_m = 75e-3, reach_m = sent.lateral_reach_m(sent.row(range_m));
   PointScatterers points;
   points.add({{1.5 * reach_m, 0, range_m}, 0.1});

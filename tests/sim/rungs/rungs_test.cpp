@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "sim/losses/losses.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 
 namespace wobblebench::sim {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hw/probe/probe_presets.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 #include "sim/speckle/iq_field.h"
 #include "sim/speckle/line_covariance.h"
@@ -151,7 +151,7 @@ TEST(Speckle, ItsLengthAtARangeIsThatOfTheElementSum) {
     acquisition.samples_per_stick = 4096;
     acquisition.sticks_per_frame = 32;
     acquisition.frames_per_volume = 16;
-    const IqField field = homogeneous_speckle({data.probe, acquisition}, {});
+    const IqField field = homogeneous_speckle(ProbeOptics({data.probe, acquisition}), 1);
     const double sigma_m = sigma_of_fwhm(place.fwhm_m);
     const auto lag = static_cast<int>(std::lround(0.5 * place.fwhm_m / field.spacing_m));
     const double lag_m = lag * field.spacing_m;
@@ -207,7 +207,7 @@ TEST(Speckle, DenseLinesCorrelateAsTheElementSumSays) {
     acquisition.frames_per_volume = 8;
     const hw::AcquisitionPlan plan({}, acquisition);
     IqField field = white_noise(plan);
-    filter_across_lines(field, plan, {});
+    filter_across_lines(field, ProbeOptics(plan));
     for (const LateralWidth& place :
          {LateralWidth{75e-3, 1.6741e-3}, LateralWidth{150e-3, 2.2269e-3}}) {
       const double step_m = (plan.probe().radius_m + place.range_m) * plan.theta_step_rad();
@@ -232,7 +232,7 @@ TEST(Speckle, OnTheLastStickLinesCorrelateAsTheElementSumSays) {
   acquisition.frames_per_volume = 48;
   const hw::AcquisitionPlan plan({}, acquisition);
   IqField field = white_noise(plan);
-  filter_across_lines(field, plan, {});
+  filter_across_lines(field, ProbeOptics(plan));
   for (const LateralWidth& place :
        {LateralWidth{20e-3, 4.7174e-3}, LateralWidth{30e-3, 3.7612e-3}}) {
     const double r = plan.probe().radius_m + place.range_m;
@@ -266,8 +266,8 @@ TEST(Speckle, FiltersAcrossTheGridKeepThePower) {
     fill_speckle(
         field.stick(i / field.lines, i % field.lines), static_cast<std::uint64_t>(i), kernels);
   }
-  filter_across_lines(field, plan, {});
-  filter_across_frames(field, plan, {});
+  filter_across_lines(field, ProbeOptics(plan));
+  filter_across_frames(field, ProbeOptics(plan));
   EXPECT_NEAR(mean_power(field, 0, 1), 1, 0.02);
 }
 
@@ -277,12 +277,13 @@ TEST(Speckle, InterpolatedLinesKeepThePower) {
   acquisition.frames_per_volume = 12;
   // Each second line lies halfway between two that are factored.
   acquisition.sector_rad = 1;
-  const int factored = EvenLines::needed(hw::AcquisitionPlan({}, acquisition)).count;
+  const int factored =
+      UniformLines::needed(ProbeOptics(hw::AcquisitionPlan({}, acquisition))).count;
   acquisition.sticks_per_frame = 2 * factored - 1;
   const hw::AcquisitionPlan plan({}, acquisition);
-  ASSERT_EQ(EvenLines::needed(plan).count, factored);
+  ASSERT_EQ(UniformLines::needed(ProbeOptics(plan)).count, factored);
   IqField field = white_noise(plan);
-  filter_across_lines(field, plan, {});
+  filter_across_lines(field, ProbeOptics(plan));
   EXPECT_NEAR(mean_power(field, 0, 2), 1, 0.01);
   EXPECT_NEAR(mean_power(field, 1, 2), 1, 0.01);
 }

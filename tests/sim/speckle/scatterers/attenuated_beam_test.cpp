@@ -1,12 +1,12 @@
-// Tissue heard by a pulse that has lost its high frequencies.
+// Echoes of tissue from a pulse that has lost its high frequencies.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <optional>
 
 #include "phantoms/phantom.h"
-#include "sim/losses/band_loss.h"
-#include "sim/optics/point_spread.h"
+#include "sim/losses/losses.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/rungs/stick_propagation.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 #include "tests/support/yardstick.h"
@@ -43,7 +43,7 @@ ScattererField field_of(const hw::AcquisitionPlan& of, const FrequencyCourse& co
                              {}};
   SimulationOptions options;
   options.fidelity = Rung::scatterers;
-  return {tissue, of, options, ScattererSettings::of(options, course)};
+  return {tissue, ProbeOptics(of), options, ScattererSettings::of(options, course)};
 }
 
 /// Number of contributing scatterers and mean power of sticks whose frequency falls.
@@ -73,8 +73,8 @@ Heard heard(float lowest) {
 
 TEST(AttenuatedBeam, HearsAsManyScatterersOfMoreTissueAtTheSameLevel) {
   const Heard sent = heard(1), lower = heard(0.5f);
-  // Half way along, the beam is a third wider in both directions: of scatterers as dense it would
-  // hear some twice as many.
+  // Half way along, the beam is a third wider in both directions: at the same density it would
+  // contain about twice as many scatterers.
   EXPECT_NEAR(static_cast<double>(lower.count),
               static_cast<double>(sent.count),
               0.25 * static_cast<double>(sent.count));

@@ -7,7 +7,7 @@
 
 #include "base/units.h"
 #include "phantoms/phantom.h"
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/tissue_map.h"
@@ -43,7 +43,7 @@ Stick scanned(double moved_m, bool all_octaves, std::uint64_t seed) {
   ScattererSettings settings;
   settings.all_octaves = all_octaves;
   const ScannedTissue tissue{map, phantom.materials(), {glm::dmat3(1.0), position_m}, {}};
-  const ScattererField field(tissue, plan(), options, settings);
+  const ScattererField field(tissue, ProbeOptics(plan()), options, settings);
   const int rate = iq_oversampling(plan());
   Stick iq(static_cast<std::size_t>(512 * rate));
   const std::vector<float> remaining(iq.size(), 1.0f);

@@ -14,7 +14,6 @@
 #include "sim/rungs/stick_propagation.h"
 #include "sim/speckle/iq_field.h"
 #include "sim/speckle/scatterers/scatterer_cells.h"
-#include "sim/speckle/scatterers/scatterer_settings.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
@@ -146,7 +145,7 @@ TEST(ScattererCells, OffsetsFillTheCell) {
 TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
   for (const char* name : {"speckle_block", "cyst", "sphere"}) {
     const auto tissue = tissue_of(name);
-    const ScattererField field(tissue, plan(), options_of());
+    const ScattererField field(tissue, ProbeOptics(plan()), options_of());
     for (const hw::StickIndex& index : {hw::StickIndex{0, 8, 8}, hw::StickIndex{0, 7, 6}}) {
       Stick point_echoes(grid().remaining.size());
       const auto near = field.near(stick_ray(plan(), index), plan().acquisition().depth_m + 5e-3);
@@ -163,7 +162,7 @@ TEST(Scatterers, EchoesAreThoseOfTheScatterersNearby) {
 
 TEST(Scatterers, FluidHasNone) {
   const auto tissue = tissue_of("sphere");
-  const ScattererField field(tissue, plan(), options_of());
+  const ScattererField field(tissue, ProbeOptics(plan()), options_of());
   // The outermost stick passes the sphere by.
   std::uint64_t contributed = 0;
   Stick iq(grid().remaining.size());
@@ -181,7 +180,7 @@ std::vector<double> mean_power(bool all_octaves, const std::vector<double>& rang
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     ScattererSettings model;
     model.all_octaves = all_octaves;
-    const ScattererField field(tissue, plan(), options_of(seed), model);
+    const ScattererField field(tissue, ProbeOptics(plan()), options_of(seed), model);
     for (std::uint32_t f = 3; f < 13; ++f) {
       for (std::uint32_t l = 3; l < 13; ++l) {
         const Stick iq = echoes(field, {0, f, l});
@@ -211,8 +210,9 @@ TEST(Scatterers, OctavesKeepTheMeanEcho) {
 
 TEST(Scatterers, AreTheSeedsOwn) {
   const auto tissue = tissue_of("speckle_block");
-  const ScattererField first(tissue, plan(), options_of(1)), again(tissue, plan(), options_of(1)),
-      other(tissue, plan(), options_of(2));
+  const ScattererField first(tissue, ProbeOptics(plan()), options_of(1)),
+      again(tissue, ProbeOptics(plan()), options_of(1)),
+      other(tissue, ProbeOptics(plan()), options_of(2));
   const hw::StickIndex index{0, 8, 8};
   EXPECT_EQ(echoes(first, index), echoes(again, index));
   EXPECT_GT(difference(echoes(first, index), echoes(other, index)), 1);
@@ -223,7 +223,8 @@ TEST(Scatterers, GoWhereTheTissueGoes) {
   moving.velocity_m_s = {0.01, -0.02, 0.03};
   const auto still = tissue_of("speckle_block");
   const auto moved = tissue_of("speckle_block", {moving, {}});
-  const ScattererField here(still, plan(), options_of()), there(moved, plan(), options_of());
+  const ScattererField here(still, ProbeOptics(plan()), options_of()),
+      there(moved, ProbeOptics(plan()), options_of());
   TimedRay line = stick_ray(plan(), {0, 8, 8});
   line.time_s = 0.1;
   // The same ray relative to the moved tissue.

@@ -1,8 +1,10 @@
-#include "sim/optics/point_spread.h"
+#include "sim/optics/probe_optics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "sim/speckle/iq_field.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -24,20 +26,20 @@ TEST(PointSpread, EachZoneHasItsFocus) {
   const hw::AcquisitionPlan plan({}, acquisition);
   for (const auto& [range_m, focus_m] :
        {std::pair(0.0, 0.02), {39e-3, 0.02}, {41e-3, 0.06}, {81e-3, 0.1}, {0.12, 0.1}}) {
-    EXPECT_NEAR(transmit_focus_m(plan, range_m), focus_m, 1e-12) << range_m;
-    EXPECT_NEAR(transmit_aperture_m(plan, range_m), focus_m / 4, 1e-12) << range_m;
+    EXPECT_NEAR(ProbeOptics(plan).transmit_focus_m(range_m), focus_m, 1e-12) << range_m;
+    EXPECT_NEAR(ProbeOptics(plan).transmit_aperture_m(range_m), focus_m / 4, 1e-12) << range_m;
   }
-  EXPECT_EQ(transmit_focus_m(default_plan(), 20e-3), 75e-3);
+  EXPECT_EQ(ProbeOptics(default_plan()).transmit_focus_m(20e-3), 75e-3);
 }
 
 TEST(PointSpread, ApertureEndsWithTheElements) {
   hw::ProbeOptions probe;
   probe.elements = 32;
   const hw::AcquisitionPlan few(probe, {});
-  EXPECT_NEAR(receive_aperture_m(few, 40e-3), 10e-3, 1e-12);
-  EXPECT_NEAR(receive_aperture_m(few, 160e-3), 32 * 0.42e-3, 1e-12);
-  EXPECT_NEAR(transmit_aperture_m(few, 40e-3), 32 * 0.42e-3, 1e-12);
-  EXPECT_NEAR(transmit_aperture_m(default_plan(), 40e-3), 75e-3 / 4, 1e-12);
+  EXPECT_NEAR(ProbeOptics(few).receive_aperture_m(40e-3), 10e-3, 1e-12);
+  EXPECT_NEAR(ProbeOptics(few).receive_aperture_m(160e-3), 32 * 0.42e-3, 1e-12);
+  EXPECT_NEAR(ProbeOptics(few).transmit_aperture_m(40e-3), 32 * 0.42e-3, 1e-12);
+  EXPECT_NEAR(ProbeOptics(default_plan()).transmit_aperture_m(40e-3), 75e-3 / 4, 1e-12);
 }
 
 TEST(PointSpread, KernelKeepsThePowerOfWhiteNoise) {

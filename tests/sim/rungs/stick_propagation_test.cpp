@@ -1,4 +1,4 @@
-#include "sim/rungs/highest_frequency.h"
+#include "sim/rungs/stick_propagation.h"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ const hw::AcquisitionPlan& plan() {
 }
 
 /// Nothing but one material.
-ScannedTissue even_tissue(const std::string& material) {
+ScannedTissue uniform_tissue(const std::string& material) {
   const phantoms::Phantom phantom("even",
                                   phantoms::material_table(),
                                   phantoms::material_index(material),
@@ -32,7 +32,8 @@ ScannedTissue even_tissue(const std::string& material) {
 }
 
 TEST(HighestFrequency, OfEvenTissueIsThatOfAGaussianBand) {
-  const FrequencyCourse course = highest_frequency(even_tissue("soft_tissue"), plan(), {});
+  const FrequencyCourse course =
+      highest_frequency(uniform_tissue("soft_tissue"), ProbeOptics(plan()), {});
   const double db_per_cm =
       phantoms::material("soft_tissue").attenuation_db_per_cm_mhz * 3.5;  // at the centre
   const double sigma = 0.6 / (2 * std::sqrt(2 * std::log(2.0)));          // over the centre
@@ -45,7 +46,8 @@ TEST(HighestFrequency, OfEvenTissueIsThatOfAGaussianBand) {
 TEST(HighestFrequency, IsTheOneSentWhereNothingAbsorbs) {
   SimulationOptions lossless;
   lossless.attenuation = false;
-  EXPECT_EQ(highest_frequency(even_tissue("soft_tissue"), plan(), lossless).at(0.1), 1);
+  EXPECT_EQ(highest_frequency(uniform_tissue("soft_tissue"), ProbeOptics(plan()), lossless).at(0.1),
+            1);
   EXPECT_EQ(FrequencyCourse{}.at(0.1), 1);
 }
 
@@ -56,9 +58,13 @@ TEST(HighestFrequency, IsThatOfTheSticksThatLoseLeast) {
                              ball.materials(),
                              {glm::dmat3(1.0), ball.suggested_position_m()},
                              {}};
-  const double here = highest_frequency(tissue, plan(), {}).at(0.12);
-  EXPECT_NEAR(here, highest_frequency(even_tissue("amniotic_fluid"), plan(), {}).at(0.12), 1e-3);
-  EXPECT_GT(here, highest_frequency(even_tissue("soft_tissue"), plan(), {}).at(0.12) + 0.1);
+  const double here = highest_frequency(tissue, ProbeOptics(plan()), {}).at(0.12);
+  EXPECT_NEAR(here,
+              highest_frequency(uniform_tissue("amniotic_fluid"), ProbeOptics(plan()), {}).at(0.12),
+              1e-3);
+  EXPECT_GT(
+      here,
+      highest_frequency(uniform_tissue("soft_tissue"), ProbeOptics(plan()), {}).at(0.12) + 0.1);
 }
 
 }  // namespace

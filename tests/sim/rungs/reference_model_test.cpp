@@ -1,12 +1,12 @@
 // The element sum compared with closed forms, and the rung `scatterers` compared with it.
-#include "sim/rungs/reference_scene.h"
+#include "sim/rungs/reference_model.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "sim/optics/point_spread.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/rungs/stick_propagation.h"
 #include "sim/speckle/iq_field.h"
 
@@ -53,7 +53,7 @@ Stick echo_of(const hw::AcquisitionPlan& plan,
   const AcrossStick across = across_stick(line.ray);
   const PointEcho point{
       line.ray.at(range_m) + lateral_m * across.lateral + elevation_m * across.elevation, 1};
-  ReferenceScene(tissue, plan, by_elements())
+  ReferenceScene(tissue, ProbeOptics(plan), by_elements())
       .add_points({line, field.spacing_m, left, {}}, {&point, 1}, iq);
   return iq;
 }
@@ -126,9 +126,9 @@ std::vector<double> envelopes(double range_m, Rung rung, bool side_lobes) {
     const StickPath path{stick_ray(plan, {0, 0, line}), grid.spacing_m, left, {}};
     Stick iq(left.size());
     if (rung == Rung::reference) {
-      ReferenceScene(tissue, plan, options).add_echoes(path, iq);
+      ReferenceScene(tissue, ProbeOptics(plan), options).add_echoes(path, iq);
     } else {
-      ScattererField(tissue, plan, options).add_echoes(path, iq);
+      ScattererField(tissue, ProbeOptics(plan), options).add_echoes(path, iq);
     }
     const int first = static_cast<int>((range_m - 4e-3) / grid.spacing_m);
     const int last = static_cast<int>((range_m + 4e-3) / grid.spacing_m);
@@ -173,7 +173,7 @@ TEST(Reference, RefusesScenesThatTakeTooLong) {
                              block.materials(),
                              {glm::dmat3(1.0), block.suggested_position_m()},
                              {}};
-  EXPECT_THROW(ReferenceScene(tissue, whole, by_elements()), InvalidOption);
+  EXPECT_THROW(ReferenceScene(tissue, ProbeOptics(whole), by_elements()), InvalidOption);
 }
 
 }  // namespace
