@@ -165,7 +165,7 @@ namespace {
 constexpr double kMostClosed = 0.85;
 // Largest rise of the jaw, per its reach: tissue is then stretched by at most 1.5 (measured), as
 // the search for scatterers in the beam assumes of tissue that deforms
-// (sim/scatterers/cells/block_search.cpp).
+// (sim/speckle/scatterers/block_search.cpp).
 constexpr double kMostRise = 1.0 / 3;
 constexpr double kBeatShare = 0.3;  // of the heartbeat's period; no displacement in the rest of it
 

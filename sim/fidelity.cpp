@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "sim/echo/echo_model.h"
 #include "sim/math/random.h"
-#include "sim/receive/losses.h"
+#include "sim/receive/receiver.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::sim {
 
@@ -26,7 +26,7 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options,
   return {Rung::field, "speckle and losses of a phantom at rest"};
 }
 
-/// Even the largest noise, after time gain, lies below the dynamic range.
+/// True if the largest noise sample, after time gain, lies below the dynamic range.
 bool noise_is_invisible(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   if (options.output == hw::SampleScale::linear_envelope) return false;
   const double largest = amplitude_of_db(options.noise_db) *
@@ -113,7 +113,7 @@ Fidelity choose_fidelity(const SimulationOptions& options,
   if (options.tissue_sound_speed && !model.models("tissue_sound_speed")) {
     refuse("tissue_sound_speed", "true", "needs the rung field or higher");
   }
-  // Scatterers are speckle: without it nothing is left of their echoes.
+  // The echoes of scatterers are speckle; without speckle there would be none.
   if (!options.speckle && model.models("scatterers_in_tissue")) {
     refuse("speckle", "false", "needs the rung geometry or field");
   }

@@ -1,4 +1,4 @@
-// IQ samples of a simulated probe, for those who want them beside the detected samples.
+// IQ samples of a simulated probe, delivered in addition to the detected samples.
 #pragma once
 
 #include <complex>

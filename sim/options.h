@@ -1,6 +1,7 @@
 // Settings of the synthetic probe and of the capture card behind it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "base/options.h"
@@ -11,7 +12,7 @@
 namespace wobblebench::sim {
 
 /// The ladder of fidelity (docs/architecture.md): each rung adds effects to the one below. Each is
-/// a class in sim/echo.
+/// a class in sim/rungs.
 enum class Rung {
   automatic,   ///< the lowest that models what the options switch on (sim/fidelity.h)
   geometry,    ///< mean echo of the tissue at each sample; no speckle, no beam, no losses
@@ -20,7 +21,7 @@ enum class Rung {
   reference,   ///< the same scatterers summed over the elements of the probe: small scenes only
 };
 
-/// Weights of the elements over an aperture in the image plane, on transmit and on receive.
+/// Window over the elements of an aperture in the image plane, on transmit and on receive.
 enum class Apodisation {
   rectangular,  ///< all equal
   hann,         ///< raised cosine, 0 at the aperture's ends
@@ -29,6 +30,9 @@ enum class Apodisation {
 
 /// The dB value that stands for an amplitude of 0.
 inline constexpr double kZeroAmplitude_db = -200;
+inline double amplitude_of_db(double db) {
+  return std::pow(10.0, db / 20);
+}
 
 /// Echo amplitudes are in dB relative to a perfect mirror perpendicular to the beam.
 struct SimulationOptions {
@@ -40,12 +44,13 @@ struct SimulationOptions {
   bool speckle = true;
   bool attenuation = true;        ///< two-way absorption and scattering loss
   bool transmission_loss = true;  ///< energy that an interface reflects is lost behind it
-  /// Losses of all ways between the aperture and an echo, instead of those on the stick's axis.
+  /// Losses on all ray paths between the aperture and an echo, instead of those on the stick's
+  /// axis.
   bool aperture_losses = true;
   bool interface_echo = true;
-  /// The beam with its side lobes, instead of the main lobe alone. From `scatterers` on. Without
-  /// them speckle at the foci is up to 14 % finer, and bright tissue beside a stick adds no
-  /// clutter.
+  /// The beam with its side lobes, instead of the main lobe alone; needs the rung `scatterers` or
+  /// higher. Without side lobes speckle at the foci is up to 14 % finer, and bright tissue beside a
+  /// stick adds no clutter.
   bool side_lobes = false;
   /// Sound travels at each material's own speed, while the scanner assumes one speed.
   bool tissue_sound_speed = false;
@@ -107,7 +112,7 @@ void describe(O& o, Visitor& v) {
 struct CardOptions {
   int buffer_bytes = 8192;  ///< of each DMA buffer
   int buffers = 256;        ///< in the ring
-  /// Interrupt coalescing: an interrupt for so many full buffers, or at the end of a volume.
+  /// Interrupt coalescing: full buffers per interrupt; there is one at the end of a volume, too.
   int buffers_per_interrupt = 1;
   double payload_rate_mb_s = 900;  ///< 1e6 bytes a second over the PCIe link
   double interrupt_latency_s = 0;  ///< from the end of the DMA transfer to the host's wake-up

@@ -5,8 +5,7 @@
 #include "base/duration.h"
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
-#include "sim/echo/echo_model.h"
-#include "sim/stick_order.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::sim {
 

@@ -20,7 +20,8 @@ using VolumeSamples = std::vector<float>;
 
 class TissueMap;
 
-/// Makes the tissue map of a phantom, or has one kept. Arguments as of TissueMap's constructor.
+/// Returns the tissue map of a phantom, made or cached. The arguments are those of TissueMap's
+/// constructor.
 using TissueMapSource = std::function<std::shared_ptr<const TissueMap>(
     const phantoms::Phantom& phantom, double reach_m, int threads)>;
 
@@ -39,7 +40,7 @@ using TissueMapSource = std::function<std::shared_ptr<const TissueMap>(
 /// @endcode
 class ProbeSimulator {
  public:
-  /// Takes the phantom's map from `maps`, called once; without one it is made. Throws
+  /// Calls `maps` once for the phantom's map; without `maps` the constructor makes it. Throws
   /// InvalidOption.
   ProbeSimulator(const phantoms::PlacedPhantom& subject,
                  const hw::AcquisitionPlan& plan,

@@ -21,7 +21,6 @@
 #include "phantom_sources.h"
 #include "phantoms/io/phantom_bytes.h"
 #include "sim/tissue/tissue_map.h"
-#include "sim/tissue/tissue_map_bytes.h"
 
 namespace wobblebench::bench {
 

@@ -27,8 +27,8 @@
 #include "bench/scene/scene.h"
 #include "hw/link/link.h"
 #include "hw/recording/recorder.h"
-#include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::bench {
 

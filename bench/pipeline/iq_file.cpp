@@ -11,7 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/beam/point_spread.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -15,8 +15,8 @@
 #include "base/user_error.h"
 #include "phantoms/motion.h"
 #include "render/geometry/slice_geometry.h"
-#include "sim/echo/echo_model.h"
 #include "sim/fidelity.h"
+#include "sim/rungs/echo_model.h"
 
 namespace wobblebench::bench {
 

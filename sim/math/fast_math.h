@@ -1,13 +1,49 @@
-// Elementary functions in single precision that compilers can vectorise: no branches, no tables, no
-// calls. tests/sim/math/fast_math_test.cpp checks the stated errors.
+// Vectorised loops: attributes for their functions, and elementary functions in single precision
+// that compilers can vectorise (no branches, no tables, no calls).
+// tests/sim/math/fast_math_test.cpp checks the stated errors.
 #pragma once
 
 #include <bit>
+#include <complex>
 #include <cstdint>
 
-#include "sim/math/simd.h"
+// WOBBLEBENCH_SIMD compiles a function three times (SSE2, AVX2, AVX-512) and selects one when the
+// program is loaded. Products are never fused with sums (-ffp-contract=off) and each element is
+// computed independently, so all three give the same bytes.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define WOBBLEBENCH_SIMD __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
+/// 1: functions may have a version with intrinsics, for instructions that compilers do not generate
+/// from a C++ loop.
+#define WOBBLEBENCH_INTRINSICS 1
+#else
+// Sanitizers intercept calls before the clone is selected.
+#define WOBBLEBENCH_SIMD
+#define WOBBLEBENCH_INTRINSICS 0
+#endif
+
+/// For functions called in vectorised loops: they must be inlined into each clone.
+#define WOBBLEBENCH_INLINE [[gnu::always_inline]] inline
 
 namespace wobblebench::sim {
+
+/// Product without std::complex's checks for infinities.
+inline std::complex<double> times(const std::complex<double>& a, const std::complex<double>& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// The values as floats: real and imaginary parts in turn.
+inline float* parts_of(std::complex<float>* values) {
+  return reinterpret_cast<float*>(values);
+}
+inline const float* parts_of(const std::complex<float>* values) {
+  return reinterpret_cast<const float*>(values);
+}
+
+/// Magnitude; std::abs may be a call, which prevents vectorisation.
+WOBBLEBENCH_INLINE float magnitude(float x) {
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(x) & 0x7fffffffu);
+}
 
 /// log2 of a positive normal number, within 3e-7 (absolute) near 1 and 3e-7 relative elsewhere.
 WOBBLEBENCH_INLINE float fast_log2(float x) {

@@ -10,7 +10,7 @@
 
 namespace wobblebench::sim {
 
-/// What the random numbers are used for; each use has a stream of its own.
+/// Purpose of random numbers; each purpose has its own stream.
 enum class RandomStream : std::uint64_t { speckle = 1, noise = 2, scatterers = 3 };
 
 /// Key of one sequence of numbers, whose elements are uniform_bits(key, i).

@@ -6,7 +6,6 @@
 
 #include "sim/math/fast_math.h"
 #include "sim/math/random.h"
-#include "sim/receive/losses.h"
 
 namespace wobblebench::sim {
 
@@ -16,15 +15,16 @@ namespace {
 constexpr int kBlock = 64;
 /// Smallest argument of the logarithm, 380 dB below full scale: a normal number.
 constexpr float kSmallestAmplitude = 1e-19f;
-/// What such a gain does not lift to full scale is zero, and it is far from the largest float.
-/// Options allow 4900 dB (20 MHz, 3 dB/cm/MHz, 40 cm, full scale at -100 dB).
+/// Upper bound of the gain. An amplitude that it does not lift to full scale is zero, and the bound
+/// is far from the largest float. Options allow 4900 dB (20 MHz, 3 dB/cm/MHz, 40 cm, full scale at
+/// -100 dB).
 const double kMostGain = amplitude_of_db(hw::kMostGain_db);
 
 struct IqSample {
   float re, im;
 };
 
-/// One of the IQ samples from `iq` on, each a pair of floats. `sample`: its number in the stick.
+/// IQ sample i of `iq`, an array of pairs of floats, with noise. `sample`: its number in the stick.
 WOBBLEBENCH_INLINE IqSample with_noise(
     const float* iq, std::ptrdiff_t i, std::uint64_t key, std::uint32_t sample, float noise) {
   const ComplexNormal z = complex_normal(key, sample);
@@ -114,6 +114,24 @@ const double kOctave_db = 20 * std::log10(2.0);
 
 }  // namespace
 
+double time_gain(const hw::AcquisitionPlan& plan,
+                 const SimulationOptions& options,
+                 double range_m) {
+  constexpr double kCentimetre = 1e-2;
+  return amplitude_of_db(2 * options.tgc_db_per_cm_mhz * plan.probe().center_frequency_hz /
+                         kMegahertz * range_m / kCentimetre);
+}
+
+double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
+  constexpr double kInvisible_db = 20;  ///< below the noise or the dynamic range
+  if (options.noise_db > kZeroAmplitude_db) {
+    return amplitude_of_db(options.noise_db - kInvisible_db);
+  }
+  if (options.output == hw::SampleScale::linear_envelope) return 0;
+  const double invisible_db = options.full_scale_db - options.dynamic_range_db - kInvisible_db;
+  return amplitude_of_db(invisible_db) / time_gain(plan, options, plan.acquisition().depth_m);
+}
+
 float log_compressed(double amplitude, const SimulationOptions& options) {
   if (!(amplitude > 0)) return 0;
   const double db = 20 * std::log10(amplitude) - options.full_scale_db;
@@ -168,18 +186,15 @@ void Receiver::add_noise(std::span<const std::complex<float>> iq,
                          std::vector<std::complex<float>>& noisy) const {
   noisy.assign(iq.begin(), iq.end());
   if (noise_ == 0.0f) return;
-  add_noise_to(reinterpret_cast<const float*>(iq.data()),
-               static_cast<int>(iq.size()),
-               noise_key,
-               noise_,
-               reinterpret_cast<float*>(noisy.data()));
+  add_noise_to(
+      parts_of(iq.data()), static_cast<int>(iq.size()), noise_key, noise_, parts_of(noisy.data()));
 }
 
 void Receiver::detect_block(
     const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples) {
   const int each = oversampling_, from = first * each, iq_count = count * each;
   envelope_.resize(static_cast<std::size_t>(iq_count));
-  const auto* parts = reinterpret_cast<const float*>(iq + from);
+  const auto* parts = parts_of(iq + from);
   if (noise_ > 0) {
     noisy_envelope(parts, from, iq_count, noise_key, noise_, envelope_.data());
   } else {

@@ -12,6 +12,13 @@
 
 namespace wobblebench::sim {
 
+/// TGC at a range, as an amplitude factor.
+double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m);
+
+/// Amplitude at the face below which an echo is invisible: 20 dB below the noise, or without noise
+/// below the dynamic range. 0: every echo is visible.
+double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options);
+
 /// Log compression of an amplitude (1: a perfect mirror) to [0, 1]: the dynamic range below full
 /// scale. 0 for NaN.
 float log_compressed(double amplitude, const SimulationOptions& options);
@@ -19,17 +26,17 @@ float log_compressed(double amplitude, const SimulationOptions& options);
 /// Detects sticks of IQ echoes. Holds the working memory of one thread.
 class Receiver {
  public:
-  /// `oversampling`: IQ samples for each output sample.
+  /// `oversampling`: IQ samples per output sample.
   Receiver(const hw::AcquisitionPlan& plan, const SimulationOptions& options, int oversampling);
 
-  /// One stick: `iq` holds `oversampling` values for each of `samples`. Noise is a function of
-  /// `noise_key` (sim/math/random.h) and the IQ sample. Every sample is finite: gain is limited to
-  /// 600 dB.
+  /// Detects one stick: `iq` holds `oversampling` values per element of `samples`. Noise is a
+  /// function of `noise_key` (sim/math/random.h) and the IQ sample. Every sample is finite: gain is
+  /// limited to 600 dB.
   void detect(std::span<const std::complex<float>> iq,
               std::uint64_t noise_key,
               std::span<float> samples);
 
-  /// The IQ samples that detect() takes the envelope of.
+  /// Adds the stick's noise: `noisy` becomes the IQ samples whose envelope detect() computes.
   void add_noise(std::span<const std::complex<float>> iq,
                  std::uint64_t noise_key,
                  std::vector<std::complex<float>>& noisy) const;
@@ -42,7 +49,7 @@ class Receiver {
   int oversampling_;
   float noise_;              ///< RMS amplitude
   std::vector<float> gain_;  ///< TGC of each output sample, over full scale
-  int first_noisy_ = 0;      ///< before this output sample noise stays below the dynamic range
+  int first_noisy_ = 0;  ///< first output sample whose noise can exceed the dynamic range's floor
   std::vector<float> envelope_;
 };
 

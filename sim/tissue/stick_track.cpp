@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
-#include "sim/tissue/grid_dda.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 
 namespace {
 
-/// Node intervals for each step of the map, in crossed cells and in others. In crossed cells they
-/// are short enough for distances to be nearly linear within each; in others the beam's average
-/// over the surface varies slowly.
+/// Node intervals per step of the map, in crossed cells and in other cells. In crossed cells they
+/// are short enough for distances to be nearly linear within each; in other cells the beam's
+/// average over the surface varies slowly.
 constexpr double kCrossed = 1.5, kUncrossed = 0.75;
 /// Reserved number of cells along a stick.
 constexpr std::size_t kVisits = 256;
-/// Bound of the error that rounding of positions within a cell makes in distances.
+/// Bound of the error in distances due to rounding of positions within a cell.
 constexpr float kOnWall_m = 1e-8f;
 /// Length of the straight pieces into which a stick is divided, in the rest frame, where tissue
 /// moves non-rigidly.
@@ -52,6 +52,55 @@ Straight straight(const ScannedTissue& tissue,
           {(rest(line.ray.at(from_m) + kAside_m * across.lateral) - begin) / kAside_m,
            (rest(line.ray.at(from_m) + kAside_m * across.elevation) - begin) / kAside_m}};
 }
+
+/// Grid traversal by a digital differential analyser: the cells of a tissue map along a straight
+/// line (Amanatides and Woo 1987).
+class GridDda {
+ public:
+  /// Along the line from range `from_m` at `origin` (rest frame) to range `to_m`. `direction`:
+  /// metres at rest for each metre of range.
+  GridDda(const TissueMap& map,
+          const glm::dvec3& origin,
+          const glm::dvec3& direction,
+          double from_m,
+          double to_m)
+      : cell_(map.cell_at(origin)), range_m_(from_m), end_m_(to_m) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double speed = direction[axis];
+      step_[axis] = speed < 0 ? -1 : 1;
+      const double wall = map.origin_m()[axis] + (cell_[axis] + (speed < 0 ? 0 : 1)) * map.cell_m();
+      const double never = std::numeric_limits<double>::infinity();
+      next_[axis] = speed == 0 ? never : from_m + std::max(0.0, (wall - origin[axis]) / speed);
+      stride_[axis] = speed == 0 ? never : map.cell_m() / std::abs(speed);
+    }
+  }
+
+  bool done() const { return range_m_ >= end_m_; }
+  const glm::ivec3& cell() const { return cell_; }
+  /// Ranges at which the line enters and leaves the cell.
+  double from_m() const { return range_m_; }
+  double to_m() const { return std::min(end_m_, next_[nearest()]); }
+
+  void advance() {
+    const int axis = nearest();
+    range_m_ = next_[axis];
+    cell_[axis] += step_[axis];
+    next_[axis] += stride_[axis];
+  }
+
+ private:
+  int nearest() const {
+    if (next_.x <= next_.y) return next_.x <= next_.z ? 0 : 2;
+    return next_.y <= next_.z ? 1 : 2;
+  }
+
+  glm::ivec3 cell_;
+  glm::ivec3 step_{0};
+  glm::dvec3 next_{0};
+  glm::dvec3 stride_{0};
+  double range_m_;
+  double end_m_;
+};
 
 class TrackBuilder {
  public:

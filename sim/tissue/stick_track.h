@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "phantoms/material.h"
-#include "sim/tissue/timed_ray.h"
+#include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::sim {
 

@@ -8,7 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "phantoms/material.h"
@@ -148,5 +151,17 @@ inline float TissueMap::value_m(const Entry& entry, const glm::vec3& local) cons
   const float c0 = c00 + v * (c10 - c00), c1 = c01 + v * (c11 - c01);
   return unit_m_ * (c0 + w * (c1 - c0));
 }
+
+/// Version of to_bytes(), for caches; it increases when the format or the contents of a map change.
+inline constexpr int kTissueMapBytesVersion = 1;
+
+[[nodiscard]] std::string to_bytes(const TissueMap& map);
+
+/// The map that to_bytes() wrote, bit for bit, for a phantom with these numbers of surfaces and
+/// materials. Throws DamagedBytes where an index lies beyond an array; values within their bounds
+/// are not checked.
+[[nodiscard]] std::shared_ptr<const TissueMap> tissue_map_from_bytes(std::string_view bytes,
+                                                                     std::size_t surfaces,
+                                                                     std::size_t materials);
 
 }  // namespace wobblebench::sim

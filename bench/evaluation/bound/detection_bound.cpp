@@ -9,8 +9,9 @@
 
 #include "base/number_text.h"
 #include "base/units.h"
-#include "sim/beam/point_spread.h"
-#include "sim/beam/profile/beam_at_samples.h"
+#include "sim/optics/beam_profile.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -9,7 +9,7 @@
 #include "base/units.h"
 #include "bench/evaluation/bound/edge_signal.h"
 #include "hw/probe/acquisition_plan.h"
-#include "sim/beam/profile/beam_profile.h"
+#include "sim/optics/beam_profile.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

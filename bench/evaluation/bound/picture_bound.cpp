@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/units.h"
 #include "bench/evaluation/truth/truth.h"
-#include "sim/beam/profile/beam_at_samples.h"
+#include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
 
@@ -108,7 +108,8 @@ PictureBound picture_bound(const Truth& truth,
                            const CountedPixel& counted) {
   const int width = truth.kind.width, height = truth.kind.height;
   PictureBound result{.map_m = {width, height, kNoSurface}};
-  const Scanned scanned{plan, sim::BeamProfile(plan, simulation), simulation, tissue_mean_db};
+  const Scanned scanned{
+      plan, sim::BeamProfile(sim::ProbeOptics(plan, simulation)), simulation, tissue_mean_db};
   std::optional<BoundTable> table;
   std::vector<Pixel> pixels;
   for (int row = 0; row < height; ++row) {

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "render/camera.h"
 #include "render/geometry/ray_sampling.h"
-#include "sim/beam/profile/beam_profile.h"
+#include "sim/optics/beam_profile.h"
 
 namespace wobblebench::bench {
 
@@ -209,7 +209,7 @@ TermMeter::TermMeter(const hw::AcquisitionPlan& plan,
                      const sim::SimulationOptions& simulation,
                      const render::RenderOptions& render)
     : state_(new State{plan,
-                       {plan, simulation},
+                       sim::BeamProfile(sim::ProbeOptics(plan, simulation)),
                        render::make_camera(render),
                        render.ray_casting.detector == render::Detector::paper
                            ? render::buffer_samples(render) * render::step_m(render) / kMillimetre

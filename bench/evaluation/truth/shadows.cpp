@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "sim/echo/echo_model.h"
-#include "sim/echo/stick_propagation.h"
-#include "sim/receive/losses.h"
+#include "sim/receive/receiver.h"
+#include "sim/rungs/echo_model.h"
+#include "sim/rungs/stick_propagation.h"
 #include "sim/tissue/scanned_tissue.h"
 
 namespace wobblebench::bench {
@@ -82,7 +82,8 @@ void StickReach::trace(const phantoms::PlacedPhantom& subject,
       subject.phantom.materials(),
       subject.placement,
       subject.motion};
-  const sim::StickPropagation shared(tissue, plan_, options, sim::Surfaces::crossed);
+  const sim::StickPropagation shared(
+      tissue, sim::ProbeOptics(plan_, options), options, sim::Surfaces::crossed);
   shared.prepare(volume_);
   const double brightest = sim::amplitude_of_db(brightest_target_db(subject.phantom));
   const auto lines = static_cast<std::uint32_t>(plan_.acquisition().sticks_per_frame);

@@ -17,7 +17,7 @@ double brightest_target_db(const phantoms::Phantom& phantom);
 
 /// How far each stick of a volume hears tissue: the last true range at which an echo as strong as
 /// the mean one of the phantom's brightest target tissue, after all losses of its way there and
-/// back (sim/receive, sim/aperture), is neither below the RMS noise nor below the display's dynamic
+/// back (sim/losses), is neither below the RMS noise nor below the display's dynamic
 /// range.
 class StickReach {
  public:

@@ -9,7 +9,7 @@
 #include "bench/studies/extremes/extremes.h"
 #include "bench/studies/extremes/pass_bounds.h"
 #include "hw/wire/decoder.h"
-#include "sim/echo/iq_field.h"
+#include "sim/speckle/iq_field.h"
 
 namespace wobblebench::bench {
 

@@ -5,16 +5,15 @@
 #include <memory>
 #include <optional>
 
-#include "sim/aperture/aperture_losses.h"
-#include "sim/beam/point_spread.h"
-#include "sim/echo/field_model.h"
-#include "sim/echo/highest_frequency.h"
-#include "sim/echo/scatterers_model.h"
-#include "sim/echo/stick_propagation.h"
+#include "sim/losses/aperture_losses.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
 #include "sim/receive/receiver.h"
-#include "sim/scatterers/scatterer_field.h"
-#include "sim/stick_order.h"
+#include "sim/rungs/echo_model.h"
+#include "sim/rungs/field_model.h"
+#include "sim/rungs/scatterers_model.h"
+#include "sim/rungs/stick_propagation.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 
@@ -66,13 +65,13 @@ StageTimes geometry_stages(const RungScene& scene) {
           0};
 }
 
-std::unique_ptr<const sim::IqModel> make_model(const RungScene& scene,
+std::unique_ptr<const sim::IqModel> make_model(const sim::ProbeOptics& optics,
                                                const sim::ScannedTissue& subject,
                                                const sim::SimulationOptions& options) {
   if (options.fidelity == sim::Rung::scatterers) {
-    return std::make_unique<sim::ScatterersModel>(subject, scene.plan, options);
+    return std::make_unique<sim::ScatterersModel>(subject, optics, options);
   }
-  return std::make_unique<sim::FieldModel>(subject, scene.plan, options);
+  return std::make_unique<sim::FieldModel>(subject, optics, options);
 }
 
 /// The stages of a model, and their memory.
@@ -87,24 +86,18 @@ struct Worker {
   sim::MeanPower power;
   std::vector<float> mean_power;
 
-  Worker(const RungScene& scene,
+  Worker(const sim::ProbeOptics& optics,
          const sim::ScannedTissue& subject,
          const sim::SimulationOptions& options)
-      : spacing_m(scene.plan.sample_spacing_m() / sim::iq_oversampling(scene.plan)),
-        samples(scene.plan.acquisition().samples_per_stick * sim::iq_oversampling(scene.plan)),
+      : spacing_m(optics.iq_spacing_m()),
+        samples(optics.iq_samples()),
         surfaces(options.fidelity == sim::Rung::field ? sim::Surfaces::nearby
                                                       : sim::Surfaces::crossed),
-        losses(scene.plan, options, subject.materials, spacing_m, samples),
-        power(scene.plan,
-              options,
-              sim::BeamProfile(scene.plan, options),
-              subject.materials,
-              spacing_m,
-              samples,
-              subject.map->reach_m()),
+        losses(optics.plan(), options, subject.materials, spacing_m, samples),
+        power(optics, options, subject.materials, spacing_m, samples, subject.map->reach_m()),
         mean_power(static_cast<std::size_t>(samples)) {
     if (!sim::has_aperture_losses(options, subject.materials)) return;
-    aperture.emplace(subject, scene.plan, options, scene.plan.acquisition().depth_m);
+    aperture.emplace(subject, optics, options, optics.plan().acquisition().depth_m);
   }
 
   /// What the sticks of a volume share.
@@ -116,7 +109,7 @@ struct Worker {
   }
 };
 
-/// Fills the caches of the tissue (sim/scatterers/cells/tissue_blocks.h), so that this is not
+/// Fills the caches of the tissue (sim/speckle/scatterers/tissue_blocks.h), so that this is not
 /// timed.
 void warm_up(const RungScene& scene,
              const sim::ScannedTissue& subject,
@@ -151,14 +144,16 @@ StageTimes measure_stages(const RungScene& scene, sim::Rung rung) {
   StageTimes result;
   result.rung = rung;
   std::unique_ptr<const sim::IqModel> model;
-  timed(result.once_ms, [&] { model = make_model(scene, subject, options); });
+  timed(result.once_ms,
+        [&] { model = make_model(sim::ProbeOptics(scene.plan, options), subject, options); });
+  const sim::ProbeOptics optics(scene.plan, options);
   std::optional<sim::ScattererField> scatterers;
   if (rung == sim::Rung::scatterers) {
-    const auto course = sim::highest_frequency(subject, scene.plan, options);
-    scatterers.emplace(subject, scene.plan, options, sim::ScattererSettings::of(options, course));
+    const auto course = sim::highest_frequency(subject, optics, options);
+    scatterers.emplace(subject, optics, options, sim::ScattererSettings::of(options, course));
   }
 
-  Worker worker(scene, subject, options);
+  Worker worker(optics, subject, options);
   const sim::IqMaker make = model->iq_maker();
   sim::Receiver receiver(scene.plan, options, sim::iq_oversampling(scene.plan));
   std::vector<std::complex<float>> spare(static_cast<std::size_t>(worker.samples));

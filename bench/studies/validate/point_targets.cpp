@@ -12,11 +12,11 @@
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
 #include "bench/studies/validate/study_report.h"
-#include "sim/beam/point_spread.h"
-#include "sim/beam/profile/beam_profile.h"
-#include "sim/echo/reference_scene.h"
-#include "sim/receive/band_loss.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/losses/losses.h"
+#include "sim/optics/beam_profile.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/rungs/reference_model.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 
@@ -156,7 +156,7 @@ class PointScan {
 std::vector<BeamComparison> field_widths(hw::ProbePreset preset, std::span<const BeamRow> places) {
   const hw::AcquisitionPlan plan = plan_of(preset);
   const std::vector<BeamRow> own = stick_beam_rows(preset);
-  const sim::BeamProfile profile(plan, {});
+  const sim::BeamProfile profile{sim::ProbeOptics(plan)};
   std::vector<BeamComparison> results;
   for (BeamRow place : places) {
     const auto same = std::ranges::find_if(own, [&](const BeamRow& row) {

@@ -9,7 +9,7 @@
 #include "bench/studies/validate/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
-#include "sim/scatterers/stick_path.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 
 namespace wobblebench::bench {
 

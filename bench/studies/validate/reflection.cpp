@@ -6,8 +6,9 @@
 
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/beam/point_spread.h"
 #include "sim/fidelity.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 

@@ -10,8 +10,9 @@
 #include "base/units.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
-#include "sim/beam/point_spread.h"
-#include "sim/scatterers/scatterer_field.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
+#include "sim/speckle/scatterers/scatterer_field.h"
 #include "sim/tissue/scanned_tissue.h"
 #include "sim/tissue/tissue_map.h"
 
@@ -77,7 +78,7 @@ std::vector<SpeckleGrid> scattered_grids(hw::ProbePreset preset,
                                                kTableLinesBeyond);
   if (sim::iq_oversampling(plan) != 1) throw std::invalid_argument("speckle_grids: coarse samples");
   const auto subject = scanned(open_tissue(), options.threads);
-  const sim::ScattererField field(subject, plan, options);
+  const sim::ScattererField field(subject, sim::ProbeOptics(plan, options), options);
   std::vector<SpeckleGrid> grids;
   for (const GridPlan& one : plans) grids.push_back(scattered(field, plan.geometry(), one));
   return grids;

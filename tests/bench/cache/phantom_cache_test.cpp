@@ -7,7 +7,7 @@
 #include <set>
 
 #include "phantoms/io/phantom_bytes.h"
-#include "sim/tissue/tissue_map_bytes.h"
+#include "sim/tissue/tissue_map.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "sim/receive/losses.h"
+#include "sim/losses/losses.h"
 
 namespace wobblebench::sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "sim/tissue/tissue_map_bytes.h"
+#include "sim/tissue/tissue_map.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bench/evaluation/bound/detection_bound.h"
-#include "sim/beam/table/beam_table.h"
+#include "sim/optics/beam_table.h"
 
 namespace wobblebench::bench {
 

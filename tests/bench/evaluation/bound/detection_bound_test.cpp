@@ -7,7 +7,8 @@
 #include <stdexcept>
 
 #include "base/units.h"
-#include "sim/beam/point_spread.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 #include "tests/bench/evaluation/bound/oracle.h"
 
 namespace wobblebench::bench {
@@ -173,7 +174,7 @@ TEST(DetectionBound, RefusesWhatHasNoBound) {
 TEST(DetectionBound, ConditionsAreThoseOfThePlace) {
   const hw::AcquisitionPlan plan({}, {});
   const sim::SimulationOptions options;
-  const sim::BeamProfile profile(plan, options);
+  const sim::BeamProfile profile{sim::ProbeOptics(plan, options)};
   const hw::PolarPoint place{.range_m = 75e-3};
   // Tilted by 30 degrees in the image plane: deeper towards +x.
   const glm::dvec3 normal(0.5, 0, -std::sqrt(0.75));

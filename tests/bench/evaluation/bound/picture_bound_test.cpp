@@ -40,7 +40,7 @@ bool all(int /*column*/, int /*row*/) {
 TEST(PictureBound, IsThatOfEachPixelsConditions) {
   for (const double yaw_rad : {0.0, 30 * kDegree}) {
     const Stage stage(35 * kDegree, yaw_rad);
-    const sim::BeamProfile profile(stage.plan, stage.simulation);
+    const sim::BeamProfile profile{sim::ProbeOptics(stage.plan, stage.simulation)};
     const PictureBound bound = stage.bound(all);
     ASSERT_GT(bound.n, 100);
     double squares = 0;

@@ -14,10 +14,11 @@
 #include "bench/evaluation/bound/detection_bound.h"
 #include "phantoms/phantom.h"
 #include "phantoms/placed_phantom.h"
-#include "sim/beam/point_spread.h"
-#include "sim/beam/table/beam_table.h"
-#include "sim/echo/iq_field.h"
+#include "sim/optics/beam_table.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/probe_simulator.h"
+#include "sim/speckle/iq_field.h"
 #include "sim/tissue/tissue_map.h"
 #include "tests/bench/evaluation/bound/beam_pair.h"
 #include "tests/bench/evaluation/bound/oracle.h"
@@ -133,9 +134,9 @@ PlaneScan::PlaneScan(const PlaneCell& cell)
       plan_(few_sticks()),
       options_(options_of(cell)),
       plane_(cell, plan_.probe().radius_m),
-      profile_(plan_, options_) {
+      profile_(sim::ProbeOptics(plan_, options_)) {
   if (cell.rung == sim::Rung::scatterers) {
-    beam_.emplace(plan_, sim::BeamShape::main_lobe, options_.apodisation);
+    beam_.emplace(sim::ProbeOptics(plan_, options_), sim::BeamShape::main_lobe);
   }
   for (int i = 0; i < plan_.sticks_per_volume(); ++i) {
     sticks_.push_back(stick(plan_.index(static_cast<std::uint64_t>(i))));

@@ -1,0 +1,82 @@
+#include "sim/losses/losses.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobblebench::sim {
+
+double roughness(const phantoms::Material& before, const phantoms::Material& behind) {
+  return std::max(before.roughness, behind.roughness);
+}
+
+double reflection(const phantoms::Material& before,
+                  const phantoms::Material& behind,
+                  double cos_incidence) {
+  const double cos_in = std::clamp(cos_incidence, 0.0, 1.0);
+  const double ratio = behind.sound_speed_m_s / before.sound_speed_m_s;
+  const double sin2_through = ratio * ratio * (1 - cos_in * cos_in);
+  if (sin2_through >= 1) return 1;
+  const double in = behind.impedance_rayl * cos_in;
+  const double through = before.impedance_rayl * std::sqrt(1 - sin2_through);
+  return (in - through) / (in + through);
+}
+
+double diffuse_echo(const phantoms::Material& before,
+                    const phantoms::Material& behind,
+                    double cos_incidence) {
+  return roughness(before, behind) * std::abs(reflection(before, behind, cos_incidence)) *
+         std::clamp(cos_incidence, 0.0, 1.0);
+}
+
+double specular_echo(const phantoms::Material& before,
+                     const phantoms::Material& behind,
+                     double cos_incidence,
+                     const SimulationOptions& options) {
+  // -3 dB of amplitude at half the width: exp(-ln(sqrt 2) (2 angle / width)^2).
+  const double angle = std::acos(std::clamp(cos_incidence, 0.0, 1.0));
+  const double relative = 2 * angle / options.specular_width_rad;
+  const double lobe = std::exp(-0.5 * std::log(2.0) * relative * relative);
+  return (1 - roughness(before, behind)) * lobe *
+         std::abs(reflection(before, behind, cos_incidence));
+}
+
+double two_way_nepers_per_m(const hw::AcquisitionPlan& plan, double alpha_db_per_cm_mhz) {
+  constexpr double kCentimetre = 1e-2;
+  return 2 * alpha_db_per_cm_mhz * plan.probe().center_frequency_hz / kMegahertz / kCentimetre *
+         std::log(10.0) / 20;
+}
+
+BandLoss::BandLoss(const hw::ProbeOptions& probe) {
+  const double sigma = probe.fractional_bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
+  variance_ = sigma * sigma;
+  most_nepers_ = (1 - kLowest) / variance_;
+}
+
+double BandLoss::log_gain(double nepers) const {
+  const double within = std::min(nepers, most_nepers_);
+  return variance_ * within * (nepers - 0.5 * within);
+}
+
+double BandLoss::frequency_ratio(double nepers) const {
+  return std::max(kLowest, 1 - nepers * variance_);
+}
+
+TissueLosses::TissueLosses(const hw::AcquisitionPlan& plan,
+                           const SimulationOptions& options,
+                           const std::vector<phantoms::Material>& materials)
+    : materials_(&materials), interfaces_(options.transmission_loss) {
+  for (const auto& material : materials) {
+    const double alpha = options.attenuation ? material.attenuation_db_per_cm_mhz : 0;
+    nepers_per_m_.push_back(two_way_nepers_per_m(plan, alpha));
+  }
+}
+
+double TissueLosses::transmission(const Interface& crossed) const {
+  if (!interfaces_) return 1;
+  const double r = reflection(materials_->at(static_cast<std::size_t>(crossed.before)),
+                              materials_->at(static_cast<std::size_t>(crossed.behind)),
+                              crossed.cos_incidence);
+  return 1 - r * r;
+}
+
+}  // namespace wobblebench::sim

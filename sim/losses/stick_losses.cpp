@@ -1,0 +1,307 @@
+#include "sim/losses/stick_losses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/math/fast_math.h"
+#include "sim/receive/receiver.h"
+
+namespace wobblebench::sim {
+
+/// The logarithm of an amplitude along a stretch: log_transmitted - n + BandLoss::log_gain(n),
+/// where n = nepers + i * per_sample at sample i.
+struct StickLosses::LevelLine {
+  double log_transmitted = 0;
+  double nepers = 0;  ///< at the first sample
+  double per_sample = 0;
+};
+
+namespace {
+
+/// values[i] = amplitude * ratio^i * change^(i (i - 1) / 2), eight values at a time: the ratio of
+/// values eight apart changes by the factor change^64 from one step to the next.
+WOBBLEBENCH_SIMD void fill_decay(
+    double amplitude, double ratio, double change, int count, float* __restrict values) {
+  constexpr int kLanes = 8;
+  const double change4 = change * change * change * change;
+  const double change8 = change4 * change4, change16 = change8 * change8;
+  const double change28 = change16 * change8 * change4;
+  const double change32 = change16 * change16, change64 = change32 * change32;
+  double lanes[kLanes], ratios[kLanes];
+  for (int j = 0; j < kLanes; ++j) {
+    lanes[j] = amplitude;
+    const double ratio2 = ratio * ratio, ratio4 = ratio2 * ratio2;
+    ratios[j] = ratio4 * ratio4 * change28;
+    amplitude *= ratio;
+    ratio *= change;
+  }
+  int first = 0;
+  for (; first + kLanes <= count; first += kLanes) {
+    for (int j = 0; j < kLanes; ++j) {
+      values[first + j] = static_cast<float>(lanes[j]);
+      lanes[j] *= ratios[j];
+      ratios[j] *= change64;
+    }
+  }
+  for (int j = 0; first + j < count; ++j) values[first + j] = static_cast<float>(lanes[j]);
+}
+
+/// values[i] = from + i * per_sample, at least `least`.
+WOBBLEBENCH_SIMD void fill_ramp(
+    double from, double per_sample, double least, int count, float* __restrict values) {
+  for (int i = 0; i < count; ++i) {
+    const double value = from + i * per_sample;
+    values[i] = static_cast<float>(value < least ? least : value);
+  }
+}
+
+/// values[i] += from + i * per_sample.
+WOBBLEBENCH_SIMD void add_ramp(double from,
+                               double per_sample,
+                               int count,
+                               float* __restrict values) {
+  for (int i = 0; i < count; ++i) values[i] += static_cast<float>(from + i * per_sample);
+}
+
+/// Adds linear interpolation in `nodes` at the positions from + i * per_sample, from 0 on; beyond
+/// the last node its value.
+void add_interpolated(
+    std::span<const float> nodes, double from, double per_sample, int count, float* values) {
+  const int intervals = static_cast<int>(nodes.size()) - 1;
+  for (int first = 0, node = 0; first < count; ++node) {
+    const bool is_last = node >= intervals;
+    const double samples = std::ceil((node + 1 - from) / per_sample);
+    const int end = is_last ? count : static_cast<int>(std::clamp<double>(samples, first, count));
+    const auto near =
+        static_cast<double>(nodes[static_cast<std::size_t>(std::min(node, intervals))]);
+    const double rise =
+        is_last ? 0 : static_cast<double>(nodes[static_cast<std::size_t>(node) + 1]) - near;
+    const double at = from + first * per_sample - node;
+    add_ramp(near + at * rise, rise * per_sample, end - first, values + first);
+    first = end;
+  }
+}
+
+/// values[i] = the amplitude of a StickLosses::LevelLine, times exp(values[i]); at most 1, at least
+/// 1e-35. `variance` and `most_nepers` are those of the BandLoss, `most_narrow` bounds the loss at
+/// f0.
+WOBBLEBENCH_SIMD void fill_levels(double log_transmitted,
+                                  double from,
+                                  double step,
+                                  double variance,
+                                  double most_nepers,
+                                  double most_narrow,
+                                  int count,
+                                  float* __restrict values) {
+  constexpr float kLowest = -80;  // 1e-35 is a normal number
+  for (int i = 0; i < count; ++i) {
+    const double nepers = from + i * step;
+    const double within = nepers < most_nepers ? nepers : most_nepers;
+    const double narrow = log_transmitted - nepers;
+    const double bounded = narrow < -most_narrow ? -most_narrow : narrow;
+    const double level = bounded + variance * within * (nepers - 0.5 * within);
+    const float log_level = static_cast<float>(level) + values[i];
+    const float least = log_level < kLowest ? kLowest : log_level;
+    values[i] = fast_exp(least > 0.0f ? 0.0f : least);
+  }
+}
+
+double interpolated(std::span<const float> nodes, double position) {
+  const auto last = static_cast<double>(nodes.size() - 1);
+  const double within = std::clamp(position, 0.0, last);
+  const auto node = std::min(static_cast<std::size_t>(within), nodes.size() - 2);
+  const double share = within - static_cast<double>(node);
+  return (1 - share) * static_cast<double>(nodes[node]) +
+         share * static_cast<double>(nodes[node + 1]);
+}
+
+}  // namespace
+
+StickLosses::StickLosses(const hw::AcquisitionPlan& plan,
+                         const SimulationOptions& options,
+                         const std::vector<phantoms::Material>& materials,
+                         double spacing_m,
+                         int samples)
+    : options_(options),
+      tissue_(plan, options, materials),
+      band_(plan.probe()),
+      spacing_m_(spacing_m),
+      samples_(samples),
+      visible_(visible_amplitude(plan, options)) {
+  for (const auto& material : materials) {
+    const double assumed_m_s = plan.acquisition().sound_speed_m_s;
+    speed_ratio_.push_back(options.tissue_sound_speed ? assumed_m_s / material.sound_speed_m_s : 1);
+    absorbs_ = absorbs_ || (options.attenuation && material.attenuation_db_per_cm_mhz > 0);
+  }
+}
+
+void StickLosses::compute(const StickTrack& track, const ApertureCorrection& correction) {
+  correction_ = correction;
+  remaining_.clear();
+  frequency_ratio_.clear();
+  delay_m_.clear();
+  at_interface_.assign(track.interfaces.size(), 0);
+  apparent_from_m_.clear();
+  keep_ = 0;
+  visible_samples_ = samples_;
+  PathState path;
+  for (std::size_t s = 0; s < track.stretches.size(); ++s) {
+    const Stretch& stretch = track.stretches[s];
+    apparent_from_m_.push_back(path.apparent_m);
+    if (s > 0) cross(track, s - 1, path);
+    const double ratio = speed_ratio(stretch.material);
+    const double length_m = stretch.to_m - stretch.from_m;
+    const double end_m = path.apparent_m + length_m * ratio;
+    // The last stretch includes the last sample regardless of rounding.
+    const bool is_last = s + 1 == track.stretches.size();
+    const int end = is_last && ratio == 1 ? samples_ : samples_before(end_m);
+    append(path, stretch, end);
+    if (static_cast<int>(remaining_.size()) < end) break;
+    path.nepers += tissue_.nepers_per_m(stretch.material) * length_m;
+    path.apparent_m = end_m;
+  }
+  trim();
+}
+
+double StickLosses::level(const PathState& path, double true_m) const {
+  const double gain = band_.log_gain(path.nepers);
+  if (correction_.empty()) {
+    return path.lost ? 0 : path.transmitted * std::exp(gain - path.nepers);
+  }
+  const double narrow = std::max(std::log(path.transmitted) - path.nepers, -2 * kMostNepers);
+  const double aside = interpolated(correction_.log_gain, true_m / correction_.step_m);
+  return std::exp(std::min(narrow + gain + aside, 0.0));
+}
+
+void StickLosses::cross(const StickTrack& track, std::size_t interface, PathState& path) {
+  const Interface& crossed = track.interfaces[interface];
+  at_interface_[interface] = level(path, crossed.range_m);
+  if (at_interface_[interface] > visible_) {
+    keep_ = samples_before(path.apparent_m + kBehindInterface_m);
+  }
+  const double through = tissue_.transmission(crossed);
+  path.lost = path.lost || through < TissueLosses::kLeastTransmission;
+  path.transmitted *= std::max(through, TissueLosses::kLeastTransmission);
+}
+
+int StickLosses::samples_before(double range_m) const {
+  const double position = range_m / spacing_m_ - 0.5;
+  const int whole = static_cast<int>(position);
+  return std::clamp(whole < position ? whole + 1 : whole, 0, samples_);
+}
+
+void StickLosses::append(const PathState& path, const Stretch& stretch, int end) {
+  const int first = static_cast<int>(remaining_.size());
+  if (end <= first) return;
+  const double ratio = speed_ratio(stretch.material);
+  const double nepers_per_m = tissue_.nepers_per_m(stretch.material) / ratio;
+  const double to_first_m = (first + 0.5) * spacing_m_ - path.apparent_m;
+  const double nepers = path.nepers + nepers_per_m * to_first_m;
+  const double per_sample = nepers_per_m * spacing_m_;
+  const LevelLine line{std::log(path.transmitted), nepers, per_sample};
+  remaining_.resize(static_cast<std::size_t>(end));
+  if (absorbs_) {
+    frequency_ratio_.resize(static_cast<std::size_t>(end));
+    fill_ramp(1 - band_.variance() * nepers,
+              -band_.variance() * per_sample,
+              BandLoss::kLowest,
+              end - first,
+              frequency_ratio_.data() + first);
+  }
+  if (correction_.empty()) {
+    fill_on_axis(line, path.transmitted, first);
+    if (path.lost) visible_samples_ = std::min(visible_samples_, first);
+    end_where_invisible(first);
+  } else {
+    fill_corrected(line, stretch.from_m + to_first_m / ratio, spacing_m_ / ratio, first);
+  }
+  if (options_.tissue_sound_speed) append_delays(stretch, path.apparent_m);
+}
+
+void StickLosses::fill_on_axis(const LevelLine& line, double amplitude, int first) {
+  const int count = static_cast<int>(remaining_.size()) - first;
+  const double step = line.per_sample, variance = band_.variance();
+  const double most = band_.most_nepers();
+  const double until = step > 0 ? std::ceil((most - line.nepers) / step) : count;
+  const int curved = static_cast<int>(std::clamp(until, 0.0, static_cast<double>(count)));
+  const auto at = [&](double nepers) {
+    return amplitude * std::exp(band_.log_gain(nepers) - nepers);
+  };
+  float* values = remaining_.data() + first;
+  if (curved > 0) {
+    // The logarithm's first difference is -step (1 - variance (n + step / 2)).
+    const double ratio = std::exp(step * (variance * (line.nepers + 0.5 * step) - 1));
+    fill_decay(at(line.nepers), ratio, std::exp(variance * step * step), curved, values);
+  }
+  if (curved < count) {
+    const double ratio = std::exp(-BandLoss::kLowest * step);
+    fill_decay(at(line.nepers + curved * step), ratio, 1, count - curved, values + curved);
+  }
+}
+
+void StickLosses::fill_corrected(const LevelLine& line,
+                                 double true_m,
+                                 double true_step_m,
+                                 int first) {
+  const int count = static_cast<int>(remaining_.size()) - first;
+  const double from = true_m / correction_.step_m, per_sample = true_step_m / correction_.step_m;
+  float* values = remaining_.data() + first;
+  std::fill_n(values, count, 0.0f);
+  add_interpolated(correction_.log_gain, from, per_sample, count, values);
+  fill_levels(line.log_transmitted,
+              line.nepers,
+              line.per_sample,
+              band_.variance(),
+              band_.most_nepers(),
+              2 * kMostNepers,
+              count,
+              values);
+  if (!absorbs_) return;
+  float* ratios = frequency_ratio_.data() + first;
+  add_interpolated(correction_.frequency, from, per_sample, count, ratios);
+  for (int i = 0; i < count; ++i) {
+    ratios[i] = std::clamp(ratios[i], static_cast<float>(BandLoss::kLowest), 1.0f);
+  }
+}
+
+void StickLosses::end_where_invisible(int first) {
+  const int end = static_cast<int>(remaining_.size());
+  if (visible_samples_ > first && is_visible(remaining_.back())) return;
+  const auto from = remaining_.begin() + first;
+  const auto visible = [this](float a) { return is_visible(a); };
+  const auto cut = std::partition_point(from, remaining_.end(), visible) - remaining_.begin();
+  visible_samples_ = std::min(visible_samples_, static_cast<int>(cut));
+  remaining_.resize(static_cast<std::size_t>(std::max(visible_samples_, std::min(keep_, end))));
+}
+
+void StickLosses::trim() {
+  if (!correction_.empty()) {
+    const auto last = std::find_if(
+        remaining_.rbegin(), remaining_.rend(), [this](float a) { return is_visible(a); });
+    const auto size = remaining_.size();
+    visible_samples_ = static_cast<int>(remaining_.rend() - last);
+    remaining_.resize(std::min(size, static_cast<std::size_t>(std::max(visible_samples_, keep_))));
+  }
+  visible_samples_ = std::min(visible_samples_, static_cast<int>(remaining_.size()));
+  if (absorbs_) frequency_ratio_.resize(remaining_.size());
+  if (options_.tissue_sound_speed) delay_m_.resize(remaining_.size());
+}
+
+void StickLosses::append_delays(const Stretch& stretch, double from_m) {
+  const double ratio = speed_ratio(stretch.material);
+  for (std::size_t i = delay_m_.size(); i < remaining_.size(); ++i) {
+    const double here_m = (static_cast<double>(i) + 0.5) * spacing_m_;
+    const double true_m = stretch.from_m + (here_m - from_m) / ratio;
+    delay_m_.push_back(static_cast<float>(here_m - true_m));
+  }
+}
+
+double StickLosses::apparent_m(const StickTrack& track, double true_m) const {
+  if (!options_.tissue_sound_speed) return true_m;
+  std::size_t s = 0;
+  while (s + 1 < apparent_from_m_.size() && true_m >= track.stretches[s + 1].from_m) ++s;
+  const Stretch& stretch = track.stretches[s];
+  return apparent_from_m_[s] + (true_m - stretch.from_m) * speed_ratio(stretch.material);
+}
+
+}  // namespace wobblebench::sim

@@ -1,0 +1,106 @@
+// Two-way losses along a stick.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "hw/probe/acquisition_plan.h"
+#include "phantoms/material.h"
+#include "sim/losses/losses.h"
+#include "sim/options.h"
+#include "sim/tissue/stick_track.h"
+
+namespace wobblebench::sim {
+
+/// Correction of a stick's losses for the ray paths beside its axis, at equidistant nodes of true
+/// range, the first at the face. Empty: no correction.
+struct ApertureCorrection {
+  double step_m = 0;
+  std::span<const float> log_gain;   ///< natural logarithm of the factor on the two-way amplitude
+  std::span<const float> frequency;  ///< added to frequency_ratio()
+
+  bool empty() const { return log_gain.empty(); }
+};
+
+/// The amplitude that remains along a stick, and the apparent ranges: the ranges that the scanner
+/// computes from the time of flight with one assumed sound speed. Samples lie at the apparent
+/// ranges (i + 1/2) * spacing_m. Holds the working memory of one thread.
+class StickLosses {
+ public:
+  /// remaining() extends this far behind the last visible interface, because the beam's footprint
+  /// spreads the interface's echo over this range.
+  static constexpr double kBehindInterface_m = 4e-3;
+  /// Upper bound of the one-way loss at the centre frequency: 600 dB.
+  static constexpr double kMostNepers = 69;
+
+  /// `materials` must outlive it.
+  StickLosses(const hw::AcquisitionPlan& plan,
+              const SimulationOptions& options,
+              const std::vector<phantoms::Material>& materials,
+              double spacing_m,
+              int samples);
+
+  /// Computes one stick; reuses the memory of the stick before.
+  void compute(const StickTrack& track, const ApertureCorrection& correction = {});
+
+  /// Two-way amplitude that remains at each sample, after the transmission 1 - R^2 of each
+  /// interface and the absorption of the pulse's band (BandLoss). Ends where an echo is invisible,
+  /// but not within kBehindInterface_m of a visible interface; never 0.
+  const std::vector<float>& remaining() const { return remaining_; }
+  /// Number of samples up to the last visible one.
+  int visible_samples() const { return visible_samples_; }
+  /// Centre frequency of the pulse at each sample of remaining(), relative to the transmitted one;
+  /// empty where no material absorbs.
+  const std::vector<float>& frequency_ratio() const { return frequency_ratio_; }
+  /// Two-way amplitude that remains at each interface of the track; 0 beyond the last sample.
+  const std::vector<double>& at_interface() const { return at_interface_; }
+  /// Apparent minus true range at each sample of remaining(); empty where sound has one speed.
+  const std::vector<float>& delay_m() const { return delay_m_; }
+  /// Apparent range of a true range.
+  double apparent_m(const StickTrack& track, double true_m) const;
+  /// Number of samples that lie before an apparent range.
+  int samples_before(double range_m) const;
+
+ private:
+  struct LevelLine;
+  /// Propagation from the face to the near end of a stretch.
+  struct PathState {
+    double apparent_m = 0;
+    double transmitted = 1;
+    double nepers = 0;  ///< absorbed
+    bool lost = false;  ///< behind a total reflection
+  };
+
+  double speed_ratio(phantoms::MaterialIndex material) const {
+    return speed_ratio_[static_cast<std::size_t>(material)];
+  }
+  double level(const PathState& path, double true_m) const;
+  void cross(const StickTrack& track, std::size_t interface, PathState& path);
+  void append(const PathState& path, const Stretch& stretch, int end);
+  /// Fill the samples from `first` on, by the losses on the axis or with the correction.
+  void fill_on_axis(const LevelLine& line, double amplitude, int first);
+  void fill_corrected(const LevelLine& line, double true_m, double true_step_m, int first);
+  void append_delays(const Stretch& stretch, double from_m);
+  bool is_visible(float amplitude) const { return static_cast<double>(amplitude) > visible_; }
+  void end_where_invisible(int first);
+  void trim();
+
+  SimulationOptions options_;
+  TissueLosses tissue_;
+  BandLoss band_;
+  std::vector<double> speed_ratio_;  ///< of each material: assumed sound speed over its own
+  bool absorbs_ = false;             ///< true if a material absorbs
+  double spacing_m_;
+  int samples_;
+  double visible_;
+  ApertureCorrection correction_;  ///< of the current stick
+  int keep_ = 0;                   ///< number of samples that are kept even if invisible
+  int visible_samples_ = 0;
+  std::vector<float> remaining_;
+  std::vector<float> frequency_ratio_;
+  std::vector<double> at_interface_;
+  std::vector<float> delay_m_;
+  std::vector<double> apparent_from_m_;  ///< of each stretch
+};
+
+}  // namespace wobblebench::sim
