@@ -1,7 +1,7 @@
 // Where libhdf5 was not found by CMake.
 #include <stdexcept>
 
-#include "phantoms/import/hdf5_parse.h"
+#include "phantoms/import/parsers.h"
 
 namespace wobblebench::phantoms {
 

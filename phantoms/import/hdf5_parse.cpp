@@ -1,4 +1,4 @@
-#include "phantoms/import/hdf5_parse.h"
+#include "phantoms/import/parsers.h"
 
 #include <hdf5.h>
 

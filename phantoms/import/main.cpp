@@ -13,7 +13,7 @@
 #include <new>
 #include <string>
 
-#include "phantoms/import/hdf5_parse.h"
+#include "phantoms/import/parsers.h"
 #include "phantoms/import/mesh_parse.h"
 #include "phantoms/import/vdb_parse.h"
 #include "phantoms/io/import_process.h"

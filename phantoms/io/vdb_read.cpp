@@ -1,4 +1,4 @@
-// Reads phantoms that vdb_write.cpp wrote.
+// Reads phantoms that phantom_vdb.cpp wrote.
 #include <cmath>
 #include <stdexcept>
 

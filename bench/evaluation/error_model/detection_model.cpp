@@ -8,7 +8,7 @@
 
 #include "base/statistics.h"
 #include "base/units.h"
-#include "bench/evaluation/registration/block_bootstrap.h"
+#include "bench/evaluation/registration/uncertainty.h"
 #include "bench/evaluation/registration/identifiability.h"
 
 namespace wobblebench::bench {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/evaluation/registration/block_bootstrap.h"
+#include "bench/evaluation/registration/uncertainty.h"
 #include "bench/evaluation/registration/identifiability.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/studies/tables/table_scans.h"
+#include "bench/studies/tables/tables_command.h"
 
 #include <utility>
 

@@ -14,7 +14,7 @@
 #include "bench/scene/adopt_plan.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/table_options.h"
-#include "bench/studies/tables/table_scans.h"
+#include "bench/studies/tables/tables_command.h"
 #include "bench/studies/tables/tables_figure.h"
 #include "bench/studies/tables/tables_report.h"
 

@@ -10,7 +10,7 @@
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/truth.h"
 #include "bench/pipeline/acquire.h"
-#include "bench/studies/tables/table_scans.h"
+#include "bench/studies/tables/tables_command.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
 

@@ -1,4 +1,4 @@
-#include "bench/evaluation/registration/block_bootstrap.h"
+#include "bench/evaluation/registration/uncertainty.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Intervals of the mean of a process whose correlation is known.
-#include "bench/evaluation/registration/block_bootstrap.h"
+#include "bench/evaluation/registration/uncertainty.h"
 
 #include <gtest/gtest.h>
 
