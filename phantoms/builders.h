@@ -1,4 +1,5 @@
-// The built-in phantoms, one function each. Options are checked by make_phantom.
+// The phantoms by name, one function each: built in, and imported from files. Options are checked
+// by make_phantom().
 #pragma once
 
 #include "phantoms/phantom.h"
@@ -29,9 +30,9 @@ Phantom make_sphere(const PhantomOptions& options);
 /// point_targets().
 Phantom make_points(const PhantomOptions& options);
 
-/// In the default probe's polar coordinates: on the axis at ranges of 20, 30 … 150 mm; at 50, 100
-/// and 150 mm at 10, 20 and 30 deg to both sides in the image plane, and at 10 and 20 deg of the
-/// motor to both sides across it.
+/// A target in the default probe's polar coordinates. Targets lie on the axis at ranges of 20, 30 …
+/// 150 mm; at 50, 100 and 150 mm at 10, 20 and 30 deg to both sides in the image plane, and at 10
+/// and 20 deg of the motor to both sides across it.
 struct PointTarget {
   double range_m;
   double theta_rad;
@@ -48,5 +49,20 @@ Phantom make_cyst(const PhantomOptions& options);
 /// A square plate of bone in tissue that fills the field, 30 mm wide, thickness_m thick, its front
 /// face tilted as that of make_plane(); casts a shadow. No target.
 Phantom make_bone_plate(const PhantomOptions& options);
+
+// The origin of an imported phantom is the centre of the surfaces' axis-aligned bounding box; its
+// axes are those of the file; phantoms/framing.h says where it lies before the probe.
+
+/// A closed triangle mesh (.obj, .stl, .ply by Assimp; all meshes of the file together) as one
+/// surface. Throws InvalidPhantom "file = "PATH": reason" for a file that is not readable, has no
+/// triangles or values that are not finite, is not closed, is oriented inconsistently or inside
+/// out, intersects itself, is smaller than 4 voxels or larger than 500 mm, or would take more than
+/// 4 GB of memory.
+Phantom make_mesh(const PhantomOptions& options);
+
+/// Float level sets of an OpenVDB file, all with the same voxels. Throws InvalidPhantom for grids
+/// that are not readable, empty, not finite, of another type or class, without cubic voxels, not
+/// distances, too small or too large, and for names missing in the file or the material table.
+Phantom make_vdb(const PhantomOptions& options);
 
 }  // namespace wobblebench::phantoms

@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "phantoms/float_grid_fwd.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::phantoms {
 

@@ -4,16 +4,23 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
-#include "phantoms/shapes/calibration.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 // z of the front of an imported body in the frame of the default probe: 65 mm below its face.
 constexpr double kFront_m = (40 + 65) * 1e-3;
+
+// Larger bodies extend beyond every field; smaller ones are not resolved.
+constexpr double kLargestBody_m = 500e-3;
+constexpr int kSmallestBody_voxels = 4;
 
 constexpr Box kNowhere{glm::dvec3(std::numeric_limits<double>::infinity()),
                        glm::dvec3(-std::numeric_limits<double>::infinity())};
@@ -54,6 +61,12 @@ bool is_imported(const Phantom& phantom) {
   return phantom.name() == "mesh" || phantom.name() == "vdb";
 }
 
+std::string millimetres(const glm::dvec3& size_m) {
+  std::ostringstream text;
+  text << size_m.x * 1e3 << " x " << size_m.y * 1e3 << " x " << size_m.z * 1e3 << " mm";
+  return text.str();
+}
+
 }  // namespace
 
 Framing framing_of_body(const Box& bounds) {
@@ -72,6 +85,36 @@ Framing framing(const Phantom& phantom, const glm::dmat3& rotation) {
     if (bounds.low.x <= bounds.high.x) return framing_of_body(bounds);
   }
   return {turned(phantom.region_of_interest(), rotation), phantom.suggested_position_m()};
+}
+
+void check_size(const Box& bounds, double voxel_m) {
+  const glm::dvec3 size = bounds.high - bounds.low;
+  const double least = std::min({size.x, size.y, size.z});
+  std::ostringstream reason;
+  if (!(std::max({size.x, size.y, size.z}) <= kLargestBody_m)) {
+    reason << "measures " << millimetres(size) << ", more than " << kLargestBody_m * 1e3
+           << ": is unit_mm right?";
+  } else if (!(least >= kSmallestBody_voxels * voxel_m)) {
+    reason << "measures " << millimetres(size) << ", less than " << kSmallestBody_voxels
+           << " voxels of " << voxel_m * 1e3 << " mm: is unit_mm right?";
+  } else {
+    return;
+  }
+  throw std::invalid_argument(reason.str());
+}
+
+Phantom imported_phantom(const PhantomOptions& options,
+                         std::vector<Surface> surfaces,
+                         const Box& bounds,
+                         std::shared_ptr<const Grids> grids) {
+  const Framing framing = framing_of_body(bounds);
+  return Phantom(options.name,
+                 material_table(),
+                 material_index(options.background),
+                 std::move(surfaces),
+                 framing.region_of_interest,
+                 framing.position_m,
+                 std::move(grids));
 }
 
 }  // namespace wobblebench::phantoms

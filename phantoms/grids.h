@@ -2,21 +2,57 @@
 // voxels includes phantoms/float_grid.h too.
 #pragma once
 
+#include <openvdb/version.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "phantoms/float_grid_fwd.h"
 #include "phantoms/phantom.h"
 
+namespace openvdb {
+OPENVDB_USE_VERSION_NAMESPACE
+namespace OPENVDB_VERSION_NAME {
+
+template <typename TreeT>
+class Grid;
+
+namespace tree {
+
+template <typename RootT>
+class Tree;
+template <typename ChildT>
+class RootNode;
+template <typename ChildT, std::uint32_t Log2Dim>
+class InternalNode;
+template <typename T, std::uint32_t Log2Dim>
+class LeafNode;
+
+}  // namespace tree
+}  // namespace OPENVDB_VERSION_NAME
+}  // namespace openvdb
+
 namespace wobblebench::phantoms {
+
+/// openvdb::FloatGrid; defined in phantoms/float_grid.h.
+using FloatGrid = openvdb::Grid<openvdb::tree::Tree<openvdb::tree::RootNode<
+    openvdb::tree::InternalNode<openvdb::tree::InternalNode<openvdb::tree::LeafNode<float, 3>, 4>,
+                                5>>>>;
 
 /// Signed distances in metres (negative inside), world space = phantom frame in metres, in the
 /// order of Phantom::surfaces(); narrow band, outside it signed background and flooded tiles.
 struct Grids {
   std::vector<std::shared_ptr<const FloatGrid>> signed_distance;
 };
+
+/// The grids of a phantom with one surface.
+inline std::shared_ptr<const Grids> single_grid(std::shared_ptr<const FloatGrid> grid) {
+  auto grids = std::make_shared<Grids>();
+  grids->signed_distance = {std::move(grid)};
+  return grids;
+}
 
 struct GridMemory {
   double voxel_m = 0;

@@ -1,16 +1,21 @@
 // The phantoms by name, and the checks of their options.
-#include <cmath>
+#include <unistd.h>
+
+#include <filesystem>
 #include <numeric>
 #include <sstream>
+#include <system_error>
 
 #include "phantoms/builders.h"
-#include "phantoms/io/imports.h"
 #include "phantoms/io/scatterer_file.h"
+#include "phantoms/io/triangle_mesh.h"
 #include "phantoms/phantom.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Source {
   std::string name;
@@ -24,6 +29,56 @@ void check_voxel(const PhantomOptions& options, double coarsest_m) {
   std::ostringstream allowed;
   allowed << "must be at most " << coarsest_m * 1e3 << " for the phantom " << options.name;
   throw refusal("voxel_mm", options.voxel_m * 1e3, allowed.str());
+}
+
+void check_readable(const std::string& file, const std::string& kind) {
+  if (file.empty()) throw refusal("file", quoted(file), "must be the path of " + kind);
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) {
+    const bool missing = !error || error == std::errc::no_such_file_or_directory;
+    throw refusal("file", quoted(file), missing ? "no such file" : error.message());
+  }
+  if (fs::file_size(file, error) == 0) {
+    throw refusal("file", quoted(file), "not readable as " + kind + " (it is empty)");
+  }
+  if (::access(file.c_str(), R_OK) != 0) throw refusal("file", quoted(file), "cannot be read");
+}
+
+void check_material(const std::string& key, const std::string& name) {
+  std::string known;
+  for (const Material& entry : material_table()) {
+    if (entry.name == name) return;
+    known += (known.empty() ? "" : ", ") + entry.name;
+  }
+  throw refusal(key, quoted(name), "must be one of " + known);
+}
+
+void check_materials(const PhantomOptions& options) {
+  for (const std::string& name : options.materials) check_material("materials", name);
+  check_material("background", options.background);
+}
+
+void check_mesh(const PhantomOptions& options) {
+  check_readable(options.file, "an .obj, .stl or .ply");
+  const std::string extension = lower_case_extension(options.file);
+  if (extension != ".obj" && extension != ".stl" && extension != ".ply") {
+    throw refusal("file", quoted(options.file), "must be an .obj, .stl or .ply");
+  }
+  if (options.materials.size() != 1) {
+    throw refusal("materials",
+                  std::to_string(options.materials.size()) + " names",
+                  "takes one name for a mesh");
+  }
+  check_materials(options);
+}
+
+void check_vdb(const PhantomOptions& options) {
+  check_readable(options.file, "a .vdb");
+  check_materials(options);
+}
+
+void check_file(const PhantomOptions& options) {
+  check_readable(options.file, "a .vdb");
 }
 
 void check_any_voxel(const PhantomOptions&) {}
@@ -75,6 +130,10 @@ void check_steps(const PhantomOptions& options) {
   check_voxel(options, kStairs_m / double(heights.size() + 1) / 4);
 }
 
+Phantom read_file(const PhantomOptions& options) {
+  return read_phantom(options.file);
+}
+
 const std::vector<Source>& built_in() {
   static const std::vector<Source> all = {{"fetal_face", make_fetal_face, check_fetal_face},
                                           {"plane", make_plane, check_any_voxel},
@@ -90,7 +149,7 @@ const std::vector<Source>& built_in() {
 const std::vector<Source>& imported() {
   static const std::vector<Source> all = {{"mesh", make_mesh, check_mesh},
                                           {"vdb", make_vdb, check_vdb},
-                                          {"file", make_file, check_file}};
+                                          {"file", read_file, check_file}};
   return all;
 }
 

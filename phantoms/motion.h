@@ -8,9 +8,64 @@
 
 #include "base/options.h"
 #include "base/units.h"
-#include "phantoms/mouth.h"
 
 namespace wobblebench::phantoms {
+
+/// A mouth, open at rest, and the lower jaw that closes it. The jaw moves within a box about the
+/// mouth and in full at its middle: to the sides the displacement falls to 0 at `reach_m` from the
+/// median plane, behind the lips at 1.6 and in front of them at 1 `reach_m`, down the neck at 2.5.
+struct Mouth {
+  /// Columns: unit vectors to an observer's right, to the chin, and to the occiput; phantom frame.
+  glm::dmat3 axes{1.0};
+  glm::dvec3 center_m{0};  ///< middle of the gap between the lips, in the median plane
+  double opening_m = 0;    ///< height of the gap, at rest
+  double reach_m = 0;      ///< at least 3 / 4 of the opening
+};
+
+/// Whether its sizes are positive, and its axes orthonormal within 1e-9.
+bool is_possible(const Mouth& mouth);
+
+/// Largest share of the opening by which the jaw may rise: the gap then keeps at least 0.15 of its
+/// height at each point, and the map its inverse.
+inline constexpr double kMostClosed = 0.85;
+
+/// The lower jaw raised by a height: y = v - rise w(x, z) g(v) along the axis to the chin, x, y, z
+/// and v in the mouth's axes. w = 1 at the lips. g rises from 0 in the upper lip to 1 in the lower
+/// one, linearly within the gap, and falls from 1 to 0 down the neck. All are twice continuously
+/// differentiable. Fluid and tissue between the lips are compressed, the neck is stretched.
+///
+/// @code
+/// #include <cstdio>
+/// const phantoms::Mouth mouth{.opening_m = 6e-3, .reach_m = 16e-3};
+/// const phantoms::JawRise jaw(mouth, 3e-3);
+/// const glm::dvec3 lip_m = jaw.from_rest({0, 3e-3, 0});  // the lower lip, raised by up to 3 mm
+/// std::printf("%g mm\n", lip_m.y / kMillimetre);
+/// @endcode
+class JawRise {
+ public:
+  JawRise() = default;  ///< nothing moves
+  /// `rise_m`: at most kMostClosed of the opening.
+  JawRise(const Mouth& mouth, double rise_m) : mouth_(mouth), rise_m_(rise_m) {}
+
+  bool none() const { return rise_m_ == 0; }
+  glm::dvec3 from_rest(const glm::dvec3& rest_m) const;
+  /// The inverse, by safeguarded Newton iteration: within 1e-12 m.
+  glm::dvec3 to_rest(const glm::dvec3& now_m) const;
+  /// Jacobian of from_rest(), column by axis.
+  glm::dmat3 jacobian(const glm::dvec3& rest_m) const;
+  /// Distance from the box outside which nothing moves; 0 within it; infinite for none().
+  double clearance_m(const glm::dvec3& rest_m) const;
+  /// Upper bound of the distance at rest of two points over their distance now.
+  double most_stretch() const;
+
+ private:
+  /// The position in the mouth's axes, from its centre.
+  glm::dvec3 local(const glm::dvec3& position_m) const;
+  bool within_box(const glm::dvec3& local_m) const;
+
+  Mouth mouth_;
+  double rise_m_ = 0;
+};
 
 /// A part of a phantom that can turn by itself: within `inner_m` of the centre tissue turns
 /// rigidly, beyond `outer_m` not at all; in between each spherical shell turns by an angle that
@@ -20,7 +75,7 @@ struct Joint {
   glm::dvec3 center_m{0};
   double inner_m = 0;
   double outer_m = 0;
-  std::optional<Mouth> mouth;  ///< of a head: moves in it, before it turns
+  std::optional<Mouth> mouth;  ///< the mouth of a head, which moves before the head turns
 };
 
 enum class HeadAxis {
@@ -40,7 +95,7 @@ enum class HeadAxis {
 /// A position at rest is mapped by them in this order: mouth, head, breath and heartbeat, turning,
 /// path.
 struct MotionOptions {
-  glm::dvec3 velocity_m_s{0, 0, 0};     ///< of the whole phantom, from time 0
+  glm::dvec3 velocity_m_s{0, 0, 0};     ///< velocity of the whole phantom, from time 0
   glm::dvec3 turn_rate_rad_s{0, 0, 0};  ///< about the phantom's origin, x then y then z
   double breath_amplitude_m = 0;        ///< peak displacement along y, a sine
   double breath_period_s = 4;
@@ -95,7 +150,7 @@ class Deformation {
     full,     ///< it turns rigidly with the head
     partial,  ///< it deforms, or reaches across a limit of the joint or of the jaw's movement
   };
-  /// Of a ball about a position at rest.
+  /// Turn of a ball about a position at rest.
   Turn turn_within(const glm::dvec3& rest_m, double radius_m) const;
   /// Radius of a ball about a position at rest that moves rigidly; 0 where tissue deforms.
   double rigid_radius_m(const glm::dvec3& rest_m) const;
@@ -153,8 +208,8 @@ class Motion {
 
   /// What the mouth adds to the rest of the motion, at most, at any time.
   struct MouthBounds {
-    double shift_m = 0;    ///< of a position at rest
-    double speed_m_s = 0;  ///< of the position at rest of a point that is fixed in the head
+    double shift_m = 0;    ///< displacement of a position at rest
+    double speed_m_s = 0;  ///< speed of the position at rest of a point that is fixed in the head
     double stretch = 1;    ///< distance at rest of two points over their distance now
   };
   MouthBounds mouth_bounds() const;

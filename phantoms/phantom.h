@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -14,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "phantoms/feature.h"
 #include "phantoms/material.h"
 #include "phantoms/motion.h"
 #include "phantoms/options.h"
@@ -36,6 +36,24 @@ struct Surface {
   MaterialIndex inside = 0;  ///< material within the surface
   /// Whether the renderer is to detect this surface: fluid on one side, tissue on the other.
   bool is_target = false;
+};
+
+struct FeatureBall {
+  glm::dvec3 center_m{0};
+  double radius_m = 0;
+};
+
+/// What lies within one of some balls, in the phantom frame at rest.
+struct Feature {
+  std::string name;
+  std::vector<FeatureBall> balls;
+
+  bool contains(const glm::dvec3& rest_m) const {
+    for (const FeatureBall& ball : balls) {
+      if (glm::distance(rest_m, ball.center_m) < ball.radius_m) return true;
+    }
+    return false;
+  }
 };
 
 /// An immutable phantom. Cheap to copy: the grids are shared.

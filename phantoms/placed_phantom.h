@@ -25,8 +25,8 @@ struct PlacedPhantom {
   Placement placement = {};
   Motion motion = {};
 
-  /// From the probe frame at a time (seconds of device time) to the phantom frame at rest, and
-  /// back.
+  /// Transforms from the probe frame at a time (seconds of device time) to the phantom frame at
+  /// rest, and back.
   glm::dvec3 to_rest(const glm::dvec3& probe_m, double time_s) const {
     return motion.to_rest(placement.to_phantom(probe_m), time_s);
   }

@@ -12,8 +12,8 @@ namespace wobblebench::phantoms {
 /// A point that echoes.
 struct PointScatterer {
   glm::dvec3 position_m{0};  ///< phantom frame at rest; the phantom's motion carries it
-  /// Of the echo on the axis of a beam at the point's own range, without losses on the way: 1 is a
-  /// perfect mirror's; negative: inverted.
+  /// Amplitude of the echo on the axis of a beam at the point's own range, without losses on the
+  /// way: 1 is a perfect mirror's; negative: inverted.
   double amplitude = 0;
 
   friend bool operator==(const PointScatterer&, const PointScatterer&) = default;
@@ -27,7 +27,7 @@ struct ScattererKey {
   friend bool operator==(const ScattererKey&, const ScattererKey&) = default;
 };
 
-/// Scatterers with a track each. Between the keys of a track place and amplitude are linear in
+/// Scatterers with a track each. Between the keys of a track position and amplitude are linear in
 /// time; before the first and after the last they stay. A track of one key is a fixed scatterer.
 ///
 /// @code
@@ -46,7 +46,7 @@ class PointScatterers {
 
   bool empty() const { return first_.empty(); }
   std::size_t size() const { return first_.size(); }
-  std::size_t keys() const { return keys_.size(); }  ///< of all tracks together
+  std::size_t keys() const { return keys_.size(); }  ///< number of keys of all tracks together
   bool fixed(std::size_t index) const { return track(index).size() == 1; }
   bool all_fixed() const { return keys() == size(); }
   std::span<const ScattererKey> track(std::size_t index) const;

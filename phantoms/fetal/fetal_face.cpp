@@ -11,10 +11,8 @@
 #include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
-#include "phantoms/fetal/face_features.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
-#include "phantoms/fetal/maternal_layer.h"
 #include "phantoms/grids.h"
 #include "phantoms/shapes/level_set.h"
 
@@ -59,6 +57,57 @@ glm::dvec3 position_for(double scale, double maternal_layer_m) {
                usual_z = 105 * kMillimetre + 20 * kMillimetre * (scale - 1);
   const double room = maternal_layer_m > 0 ? maternal_layer_m + kThinnestUterus_m : 0;
   return {0, y, std::max(usual_z, kFaceOfProbe_m + room - cavity_front_m(scale, 0, -y))};
+}
+
+// Places balls of the head frame in the phantom frame.
+class Placer {
+ public:
+  Placer(const FetalLandmarks& pose, double scale) : pose_(pose), scale_(scale) {}
+
+  double mm(double value) const { return value * kMillimetre * scale_; }
+  glm::dvec3 at(double x, double y, double z) const { return {mm(x), mm(y), mm(z)}; }
+  FeatureBall ball(const glm::dvec3& head_m, double radius_m) const {
+    return {pose_.head_to_phantom * head_m + pose_.head_position_m, radius_m};
+  }
+  void pair(glm::dvec3 head_m, double radius_m, std::vector<FeatureBall>& balls) const {
+    balls.push_back(ball(head_m, radius_m));
+    head_m.x = -head_m.x;
+    balls.push_back(ball(head_m, radius_m));
+  }
+
+ private:
+  const FetalLandmarks& pose_;
+  double scale_;
+};
+
+// Nose, lips, eyelids, ears, cheeks and forehead, placed by the landmarks of the head; where two
+// overlap the first of them counts. `scale`: of the face, relative to 21 weeks. `mouth_open_m`:
+// gap between the lips.
+std::vector<Feature> face_features(const FetalHead& head,
+                                   const FetalBiometry& biometry,
+                                   double scale,
+                                   double mouth_open_m) {
+  const FetalLandmarks& face = head.landmarks;
+  const Placer place(face, scale);
+  const double mouth = face.mouth_m.y, base = face.subnasale_m.y;
+  Feature nose{
+      "nose",
+      {place.ball(face.nose_tip_m, place.mm(5.5)), place.ball(place.at(0, 2, 2.2), place.mm(4.5))}};
+  place.pair({place.mm(3.6), base - place.mm(2.1), 0}, place.mm(4), nose.balls);
+  const double lip = 0.5 * mouth_open_m;
+  Feature lips{"lips", {place.ball(face.mouth_m, place.mm(5.5) + lip)}};
+  place.pair({place.mm(4.8), mouth, place.mm(1.2)}, place.mm(4.5) + lip, lips.balls);
+  Feature eyelids{"eyelids", {}};
+  place.pair(face.eye_center_m, head.eyes[1].radii_m.x + place.mm(3), eyelids.balls);
+  Feature ears{"ears", {}};
+  place.pair({biometry.biparietal_m / 2 + place.mm(2.5), place.mm(2), place.mm(33)},
+             place.mm(9),
+             ears.balls);
+  Feature cheeks{"cheeks", {}};
+  place.pair({place.mm(15), mouth - lip - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
+  Feature forehead{"forehead", {place.ball(place.at(0, -17, 4), place.mm(11))}};
+  place.pair(place.at(13, -16, 9), place.mm(10), forehead.balls);
+  return {nose, lips, eyelids, ears, cheeks, forehead};
 }
 
 // Signed distances of all parts, in the phantom frame. Must outlive the functions that it gives.
@@ -125,8 +174,8 @@ class FetalScene {
     return {size.center_m - 1.15 * size.radii_m, size.center_m + 1.15 * size.radii_m};
   }
   Box maternal_bounds() const { return maternal_layer_.bounds(); }
-  /// From the fluid in front of the nose to behind the ears, from above the crown to the upper
-  /// chest.
+  /// Reaches from the fluid in front of the nose to behind the ears, from above the crown to the
+  /// upper chest.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
     return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, -18 * kMillimetre * scale_},
@@ -182,7 +231,7 @@ struct Part {
   Distances distances;
 };
 
-// In painter's order.
+// The parts, in painter's order.
 constexpr Part kMaternalParts[] = {
     {"maternal_muscle", "muscle", false, &FetalScene::muscle, Distances::exact},
     {"maternal_fat", "fat", false, &FetalScene::fat, Distances::exact},

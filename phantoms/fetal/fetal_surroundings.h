@@ -1,7 +1,11 @@
-// What surrounds the fetal head, in the phantom frame: amniotic cavity, body, hand and cord.
+// What surrounds the fetal head, in the phantom frame: amniotic cavity, body, hand and cord, and
+// the mother's abdominal wall between the probe and the uterus.
 #pragma once
 
-#include "phantoms/shapes/csg_body.h"
+#include <vector>
+
+#include "phantoms/phantom.h"
+#include "phantoms/shapes/shapes.h"
 
 namespace wobblebench::phantoms {
 
@@ -43,5 +47,45 @@ struct CavitySize {
   glm::dvec3 radii_m;
 };
 CavitySize cavity_size(double scale);
+
+/// Depths at which its tissues end, on the axis below the probe's face.
+struct MaternalDepths {
+  double skin_m = 0;
+  double fat_m = 0;
+  double muscle_m = 0;  ///< the whole thickness
+};
+
+/// Skin: 2 mm, at most a fifth of the whole. Fat: 60 % of the rest. All assumed.
+MaternalDepths maternal_depths(double thickness_m);
+
+/// Nested bodies around the probe's face, each ending at the interface to the next tissue, in
+/// painter's order muscle, fat, skin. The skin follows the face of the probe; deeper interfaces are
+/// flatter. Each interface has an undulation of its own. Phantom frame.
+class MaternalLayer {
+ public:
+  /// `face_m`: the point of the probe's face on its axis.
+  MaternalLayer(double thickness_m, const glm::dvec3& face_m);
+
+  /// Signed distances, within some percent inside the narrow band.
+  double skin(const glm::dvec3& p) const { return distance(skin_, p); }
+  double fat(const glm::dvec3& p) const { return distance(fat_, p); }
+  double muscle(const glm::dvec3& p) const { return distance(muscle_, p); }
+
+  /// Contains all of them.
+  Box bounds() const;
+
+ private:
+  struct Interface {
+    Ellipsoid mean;
+    double undulation_m;
+    double phase;
+    double wave_at_axis;
+  };
+  Interface interface(double depth_m) const;
+  double distance(const Interface& interface, const glm::dvec3& p) const;
+
+  glm::dvec3 face_m_;
+  Interface skin_, fat_, muscle_;
+};
 
 }  // namespace wobblebench::phantoms

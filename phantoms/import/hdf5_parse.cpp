@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/text.h"
-#include "phantoms/io/scatterer_table.h"
+#include "phantoms/io/scatterer_file.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -48,7 +48,7 @@ void check_type(hid_t dataset, const std::string& name) {
   throw std::invalid_argument("dataset \"" + name + "\": must hold numbers");
 }
 
-/// Of one dimension; a second one of length 1, as MATLAB writes, is allowed.
+/// Length of a dataset of one dimension; a second one of length 1, as MATLAB writes, is allowed.
 std::size_t length_of(hid_t dataset, const std::string& name) {
   const Handle space(H5Dget_space(dataset), H5Sclose, "a shape");
   std::array<hsize_t, 2> sizes{1, 1};

@@ -11,12 +11,10 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 #include <string>
 
 #include "phantoms/import/parsers.h"
-#include "phantoms/import/mesh_parse.h"
-#include "phantoms/import/vdb_parse.h"
-#include "phantoms/io/import_process.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -49,7 +47,13 @@ void write_message(const std::string& format, const std::filesystem::path& path,
   if (format == "vdb") {
     write_vdb_message(path, out);
   } else if (format == "hdf5") {
+#if defined(WOBBLEBENCH_HDF5)
     write_hdf5_message(path, out);
+#else
+    throw std::invalid_argument(
+        "this build does not read HDF5, which needs libhdf5-dev; a .csv of the same columns will "
+        "do");
+#endif
   } else {
     write_mesh_message(path, out);
   }

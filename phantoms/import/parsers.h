@@ -1,4 +1,5 @@
-// Lists of point scatterers of HDF5 files.
+// The parsers of wobblebench-import: each reads a file of others into a message. Throw
+// std::invalid_argument with one line for a file that is not readable.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +8,18 @@
 
 namespace wobblebench::phantoms {
 
-/// Writes name and values of each dataset of the root group: one-dimensional numbers stored in the
-/// file itself. Groups are ignored. Throws std::invalid_argument with one line for any other
-/// dataset, for one of more than kMostScattererRows, and where this build does not read HDF5.
+/// Reads by OpenVDB, without delayed loading: refuses files that are truncated, or would take more
+/// than kMostBytes.
+void write_vdb_message(const std::filesystem::path& path, MessageWriter& out);
+
+/// Reads by Assimp: writes vertices (a count, then three doubles each) and triangles (a list of
+/// TriangleMesh::Triangle) of all meshes of the file, in its unit; polygons are triangulated,
+/// points and lines dropped. The extension says the format.
+void write_mesh_message(const std::filesystem::path& path, MessageWriter& out);
+
+/// Reads by libhdf5: writes name and values of each dataset of the root group, one-dimensional
+/// numbers stored in the file itself. Groups are ignored; any other dataset is refused, and one of
+/// more than kMostScattererRows. Only in builds with WOBBLEBENCH_HDF5.
 void write_hdf5_message(const std::filesystem::path& path, MessageWriter& out);
 
 }  // namespace wobblebench::phantoms

@@ -1,4 +1,4 @@
-#include "phantoms/import/vdb_parse.h"
+#include "phantoms/import/parsers.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -10,9 +10,6 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
-
-#include "phantoms/io/memory_limit.h"
-#include "phantoms/io/vdb_message.h"
 
 namespace wobblebench::phantoms {
 namespace {

@@ -35,18 +35,4 @@ class ImportedBytes {
   std::string_view message_;
 };
 
-/// First words of messages.
-inline constexpr std::uint32_t kImportResult = 0x54524557, kImportRefusal = 0x46524557;
-
-/// The descriptor that wobblebench-import writes its message to.
-inline constexpr int kImportDescriptor = 3;
-
-/// Most address space of wobblebench-import: a grid of kMostBytes, and what reading it takes.
-inline constexpr double kMostImportBytes = 6e9;
-
-/// Most processor time, s, for a file of this size: far above what a sound file takes.
-constexpr unsigned long most_import_seconds(unsigned long file_bytes) {
-  return 20 + file_bytes / 1'000'000;
-}
-
 }  // namespace wobblebench::phantoms

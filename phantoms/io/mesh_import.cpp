@@ -11,12 +11,14 @@
 #include <stdexcept>
 
 #include "base/text.h"
+#include "phantoms/builders.h"
 #include "phantoms/float_grid.h"
+#include "phantoms/framing.h"
+#include "phantoms/grids.h"
 #include "phantoms/io/import_process.h"
-#include "phantoms/io/imports.h"
-#include "phantoms/io/mesh_file.h"
+#include "phantoms/io/message.h"
+#include "phantoms/io/triangle_mesh.h"
 #include "phantoms/refusal.h"
-#include "phantoms/shapes/calibration.h"
 #include "phantoms/shapes/level_set.h"
 
 namespace wobblebench::phantoms {

@@ -1,5 +1,5 @@
-// What wobblebench-import hands back: numbers in this machine's byte order, counts before lists.
-// The reader trusts no count.
+// What wobblebench-import and its parent agree on: limits, and the message that it makes of a file.
+// Numbers are in this machine's byte order, counts come before lists. The parent trusts no count.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <cstring>
 #include <ios>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,6 +16,32 @@
 
 namespace wobblebench::phantoms {
 
+/// Most memory that a phantom from a file may take.
+inline constexpr double kMostBytes = 4e9;
+
+/// Throws std::invalid_argument "would take about … of memory …" for more than kMostBytes.
+inline void check_bytes(double bytes, const std::string& advice) {
+  if (bytes <= kMostBytes) return;
+  std::ostringstream reason;
+  reason.precision(3);
+  reason << "would take about " << bytes / 1e9 << " GB of memory; at most " << kMostBytes / 1e9
+         << " GB are allowed" << advice;
+  throw std::invalid_argument(reason.str());
+}
+
+/// Most address space of wobblebench-import: a grid of kMostBytes, and what reading it takes.
+inline constexpr double kMostImportBytes = 6e9;
+
+/// Most processor time, s, for a file of this size: far above what a sound file takes.
+constexpr unsigned long most_import_seconds(unsigned long file_bytes) {
+  return 20 + file_bytes / 1'000'000;
+}
+
+/// The descriptor that wobblebench-import writes its message to.
+inline constexpr int kImportDescriptor = 3;
+
+/// First words of messages.
+inline constexpr std::uint32_t kImportResult = 0x54524557, kImportRefusal = 0x46524557;
 /// The last word of a whole message.
 inline constexpr std::uint32_t kMessageEnd = 0x444e4557;
 
@@ -83,6 +110,30 @@ class MessageReader {
     return taken;
   }
   std::string_view left_;
+};
+
+// The message of a .vdb: metadata entries until VdbMetadata::end, each a type, a key and a value;
+// then grids until VdbContents::end, each with name, value type and class, and for a grid of floats
+// on a lattice its matrix (16 doubles, row by row), background, tiles until kNoMoreTiles, and
+// leaves.
+
+enum class VdbMetadata : std::uint32_t { end, text, number, integer, flag, vector };
+enum class VdbContents : std::uint32_t { end, name_alone, distances };
+
+/// One value for a cube of voxels: a tile of OpenVDB's tree.
+struct VdbTile {
+  std::array<std::int32_t, 3> low;  ///< least index of its voxels
+  std::int32_t level;               ///< 1: 8 voxels a side, 2: 128, 3: 4096
+  std::int32_t active;
+  float value;
+};
+inline constexpr std::int32_t kNoMoreTiles = -1;
+
+struct VdbLeaf {
+  static constexpr std::uint32_t kVoxels = 512;
+  std::array<std::int32_t, 3> low;
+  std::array<float, kVoxels> values;
+  std::array<std::uint64_t, kVoxels / 64> active;
 };
 
 }  // namespace wobblebench::phantoms

@@ -12,7 +12,8 @@ namespace wobblebench::phantoms {
 /// Raised by whoever changes the form of the bytes, or what a phantom is.
 inline constexpr int kPhantomBytesVersion = 4;
 
-/// nullopt where a grid is not as phantoms/io/grid_bytes.h asks for.
+/// nullopt where a grid is not such as this program's shapes: its inactive values plus or minus the
+/// background, its voxels cubic and moved at most, without metadata but its name.
 [[nodiscard]] std::optional<std::string> to_bytes(const Phantom& phantom);
 
 /// The same phantom to the bit. Throws DamagedBytes for bytes that no phantom has; a wrong value

@@ -1,16 +1,47 @@
 #include "phantoms/io/triangle_mesh.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "phantoms/io/import_process.h"
+#include "phantoms/io/message.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 using Triangle = TriangleMesh::Triangle;
+
+std::vector<glm::dvec3> read_vertices(MessageReader& in) {
+  std::vector<glm::dvec3> vertices;
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    const auto at = in.get<std::array<double, 3>>();
+    if (!std::isfinite(at[0]) || !std::isfinite(at[1]) || !std::isfinite(at[2])) {
+      throw std::invalid_argument("holds a vertex that is not finite");
+    }
+    vertices.emplace_back(at[0], at[1], at[2]);
+  }
+  return vertices;
+}
+
+std::vector<Triangle> read_triangles(MessageReader& in, std::size_t vertices) {
+  const std::string_view bytes = in.list<Triangle>();
+  std::vector<Triangle> triangles(bytes.size() / sizeof(Triangle));
+  if (triangles.empty()) throw std::invalid_argument("has no triangles");
+  std::memcpy(triangles.data(), bytes.data(), bytes.size());
+  for (const Triangle& triangle : triangles) {
+    for (const std::uint32_t corner : triangle) {
+      if (corner >= vertices) throw std::invalid_argument("has a face without its vertices");
+    }
+  }
+  return triangles;
+}
 
 bool is_less(const glm::dvec3& a, const glm::dvec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -43,6 +74,18 @@ class Shells {
 };
 
 }  // namespace
+
+TriangleMesh read_mesh(const std::filesystem::path& path) {
+  return mesh_from_message(ImportedBytes(ImportFormat::mesh, path).message());
+}
+
+TriangleMesh mesh_from_message(std::string_view message) {
+  MessageReader in(message);
+  TriangleMesh mesh;
+  mesh.vertices = read_vertices(in);
+  mesh.triangles = read_triangles(in, mesh.vertices.size());
+  return mesh;
+}
 
 TriangleMesh welded(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size());

@@ -1,9 +1,13 @@
-// Triangle meshes: welding, closedness, orientation, volume and area.
+// Triangle meshes: files, read by wobblebench-import; welding, closedness, orientation, volume and
+// area.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "phantoms/phantom.h"
@@ -16,6 +20,15 @@ struct TriangleMesh {
   std::vector<glm::dvec3> vertices;
   std::vector<Triangle> triangles;
 };
+
+/// All triangles of all meshes of the file, in its unit; polygons are triangulated, points and
+/// lines dropped. Throws std::invalid_argument with one line for a file that is not readable in the
+/// format of its extension, has no triangles, ends its reader, or has vertices that are not finite;
+/// ImportUnavailable where there is no reader.
+[[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
+
+/// The mesh of a message, of which nothing is trusted. Throws std::invalid_argument.
+[[nodiscard]] TriangleMesh mesh_from_message(std::string_view message);
 
 /// Merges vertices of exactly equal positions (each triangle of an STL has its own), and drops
 /// triangles with two equal corners.
@@ -35,5 +48,12 @@ std::vector<double> shell_volumes(const TriangleMesh& mesh);
 double surface_area(const TriangleMesh& mesh);
 /// Bounding box of all triangles; vertices of no triangle are ignored.
 Box bounds(const TriangleMesh& mesh);
+
+/// Such as ".stl", in lower case.
+inline std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return extension;
+}
 
 }  // namespace wobblebench::phantoms

@@ -12,9 +12,7 @@
 
 #include "phantoms/float_grid.h"
 #include "phantoms/io/import_process.h"
-#include "phantoms/io/memory_limit.h"
 #include "phantoms/io/message.h"
-#include "phantoms/io/vdb_message.h"
 
 namespace wobblebench::phantoms {
 namespace {

@@ -9,15 +9,18 @@
 #include <string_view>
 #include <vector>
 
-#include "phantoms/float_grid_fwd.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::phantoms {
+
+/// Metadata entry of the files that write_phantom() wrote: the version of their format.
+inline constexpr const char* kVersionKey = "wobblebench_phantom_version";
 
 struct VdbGrid {
   std::string name;
   std::string value_type;    ///< "float", "int32", …
   std::string grid_class;    ///< "level set", "fog volume", …
-  FloatGrid::Ptr distances;  ///< of floats on a lattice; null for any other
+  FloatGrid::Ptr distances;  ///< grid of floats on a lattice; null for any other
 };
 
 struct VdbFile {

@@ -7,12 +7,13 @@
 #include <stdexcept>
 
 #include "base/text.h"
+#include "phantoms/builders.h"
 #include "phantoms/float_grid.h"
+#include "phantoms/framing.h"
 #include "phantoms/grids.h"
 #include "phantoms/io/import_process.h"
-#include "phantoms/io/imports.h"
+#include "phantoms/io/message.h"
 #include "phantoms/io/vdb_file.h"
-#include "phantoms/io/vdb_metadata.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "phantoms/float_grid_fwd.h"
+#include "phantoms/grids.h"
 #include "phantoms/phantom.h"
 #include "phantoms/shapes/shapes.h"
 

@@ -1,8 +1,10 @@
-// Signed-distance shapes, negative inside. Distances and positions in metres.
+// Signed-distance shapes, negative inside, and bodies of them by constructive solid geometry (CSG).
+// Distances and positions in metres.
 #pragma once
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <variant>
 #include <vector>
 
 namespace wobblebench::phantoms {
@@ -52,7 +54,7 @@ class RoundCone {
   glm::dvec3 axis_;
   double taper_m_;
   double length2_, length_m_;
-  double slope_ = 0;      ///< of the mantle against the axis
+  double slope_ = 0;      ///< slope of the mantle against the axis
   bool is_ball_ = false;  ///< one ball contains the other
   Ball bound_;
 };
@@ -85,5 +87,43 @@ double box_distance(const glm::dvec3& position, const glm::dvec3& half_m);
 /// |a - b| >= fillet.
 double smooth_union(double a, double b, double fillet_m);
 double smooth_difference(double body, double tool, double fillet_m);
+
+using Shape = std::variant<Ellipsoid, Tube>;
+
+/// Shapes united and subtracted in the order of the calls, each with a fillet of its own.
+class CsgBody {
+ public:
+  void unite(const Shape& shape, double fillet_m) {
+    operations_.push_back(operation(shape, fillet_m, false));
+  }
+  void subtract(const Shape& shape, double fillet_m) {
+    operations_.push_back(operation(shape, fillet_m, true));
+  }
+  /// The shape and its mirror image in the plane x = 0.
+  void unite_pair(const Shape& shape, double fillet_m);
+  void subtract_pair(const Shape& shape, double fillet_m);
+
+  /// Signed distance in metres; first order at best near the surface, since fillets shorten it.
+  /// Operations whose bounds are too far from `position` to change the result are skipped.
+  double distance(const glm::dvec3& position) const;
+
+  /// A body with the same distance() to the bit at every position in the ball: without the
+  /// operations that change nothing there.
+  CsgBody near(const Ball& ball) const;
+
+ private:
+  struct Operation {
+    Shape shape;
+    double fillet_m;
+    bool is_difference;
+    Ball bound;
+  };
+  static Operation operation(const Shape& shape, double fillet_m, bool is_difference);
+
+  std::vector<Operation> operations_;
+};
+
+/// The mirror image of the shape in the plane x = 0.
+Shape mirrored(const Shape& shape);
 
 }  // namespace wobblebench::phantoms

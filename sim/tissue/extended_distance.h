@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "phantoms/float_grid_fwd.h"
+#include "phantoms/grids.h"
 
 namespace wobblebench::sim {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "phantoms/float_grid.h"
-#include "phantoms/io/mesh_file.h"
+#include "phantoms/io/triangle_mesh.h"
 #include "phantoms/io/vdb_file.h"
 
 namespace phantoms = wobblebench::phantoms;

@@ -124,7 +124,6 @@ TEST(IncludeOrder, FoldersOfARoomIncludeEachOtherOneWay) {
 /// Our headers that include OpenVDB or toml++, for .cpp files alone.
 const std::set<std::string> kHeavyOfOurs = {"phantoms/float_grid.h",
                                             "phantoms/io/vdb_file.h",
-                                            "phantoms/io/clearance.h",
                                             "sim/tissue/extended_distance.h",
                                             "bench/studies/accuracy/option_tables.h",
                                             "bench/scene/toml_file.h",

@@ -1,5 +1,4 @@
 // The jaw's rise against a map that is written anew here: numeric integrals and bisection.
-#include "phantoms/mouth.h"
 
 #include <gtest/gtest.h>
 

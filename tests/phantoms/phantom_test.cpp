@@ -10,7 +10,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "phantoms/fetal/fetal_landmarks.h"
+#include "phantoms/fetal/fetal_head.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"

@@ -7,8 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.h"
-#include "phantoms/fetal/fetal_biometry.h"
-#include "phantoms/fetal/fetal_landmarks.h"
+#include "phantoms/fetal/fetal_head.h"
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
 #include "phantoms/phantom.h"

@@ -1,6 +1,6 @@
 // The maternal layer: order, thickness and shape of its tissues between probe and uterus.
-#include "phantoms/fetal/maternal_layer.h"
 #include "base/units.h"
+#include "phantoms/fetal/fetal_surroundings.h"
 
 #include <gtest/gtest.h>
 

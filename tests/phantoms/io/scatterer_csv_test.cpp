@@ -1,12 +1,9 @@
 // Lists of point scatterers as CSV, and the refusals of those that are none.
-#include "phantoms/io/scatterer_csv.h"
+#include "phantoms/io/scatterer_file.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
-
-#include "phantoms/io/scatterer_file.h"
-#include "phantoms/io/scatterer_table.h"
 
 namespace wobblebench::phantoms {
 namespace {

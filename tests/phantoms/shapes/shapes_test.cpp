@@ -8,8 +8,6 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "phantoms/shapes/csg_body.h"
-
 namespace wobblebench::phantoms {
 namespace {
 
