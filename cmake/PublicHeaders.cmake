@@ -22,7 +22,6 @@ if(NOT WOBBLEBENCH_RENDER_ONLY)
     sim/options.h sim/probe_simulator.h sim/card/sim_link.h
     bench/evaluation/measures/depth_error.h bench/evaluation/registration/registration.h bench/evaluation/truth/truth.h)
   list(APPEND included_by_public_headers
-    phantoms/material.h phantoms/motion.h phantoms/point_scatterers.h sim/fidelity.h sim/iq_sink.h
-    bench/evaluation/measures/error_statistics.h bench/evaluation/registration/probe_fit.h)
+    phantoms/material.h phantoms/motion.h phantoms/point_scatterers.h sim/fidelity.h sim/iq_sink.h)
 endif()
 list(APPEND public_headers ${included_by_public_headers})

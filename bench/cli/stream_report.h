@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/evaluation/measures/error_statistics.h"
+#include "bench/evaluation/measures/depth_error.h"
 #include "bench/output/provenance.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"

@@ -9,7 +9,6 @@
 #include "base/statistics.h"
 #include "base/units.h"
 #include "bench/evaluation/registration/uncertainty.h"
-#include "bench/evaluation/registration/identifiability.h"
 
 namespace wobblebench::bench {
 

@@ -3,15 +3,21 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "bench/evaluation/truth/pixel_area.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Normal of the measured surface, towards the viewer; none at its rim.
 std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
@@ -114,6 +120,27 @@ std::vector<double> values_of(const Image<float>& map) {
 }
 
 }  // namespace
+
+DepthStatistics depth_statistics(std::vector<double> errors_m) {
+  DepthStatistics result{kUnset, kUnset, kUnset, kUnset, kUnset, static_cast<int>(errors_m.size())};
+  if (errors_m.empty()) return result;
+  result.bias_m = std::accumulate(errors_m.begin(), errors_m.end(), 0.0) / result.n;
+  result.rms_m = root_mean_square(errors_m);
+  result.median_m = quantile(errors_m, 0.5);
+  for (double& e : errors_m) e = std::abs(e);
+  result.max_m = *std::max_element(errors_m.begin(), errors_m.end());
+  result.p95_m = quantile(std::move(errors_m), 0.95);
+  return result;
+}
+
+NormalStatistics normal_statistics(std::vector<double> angles_rad) {
+  NormalStatistics result{kUnset, kUnset, kUnset, static_cast<int>(angles_rad.size())};
+  if (angles_rad.empty()) return result;
+  result.mean_rad = std::accumulate(angles_rad.begin(), angles_rad.end(), 0.0) / result.n;
+  result.median_rad = quantile(angles_rad, 0.5);
+  result.p95_rad = quantile(std::move(angles_rad), 0.95);
+  return result;
+}
 
 DepthError measure_depth_error(const Image<float>& depth_m,
                                const Truth& truth,

@@ -1,13 +1,34 @@
-// Error of a depth image against the truth.
+// Error of a depth image against the truth, pixel by pixel, and its statistics.
 #pragma once
+
+#include <vector>
 
 #include "base/image.h"
 #include "base/units.h"
-#include "bench/evaluation/measures/error_statistics.h"
 #include "bench/evaluation/truth/truth.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
+
+/// Signed error: measured minus true depth, positive where the measured surface is too deep.
+struct DepthStatistics {
+  double bias_m = 0;
+  double rms_m = 0;
+  double median_m = 0;  ///< median of the signed error
+  double p95_m = 0;     ///< 95 % quantile of its magnitude
+  double max_m = 0;     ///< largest magnitude
+  int n = 0;            ///< pixels with both surfaces; the other fields are NaN where this is 0
+};
+DepthStatistics depth_statistics(std::vector<double> errors_m);
+
+/// Angle between measured and true surface normal; NaN where n is 0.
+struct NormalStatistics {
+  double mean_rad = 0;
+  double median_rad = 0;
+  double p95_rad = 0;
+  int n = 0;
+};
+NormalStatistics normal_statistics(std::vector<double> angles_rad);
 
 /// @code
 /// #include <cstdio>
@@ -43,12 +64,12 @@ struct DepthError {
 
   /// A true surface is in view; without one there is nothing to find or to miss.
   bool surface_in_view() const { return surface > 0; }
-  /// Of all pixels of the picture, background included.
+  /// Percentages of all pixels of the picture, background included.
   double missed_percent() const { return 100.0 * missed / pixels; }
   double false_percent() const { return 100.0 * false_surface / pixels; }
-  /// Of the area of the true surface in view; NaN where there is none.
+  /// Percentage of the area of the true surface in view; NaN where there is none.
   double missed_surface_percent() const { return 100.0 * missed_m2 / surface_m2; }
-  /// Of the area of the measured surface; NaN where there is none.
+  /// Percentage of the area of the measured surface; NaN where there is none.
   double false_surface_percent() const { return 100.0 * false_m2 / found_m2; }
 };
 

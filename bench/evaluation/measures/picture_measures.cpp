@@ -1,6 +1,13 @@
 #include "bench/evaluation/measures/picture_measures.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <utility>
 
 #include "render/reference/reference.h"
 
@@ -8,8 +15,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-/// The window of the similarity index; smaller images have none.
-constexpr int kLeastImageSize = 11;
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
 /// Grazing surfaces may be found or not, but where they are a picture has no hole.
@@ -21,12 +26,116 @@ Image<float> with_grazing(const Truth& truth) {
   return depth_m;
 }
 
+/// Side of the similarity index's window, pixels; smaller pictures have no index.
+constexpr int kWindow = 11;
+
+cv::Mat luminance(const Image<glm::vec3>& image) {
+  cv::Mat1d grey(image.height, image.width);
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const glm::dvec3 rgb(image.at(column, row));
+      grey(row, column) = 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b;  // Rec. 709
+    }
+  }
+  return grey;
+}
+
+cv::Mat windowed(const cv::Mat& image) {
+  cv::Mat mean;
+  cv::GaussianBlur(image, mean, {kWindow, kWindow}, 1.5);
+  return mean;
+}
+
+/// What a row is filled from: the whole picture, or one of its regions.
+struct Source {
+  const PictureMeasures& picture;
+  const RegionError* region;  ///< null: the whole picture
+
+  const DepthStatistics& depth() const { return region ? region->depth : picture.raw.depth; }
+  const NormalStatistics& normal() const {
+    return region ? region->normal : picture.filtered.normal;
+  }
+  const NormalStatistics& raw_normal() const {
+    return region ? region->raw_normal : picture.raw.normal;
+  }
+  int surface() const { return region ? region->surface : picture.raw.surface; }
+  int missed() const { return region ? region->missed : picture.raw.missed; }
+  double share(int count) const { return 100.0 * count / picture.raw.pixels; }
+
+  double missed_percent() const { return surface() > 0 ? share(missed()) : kUnset; }
+  double missed_surface_percent() const {
+    return region ? region->missed_surface_percent() : picture.raw.missed_surface_percent();
+  }
+  double false_percent() const {
+    if (!picture.raw.surface_in_view()) return kUnset;
+    if (!region) return picture.raw.false_percent();
+    return region->group == "silhouette" ? share(region->false_surface) : kUnset;
+  }
+  double distance(double SurfaceDistance::*member) const {
+    return region || !picture.distance ? kUnset : *picture.distance.*member / kMillimetre;
+  }
+};
+
+using Column = std::pair<std::string, std::function<double(const Source&)>>;
+
+const std::vector<Column>& columns() {
+  static const std::vector<Column> all = {
+      {"bias_mm", [](const Source& s) { return s.depth().bias_m / kMillimetre; }},
+      {"median_mm", [](const Source& s) { return s.depth().median_m / kMillimetre; }},
+      {"rms_mm", [](const Source& s) { return s.depth().rms_m / kMillimetre; }},
+      {"p95_mm", [](const Source& s) { return s.depth().p95_m / kMillimetre; }},
+      {"max_mm", [](const Source& s) { return s.depth().max_m / kMillimetre; }},
+      {"pixels", [](const Source& s) { return 1.0 * s.depth().n; }},
+      {"surface_percent", [](const Source& s) { return s.share(s.surface()); }},
+      {"missed_percent", [](const Source& s) { return s.missed_percent(); }},
+      {"missed_surface_percent", [](const Source& s) { return s.missed_surface_percent(); }},
+      {"false_percent", [](const Source& s) { return s.false_percent(); }},
+      {"false_surface_percent",
+       [](const Source& s) { return s.region ? kUnset : s.picture.raw.false_surface_percent(); }},
+      {"normal_mean_deg", [](const Source& s) { return s.normal().mean_rad / kDegree; }},
+      {"normal_median_deg", [](const Source& s) { return s.normal().median_rad / kDegree; }},
+      {"normal_p95_deg", [](const Source& s) { return s.normal().p95_rad / kDegree; }},
+      {"raw_normal_mean_deg", [](const Source& s) { return s.raw_normal().mean_rad / kDegree; }},
+      {"raw_normal_median_deg",
+       [](const Source& s) { return s.raw_normal().median_rad / kDegree; }},
+      {"raw_normal_p95_deg", [](const Source& s) { return s.raw_normal().p95_rad / kDegree; }},
+      {"distance_mean_mm", [](const Source& s) { return s.distance(&SurfaceDistance::mean_m); }},
+      {"distance_p95_mm", [](const Source& s) { return s.distance(&SurfaceDistance::p95_m); }},
+      {"hausdorff95_mm",
+       [](const Source& s) { return s.distance(&SurfaceDistance::hausdorff95_m); }},
+      {"ssim", [](const Source& s) { return s.region ? kUnset : s.picture.shaded.ssim; }}};
+  return all;
+}
+
+MeasureRow row_of(const std::string& group, const std::string& region, const Source& source) {
+  MeasureRow row{group, region, {}};
+  for (const auto& [name, value] : columns()) row.values.push_back(value(source));
+  return row;
+}
+
 }  // namespace
+
+ImageSimilarity compare_images(const Image<glm::vec3>& a, const Image<glm::vec3>& b) {
+  if (a.width != b.width || a.height != b.height || std::min(a.width, a.height) < kWindow) {
+    throw std::invalid_argument(
+        "compare_images: pictures must be of one size, 11 pixels a side or more");
+  }
+  const cv::Mat x = luminance(a), y = luminance(b);
+  const double mse = cv::norm(x, y, cv::NORM_L2SQR) / static_cast<double>(x.total());
+  const cv::Mat mx = windowed(x), my = windowed(y);
+  const cv::Mat vx = windowed(x.mul(x)) - mx.mul(mx);
+  const cv::Mat vy = windowed(y.mul(y)) - my.mul(my);
+  const cv::Mat vxy = windowed(x.mul(y)) - mx.mul(my);
+  constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+  const cv::Mat top = (2 * mx.mul(my) + kC1).mul(2 * vxy + kC2);
+  const cv::Mat bottom = (mx.mul(mx) + my.mul(my) + kC1).mul(vx + vy + kC2);
+  return {cv::mean(cv::Mat(top / bottom))[0], -10 * std::log10(mse)};
+}
 
 Image<glm::vec3> shade_truth(const Truth& truth,
                              const render::RenderOptions& options,
                              const Image<glm::vec3>& volume) {
-  if (options.ray_casting.image_size < kLeastImageSize) return {};
+  if (options.ray_casting.image_size < kWindow) return {};
   return render::shade_depth(with_grazing(truth), options, volume).surface;
 }
 
@@ -65,6 +174,23 @@ std::string why_no_surface(const DepthError& error) {
          std::to_string(error.outside_field) + " are outside its field, " +
          std::to_string(error.grazing) + " grazing and " + std::to_string(error.shadowed) +
          " shadowed";
+}
+
+const std::vector<std::string>& measure_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, value] : columns()) all.push_back(name);
+    return all;
+  }();
+  return names;
+}
+
+std::vector<MeasureRow> measure_rows(const PictureMeasures& measures) {
+  std::vector<MeasureRow> rows = {row_of("picture", "all", {measures, nullptr})};
+  for (const RegionError& region : measures.regions) {
+    rows.push_back(row_of(region.group, region.name, {measures, &region}));
+  }
+  return rows;
 }
 
 }  // namespace wobblebench::bench

@@ -1,13 +1,13 @@
-// Everything that is measured of one picture against the truth.
+// Everything that is measured of one picture against the truth, and its table.
 #pragma once
 
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/evaluation/measures/depth_error.h"
-#include "bench/evaluation/measures/image_similarity.h"
 #include "bench/evaluation/measures/regions.h"
 #include "bench/evaluation/measures/surface_distance.h"
 #include "bench/evaluation/truth/truth.h"
@@ -16,16 +16,25 @@
 
 namespace wobblebench::bench {
 
+/// On luminance in [0, 1]. Same size, at least 11 pixels a side (else std::invalid_argument).
+struct ImageSimilarity {
+  double ssim =
+      0;  ///< mean structural similarity, 11 x 11 Gaussian window of sigma 1.5 (references.md [9])
+  double psnr_db = 0;  ///< infinite for equal pictures
+};
+
+ImageSimilarity compare_images(const Image<glm::vec3>& a, const Image<glm::vec3>& b);
+
 /// The picture against the truth.
 struct PictureMeasures {
-  DepthError raw;          ///< of pass 2's z
-  DepthError filtered;     ///< of pass 3's z
-  ImageSimilarity shaded;  ///< of the surface image, with the truth shaded alike; NaN: none
+  DepthError raw;          ///< error of pass 2's z
+  DepthError filtered;     ///< error of pass 3's z
+  ImageSimilarity shaded;  ///< surface image against the truth shaded alike; NaN: not formed
   std::vector<RegionError> regions;
   std::optional<SurfaceDistance> distance;  ///< none: not asked for
 };
 
-/// What is dear and may be left out.
+/// Measures that take long and may be left out.
 struct MeasureChoice {
   bool shaded = true;
   bool distance = true;
@@ -57,5 +66,17 @@ Image<glm::vec3> shade_truth(const Truth& truth,
 
 /// Why no true surface is in view that the probe can see; empty: one is.
 std::string why_no_surface(const DepthError& error);
+
+/// Names of the columns, with their units: bias_mm, p95_mm, missed_percent …
+const std::vector<std::string>& measure_names();
+
+struct MeasureRow {
+  std::string group;           ///< that of RegionError; "picture": the whole picture
+  std::string region;          ///< "all" for the whole picture
+  std::vector<double> values;  ///< one for each name; NaN: not formed, or not for regions
+};
+
+/// The whole picture first, then its regions. Without a surface in view no percentage is formed.
+std::vector<MeasureRow> measure_rows(const PictureMeasures& measures);
 
 }  // namespace wobblebench::bench

@@ -1,18 +1,47 @@
 #include "bench/evaluation/measures/surface_distance.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
 #include <limits>
+#include <nanoflann.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "bench/evaluation/measures/depth_surface.h"
+#include "bench/evaluation/measures/depth_error.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// Points in the form that nanoflann asks for.
+struct Points {
+  const std::vector<glm::dvec3>& at;
+
+  std::size_t kdtree_get_point_count() const { return at.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return at[i][static_cast<glm::length_t>(axis)];
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using KdTree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3>;
+
+double segment_distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 along = b - a;
+  const double length2 = glm::dot(along, along);
+  const double t = length2 > 0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0;
+  return glm::distance(p, a + t * along);
+}
 
 constexpr double kUnset = std::numeric_limits<double>::quiet_NaN();
 
@@ -41,6 +70,81 @@ DirectedDistance directed(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+double triangle_distance_m(const glm::dvec3& p,
+                           const glm::dvec3& a,
+                           const glm::dvec3& b,
+                           const glm::dvec3& c) {
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const auto inside = [&](const glm::dvec3& from, const glm::dvec3& to) {
+    return glm::dot(glm::cross(to - from, p - from), normal) >= 0;
+  };
+  const double size = glm::length(normal);
+  if (size > 0 && inside(a, b) && inside(b, c) && inside(c, a)) {
+    return std::abs(glm::dot(p - a, normal)) / size;
+  }
+  return std::min(
+      {segment_distance_m(p, a, b), segment_distance_m(p, b, c), segment_distance_m(p, c, a)});
+}
+
+struct DepthSurface::Tree {
+  explicit Tree(const std::vector<glm::dvec3>& at) : points{at}, index(3, points) {}
+  Points points;
+  KdTree index;
+};
+
+DepthSurface::DepthSurface(const Image<float>& depth_m, const render::Camera& camera)
+    : depth_m_(depth_m), vertex_of_(depth_m.width, depth_m.height, -1) {
+  for (int row = 0; row < depth_m.height; ++row) {
+    for (int column = 0; column < depth_m.width; ++column) {
+      if (!std::isfinite(depth_m.at(column, row))) continue;
+      vertex_of_.at(column, row) = static_cast<int>(points_.size());
+      pixel_of_.push_back(row * depth_m.width + column);
+      points_.push_back(camera.ray(column, row).at(static_cast<double>(depth_m.at(column, row))));
+    }
+  }
+  if (!points_.empty()) tree_ = std::make_unique<Tree>(points_);
+}
+
+DepthSurface::~DepthSurface() = default;
+
+int DepthSurface::vertex(int column, int row) const {
+  if (column < 0 || row < 0 || column >= depth_m_.width || row >= depth_m_.height) return -1;
+  return vertex_of_.at(column, row);
+}
+
+bool DepthSurface::joined(int a, int b) const {
+  if (b < 0) return false;
+  const auto depth = [&](int v) {
+    return depth_m_.pixels[static_cast<std::size_t>(pixel_of_[static_cast<std::size_t>(v)])];
+  };
+  return std::abs(depth(a) - depth(b)) <= static_cast<float>(kSurfaceJump_m);
+}
+
+double DepthSurface::distance_m(const glm::dvec3& position_m) const {
+  std::uint32_t nearest = 0;
+  double squared = 0;
+  tree_->index.knnSearch(&position_m[0], 1, &nearest, &squared);
+  double least_m = std::sqrt(squared);
+  const int pixel = pixel_of_[nearest], column = pixel % depth_m_.width,
+            row = pixel / depth_m_.width;
+  const int here = static_cast<int>(nearest);
+  // About the vertex, each quarter turn: two triangles of the square between its neighbours.
+  constexpr std::array<std::array<int, 2>, 8> kAround = {
+      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+  for (std::size_t i = 0; i < kAround.size(); ++i) {
+    const auto& [c0, r0] = kAround[i];
+    const auto& [c1, r1] = kAround[(i + 1) % kAround.size()];
+    const int a = vertex(column + c0, row + r0), b = vertex(column + c1, row + r1);
+    if (!joined(here, a) || !joined(here, b) || !joined(a, b)) continue;
+    least_m = std::min(least_m,
+                       triangle_distance_m(position_m,
+                                           points_[nearest],
+                                           points_[static_cast<std::size_t>(a)],
+                                           points_[static_cast<std::size_t>(b)]));
+  }
+  return least_m;
+}
 
 SurfaceDistance surface_distance(const Image<float>& depth_m,
                                  const Truth& truth,

@@ -1,12 +1,50 @@
-// Distance between the found and the true surface in space.
+// A depth image as a surface in space, and the distance between the found and the true one.
 #pragma once
 
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "base/image.h"
 #include "bench/evaluation/truth/truth.h"
 #include "render/camera.h"
 
 namespace wobblebench::bench {
 
-/// From the points of one surface to the other one; NaN where either has none.
+/// Vertices are the points of the pixels; triangles join neighbours whose depths differ by no more
+/// than kSurfaceJump_m. Const functions may be called from several threads.
+class DepthSurface {
+ public:
+  DepthSurface(const Image<float>& depth_m, const render::Camera& camera);
+  ~DepthSurface();
+  DepthSurface(const DepthSurface&) = delete;
+  DepthSurface& operator=(const DepthSurface&) = delete;
+
+  const std::vector<glm::dvec3>& points() const { return points_; }
+  /// Distance to the nearest vertex or to one of the triangles at it. There must be a point.
+  double distance_m(const glm::dvec3& position_m) const;
+
+ private:
+  struct Tree;
+
+  /// Index of the vertex of a pixel; negative: none.
+  int vertex(int column, int row) const;
+  bool joined(int a, int b) const;
+
+  Image<float> depth_m_;
+  std::vector<glm::dvec3> points_;
+  std::vector<int> pixel_of_;  ///< [point]: row * width + column
+  Image<int> vertex_of_;
+  std::unique_ptr<Tree> tree_;
+};
+
+/// Distance from a point to a triangle, edges and corners included.
+double triangle_distance_m(const glm::dvec3& p,
+                           const glm::dvec3& a,
+                           const glm::dvec3& b,
+                           const glm::dvec3& c);
+
+/// Distances from the points of one surface to the other one; NaN where either has none.
 struct DirectedDistance {
   double mean_m = 0;
   double p95_m = 0;

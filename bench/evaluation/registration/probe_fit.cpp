@@ -1,4 +1,4 @@
-#include "bench/evaluation/registration/probe_fit.h"
+#include "bench/evaluation/registration/registration.h"
 
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
@@ -10,7 +10,6 @@
 #include <limits>
 
 #include "bench/evaluation/registration/uncertainty.h"
-#include "bench/evaluation/registration/identifiability.h"
 
 namespace wobblebench::bench {
 

@@ -1,8 +1,10 @@
 #include "bench/evaluation/registration/uncertainty.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/hash.h"
@@ -28,7 +30,7 @@ class Draws {
 
  private:
   static constexpr double kTurn = 6.283185307179586;
-  /// In [0, 1).
+  /// Uniform in [0, 1).
   double unit() { return unit_interval(sim::uniform_bits(key_, next_++)); }
 
   std::uint64_t key_;
@@ -78,6 +80,24 @@ BootstrapResult summarise(const Eigen::MatrixXd& changes) {
   return result;
 }
 
+/// Share of the squared length from which on a parameter belongs to a combination.
+constexpr double kLeastShare = 0.1;
+
+std::vector<int> main_parameters(const Eigen::VectorXd& direction) {
+  std::vector<int> parameters;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (direction[i] * direction[i] > kLeastShare) parameters.push_back(static_cast<int>(i));
+  }
+  return parameters;
+}
+
+/// One of the eigenvectors may be a held parameter itself.
+bool is_held(const Eigen::VectorXd& direction, const Eigen::VectorXd& prior_sigma) {
+  Eigen::Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  return prior_sigma[largest] == 0;
+}
+
 }  // namespace
 
 void BlockAccumulator::add(std::int64_t key, double residual, const Eigen::VectorXd& derivatives) {
@@ -114,6 +134,30 @@ BootstrapResult bootstrap_blocks(const std::vector<BlockSums>& blocks,
     changes.col(r) = one_replicate(blocks, prior_precision, mean_gradient, draws);
   }
   return summarise(changes);
+}
+
+Identifiability identifiability(const Eigen::MatrixXd& information,
+                                const Eigen::VectorXd& prior_sigma,
+                                const Eigen::MatrixXd& covariance) {
+  Identifiability result;
+  const Eigen::MatrixXd scaled = prior_sigma.asDiagonal() * information * prior_sigma.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+  for (Eigen::Index i = 0; i < scaled.rows(); ++i) {
+    const double seen = std::max(0.0, solver.eigenvalues()[i]);
+    const Eigen::VectorXd direction = solver.eigenvectors().col(i);
+    if (seen >= 1 || is_held(direction, prior_sigma)) continue;
+    const double ratio = seen > 0 ? 1 / std::sqrt(seen) : std::numeric_limits<double>::infinity();
+    result.unseen.push_back({main_parameters(direction), ratio});
+  }
+  for (int i = 0; i < covariance.rows(); ++i) {
+    for (int j = i + 1; j < covariance.cols(); ++j) {
+      const double scale = std::sqrt(covariance(i, i) * covariance(j, j));
+      if (scale > 0 && std::abs(covariance(i, j)) > kHighCorrelation * scale) {
+        result.correlated.emplace_back(i, j);
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace wobblebench::bench

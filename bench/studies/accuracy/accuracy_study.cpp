@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "bench/evaluation/measures/silhouettes.h"
+#include "bench/evaluation/measures/regions.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "sim/fidelity.h"
 

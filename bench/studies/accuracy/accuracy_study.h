@@ -11,7 +11,7 @@
 #include "base/part_done.h"
 #include "bench/evaluation/bound/spacing_error.h"
 #include "bench/evaluation/evaluator.h"
-#include "bench/evaluation/measures/measure_table.h"
+#include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/seed_statistics.h"
 
 namespace wobblebench::bench {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/evaluation/measures/image_similarity.h"
+#include "bench/evaluation/measures/picture_measures.h"
 #include "bench/output/image_io.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "bench/evaluation/measures/silhouettes.h"
 #include "tests/bench/evaluation/measures/made_up_truth.h"
 
 namespace wobblebench::bench {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "bench/evaluation/measures/depth_surface.h"
 #include "tests/bench/evaluation/measures/made_up_truth.h"
 
 namespace wobblebench::bench {

@@ -1,5 +1,5 @@
 // Planted errors of the probe, on points of surfaces in closed form.
-#include "bench/evaluation/registration/probe_fit.h"
+#include "bench/evaluation/registration/registration.h"
 
 #include <gtest/gtest.h>
 
