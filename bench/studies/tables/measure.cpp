@@ -1,11 +1,16 @@
 #include "bench/studies/tables/measure.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <tuple>
 
+#include "base/duration.h"
 #include "hw/probe/clock.h"
+#include "render/gl/fetch_count.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -27,7 +32,7 @@ struct TimedSetting {
   std::vector<std::string> pass_names;
   std::vector<std::vector<double>> pass_ms;  ///< [pass][repeat]
 
-  /// Of `repeats`; repeat -1 is not counted.
+  /// One of `repeats`; repeat -1 is not counted.
   void measure(int repeat) {
     renderer->add_volume(*volume);
     const auto passes = renderer->render().passes;
@@ -109,7 +114,97 @@ std::optional<Exponents> exponents_of(const std::vector<MeasuredRow>& rows) {
   return Exponents{power_of(side, paper), power_of(side, plain), power_of(side, fast)};
 }
 
+std::vector<PassFloor> count_fetches(const hw::PolarVolume& volume,
+                                     const render::RenderOptions& options,
+                                     render::GlContext& context) {
+  const render::FetchCounter counter;
+  std::vector<PassFloor> passes;
+  for (const auto& pass : render::render_volume(context, volume, options).passes) {
+    passes.push_back({pass.name, pass.fetches});
+  }
+  return passes;
+}
+
+/// Counts the fetches of one frame of each variant, and measures the rate of each kind.
+Floors measure_floors(const hw::PolarVolume& volume,
+                      const std::map<PipelineVariant, render::RenderOptions>& variants,
+                      render::GlContext& context) {
+  context.make_current();
+  Floors floors;
+  for (const auto& [variant, options] : variants) {
+    auto& passes = floors.passes[variant] = count_fetches(volume, options, context);
+    for (PassFloor& pass : passes) {
+      for (const auto& [kind, count] : pass.fetches) {
+        if (!floors.rates_per_us.contains(kind)) {
+          floors.rates_per_us[kind] = render::fetch_rate_per_us(kind);
+        }
+        pass.floor_ms += 1e-3 * static_cast<double>(count) / floors.rates_per_us[kind];
+      }
+    }
+  }
+  return floors;
+}
+
+/// Wall time of adding each frame in turn, milliseconds. update() waits until GL is done.
+std::vector<double> add_frames(render::Renderer& renderer, const hw::PolarVolume& volume) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> each_ms;
+  for (int f = 0; f < static_cast<int>(volume.frames().size()); ++f) {
+    const auto start = Clock::now();
+    renderer.add_frame(f, volume.frame(f));
+    renderer.update();
+    each_ms.push_back(to_milliseconds(Clock::now() - start));
+  }
+  return each_ms;
+}
+
+/// Sum over all passes; without reading the picture back.
+double picture_ms(render::Renderer& renderer) {
+  const auto passes = renderer.render().passes;
+  return std::accumulate(passes.begin(), passes.end(), 0.0, [](double sum, const auto& pass) {
+    return sum + pass.ms;
+  });
+}
+
+/// One variant of the reference row, frame by frame.
+Arrival measure_arrival(const hw::PolarVolume& volume,
+                        const render::RenderOptions& options,
+                        render::GlContext& context,
+                        int repeats) {
+  render::Renderer renderer(context, volume.plan(), options);
+  std::vector<double> frames, volumes, views;
+  render::ViewOptions front = options.view, turned = options.view;
+  turned.yaw_rad += 10 * kDegree;
+  for (int repeat = -1; repeat < repeats; ++repeat) {
+    const auto each_ms = add_frames(renderer, volume);
+    const double volume_ms = picture_ms(renderer);
+    if (repeat < 0) continue;
+    frames.insert(frames.end(), each_ms.begin(), each_ms.end());
+    volumes.push_back(volume_ms);
+    renderer.set_view(turned);
+    views.push_back(picture_ms(renderer));
+    renderer.set_view(front);
+  }
+  return {spread_of(frames), spread_of(volumes), spread_of(views)};
+}
+
 }  // namespace
+
+std::int64_t PassFloor::total() const {
+  std::int64_t all = 0;
+  for (const auto& [kind, count] : fetches) all += count;
+  return all;
+}
+
+std::string to_string(const render::TextureFetch& kind) {
+  constexpr std::array kSamplers = {"sampler2D", "sampler3D", "sampler2DArray"};
+  constexpr std::array kFormats = {
+      "r8", "r16", "r32f", "rg8", "rg16", "rg32f", "rgba8", "rgba16", "rgb32f", "rgba32f"};
+  constexpr std::array kFilters = {"nearest", "linear"};
+  return std::string(kSamplers.at(static_cast<std::size_t>(kind.sampler))) + " " +
+         kFormats.at(static_cast<std::size_t>(kind.format)) + " " +
+         kFilters.at(static_cast<std::size_t>(kind.filter));
+}
 
 double power_of(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<double>(x.size());

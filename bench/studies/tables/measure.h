@@ -1,6 +1,7 @@
 // Tables I to IV, measured.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,11 +9,11 @@
 
 #include "base/part_done.h"
 #include "base/statistics.h"
-#include "bench/studies/tables/floor.h"
 #include "bench/studies/tables/paper.h"
-#include "bench/studies/tables/variant.h"
 #include "bench/studies/tables/volumes.h"
+#include "hw/probe/polar_volume.h"
 #include "render/gl/context.h"
+#include "render/gl/texture_fetch.h"
 
 namespace wobblebench::bench {
 
@@ -59,12 +60,29 @@ struct Arrival {
   Spread new_view_ms;    ///< passes 2 to 4 of the same volume
 };
 
+/// Lower bound of the time of a pass: its texture fetches at the rate that this machine reaches.
+struct PassFloor {
+  std::string pass;
+  render::FetchCounts fetches;  ///< fetches of one whole frame, upload included
+  double floor_ms = 0;          ///< time of these fetches alone
+
+  std::int64_t total() const;
+};
+
+struct Floors {
+  std::map<render::TextureFetch, double> rates_per_us;       ///< millions a second
+  std::map<PipelineVariant, std::vector<PassFloor>> passes;  ///< in the renderer's order
+};
+
+/// "sampler2DArray rg16 linear".
+std::string to_string(const render::TextureFetch& kind);
+
 struct TableResults {
   std::vector<MeasuredTable> tables;
   MeasuredRow reference;
   std::map<PipelineVariant, Arrival> arrivals;  ///< plain and fast
-  Floors floors;                                ///< of the reference row, plain and fast
-  double frame_acquisition_ms = 0;              ///< of the reference row: volume time / frames
+  Floors floors;                                ///< floors of the reference row, plain and fast
+  double frame_acquisition_ms = 0;              ///< reference row: volume time / frames
 
   const Arrival& arrival(PipelineVariant variant) const { return arrivals.at(variant); }
   /// How many times faster a frame is taken in than acquired, by the median.
@@ -81,12 +99,6 @@ TableResults measure_tables(const TableVolumes& volumes,
                             render::GlContext& context,
                             const TableRun& run,
                             const PartDone& done = {});
-
-/// One variant of the reference row, frame by frame.
-Arrival measure_arrival(const hw::PolarVolume& volume,
-                        const render::RenderOptions& options,
-                        render::GlContext& context,
-                        int repeats);
 
 /// Median of the pass; 0 where this variant has none of that name.
 double pass_ms(const Timing& timing, const std::string& pass);

@@ -1,5 +1,5 @@
 // Tables I to IV of the paper (docs/references.md [1]): rendering time against frames, volume size,
-// 3D kernel and 2D kernel.
+// 3D kernel and 2D kernel; and the pipeline variants in which their rows are rendered.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace wobblebench::bench {
 
 /// One line of a table: what it changes against the reference settings.
 struct TableRow {
-  std::string setting;  ///< as the paper names it
+  std::string setting;  ///< its name in the paper
   double paper_ms = 0;
   int frames = 37;
   int side = 512;  ///< pixels, steps and slice side
@@ -34,5 +34,34 @@ std::vector<int> frame_counts();
 
 /// `base` with the row's settings; sides are the paper's over `divisor`.
 render::RenderOptions settings_of(const TableRow& row, render::RenderOptions base, int divisor);
+
+/// A pipeline, and the space in which the taps of its 3D kernel lie.
+enum class PipelineVariant {
+  plain,        ///< taps along the ray, as in the paper
+  plain_slice,  ///< plain, taps in the slices
+  fast,         ///< the default: taps in the slices
+  fast_ray,     ///< fast, taps along the ray
+};
+
+/// "plain", "plain_slice", "fast", "fast_ray": what the keys of report.json begin with.
+std::string to_string(PipelineVariant variant);
+
+/// Plain and fast for every table; all four where the 3D kernel is what varies (Table III).
+std::vector<PipelineVariant> variants_of(const Table& table);
+
+render::RenderOptions rendered(PipelineVariant variant, render::RenderOptions options);
+
+/// How a run of the tables differs from the paper's, and how often each setting is measured.
+struct TableRun {
+  int divisor = 1;        ///< sides are the paper's over this
+  int repeats = 3;        ///< measurements of the fast variants, after one warm-up
+  int plain_repeats = 3;  ///< of the plain variants, likewise
+
+  int repeats_of(PipelineVariant variant) const {
+    return variant == PipelineVariant::plain || variant == PipelineVariant::plain_slice
+               ? plain_repeats
+               : repeats;
+  }
+};
 
 }  // namespace wobblebench::bench

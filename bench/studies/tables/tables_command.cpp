@@ -1,21 +1,21 @@
 // Tables I to IV of the paper, measured.
-#include <iostream>
+#include "bench/studies/tables/tables_command.h"
+
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/acquire.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/scene/adopt_plan.h"
-#include "bench/studies/tables/measure.h"
-#include "bench/studies/tables/table_options.h"
-#include "bench/studies/tables/tables_command.h"
-#include "bench/studies/tables/tables_figure.h"
+#include "bench/studies/tables/tables_program.h"
 #include "bench/studies/tables/tables_report.h"
 
 namespace wobblebench::bench {
@@ -64,38 +64,86 @@ Json tables_report(const TableVolumes& volumes,
   return report;
 }
 
-int measure(const Arguments& arguments) {
-  Scene scene = load_scene(
-      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
+CommandResult measure_and_write(Scene scene,
+                                const Arguments& arguments,
+                                const BoardArguments& board,
+                                std::unique_ptr<hw::Link> link,
+                                render::GlContext& context,
+                                OutputFolder& out,
+                                Progress& progress) {
   const TableRun run = arguments.tables.run();
-  const BoardArguments board = parse_board(arguments.board);
-  take_reference_settings(scene, run);
-  // Made before the echoes: where this machine lacks the GL, the command fails early.
-  const auto context = render::make_context(arguments.gl);
-  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
-  OutputFolder out(arguments.output.folder);
-  Progress progress({{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}});
   const TableVolumes volumes =
       link ? play(scene, board, std::move(link), progress)
            : simulate(scene, board, open_phantom_cache(arguments.cache.most_megabytes()), progress);
   const TableResults results = progress.step("tables", [&](const PartDone& done) {
-    return measure_tables(volumes, scene.render, *context, run, done);
+    return measure_tables(volumes, scene.render, context, run, done);
   });
-
-  Provenance provenance = provenance_of(*context, volumes);
+  Provenance provenance = provenance_of(context, volumes);
   provenance.seed = scene.simulation.seed;
-  const std::string report = report_text(tables_report(volumes, results, run, provenance, scene));
   const std::string markdown = to_markdown(results, run, volumes.note, provenance);
   out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));
   write_png(out.stage("tables.png"), draw_tables(results));
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : markdown);
-  return 0;
+  return {.report = report_text(tables_report(volumes, results, run, provenance, scene)),
+          .summary = markdown};
+}
+
+int measure(const Arguments& arguments) {
+  Scene scene = load_scene(
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
+  const BoardArguments board = parse_board(arguments.board);
+  take_reference_settings(scene, arguments.tables.run());
+  // Made before the echoes: where this machine lacks the GL, the command fails early.
+  const auto context = render::make_context(arguments.gl);
+  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  return run_in_folder(arguments.output,
+                       {{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}},
+                       [&](OutputFolder& out, Progress& progress) {
+                         return measure_and_write(
+                             scene, arguments, board, std::move(link), *context, out, progress);
+                       });
 }
 
 }  // namespace
+
+void take_reference_settings(Scene& scene, const TableRun& run) {
+  for (const char* key : {"acquisition.frames_per_volume",
+                          "render.pipeline.mode",
+                          "render.scan_conversion.slice_size",
+                          "render.ray_casting.image_size",
+                          "render.ray_casting.steps",
+                          "render.ray_casting.kernel_3d",
+                          "render.ray_casting.kernel_space",
+                          "render.ray_casting.mode",
+                          "render.shading.base",
+                          "render.shading.depth_filter_size",
+                          "render.smoothing.filter_size"}) {
+    if (scene.given.contains(key)) {
+      throw UserError(std::string(key) + ": is set by the tables themselves; leave it out");
+    }
+  }
+  scene.acquisition.frames_per_volume = reference_row().frames;
+  scene.render = settings_of(reference_row(), scene.render, run.divisor);
+}
+
+TableVolumes scan_table_volumes(const Scene& scene,
+                                const phantoms::Phantom& phantom,
+                                const BoardArguments& board,
+                                const sim::TissueMapSource& maps,
+                                const PartDone& done) {
+  TableVolumes volumes;
+  PartCount parts(frame_counts().size(), done);
+  for (const int frames : frame_counts()) {
+    Scene varied = scene;
+    varied.acquisition.frames_per_volume = frames;
+    Acquisition acquisition = BoardConnection(board).acquire(varied, varied.place(phantom), maps);
+    volumes.board = hw::to_string(acquisition.link.origin);
+    volumes.effects = acquisition.simulated.value().effects;
+    volumes.by_frames.emplace(frames, std::move(acquisition.volume));
+    parts.finish_one();
+  }
+  return volumes;
+}
 
 Command add_tables_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();

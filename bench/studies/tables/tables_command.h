@@ -1,12 +1,14 @@
-// The volumes of the paper's tables, from the simulated probe.
+// What `wobblebench tables` has beyond wobblebench-tables: volumes from the simulated probe, and
+// the tables as one picture.
 #pragma once
 
 #include <string>
 
 #include "base/part_done.h"
+#include "bench/output/chart/chart.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/tables/variant.h"
+#include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/volumes.h"
 #include "phantoms/phantom.h"
 #include "sim/probe_simulator.h"
@@ -23,5 +25,8 @@ TableVolumes scan_table_volumes(const Scene& scene,
                                 const BoardArguments& board,
                                 const sim::TissueMapSource& maps = {},
                                 const PartDone& done = {});
+
+/// Four panels, one a table: time relative to the reference row, the paper's, plain and fast.
+Picture3 draw_tables(const TableResults& results);
 
 }  // namespace wobblebench::bench

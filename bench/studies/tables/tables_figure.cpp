@@ -1,4 +1,4 @@
-#include "bench/studies/tables/tables_figure.h"
+#include "bench/studies/tables/tables_command.h"
 
 #include <algorithm>
 
@@ -97,7 +97,7 @@ Picture3 draw_panel(const MeasuredTable& table, const MeasuredRow& reference, bo
   return draw(chart, size);
 }
 
-/// From top to bottom, all of one width.
+/// The two pictures, of one width, one above the other.
 Picture3 stacked(const Picture3& top, const Picture3& bottom) {
   Picture3 all(top.width, top.height + bottom.height);
   std::copy(top.pixels.begin(), top.pixels.end(), all.pixels.begin());

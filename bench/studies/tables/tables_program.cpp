@@ -1,18 +1,16 @@
 #include "bench/studies/tables/tables_program.h"
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "bench/command/common_options.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/studies/tables/measure.h"
-#include "bench/studies/tables/table_options.h"
 #include "bench/studies/tables/tables_report.h"
 #include "bench/studies/tables/volumes.h"
 
@@ -54,26 +52,51 @@ int measure_recording(const Arguments& arguments) {
   const BoardArguments board = parse_outside_board(arguments.board);
   auto link = open_outside_link(board);
   const auto context = render::make_context(arguments.gl);
-  OutputFolder out(arguments.output.folder);
   const TableRun run = arguments.tables.run();
-  Progress progress({{"volume", 1}, {"tables", 60}});
-  const TableVolumes volumes =
-      progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
-  const TableResults results = progress.step("tables", [&](const PartDone& done) {
-    return measure_tables(volumes, {}, *context, run, done);
-  });
-  const Provenance provenance = provenance_of(*context, volumes);
-  const auto report = report_of(provenance, volumes, results, run);
-  const std::string markdown = to_markdown(results, run, volumes.note, provenance);
-  out.write_text("tables.md", markdown);
-  out.write_text("tables.csv", to_csv(results, run));
-  out.write_text("report.json", report_text(report));
-  out.commit();
-  std::cout << (arguments.output.json ? report_text(report) : markdown);
-  return 0;
+  const auto measure = [&](OutputFolder& out, Progress& progress) {
+    const TableVolumes volumes =
+        progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
+    const TableResults results = progress.step("tables", [&](const PartDone& done) {
+      return measure_tables(volumes, {}, *context, run, done);
+    });
+    const Provenance provenance = provenance_of(*context, volumes);
+    const std::string markdown = to_markdown(results, run, volumes.note, provenance);
+    out.write_text("tables.md", markdown);
+    out.write_text("tables.csv", to_csv(results, run));
+    return CommandResult{.report = report_text(report_of(provenance, volumes, results, run)),
+                         .summary = markdown};
+  };
+  return run_in_folder(arguments.output, {{"volume", 1}, {"tables", 60}}, measure);
 }
 
 }  // namespace
+
+TableRun TableArguments::run() const {
+  const int size = full ? 1 : divisor;
+  // A picture of the plain pipeline takes seconds at the paper's sizes, on a CPU.
+  const int plain = plain_repeats > 0 ? plain_repeats : size == 1 ? 1 : repeats;
+  return {.divisor = size, .repeats = repeats, .plain_repeats = plain};
+}
+
+void add_table_options(CLI::App& command, TableArguments& arguments) {
+  add_flag(command, "--full", arguments.full, "The paper's sizes; otherwise half of them a side");
+  add_integer(command,
+              "--divisor",
+              arguments.divisor,
+              "Sides are the paper's over this: 1, 2, 4 or 8",
+              1,
+              8)
+      .check(CLI::IsMember({"1", "2", "4", "8"}))
+      ->excludes("--full");
+  add_repeats_option(command, arguments.repeats);
+  add_integer(command,
+              "--plain-repeats",
+              arguments.plain_repeats,
+              "Likewise, plain pipeline; default: 1 with the paper's sizes, else as --repeats",
+              1,
+              100)
+      .default_str("");
+}
 
 Program tables_program() {
   return {"wobblebench-tables",

@@ -11,7 +11,7 @@
 
 namespace wobblebench::bench {
 
-/// Of this machine, the context and the board that the volumes came from.
+/// Provenance: this machine, the context and the board that the volumes came from.
 Provenance provenance_of(const render::GlContext& context, const TableVolumes& volumes);
 
 /// A few sentences: how the run differs from the paper's, and what was measured.

@@ -14,7 +14,7 @@ namespace wobblebench::bench {
 struct TableVolumes {
   std::map<int, hw::PolarVolume> by_frames;
   std::string board;                 ///< origin of the sticks
-  std::vector<std::string> effects;  ///< of the simulator that made them
+  std::vector<std::string> effects;  ///< effects of the simulator that made them
   std::string note;                  ///< how they differ from what the rows ask for; a sentence
 };
 
@@ -23,9 +23,9 @@ struct TableVolumes {
 /// `count` is 2 at least, and the volume's frames at most.
 hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count);
 
-/// From the first whole volume of the link. `board`: what the user wrote, for messages. Throws
-/// UserError where the volume has fewer frames than the tables need or is incomplete at the end of
-/// the stream, or there is none.
+/// Volumes from the first whole volume of the link. `board`: what the user wrote, for messages.
+/// Throws UserError where the volume has fewer frames than the tables need or is incomplete at the
+/// end of the stream, or there is none.
 TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string& board);
 
 }  // namespace wobblebench::bench

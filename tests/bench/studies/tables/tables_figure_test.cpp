@@ -1,4 +1,4 @@
-#include "bench/studies/tables/tables_figure.h"
+#include "bench/studies/tables/tables_command.h"
 
 #include <gtest/gtest.h>
 
