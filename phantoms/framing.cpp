@@ -67,8 +67,8 @@ std::string millimetres(const glm::dvec3& size_m) {
   return text.str();
 }
 
-}  // namespace
-
+// Framing of an imported body whose surfaces lie within `bounds` (axes of the probe frame, relative
+// to the origin).
 Framing framing_of_body(const Box& bounds) {
   const glm::dvec3 middle = 0.5 * (bounds.low + bounds.high);
   const double half_x = std::clamp(bounds.high.x - middle.x + 5e-3, 15e-3, 60e-3);
@@ -78,6 +78,8 @@ Framing framing_of_body(const Box& bounds) {
            {middle.x + half_x, middle.y + half_y, front + kBoxDepth_m}},
           {-middle.x, -middle.y, kFront_m - bounds.low.z}};
 }
+
+}  // namespace
 
 Framing framing(const Phantom& phantom, const glm::dmat3& rotation) {
   if (rotation != glm::dmat3(1.0) && is_imported(phantom)) {

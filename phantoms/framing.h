@@ -24,12 +24,8 @@ struct Framing {
 
 /// Framing of the phantom turned by `rotation` about its origin. A built-in phantom's region turns
 /// with it; an imported body's is that of the turned body, whichever of its sides then faces the
-/// probe.
+/// probe: its front 65 mm below the face, its middle on the axis of the probe.
 [[nodiscard]] Framing framing(const Phantom& phantom, const glm::dmat3& rotation);
-
-/// Framing of an imported body whose surfaces lie within `bounds` (axes of the probe frame,
-/// relative to the origin): its front 65 mm below the face, its middle on the axis of the probe.
-[[nodiscard]] Framing framing_of_body(const Box& bounds);
 
 /// Throws std::invalid_argument, with size and limit, if a body with these bounds is larger than
 /// 500 mm or smaller than 4 voxels.

@@ -161,6 +161,8 @@ double JawRise::most_stretch() const {
 
 namespace {
 
+// Largest rise of the jaw, per opening of the mouth.
+constexpr double kMostClosed = 0.85;
 // Largest rise of the jaw, per its reach: tissue is then stretched by at most 1.5 (measured), as
 // the search for scatterers in the beam assumes of tissue that deforms
 // (sim/scatterers/cells/block_search.cpp).

@@ -25,10 +25,6 @@ struct Mouth {
 /// Whether its sizes are positive, and its axes orthonormal within 1e-9.
 bool is_possible(const Mouth& mouth);
 
-/// Largest share of the opening by which the jaw may rise: the gap then keeps at least 0.15 of its
-/// height at each point, and the map its inverse.
-inline constexpr double kMostClosed = 0.85;
-
 /// The lower jaw raised by a height: y = v - rise w(x, z) g(v) along the axis to the chin, x, y, z
 /// and v in the mouth's axes. w = 1 at the lips. g rises from 0 in the upper lip to 1 in the lower
 /// one, linearly within the gap, and falls from 1 to 0 down the neck. All are twice continuously
@@ -44,7 +40,8 @@ inline constexpr double kMostClosed = 0.85;
 class JawRise {
  public:
   JawRise() = default;  ///< nothing moves
-  /// `rise_m`: at most kMostClosed of the opening.
+  /// `rise_m`: at most 0.85 of the opening. The gap then keeps at least 0.15 of its height at
+  /// each point, and the map its inverse.
   JawRise(const Mouth& mouth, double rise_m) : mouth_(mouth), rise_m_(rise_m) {}
 
   bool none() const { return rise_m_ == 0; }

@@ -172,16 +172,12 @@ double cavity_distance(const glm::dvec3& position, double s) {
   return level / std::max(glm::length(gradient), 0.25 / size.radii_m.y);
 }
 
-MaternalDepths maternal_depths(double thickness_m) {
-  const double skin = std::min(2 * kMillimetre, thickness_m / 5);
-  return {skin, skin + 0.6 * (thickness_m - skin), thickness_m};
-}
-
 MaternalLayer::MaternalLayer(double thickness_m, const glm::dvec3& face_m) : face_m_(face_m) {
-  const MaternalDepths depths = maternal_depths(thickness_m);
-  skin_ = interface(depths.skin_m);
-  fat_ = interface(depths.fat_m);
-  muscle_ = interface(depths.muscle_m);
+  // Skin: 2 mm, at most a fifth of the whole. Fat: 60 % of the rest. All assumed.
+  const double skin_m = std::min(2 * kMillimetre, thickness_m / 5);
+  skin_ = interface(skin_m);
+  fat_ = interface(skin_m + 0.6 * (thickness_m - skin_m));
+  muscle_ = interface(thickness_m);
 }
 
 MaternalLayer::Interface MaternalLayer::interface(double depth_m) const {

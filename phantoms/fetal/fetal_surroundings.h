@@ -48,16 +48,6 @@ struct CavitySize {
 };
 CavitySize cavity_size(double scale);
 
-/// Depths at which its tissues end, on the axis below the probe's face.
-struct MaternalDepths {
-  double skin_m = 0;
-  double fat_m = 0;
-  double muscle_m = 0;  ///< the whole thickness
-};
-
-/// Skin: 2 mm, at most a fifth of the whole. Fat: 60 % of the rest. All assumed.
-MaternalDepths maternal_depths(double thickness_m);
-
 /// Nested bodies around the probe's face, each ending at the interface to the next tissue, in
 /// painter's order muscle, fat, skin. The skin follows the face of the probe; deeper interfaces are
 /// flatter. Each interface has an undulation of its own. Phantom frame.

@@ -304,6 +304,31 @@ void check_is_list(const fs::path& path) {
   if (bytes > kMostFileBytes) throw std::invalid_argument("has more than 500 MB");
 }
 
+// The list of a message of wobblebench-import, of which nothing is trusted.
+PointScatterers scatterers_from_message(std::string_view message, double gain) {
+  MessageReader in(message);
+  std::vector<std::string> names;
+  std::vector<std::string_view> columns;
+  while (!in.at_end()) {
+    names.push_back(in.text());
+    columns.push_back(in.list<double>());
+    if (columns.back().size() == columns.front().size()) continue;
+    throw std::invalid_argument(names.back() + " has another number of values than " +
+                                names.front());
+  }
+  ScattererTable table("row", gain);
+  table.set_columns(names);
+  std::vector<double> values(columns.size());
+  const std::size_t rows = columns.front().size() / sizeof(double);
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      std::memcpy(&values[i], columns[i].data() + row * sizeof(double), sizeof(double));
+    }
+    table.add_row(row + 1, values);
+  }
+  return std::move(table).take();
+}
+
 PointScatterers read_list(const fs::path& path, double gain) {
   const std::string extension = lower_case_extension(path);
   const bool hdf5 = extension == ".h5" || extension == ".hdf5";
@@ -352,30 +377,6 @@ std::string scatterers_to_csv(const PointScatterers& points) {
     }
   }
   return text;
-}
-
-PointScatterers scatterers_from_message(std::string_view message, double gain) {
-  MessageReader in(message);
-  std::vector<std::string> names;
-  std::vector<std::string_view> columns;
-  while (!in.at_end()) {
-    names.push_back(in.text());
-    columns.push_back(in.list<double>());
-    if (columns.back().size() == columns.front().size()) continue;
-    throw std::invalid_argument(names.back() + " has another number of values than " +
-                                names.front());
-  }
-  ScattererTable table("row", gain);
-  table.set_columns(names);
-  std::vector<double> values(columns.size());
-  const std::size_t rows = columns.front().size() / sizeof(double);
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      std::memcpy(&values[i], columns[i].data() + row * sizeof(double), sizeof(double));
-    }
-    table.add_row(row + 1, values);
-  }
-  return std::move(table).take();
 }
 
 }  // namespace wobblebench::phantoms

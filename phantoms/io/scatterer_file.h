@@ -18,13 +18,9 @@ inline constexpr std::size_t kMostScattererRows = 1'000'000;
 /// "scatterers = "PATH": line N, column NAME = VALUE: what is allowed", and ImportUnavailable.
 [[nodiscard]] PointScatterers read_scatterers(const PhantomOptions& options);
 
-/// The list of a message, of which nothing is trusted. Throws std::invalid_argument.
-[[nodiscard]] PointScatterers scatterers_from_message(std::string_view message, double gain);
-
-/// A header line of column names, then a line a row, values
-/// separated by commas. Lines end in LF or CRLF; "#" begins a comment; empty lines are skipped.
-/// `gain`: factor on each amplitude. Throws std::invalid_argument "line N, column NAME = VALUE:
-/// what is allowed".
+/// Reads a list as CSV: a header line of column names, then a line a row, values separated by
+/// commas. Lines end in LF or CRLF; "#" begins a comment; empty lines are skipped. `gain`: factor
+/// on each amplitude. Throws std::invalid_argument "line N, column NAME = VALUE: what is allowed".
 [[nodiscard]] PointScatterers scatterers_from_csv(std::string_view text, double gain = 1);
 
 /// The list that gives the same scatterers to the bit: in metres, with tracks where any moves.
