@@ -16,7 +16,7 @@ struct PlaneCell {
   bool across = false;                ///< tilted across the image plane instead of in it
   double noise_db = -95;
   double scatterers_per_cell = 12;
-  std::vector<std::uint64_t> seeds;
+  std::vector<std::uint64_t> seeds;  ///< none: the bounds alone
 };
 
 /// Along the sticks; root mean squares over sticks and seeds.
