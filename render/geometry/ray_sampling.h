@@ -35,8 +35,8 @@ int detector_samples(const RenderOptions& options);
 
 /// Detector::floor: samples in the mean of a millimetre, at least 1 and at most 64.
 int floor_mean_samples(const RenderOptions& options);
-/// Detector::floor: finished blocks of floor_mean_samples(), whose least mean is the floor with that of
-/// the block that is not finished.
+/// Detector::floor: finished blocks of floor_mean_samples(), whose least mean is the floor with
+/// that of the block that is not finished.
 inline constexpr int kFloorBlocks = 11;
 
 /// Largest distance of a kernel tap from its position on the ray.

@@ -1,5 +1,5 @@
-// Empty space of the slices: macrocells in which no edge can be detected and nothing is visible, sets
-// of them as bits, and distances between them.
+// Empty space of the slices: macrocells in which no edge can be detected and nothing is visible,
+// sets of them as bits, and distances between them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Samples of the sticks in the volume of interest, and the levels of fluid and tissue among them: what
-// a detector's threshold is measured by.
+// Samples of the sticks in the volume of interest, and the levels of fluid and tissue among them:
+// what a detector's threshold is measured by.
 #pragma once
 
 #include <vector>

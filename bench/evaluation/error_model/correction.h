@@ -45,8 +45,9 @@ Image<float> corrected_depth(const DetectionModel& model,
                              const hw::PolarVolume& volume);
 
 /// What `renderer` shows, of this volume, rendered once more with corrected z: RenderTaps::depth is
-/// corrected_depth(), whose time is the pass `correction`. Pass 1 is not done again: its time is that
-/// of `uncorrected`, the picture without. Replaces the renderer's taps and leaves it without any.
+/// corrected_depth(), whose time is the pass `correction`. Pass 1 is not done again: its time is
+/// that of `uncorrected`, the picture without. Replaces the renderer's taps and leaves it without
+/// any.
 render::Picture corrected_picture(const Correction& correction,
                                   render::Renderer& renderer,
                                   const render::Picture& uncorrected,

@@ -130,7 +130,8 @@ void write_refused(const ExtremesResults& results, std::ostream& markdown) {
 
 void write_reach(const ExtremesResults& results, std::ostream& markdown) {
   markdown << "\n## One bad sample\n\nPixels whose z changed out of the reach of the sample: their "
-              "rays read no other sample in double precision.\n\n| case | preset | pixels |\n| --- | --- | ---: |\n";
+              "rays read no other sample in double precision.\n\n| case | preset | pixels |\n| --- "
+              "| --- | ---: |\n";
   for (const ExtremeOutcome& outcome : results.cases) {
     if (!outcome.changed_out_of_reach) continue;
     markdown << "| " << outcome.of.name << " | " << outcome.preset << " | "
