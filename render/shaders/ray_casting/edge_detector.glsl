@@ -1,5 +1,6 @@
 // Pass 2, edge detection. reaches_surface() says at which sample of the ray the surface lies;
-// steps_past_crossing() how far behind it; ray_march.glsl and ray_cast_fast.frag.glsl turn them into z.
+// steps_past_crossing() how far behind it; ray_march.glsl and ray_cast_fast.frag.glsl turn them into
+// z.
 uniform float threshold;  // paper: on Difference; iso: level; floor: rise above the floor
 uniform float edge_sign;  // +1: rising, -1: falling
 

@@ -1,7 +1,8 @@
 // Pass 2, mode fast: one ray per pixel, which leaps over macrocells without surface and opacity
 // (empty-space leaping); otherwise as mode plain.
 
-// Without a kernel along the ray: edge detection and blending of BLOCK samples at a time. The loop overhead, on a CPU as large as a fetch, is shared by them.
+// Without a kernel along the ray: edge detection and blending of BLOCK samples at a time. The loop
+// overhead, on a CPU as large as a fetch, is shared by them.
 
 // Whether a block's samples are inside the cone; fetches them.
 void fetch_block(March march, int begin, out bool inside[BLOCK]) {

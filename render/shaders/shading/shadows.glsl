@@ -16,8 +16,8 @@ uniform float shadow_bias_m;
 
 #if !FAST
 
-// Traces from each pixel towards the light through the height map, one pixel of the picture per step
-// (paper section 3.3, Fig. 4).
+// Traces from each pixel towards the light through the height map, one pixel of the picture per
+// step (paper section 3.3, Fig. 4).
 // Whether the height map occludes the light.
 bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
   float travelled = 0.0;
@@ -41,8 +41,8 @@ bool in_shadow(vec3 position, vec3 to_light, float light_distance) {
 #else
 
 // Takes the samples of mode plain, TILE at a time. If no surface in the tiles of these samples is
-// nearer than the ray, none of them is in shadow and they are skipped. The trace ends when no surface
-// ahead can be nearer than the ray.
+// nearer than the ray, none of them is in shadow and they are skipped. The trace ends when no
+// surface ahead can be nearer than the ray.
 const float FOREVER = 1e30;
 const float LONGEST_STEP = 1e3;  // metres, as in mode plain
 

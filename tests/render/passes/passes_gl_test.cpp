@@ -48,30 +48,23 @@ class Layers {
     FrameStore store(volume.plan(), options);
     const int count = factory_.geometry().frames();
     for (int f = 0; f < count; ++f) store.put(f, volume.frame(f));
-    is_pairs_ = options.pipeline.mode == PipelineMode::fast;
+    const int last_layer = made_->slices().extent().depth - 1;
     std::vector<int> layers;
-    for (int f : frames) layers.push_back(layer_of(f));
+    for (int f : frames) layers.push_back(std::min(f, last_layer));
     made_->make_layers(layers, store);
-    texels_ = made_->slices().download();
+    for (int f = 0; f < count; ++f) slices_.push_back(made_->download_slice(f));
   }
 
   Region pixels() const { return made_->pixels(); }
   float at(int frame, int column, int row) const {
     const Region p = pixels();
-    const int index = (layer_of(frame) * p.rows + row - p.row) * p.columns + column - p.column;
-    const int channel = is_pairs_ && layer_of(frame) != frame ? 1 : 0;
-    return texels_[static_cast<std::size_t>(is_pairs_ ? 2 * index + channel : index)];
+    return slices_[static_cast<std::size_t>(frame)].at(column - p.column, row - p.row);
   }
 
  private:
-  int layer_of(int frame) const {
-    return is_pairs_ ? std::min(frame, factory_.geometry().frames() - 2) : frame;
-  }
-
   SliceVolumeFactory factory_;
   std::unique_ptr<SliceVolume> made_;
-  bool is_pairs_ = false;
-  std::vector<float> texels_;
+  std::vector<Image<float>> slices_;
 };
 
 double worst_difference(const Layers& layers, const reference::SliceStack& expected, int frame) {
