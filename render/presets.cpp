@@ -4,7 +4,7 @@ namespace wobblebench::render {
 
 RenderOptions render_preset(RenderPreset preset) {
   RenderOptions options;
-  if (preset == RenderPreset::paper) return options;
+  if (preset == RenderPreset::baseline) return options;
   options.reconstruction.sticks = Sticks::aligned;
   options.reconstruction.spacing_m = 1.5e-3;
   options.ray_casting.steps = 256;

@@ -7,13 +7,14 @@
 
 namespace wobblebench::render {
 
-/// `paper`: the defaults of RenderOptions, which are the paper's. `accurate`: sticks aligned by
+/// `baseline`: the defaults of RenderOptions, which are the paper's but for three
+/// (docs/decisions/0006-defaults-of-the-probe.md). `accurate`: sticks aligned by
 /// their surface, an iso-surface at a level that the volume says, corrected for the beam's width
 /// (docs/decisions/0031-the-surface.md).
-enum class RenderPreset { accurate, paper };
+enum class RenderPreset { accurate, baseline };
 
 constexpr std::string_view to_string(RenderPreset preset) {
-  return preset == RenderPreset::paper ? "paper" : "accurate";
+  return preset == RenderPreset::baseline ? "baseline" : "accurate";
 }
 
 /// The settings that a preset stands for.

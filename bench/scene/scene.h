@@ -43,7 +43,7 @@ void describe(O& o, Visitor& v) {
   v.choice("preset",
            o.preset,
            {{to_string(render::RenderPreset::accurate), render::RenderPreset::accurate},
-            {to_string(render::RenderPreset::paper), render::RenderPreset::paper}});
+            {to_string(render::RenderPreset::baseline), render::RenderPreset::baseline}});
   v.text("correction", o.correction);
 }
 

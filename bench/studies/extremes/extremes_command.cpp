@@ -224,7 +224,7 @@ std::vector<ExtremeOutcome> run_cases(const std::vector<ExtremeCase>& cases,
   std::vector<ExtremeOutcome> outcomes;
   PartCount parts(cases.size(), done);
   for (const ExtremeCase& of : cases) {
-    for (const auto preset : {render::RenderPreset::paper, render::RenderPreset::accurate}) {
+    for (const auto preset : {render::RenderPreset::baseline, render::RenderPreset::accurate}) {
       outcomes.push_back(run_extreme_case(of, preset, context, cache));
       // What is refused is refused before any preset matters.
       if (of.must == MustHappen::refuse && outcomes.back().passed()) break;

@@ -131,7 +131,7 @@ std::string modes_report(const Rows& rows, const Scene& scene, const Provenance&
 
 int compare_modes(const Arguments& arguments) {
   const Scene scene = load_scene(
-      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   refuse_compared_settings(scene);
   const auto context = render::make_context(arguments.gl);
   const auto names = phantoms_of(scene);

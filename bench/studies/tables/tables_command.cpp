@@ -92,7 +92,7 @@ CommandResult measure_and_write(Scene scene,
 
 int measure(const Arguments& arguments) {
   Scene scene = load_scene(
-      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::paper);
+      arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   const BoardArguments board = parse_board(arguments.board);
   take_reference_settings(scene, arguments.tables.run());
   // Made before the echoes: where this machine lacks the GL, the command fails early.

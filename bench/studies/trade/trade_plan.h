@@ -35,7 +35,7 @@ struct TradeAxis {
 ///   first_seed = 1
 ///   repeats = 3                             # of the times
 ///   [reference.render]                      # the setting whose time is 1, over each scene
-///   preset = "paper"
+///   preset = "baseline"
 ///   [scenes.face]                           # as in a plan of `accuracy`
 ///   [unseen.plane.phantom]                  # likewise; `tune` measures its choice on them
 ///   name = "plane"

@@ -138,7 +138,7 @@ TEST(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
                                           {kSphere,
                                            kScan,
                                            kPicture,
-                                           set("render.preset=paper"),
+                                           set("render.preset=baseline"),
                                            set("render.ray_casting.threshold=60")}),
                                      folder))
                          .at("error");

@@ -254,7 +254,7 @@ TEST_F(StreamCommand, BadInputIsRefusedByOneLine) {
   expect_refused({"stream", "--queue", "0"}, "--queue = 0");
   expect_refused({"latency", "--policy", "oldest"}, "--policy: oldest not in");
   expect_refused(
-      {"latency", "--set", "render.preset=paper", "--set", "render.pipeline.mid_volume=true"},
+      {"latency", "--set", "render.preset=baseline", "--set", "render.pipeline.mid_volume=true"},
       "render.pipeline.mid_volume = true: must be false");
   EXPECT_TRUE(folder_.files().empty());
 }

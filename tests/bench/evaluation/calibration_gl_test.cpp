@@ -70,7 +70,7 @@ TEST_P(Calibration, DepthErrorStaysWithinBounds) {
   const Expected& expected = GetParam();
   const ChainResult chain = run_chain({"phantom.name=" + expected.phantom,
                                        "simulation.fidelity=" + expected.rung,
-                                       "render.preset=paper",
+                                       "render.preset=baseline",
                                        "phantom.tilt_x_deg=10",
                                        "phantom.tilt_y_deg=-8"});
   const DepthStatistics& depth = chain.error.depth;

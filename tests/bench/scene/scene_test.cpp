@@ -232,7 +232,7 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
   const std::vector<std::string> small = {"acquisition.frames_per_volume=10",
                                           "acquisition.sticks_per_frame=20",
                                           "acquisition.samples_per_stick=100",
-                                          "render.preset=paper",
+                                          "render.preset=baseline",
                                           "render.scan_conversion.slice_size=32",
                                           "render.scan_conversion.format=r32f"};
   auto geometry = small;
@@ -264,7 +264,7 @@ TEST_F(SceneFile, MemoryNeedIsThatOfTheLargestArrays) {
 }
 
 TEST_F(SceneFile, MoreMemoryThanTheMachineHasIsRefused) {
-  Scene scene = load_scene({}, {"simulation.fidelity=geometry", "render.preset=paper"});
+  Scene scene = load_scene({}, {"simulation.fidelity=geometry", "render.preset=baseline"});
   scene.acquisition.frames_per_volume = 1000;
   scene.acquisition.samples_per_stick = 500;
   const auto refused = [&](double available) {

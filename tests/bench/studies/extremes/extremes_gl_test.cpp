@@ -22,7 +22,7 @@ render::GlContext& gl_context() {
   return *context;
 }
 
-Scene small_scene(render::RenderPreset preset = render::RenderPreset::paper) {
+Scene small_scene(render::RenderPreset preset = render::RenderPreset::baseline) {
   const Scene given = load_scene({}, base_settings(), "extremes", preset);
   return resolve_scene(given, std::nullopt).options();
 }
@@ -95,7 +95,7 @@ TEST_P(Passes, AFaultOfOnePixelIsBeyondTheBoundOfItsPassAlone) {
 
 INSTANTIATE_TEST_SUITE_P(Presets,
                          Passes,
-                         ::testing::Values(render::RenderPreset::paper,
+                         ::testing::Values(render::RenderPreset::baseline,
                                            render::RenderPreset::accurate),
                          [](const auto& of) { return std::string(to_string(of.param)); });
 
@@ -136,13 +136,13 @@ TEST(Extremes, ASampleChangesPixelsWithinItsReachOnly) {
 TEST(Extremes, WhatMustBeRefusedFailsWhereItIsRendered) {
   PhantomCache cache;
   ExtremeCase of{"rendered", {}, MustHappen::refuse};
-  EXPECT_FALSE(run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache).passed());
+  EXPECT_FALSE(run_extreme_case(of, render::RenderPreset::baseline, gl_context(), cache).passed());
   of = {"refused", {"acquisition.depth_mm=401"}, MustHappen::render};
-  const auto outcome = run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache);
+  const auto outcome = run_extreme_case(of, render::RenderPreset::baseline, gl_context(), cache);
   EXPECT_FALSE(outcome.passed());
   EXPECT_EQ(outcome.refusal, "extremes: acquisition.depth_mm = 401: must be within 1 and 400");
   of.must = MustHappen::refuse;
-  EXPECT_TRUE(run_extreme_case(of, render::RenderPreset::paper, gl_context(), cache).passed());
+  EXPECT_TRUE(run_extreme_case(of, render::RenderPreset::baseline, gl_context(), cache).passed());
 }
 
 TEST(Extremes, RandomCasesFollowFromTheirSeed) {

@@ -19,7 +19,7 @@ const Words kSmall = {"--set",
                       "--set",
                       "acquisition.frames_per_volume=19"};
 /// A detector whose error is large enough for a small scan to show what a correction does.
-const Words kPaper = {"--set", "render.preset=paper"};
+const Words kPaper = {"--set", "render.preset=baseline"};
 
 TEST(Fit, WritesACorrectionThatRunApplies) {
   const ScratchFolder folder;
@@ -66,7 +66,7 @@ TEST(Fit, WritesACorrectionThatRunApplies) {
 TEST(Fit, OfAPictureWithoutASurfaceIsRefused) {
   const ScratchFolder folder;
   const auto result = bench(
-      with({"fit", "--set", "render.preset=paper", "--set", "render.ray_casting.threshold=60"},
+      with({"fit", "--set", "render.preset=baseline", "--set", "render.ray_casting.threshold=60"},
            {kSmall}),
       folder);
   EXPECT_EQ(result.exit_code, 2);

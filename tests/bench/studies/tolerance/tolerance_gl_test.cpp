@@ -101,7 +101,7 @@ TEST_F(Tolerance, IsRefusedByOneLineBeforeAnyWork) {
       {{"--tolerance", "-1mm"}, "--tolerance = -1mm: must be"},
       {{"--tolerance", "nanmm"}, "--tolerance = nanmm: must be"},
       {{"--tolerance", "1mm", "--board", "file=none.wbst"}, "--tolerance: needs --board sim"},
-      {{"--tolerance", "1mm", "--set", "render.preset=paper"}, "leave render.preset out"}};
+      {{"--tolerance", "1mm", "--set", "render.preset=baseline"}, "leave render.preset out"}};
   for (const auto& [words, line] : wrong) {
     const auto result = bench(with({"run"}, {words}), folder_);
     EXPECT_EQ(result.exit_code, 2) << line;
