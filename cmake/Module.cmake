@@ -72,6 +72,6 @@ function(wobblebench_test name)
   set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
   add_custom_command(TARGET ${name} POST_BUILD BYPRODUCTS "${suites}"
     COMMAND "${CMAKE_COMMAND}" "-DPROGRAM=$<TARGET_FILE:${name}>" "-DNAME=${name}" "-DTIMEOUT=${seconds}"
-      "-DOUTPUT=${suites}" -P "${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake" VERBATIM)
+      "-DTIERS=${PROJECT_SOURCE_DIR}/tests/tiers.cmake" "-DOUTPUT=${suites}" -P "${PROJECT_SOURCE_DIR}/cmake/ListSuites.cmake" VERBATIM)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${suites}")
 endfunction()
