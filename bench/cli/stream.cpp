@@ -316,7 +316,8 @@ int stream(const Arguments& arguments) {
     stop_in_order();
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
 
-    StreamReport report{.queue = queue_options(arguments)};
+    StreamReport report;
+    report.queue = queue_options(arguments);
     report.result = stream_to(sink, source, renderer, scene, arguments, progress);
     if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
     report.simulated = board.simulated();
