@@ -12,11 +12,12 @@
 #include <cstring>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 #include "base/duration.h"
 #include "base/file.h"
 #include "base/user_error.h"
-#include "bench/scene/scene.h"
+#include "bench/scene/resolved_scene.h"
 #include "bench/studies/validate/scan.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"

@@ -29,14 +29,15 @@ PointEchoes::PointEchoes(sim::Rung rung,
   auto options = lossless_envelope(rung, 1);
   options.side_lobes = side_lobes;
   const auto subject = scanned(open_tissue("amniotic_fluid"), options.threads);
+  const sim::ProbeOptics optics(plan, options);
   if (rung == sim::Rung::reference) {
-    const auto scene = std::make_shared<const sim::ReferenceScene>(subject, plan, options);
+    const auto scene = std::make_shared<const sim::ReferenceScene>(subject, optics, options);
     add_ = [=](const auto& path, auto points, auto iq) { scene->add_points(path, points, iq); };
   } else {
     const auto settings =
         sim::ScattererSettings::of(options, {plan.sample_spacing_m(), loss_.frequency_ratio});
     const auto field =
-        std::make_shared<const sim::ScattererField>(subject, plan, options, settings);
+        std::make_shared<const sim::ScattererField>(subject, optics, options, settings);
     add_ = [=](const auto& path, auto points, auto iq) { field->add_points(path, points, iq); };
   }
 }

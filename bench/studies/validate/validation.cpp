@@ -23,7 +23,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-std::string number(double value) {
+std::string four_digits(double value) {
   return significant(value, 4);
 }
 
@@ -37,11 +37,11 @@ std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
 std::string expected_text(const Check& check) {
   switch (check.kind) {
     case Check::Kind::within:
-      return number(check.expected) + " ± " + number(check.tolerance);
+      return four_digits(check.expected) + " ± " + four_digits(check.tolerance);
     case Check::Kind::at_least:
-      return "≥ " + number(check.expected);
+      return "≥ " + four_digits(check.expected);
     case Check::Kind::at_most:
-      return "≤ " + number(check.expected);
+      return "≤ " + four_digits(check.expected);
   }
   return "";
 }
@@ -89,7 +89,7 @@ void write_study(const StudyReport& report,
                 "| --- | ---: | ---: | ---: | --- | --- |\n";
   }
   for (const Check& check : report.checks) {
-    markdown << "| `" << check.name << "`: " << check.source << " | " << number(check.measured)
+    markdown << "| `" << check.name << "`: " << check.source << " | " << four_digits(check.measured)
              << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " "
              << check.of << " | " << seeds_text(check.seeds) << " | "
              << (check.passed() ? "passed" : "**failed**") << " |\n";
@@ -161,7 +161,7 @@ int failed_checks(const std::vector<StudyReport>& reports) {
 }
 
 std::string describe(const Check& check) {
-  return number(check.measured) + unit_text(check) + "; expected " + expected_text(check) +
+  return four_digits(check.measured) + unit_text(check) + "; expected " + expected_text(check) +
          unit_text(check) + " (" + check.source + "); n = " + std::to_string(check.n) + " " +
          check.of + "; seeds " + seeds_text(check.seeds);
 }
