@@ -15,16 +15,6 @@ namespace wobblebench {
 
 namespace {
 
-bool write_all(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(file, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
-  return true;
-}
-
 /// errno, unless it says that there is no disk to wait for.
 int failure(int result) {
   return result == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
@@ -60,6 +50,16 @@ void write_file(const std::filesystem::path& path, std::string_view bytes) {
   const int write_error = write_all(file.get(), bytes) ? sync_file(file.get()) : errno;
   const int close_error = file.close();
   if (write_error != 0 || close_error != 0) refuse(write_error != 0 ? write_error : close_error);
+}
+
+bool write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
 }
 
 int sync_file(int descriptor) {

@@ -32,6 +32,9 @@ class FileDescriptor {
   int number_;
 };
 
+/// write(2) until all of it is written. False, with errno, where it fails.
+bool write_all(int descriptor, std::string_view bytes);
+
 /// fsync(2) of an open file, or fdatasync(2). Returns 0 or errno; 0 too for what is on no disk, a
 /// pipe or /dev/null.
 int sync_file(int descriptor);

@@ -4,11 +4,13 @@
 set(slow_suites)
 set(nightly_suites)
 
-# The labels of a suite of GoogleTest.
+# The labels of a suite of GoogleTest. CTest knows no IN_LIST.
 function(tier_labels suite result)
-  if(suite IN_LIST nightly_suites)
+  list(FIND nightly_suites "${suite}" nightly)
+  list(FIND slow_suites "${suite}" slow)
+  if(NOT nightly EQUAL -1)
     set(labels nightly)
-  elseif(suite IN_LIST slow_suites)
+  elseif(NOT slow EQUAL -1)
     set(labels full)
   else()
     set(labels quick full)

@@ -59,16 +59,6 @@ bool read_all(int file, char* to, std::size_t size) {
   return true;
 }
 
-bool write_all(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(file, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
-  return true;
-}
-
 /// Beyond this process's limit of a file's size writing would end the process.
 bool is_allowed(std::uint64_t size) {
   rlimit limit{};

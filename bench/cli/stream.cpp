@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/duration.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/stream_report.h"
@@ -89,10 +90,6 @@ class StreamSink {
 /// So that a stream of hours makes no file that players refuse.
 constexpr double kLongestVideo_s = 1200;
 
-double seconds(hw::DeviceDuration time) {
-  return 1e-3 * to_milliseconds(time);
-}
-
 StreamSink::StreamSink(const hw::AcquisitionPlan& plan,
                        std::unique_ptr<Video> video,
                        int most_depths)
@@ -110,7 +107,7 @@ void StreamSink::take(const ShownPicture& shown) {
 
 const Video* StreamSink::finish_video() {
   if (!video_ || !first_) return nullptr;
-  const double end_s = (last_ - *first_ + 1) * seconds(plan_.volume_duration());
+  const double end_s = (last_ - *first_ + 1) * to_seconds(plan_.volume_duration());
   video_->finish(std::min(kLongestVideo_s, end_s));
   return video_.get();
 }
@@ -121,7 +118,7 @@ double StreamSink::time_s(const PictureTimes& times) const {
   const auto begin = plan_.stick_time(plan_.first_sequence(*first_));
   const int part = times.whole ? 0 : std::max(times.sticks + times.lost - 1, 0);
   const auto newest = plan_.first_sequence(times.volume) + static_cast<std::uint64_t>(part);
-  return seconds(plan_.stick_time(newest) - begin);
+  return to_seconds(plan_.stick_time(newest) - begin);
 }
 
 struct Arguments {

@@ -7,6 +7,8 @@
 #include <csignal>
 #include <utility>
 
+#include "base/duration.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -47,7 +49,7 @@ Progress::Progress(std::vector<PlannedStep> plan, const ProgressOutput& output)
 Progress::~Progress() = default;
 
 double Progress::now_s() const {
-  return std::chrono::duration<double>(Clock::now() - start_).count();
+  return to_seconds(Clock::now() - start_);
 }
 
 StepTimes Progress::times() const {

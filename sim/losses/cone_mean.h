@@ -12,8 +12,8 @@
 
 namespace wobblebench::sim {
 
-/// row[i] = (1 - share[i]) * near[i] + share[i] * far[i]. It is positive where both values are,
-/// also where one is too small to change their difference.
+/// row[i] = (1 - share[i]) * near[i] + share[i] * far[i]. It never rounds to 0
+/// where both values are positive.
 void interpolate(const float* near, const float* far, const float* share, int count, float* row);
 
 /// Rows of a LossTable at a node and the next one.
@@ -53,13 +53,13 @@ class ConeMean {
   /// Computes the corrections [line][node] of a frame for the paths and sample points in the image
   /// plane, and for each part across the image plane the sum of its paths' amplitudes relative to
   /// the axis, weighted by their fractions on the array. The LossTable must be finished for all
-  /// frames that a path crosses. Nodes up to which all sticks have the same losses keep 0.
+  /// frames that a path crosses. Nodes before the losses first differ between sticks stay 0.
   void follow(int frame,
               std::span<float> log_gain,
               std::span<float> frequency,
               std::span<float> parts);
-  /// Adds the correction for the sample points across the image plane. `parts`: of all frames;
-  /// follow() must have computed those within BeamSection::most_frames().
+  /// Adds the correction for the sample points across the image plane. `parts`: results of follow()
+  /// for all frames; follow() must have computed those within BeamSection::most_frames().
   void add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain);
 
   /// True if the losses differ anywhere within reach of a frame's paths and sample points.

@@ -23,8 +23,8 @@ void locate_frames(int frame,
                    std::int32_t* before,
                    float* share);
 
-/// For the sticks of a row: the one-way amplitude that reaches the node before a node, and the
-/// material at this node.
+/// For the sticks of a row: one-way amplitude at the previous node, and the material at the
+/// current one.
 struct Reaching {
   const float* amplitude;
   const float* material;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/duration.h"
+
 namespace wobblebench::sim {
 
 TimedRay stick_ray(const hw::AcquisitionPlan& plan, const hw::StickIndex& index) {
@@ -16,7 +18,7 @@ TimedRay stick_ray(const hw::AcquisitionPlan& plan,
                    const hw::StickIndex& index) {
   const auto time = plan.stick_time(plan.sequence(index)).time_since_epoch();
   return {geometry.stick(plan.theta_rad(static_cast<int>(index.line)), plan.motor_angle_rad(index)),
-          std::chrono::duration<double>(time).count()};
+          to_seconds(time)};
 }
 
 AcrossStick across_stick(const hw::Ray& ray) {

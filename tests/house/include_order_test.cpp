@@ -68,6 +68,14 @@ TEST(IncludeOrder, TheTablesProgramReachesNoSimulator) {
   }
 }
 
+TEST(IncludeOrder, RoomsIncludeNothingOfTests) {
+  for (const auto& file : graph().files()) {
+    for (const auto& include : graph().direct(file)) {
+      EXPECT_NE(room_of(include), "tests") << file << " includes " << include;
+    }
+  }
+}
+
 TEST(IncludeOrder, EveryIncludeOfOursIsAFile) {
   const auto files = graph().files();
   const std::set<std::string> known(files.begin(), files.end());

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/duration.h"
 #include "bench/board_checks/fault_simulation/oracle.h"
 #include "bench/board_checks/fault_simulation/recording_simulation.h"
 #include "bench/board_checks/fault_simulation/scenario.h"
@@ -59,7 +60,7 @@ class Simulation {
       result.failure = broken.what();
     }
     result.hash = oracle_.hash();
-    result.device_time_s = std::chrono::duration<double>(time_.now().time_since_epoch()).count();
+    result.device_time_s = to_seconds(time_.now().time_since_epoch());
     result.sticks_emitted = figures_->sticks_emitted;
     result.acquired_s =
         static_cast<double>(result.sticks_emitted) * scenario_.plan.stick_period_s();

@@ -15,7 +15,7 @@
 namespace wobblebench::bench {
 
 /// Where a stick meets a plane surface, and how it is received. Echo powers are in dB re a perfect
-/// mirror, as received: with the losses on the way, without TGC. Defaults: soft tissue 70 mm from
+/// mirror, as received: attenuated, before TGC. Defaults: soft tissue 70 mm from
 /// the default probe.
 struct DetectionConditions {
   double incidence_rad = 0;            ///< between stick and normal, 0 to kMostIncidence_rad
@@ -47,13 +47,14 @@ double detection_bound_m(const DetectionConditions& conditions);
 /// slope.
 double rise_sigma_m(const DetectionConditions& conditions);
 
-/// Eigenvalues of the correlation of the speckle of the stick and its neighbours: those sticks of a
-/// line or frame whose axes lie within half the beam's -6 dB width. Where all meet the surface at
-/// the same range, their samples have the covariance C x S + N I (C: between sticks, S: along one),
-/// and their information is the sum over the eigenvalues l of C of that of one stick with echo l S.
-/// {1} where the sticks are farther apart. The correlation at a distance d is that of a Gaussian
-/// beam of flat wave fronts, exp(-(d / 2 sigma)^2); curved ones out of focus correlate less, so
-/// that neighbours closer than the beam is wide tell more than this.
+/// Eigenvalues of the correlation of the speckle of the stick and its neighbours: the sticks whose
+/// axes lie within half the beam's -6 dB width, along the line or across frames. Where all meet the
+/// surface at the same range, their samples have the covariance C x S + N I (C: between sticks, S:
+/// along one), and their information is the sum over the eigenvalues l of C of that of one stick
+/// with echo l S. {1} where the sticks are farther apart. The correlation at a distance d is that
+/// of a Gaussian beam of flat wave fronts, exp(-(d / 2 sigma)^2); curved ones out of focus
+/// correlate less, so that neighbours within a beam width carry more information than this model
+/// gives them.
 std::vector<double> neighbour_modes(const DetectionConditions& conditions);
 
 /// The samples of one stick as a random process, for a beam of Gaussian power. Powers are relative

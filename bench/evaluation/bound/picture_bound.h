@@ -56,9 +56,9 @@ struct PictureBound {
 using CountedPixel = std::function<bool(int column, int row)>;
 
 /// Computes the bounds from the truth's normals, the beam at each point and the scan's spacing.
-/// `tissue_mean_db`: mean echo of the material behind the surface (`Material::backscatter_db`) less
-/// the losses on the way. The echo of the interface itself is left out. Bounds are looked up in
-/// steps of 5 % of the rise's width and 1 dB of the echo. Throws std::invalid_argument as
+/// `tissue_mean_db`: mean echo of the material behind the surface (`Material::backscatter_db`)
+/// minus the losses along the path. The echo of the interface itself is left out. Bounds are looked
+/// up in steps of 5 % of the rise's width and 1 dB of the echo. Throws std::invalid_argument as
 /// detection_bound_m().
 ///
 /// @code
@@ -73,9 +73,9 @@ PictureBound picture_bound(const Truth& truth,
                            double tissue_mean_db,
                            const CountedPixel& counted);
 
-/// RMS over a cell of sticks of what linear interpolation across it, in both directions, makes of
-/// independent errors of the sticks: the integral of (1 - t)^2 + t^2, 2/3, once for each direction,
-/// to the root.
+/// Factor by which bilinear interpolation between four sticks reduces the RMS of their independent
+/// errors, over a cell: the root of the integral of (1 - t)^2 + t^2, which is 2/3, for each of the
+/// two directions.
 inline constexpr double kBetweenSticks = 2.0 / 3;
 
 }  // namespace wobblebench::bench

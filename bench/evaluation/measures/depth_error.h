@@ -54,7 +54,7 @@ struct DepthError {
   int grazing = 0;
   int shadowed = 0;
   int pixels = 0;
-  double surface_m2 = 0;      ///< area of the true surface in the pixels `surface` (pixel_area.h)
+  double surface_m2 = 0;      ///< area of the true surface in the pixels `surface` (truth/truth.h)
   double missed_m2 = 0;       ///< in the pixels `missed`
   double found_m2 = 0;        ///< area of the measured surface, all of it
   double false_m2 = 0;        ///< in the pixels `false_surface`

@@ -38,8 +38,8 @@ double value_of(const Jet& x) {
   return x.a;
 }
 
-/// Where the stick of a probe with the fitted errors has the point (hw::ProbeGeometry), less the
-/// bias along the picture's ray.
+/// Position of the point by a probe with the fitted errors (hw::ProbeGeometry), minus the bias
+/// along the picture's ray.
 template <class T>
 void unmoved_position(const MeasuredPoint& point,
                       const hw::ProbeGeometry& probe,

@@ -24,7 +24,7 @@ namespace wobblebench::bench {
 
 inline constexpr int kRegistrationParameters = 10;
 
-/// Indices into Registration::value. A value is the true one less the assumed one; the pose is what
+/// Indices into Registration::value. Each value is true minus assumed; the pose is what
 /// moves the measured points onto the phantom.
 enum RegistrationParameter {
   kRotation = 0,     ///< x, y, z, rad: about the centroid of the points

@@ -70,9 +70,10 @@ struct Identifiability {
 
 inline constexpr double kHighCorrelation = 0.95;
 
-/// `information`: of the data alone, by parameter (its inverse: their covariance);
-/// `prior_sigma`: 0 where a parameter is held; `covariance`: of the fit. The unseen are
-/// eigenvectors of the information in units of the priors.
+/// `information`: Fisher information of the data alone, without priors (its inverse is the
+/// covariance of the parameters); `prior_sigma`: 0 where a parameter is held; `covariance`: that of
+/// the fit. The combinations that are not determined are eigenvectors of the information in units
+/// of the priors.
 Identifiability identifiability(const Eigen::MatrixXd& information,
                                 const Eigen::VectorXd& prior_sigma,
                                 const Eigen::MatrixXd& covariance);

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/duration.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -38,10 +40,6 @@ phantoms::Box in_phantom(const render::VolumeOfInterest& probe_box,
   return box;
 }
 
-double seconds(hw::DeviceTime time) {
-  return std::chrono::duration<double>(time.time_since_epoch()).count();
-}
-
 std::vector<phantoms::Deformation> moments_of(const phantoms::Motion& motion,
                                               const hw::AcquisitionPlan& plan,
                                               std::uint32_t volume) {
@@ -50,7 +48,8 @@ std::vector<phantoms::Deformation> moments_of(const phantoms::Motion& motion,
   const auto& acquisition = plan.acquisition();
   for (std::uint32_t f = 0; f < static_cast<std::uint32_t>(acquisition.frames_per_volume); ++f) {
     for (std::uint32_t l = 0; l < static_cast<std::uint32_t>(acquisition.sticks_per_frame); ++l) {
-      moments.push_back(motion.at(seconds(plan.stick_time(plan.sequence({volume, f, l})))));
+      moments.push_back(
+          motion.at(to_seconds(plan.stick_time(plan.sequence({volume, f, l})).time_since_epoch())));
     }
   }
   return moments;
@@ -155,10 +154,11 @@ ScannedSurfaces::ScannedSurfaces(const phantoms::PlacedPhantom& subject,
       geometry_(plan.geometry()),
       box_(view.box),
       edge_(view.edge),
-      bounds_(motion_bounds(subject.motion,
-                            in_phantom(view.box, subject.placement),
-                            seconds(plan.stick_time(plan.first_sequence(volume))),
-                            seconds(plan.volume_end_time(volume)))),
+      bounds_(
+          motion_bounds(subject.motion,
+                        in_phantom(view.box, subject.placement),
+                        to_seconds(plan.stick_time(plan.first_sequence(volume)).time_since_epoch()),
+                        to_seconds(plan.volume_end_time(volume).time_since_epoch()))),
       finder_(subject.phantom, reach_m, bounds_.at_rest),
       moments_(std::make_shared<const std::vector<phantoms::Deformation>>(
           moments_of(subject.motion, plan, volume))) {}

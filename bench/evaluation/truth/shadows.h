@@ -15,10 +15,9 @@ namespace wobblebench::bench {
 /// phantoms::Material::backscatter_db.
 double brightest_target_db(const phantoms::Phantom& phantom);
 
-/// How far each stick of a volume hears tissue: the last true range at which an echo as strong as
-/// the mean one of the phantom's brightest target tissue, after all losses of its way there and
-/// back (sim/losses), is neither below the RMS noise nor below the display's dynamic
-/// range.
+/// Penetration of each stick of a volume: the greatest true range at which the mean echo of the
+/// phantom's brightest target tissue, after two-way losses (sim/losses), is above the RMS noise and
+/// within the dynamic range of the display.
 class StickReach {
  public:
   /// Traces every stick. The rung geometry has no losses: sticks reach their ends. `maps` is asked

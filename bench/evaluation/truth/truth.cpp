@@ -8,6 +8,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/duration.h"
 #include "bench/evaluation/truth/scanned_surfaces.h"
 
 namespace wobblebench::bench {
@@ -64,9 +65,7 @@ class TruthTracer {
   std::uint8_t feature_at(const glm::dvec3& position, const hw::StickIndex& stick) const {
     const auto& features = subject_.phantom.features();
     if (features.empty()) return 0;
-    const double time_s =
-        std::chrono::duration<double>(plan_.stick_time(plan_.sequence(stick)).time_since_epoch())
-            .count();
+    const double time_s = to_seconds(plan_.stick_time(plan_.sequence(stick)).time_since_epoch());
     const glm::dvec3 rest_m = subject_.to_rest(position, time_s);
     const auto found = std::find_if(
         features.begin(), features.end(), [&](const auto& f) { return f.contains(rest_m); });

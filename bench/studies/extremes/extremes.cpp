@@ -79,7 +79,7 @@ void render_case(ExtremeOutcome& outcome,
                            scene.render);
 }
 
-/// "extremes: SECTION.KEY = VALUE: what is allowed", of a key that there is.
+/// True if the refusal reads "extremes: SECTION.KEY = VALUE: what is allowed" and the key exists.
 bool names_a_key(const std::string& refusal) {
   const std::string head = kSource + ": ";
   const std::size_t end = refusal.find(" = ");

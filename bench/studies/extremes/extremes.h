@@ -1,4 +1,5 @@
-// Runs cases at the ends of what is allowed, and says of each whether what must happen happened.
+// Runs cases at the ends of what is allowed, and reports for each whether the required outcome
+// occurred.
 #pragma once
 
 #include <optional>
@@ -36,7 +37,7 @@ ExtremeOutcome run_extreme_case(const ExtremeCase& of,
 /// within [0, 1].
 bool is_finite(const PassPictures& pictures);
 
-/// A number at its end that no picture shows: of device time, sequence numbers, phase.
+/// A number at the end of its range that no picture exercises: device time, sequence number, phase.
 struct NumberOutcome {
   std::string name;
   double worst = 0;  ///< difference from the exact number

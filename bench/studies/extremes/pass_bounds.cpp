@@ -19,9 +19,9 @@ constexpr double u = kUnitRoundoff;
 constexpr double kArcTangent = 1.0 / (1 << 15);
 /// Samples enter running sums as multiples of 2^-18, whose sums are exact (edge_detector.glsl).
 constexpr double kGridRounding = 1.0 / (1 << 19);
-/// Most that a ray through the whole field is long, in far ends of the sticks.
+/// Upper bound of a ray's length in the field, in multiples of the range of the sticks' far ends.
 constexpr double kFieldLength = 6;
-/// Between two unit vectors.
+/// Greatest distance between two unit vectors.
 constexpr double kMostTurn = 2;
 
 /// Rounded to half a level when a frame is uploaded, after the filter of rows, and as a slice.
@@ -52,9 +52,9 @@ double least_arm_m(const render::RenderOptions& options, const render::SliceGeom
   return std::max({geometry.depth_min_m() - geometry.axis_z_m(), in_box_m, 0.0});
 }
 
-/// Of the motor angle: of the position; in mode plain of the table, bilinear between
+/// Error of the motor angle: from the position and, in mode plain, from the table, bilinear between
 /// kMotionTableSize entries a side (h^2 / 8 times the second derivatives, at most 1 / arm^2), in
-/// mode fast of the arc tangent.
+/// mode fast from the arc tangent.
 double angle_error(const render::RenderOptions& options,
                    const render::SliceGeometry& geometry,
                    double position_m) {

@@ -23,8 +23,8 @@ struct PassBounds {
   double depth_m = 0;     ///< of z beside the detector's
 };
 
-/// Infinite where a scan's motor axis lies among the samples of a ray: there a frame's number has
-/// no bounded slope.
+/// Infinite where a scan's motor axis lies among the samples of a ray: there the
+/// frame index changes without bound.
 PassBounds pass_bounds(const hw::AcquisitionPlan& plan,
                        const render::reference::SliceStack& slices,
                        const render::RenderOptions& options);

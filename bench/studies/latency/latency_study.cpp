@@ -86,8 +86,7 @@ std::vector<Aged> wall_ages(const StreamResult& result, const hw::AcquisitionPla
   for (const PictureTimes& times : result.records) {
     const auto fired = plan.stick_time(plan.first_sequence(times.volume)).time_since_epoch();
     const auto epoch = *times.first.fired - fired;
-    ages.push_back({std::chrono::duration<double>(times.ready - epoch).count(),
-                    std::chrono::duration<double>(times.ready - *times.last.fired).count()});
+    ages.push_back({to_seconds(times.ready - epoch), to_seconds(times.ready - *times.last.fired)});
   }
   return ages;
 }

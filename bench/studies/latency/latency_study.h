@@ -15,7 +15,7 @@
 
 namespace wobblebench::bench {
 
-/// What draws of service times make of a figure: 95 % of them lie between low and high.
+/// A figure over random draws of service times: 95 % of its values lie between low and high.
 struct Drawn {
   double median = 0, low = 0, high = 0;
 };
@@ -37,8 +37,9 @@ struct LatencyCheck {
 /// From the end of a stall until a picture's age is back within the 90th percentile before it.
 struct StallRecovery {
   double stall_ms = 0;
-  double wall_ms = 0, predicted_ms = 0;              ///< NaN: not before the stream's end
-  double wall_worst_ms = 0, predicted_worst_ms = 0;  ///< the oldest newest echo from the stall on
+  double wall_ms = 0, predicted_ms = 0;  ///< NaN: not before the stream's end
+  double wall_worst_ms = 0,
+         predicted_worst_ms = 0;  ///< greatest age of the newest echo after the stall
 };
 
 /// The least number of frames a volume from which on sound takes longer than rendering.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/duration.h"
 #include "bench/studies/latency/virtual_stream.h"
 #include "hw/wire/packet.h"
 #include "sim/card/card_model.h"
@@ -12,10 +13,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-double seconds(hw::DeviceTime time) {
-  return 1e-9 * static_cast<double>(time.time_since_epoch().count());
-}
 
 /// Sends the packets of a volume, and reads the card at each of its interrupts.
 class OneVolume {
@@ -32,7 +29,7 @@ class OneVolume {
          hw::DeviceTime{});
     for (int stick = 0; stick < plan_.sticks_per_volume(); ++stick) {
       send(stick_, end_of(stick));
-      times_.push_back({seconds(card_.transfer_end()), 0});
+      times_.push_back({to_seconds(card_.transfer_end().time_since_epoch()), 0});
       ends_.push_back(sent_);
     }
     send(hw::VolumeEndPacket{}, end_of(plan_.sticks_per_volume() - 1), /*ends_volume=*/true);
@@ -60,7 +57,7 @@ class OneVolume {
       if (*interrupt > until) return;
       read_ += card_.read(buffer_, *interrupt);
       for (; announced_ < ends_.size() && ends_[announced_] <= read_; ++announced_) {
-        times_[announced_].interrupt_s = seconds(*interrupt);
+        times_[announced_].interrupt_s = to_seconds(interrupt->time_since_epoch());
       }
     }
   }
@@ -102,10 +99,6 @@ CardDelays card_delays(const hw::AcquisitionPlan& plan, const sim::CardOptions& 
 
 namespace {
 
-double seconds(hw::HostClock::duration time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 /// Linear in `share`, 0 to 1 from the first value to the second; not negative beyond.
 double between(double one, double other, double share) {
   return std::max(std::lerp(one, other, share), 0.0);
@@ -118,7 +111,7 @@ TimePool with_mean(const TimePool& pool, double mean) {
 void add_span(ServiceTimes& times, const StreamSpan& span, const hw::AcquisitionPlan& plan) {
   const bool back = plan.sweep_direction(span.volume) < 0;
   const bool is_last = span.frame == (back ? 0 : plan.acquisition().frames_per_volume - 1);
-  const double took = seconds(span.end - span.begin);
+  const double took = to_seconds(span.end - span.begin);
   switch (span.kind) {
     case StreamSpan::Kind::frame_uploaded:
       (is_last ? times.last_frame : times.frame).values.push_back(took);
@@ -168,7 +161,7 @@ ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
     for (const StreamSpan& span : result.spans) add_span(times, span, plan);
     for (const PictureTimes& picture : result.records) {
       if (!picture.last.fired) continue;
-      const double took = seconds(picture.last.acquired - *picture.last.fired);
+      const double took = to_seconds(picture.last.acquired - *picture.last.fired);
       times.wake.values.push_back(std::max(took - (announced_s - last_fired_s), 0.0));
     }
   }

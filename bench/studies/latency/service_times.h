@@ -51,7 +51,7 @@ struct ServiceTimes {
   double renderer_s(int frames) const;
 };
 
-/// Those of streams of one setting in real time. `card`: of their link.
+/// Service times measured on real-time streams of one setting. `card`: options of their link.
 ServiceTimes measured_times(const std::vector<StreamResult>& rounds,
                             const hw::AcquisitionPlan& plan,
                             const sim::CardOptions& card);

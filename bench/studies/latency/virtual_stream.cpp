@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/duration.h"
 #include "base/hash.h"
 #include "bench/studies/latency/service_times.h"
 #include "sim/math/random.h"
@@ -10,10 +11,6 @@
 namespace wobblebench::bench {
 
 namespace {
-
-double seconds(hw::DeviceTime time) {
-  return 1e-9 * static_cast<double>(time.time_since_epoch().count());
-}
 
 /// Volumes whose service times follow each other as they were measured: a machine is slow for
 /// seconds at a time, and in all stages (a moving-block bootstrap, docs/references.md [25]).
@@ -39,8 +36,8 @@ class VirtualStream {
         volume % kRun * static_cast<std::uint64_t>(each) + static_cast<std::uint64_t>(which));
   }
   double begin_s(int volume) const {
-    return seconds(
-        setting_.plan.stick_time(setting_.plan.first_sequence(static_cast<std::uint32_t>(volume))));
+    const std::uint64_t first = setting_.plan.first_sequence(static_cast<std::uint32_t>(volume));
+    return to_seconds(setting_.plan.stick_time(first).time_since_epoch());
   }
   double announced_s(int volume, int place) const;
   void acquire(int volume);

@@ -103,8 +103,8 @@ struct StageTimes {
   double total_ms() const;
 };
 
-/// Times the stages that the simulator calls (sim/echo/stick_propagation.h, sim/echo/iq_model.h)
-/// one by one; "rest" is what remains of its total time.
+/// Times the stages that the simulator calls (sim/rungs/stick_propagation.h,
+/// sim/rungs/echo_model.h) one by one; "rest" is what remains of its total time.
 StageTimes measure_stages(const RungScene& scene, sim::Rung rung);
 
 /// Detected ranges of a surface along sticks less the expected ones.
@@ -140,8 +140,8 @@ std::vector<RungError> measure_rung_errors(const std::string& body,
 /// Runs `body` in a fork of this process and returns the peak resident size of that, in bytes
 /// (getrusage). Must be called before this process works on other threads, which a fork does not
 /// have. (Threads that libraries start idle when loaded, as OpenVDB's logging does, are not
-/// needed.) Throws UserError for what the user gave (bench/scene/late_refusal.h), and
-/// std::runtime_error for every other failure of the body.
+/// needed.) Throws UserError for what the user gave (with_late_refusals of bench/scene/scene.h),
+/// and std::runtime_error for every other failure of the body.
 double peak_memory_bytes(const std::function<void()>& body);
 
 /// The rungs that scan whole volumes, in rising order.

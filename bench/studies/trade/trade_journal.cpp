@@ -140,13 +140,7 @@ Content read(const std::filesystem::path& path, const std::string& plan, const R
 }
 
 void write_whole(int file, const std::string& text, const std::filesystem::path& path) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t wrote = ::write(file, text.data() + done, text.size() - done);
-    if (wrote < 0 && errno == EINTR) continue;
-    if (wrote < 0) fail(path);
-    done += static_cast<std::size_t>(wrote);
-  }
-  if (sync_data(file) != 0) fail(path);
+  if (!write_all(file, text) || sync_data(file) != 0) fail(path);
 }
 
 }  // namespace

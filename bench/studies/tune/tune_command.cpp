@@ -146,7 +146,8 @@ Command add_tune_command(CLI::App& app) {
   add_required_path(
       command, "PLAN", arguments->plan, "TOML file with scenes and axes, as of trade");
   add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");
-  add_text(command, "--least", arguments->tune.request.least, "What is to be small");
+  add_text(
+      command, "--least", arguments->tune.request.least, "Quantity to minimise: time or an error");
   add_list(command, "--limit", arguments->limits, "NAME<=NUMBER, as p95_mm<=2; repeat it for each");
   add_path(command, "--trade", arguments->trade, "Folder of a trade of this plan to start from");
   add_integer(command,
@@ -161,7 +162,7 @@ Command add_tune_command(CLI::App& app) {
               "Seeds that the search does not see, to confirm on",
               2,
               100);
-  add_seed(command, "--seed", arguments->tune.search.seed, "Of the search");
+  add_seed(command, "--seed", arguments->tune.search.seed, "Seed of the search");
   add_integer(
       command,
       "--requests",

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "base/duration.h"
 #include "base/statistics.h"
 #include "bench/studies/validate/scan.h"
 #include "bench/studies/validate/statistics.h"
@@ -175,10 +176,6 @@ constexpr double kMiddle_m = 75e-3;
 /// Time between sticks, so that the velocities stay within the limits of MotionOptions.
 constexpr double kDeadTime_s = 1e-3;
 
-double seconds(hw::DeviceDuration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
-
 hw::AcquisitionOptions common(const SpeckleMotionInputs& inputs) {
   hw::AcquisitionOptions acquisition{.depth_m = kDepth_m,
                                      .sector_rad = 60 * kDegree,
@@ -215,7 +212,7 @@ Setup along_axis(const SpeckleMotionInputs& inputs) {
   const hw::AcquisitionPlan plan({}, acquisition);
   const double shift_m = inputs.axial_shift * plan.sample_spacing_m();
   Setup setup{"axial", 1e3 * shift_m, plan, {}, {}, {0, 0, inputs.axial_shift}};
-  setup.motion_options.velocity_m_s = {0, 0, shift_m / seconds(plan.volume_duration())};
+  setup.motion_options.velocity_m_s = {0, 0, shift_m / to_seconds(plan.volume_duration())};
   return setup;
 }
 
@@ -225,7 +222,7 @@ Setup in_plane(const SpeckleMotionInputs& inputs) {
   auto acquisition = common(inputs);
   acquisition.sticks_per_frame = inputs.sticks;
   const hw::AcquisitionPlan plan({}, acquisition);
-  const double later_s = seconds(plan.volume_duration()) + plan.stick_period_s();
+  const double later_s = to_seconds(plan.volume_duration()) + plan.stick_period_s();
   Setup setup{"in the image plane",
               1e3 * (plan.probe().radius_m + kMiddle_m) * plan.theta_step_rad(),
               plan,
@@ -241,7 +238,7 @@ Setup across_planes(const SpeckleMotionInputs& inputs) {
   auto acquisition = common(inputs);
   acquisition.frames_per_volume = inputs.frames;
   const hw::AcquisitionPlan plan({}, acquisition);
-  const double later_s = seconds(plan.volume_duration()) + plan.stick_period_s();
+  const double later_s = to_seconds(plan.volume_duration()) + plan.stick_period_s();
   const double axis_z_m = plan.geometry().axis_z_m();
   Setup setup{"across image planes",
               1e3 * (plan.probe().radius_m + kMiddle_m - axis_z_m) * plan.phi_step_rad(),

@@ -19,7 +19,7 @@ struct ScanSetup {
   hw::AcquisitionOptions acquisition;
 };
 
-/// So few sticks and scatterers that the sum over elements takes seconds.
+/// Few sticks and scatterers, so that the sum over elements takes seconds.
 ScanSetup small_scene() {
   hw::AcquisitionOptions acquisition{.depth_m = 0.08,
                                      .sector_rad = 4 * kDegree,

@@ -103,7 +103,7 @@ struct EchoPlace {
   /// Re the peak for one point of amplitude 1 on the middle stick at the place's range.
   std::vector<double> envelope;
 };
-/// Points as far aside as side lobes reach: echo_points.csv, echoes.csv.
+/// Points off the axis, out to the side lobes: echo_points.csv, echoes.csv.
 std::vector<EchoPlace> echo_places();
 /// Points well within the focused beam's main lobe: main_lobe_points.csv, main_lobe_echoes.csv.
 std::vector<EchoPlace> main_lobe_places();

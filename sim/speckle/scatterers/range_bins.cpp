@@ -14,7 +14,7 @@ namespace {
 using Nodes = float __attribute__((vector_size(32)));
 static_assert(sizeof(Nodes) == sizeof(BandValues::re));
 
-/// Amplitudes with the phase of the range, and bins, of a batch.
+/// A batch of echoes: complex amplitude, with the phase of the range, and range bin.
 struct EchoLanes {
   float re[kEchoBatch];
   float im[kEchoBatch];
