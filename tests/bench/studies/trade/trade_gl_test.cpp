@@ -18,7 +18,7 @@ const std::string kScene =
     "render.scan_conversion.slice_size = 64\nrender.ray_casting.image_size = 64\n";
 const std::string kPlan =
     "design = \"latin_hypercube\"\npoints = 6\nseeds = 2\nrepeats = 1\n"
-    "[reference.render]\npreset = \"paper\"\n"
+    "[reference.render]\npreset = \"baseline\"\n"
     "[scenes.ball]\n" +
     kScene + "[scenes.flat]\n" + kScene +
     "[axes]\n\"render.ray_casting.steps\" = [32, 64]\n"
@@ -116,7 +116,7 @@ TEST_F(Trade, KilledAtAnyMomentItGoesOn) {
 TEST_F(Trade, ACombinationThatIsRefusedIsAResult) {
   folder_.write("plan.toml",
                 "repeats = 1\nseeds = 1\n[scenes.ball]\n" + kScene +
-                    "render.preset = \"paper\"\n"
+                    "render.preset = \"baseline\"\n"
                     "[axes]\n\"render.pipeline.mid_volume\" = [false, true]\n"
                     "\"render.reconstruction.sticks\" = [\"plain\", \"aligned\"]\n");
   const auto result = trade({"--json"});

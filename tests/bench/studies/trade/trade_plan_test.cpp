@@ -48,7 +48,7 @@ std::map<std::string, int> counts(const std::vector<TradePoint>& points, std::si
 TEST_F(TradePlanFile, NamesScenesReferenceSeedsAndAxes) {
   const TradePlan plan = load(
       "seeds = 2\nfirst_seed = 7\nrepeats = 5\n[reference.render]\n"
-      "preset = \"paper\"\n" +
+      "preset = \"baseline\"\n" +
       kBall + kAxes);
   EXPECT_EQ(plan.seeds, (std::vector<std::uint64_t>{7, 8}));
   EXPECT_EQ(plan.repeats, 5);
