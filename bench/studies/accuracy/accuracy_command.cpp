@@ -11,7 +11,7 @@
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "render/gl/context.h"
 
 namespace wobblebench::bench {

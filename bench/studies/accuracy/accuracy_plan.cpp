@@ -6,7 +6,7 @@
 
 #include "base/user_error.h"
 #include "bench/scene/toml_file.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

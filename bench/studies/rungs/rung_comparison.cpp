@@ -18,7 +18,7 @@
 #include "base/file.h"
 #include "base/user_error.h"
 #include "bench/scene/resolved_scene.h"
-#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/common/scan.h"
 #include "sim/fidelity.h"
 #include "sim/probe_simulator.h"
 

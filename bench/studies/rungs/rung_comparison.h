@@ -14,7 +14,7 @@
 #include "base/statistics.h"
 #include "bench/output/progress.h"
 #include "bench/scene/scene.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/placed_phantom.h"
 #include "sim/options.h"

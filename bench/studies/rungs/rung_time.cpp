@@ -7,8 +7,8 @@
 
 #include "base/duration.h"
 #include "base/units.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/probe_simulator.h"
 
 namespace wobblebench::bench {

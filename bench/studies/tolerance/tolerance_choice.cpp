@@ -12,7 +12,7 @@
 #include "bench/cache/phantom_cache.h"
 #include "bench/studies/trade/trade_study.h"
 #include "bench/studies/tune/tune_study.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

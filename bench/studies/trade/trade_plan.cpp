@@ -15,7 +15,7 @@
 #include "base/number_text.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/user_error.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 
 namespace wobblebench::bench {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <sstream>
 
-#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/common/scan.h"
 #include "hw/wire/crc32c.h"
 #include "sim/fidelity.h"
 

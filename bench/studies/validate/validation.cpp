@@ -9,15 +9,15 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "base/user_error.h"
-#include "bench/studies/validate/attenuation.h"
-#include "bench/studies/validate/losses.h"
-#include "bench/studies/validate/moving_tissue.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/losses/attenuation.h"
+#include "bench/studies/validate/losses/losses.h"
+#include "bench/studies/validate/losses/reflection.h"
+#include "bench/studies/validate/points/point_targets.h"
+#include "bench/studies/validate/points/rung_agreement.h"
 #include "bench/studies/validate/repeatability.h"
-#include "bench/studies/validate/rung_agreement.h"
-#include "bench/studies/validate/speckle_size.h"
-#include "bench/studies/validate/speckle_statistics.h"
+#include "bench/studies/validate/speckle/moving_tissue.h"
+#include "bench/studies/validate/speckle/speckle_size.h"
+#include "bench/studies/validate/speckle/speckle_statistics.h"
 
 namespace wobblebench::bench {
 

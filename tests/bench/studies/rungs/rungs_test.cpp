@@ -6,7 +6,7 @@
 
 #include "bench/studies/rungs/rung_comparison.h"
 #include "bench/studies/rungs/rungs_report.h"
-#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/common/scan.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -1,5 +1,5 @@
 // Correlations and widths of speckle whose answers are known.
-#include "bench/studies/validate/speckle_grid.h"
+#include "bench/studies/validate/speckle/speckle_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/statistics.h"
-#include "bench/studies/validate/speckle_statistics.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
+#include "bench/studies/validate/speckle/speckle_statistics.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::bench {

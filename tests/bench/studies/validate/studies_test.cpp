@@ -4,15 +4,15 @@
 
 #include <cmath>
 
-#include "bench/studies/validate/attenuation.h"
-#include "bench/studies/validate/losses.h"
-#include "bench/studies/validate/moving_tissue.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/losses/attenuation.h"
+#include "bench/studies/validate/losses/losses.h"
+#include "bench/studies/validate/losses/reflection.h"
+#include "bench/studies/validate/points/point_targets.h"
+#include "bench/studies/validate/points/rung_agreement.h"
 #include "bench/studies/validate/repeatability.h"
-#include "bench/studies/validate/rung_agreement.h"
-#include "bench/studies/validate/speckle_size.h"
-#include "bench/studies/validate/speckle_statistics.h"
+#include "bench/studies/validate/speckle/moving_tissue.h"
+#include "bench/studies/validate/speckle/speckle_size.h"
+#include "bench/studies/validate/speckle/speckle_statistics.h"
 #include "phantoms/material.h"
 
 namespace wobblebench::bench {

@@ -1,5 +1,5 @@
 // The worst of many places against the yardstick's tables.
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
 
 #include <gtest/gtest.h>
 

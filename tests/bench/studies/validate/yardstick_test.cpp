@@ -1,5 +1,5 @@
 // The tables of tests/yardstick as the program has them, and how they are read.
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/common/yardstick.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "bench/studies/validate/losses.h"
+#include "bench/studies/validate/losses/losses.h"
 
 namespace wobblebench::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/common/yardstick.h"
 
 #include <algorithm>
 #include <charconv>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/motion.h"
 #include "sim/options.h"

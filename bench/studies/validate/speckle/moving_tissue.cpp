@@ -1,4 +1,4 @@
-#include "bench/studies/validate/moving_tissue.h"
+#include "bench/studies/validate/speckle/moving_tissue.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,8 +10,8 @@
 
 #include "base/duration.h"
 #include "base/statistics.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

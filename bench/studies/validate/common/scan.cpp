@@ -1,4 +1,4 @@
-#include "bench/studies/validate/scan.h"
+#include "bench/studies/validate/common/scan.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/attenuation.h"
+#include "bench/studies/validate/losses/attenuation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 
 namespace wobblebench::bench {

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
 
 #include <algorithm>
 #include <cmath>

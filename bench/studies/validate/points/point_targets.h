@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 #include "sim/speckle/scatterers/scatterer_field.h"

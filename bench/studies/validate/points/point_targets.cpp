@@ -1,4 +1,4 @@
-#include "bench/studies/validate/point_targets.h"
+#include "bench/studies/validate/points/point_targets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
+#include "bench/studies/validate/common/study_report.h"
 #include "sim/losses/losses.h"
 #include "sim/optics/beam_profile.h"
 #include "sim/optics/probe_optics.h"

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
+#include "bench/studies/validate/points/point_targets.h"
 
 namespace wobblebench::bench {
 

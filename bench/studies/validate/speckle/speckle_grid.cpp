@@ -1,4 +1,4 @@
-#include "bench/studies/validate/speckle_grid.h"
+#include "bench/studies/validate/speckle/speckle_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/units.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/optics/pulse_band.h"
 #include "sim/speckle/scatterers/scatterer_field.h"

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/study_report.h"
 
 namespace wobblebench::bench {
 

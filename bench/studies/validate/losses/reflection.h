@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/statistics.h"
+#include "bench/studies/validate/common/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "phantoms/material.h"
 #include "sim/options.h"

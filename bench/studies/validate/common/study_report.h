@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/output/chart/chart.h"
-#include "bench/studies/validate/yardstick.h"
+#include "bench/studies/validate/common/yardstick.h"
 #include "sim/options.h"
 
 namespace wobblebench::bench {

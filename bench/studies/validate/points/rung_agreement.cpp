@@ -1,4 +1,4 @@
-#include "bench/studies/validate/rung_agreement.h"
+#include "bench/studies/validate/points/rung_agreement.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include "base/number_text.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/statistics.h"
+#include "bench/studies/validate/points/point_targets.h"
 #include "hw/probe/acquisition_plan.h"
 
 namespace wobblebench::bench {

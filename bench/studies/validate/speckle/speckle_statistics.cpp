@@ -1,4 +1,4 @@
-#include "bench/studies/validate/speckle_statistics.h"
+#include "bench/studies/validate/speckle/speckle_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 
 #include "base/number_text.h"
 #include "base/units.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/speckle_grid.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/study_report.h"
+#include "bench/studies/validate/speckle/speckle_grid.h"
 #include "phantoms/material.h"
 
 namespace wobblebench::bench {

@@ -1,11 +1,11 @@
-#include "bench/studies/validate/reflection.h"
+#include "bench/studies/validate/losses/reflection.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/statistics.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/optics/pulse_band.h"

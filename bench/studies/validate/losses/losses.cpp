@@ -1,4 +1,4 @@
-#include "bench/studies/validate/losses.h"
+#include "bench/studies/validate/losses/losses.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include "base/number_text.h"
 #include "base/units.h"
-#include "bench/studies/validate/point_targets.h"
-#include "bench/studies/validate/scan.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/scan.h"
+#include "bench/studies/validate/common/study_report.h"
+#include "bench/studies/validate/points/point_targets.h"
 #include "phantoms/grids.h"
 #include "phantoms/shapes/level_set.h"
 #include "phantoms/shapes/shapes.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/units.h"
-#include "bench/studies/validate/statistics.h"
-#include "bench/studies/validate/study_report.h"
+#include "bench/studies/validate/common/statistics.h"
+#include "bench/studies/validate/common/study_report.h"
 #include "hw/probe/acquisition_plan.h"
 #include "sim/options.h"
 
