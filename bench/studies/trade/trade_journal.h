@@ -23,7 +23,8 @@ struct TradeUnit {
   std::size_t point = 0;
   std::size_t seed = 0;
 
-  auto operator<=>(const TradeUnit&) const = default;
+  // clang-tidy 14 takes the comparison with 0 within it for that of a pointer.
+  auto operator<=>(const TradeUnit&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// Names of a record's measures, with their units.
