@@ -3,6 +3,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "bench/output/report_parts.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -28,7 +30,8 @@ int run_in_folder(const OutputArguments& output,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work) {
   OutputFolder out(output.folder);
   Progress progress(steps);
-  const CommandResult result = work(out, progress);
+  CommandResult result = work(out, progress);
+  result.report = report_with_warnings(result.report, progress.warnings());
   commit(out, result);
   std::cout << (output.json ? result.report : result.summary);
   if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";

@@ -31,9 +31,9 @@ struct CommandResult {
 };
 
 /// Makes and locks the folder, runs `work`, which stages the command's files and times its steps,
-/// adds report.json, gives the files their final names and prints the report or its summary.
-/// Returns the result's exit code. Whatever is thrown leaves the folder as it was. `steps`: as
-/// Progress takes them.
+/// adds report.json with what Progress::warn() said, gives the files their final names and prints
+/// the report or its summary. Returns the result's exit code. Whatever is thrown leaves the folder
+/// as it was. `steps`: as Progress takes them.
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work);

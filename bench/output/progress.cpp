@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/duration.h"
+#include "base/user_error.h"
 
 namespace wobblebench::bench {
 
@@ -81,6 +82,19 @@ void Progress::part(std::size_t done, std::size_t all) {
 void Progress::note(const std::string& text) {
   const std::scoped_lock lock(mutex_);
   note_ = text;
+}
+
+void Progress::warn(const std::string& text) {
+  const std::scoped_lock lock(mutex_);
+  if (output_.terminal && line_shown_) std::fputs(kEraseLine, output_.file);
+  warnings_.push_back(one_line(text));
+  std::fprintf(output_.file, "wobblebench: warning: %s\n", warnings_.back().c_str());
+  std::fflush(output_.file);
+}
+
+std::vector<std::string> Progress::warnings() {
+  const std::scoped_lock lock(mutex_);
+  return warnings_;
 }
 
 void Progress::finish(bool failed) {

@@ -89,6 +89,12 @@ class Progress {
   /// What the line says of the current step, besides.
   void note(const std::string& text);
 
+  /// Writes "wobblebench: warning: TEXT" as one line at once, and keeps the text for the report:
+  /// what is true, rare, and no reason to refuse. May be called from any thread.
+  void warn(const std::string& text);
+  /// In the order in which they were given.
+  std::vector<std::string> warnings();
+
   /// Times of the steps so far, in their order.
   const StepTimes& steps() const { return steps_; }
   /// Likewise, and "total": since this was made.
@@ -122,6 +128,7 @@ class Progress {
   TimeLeft left_;
   std::string name_;  ///< empty: between steps
   std::string note_;
+  std::vector<std::string> warnings_;
   double begun_s_ = 0;
   std::size_t done_ = 0, all_ = 0;
   Clock::time_point next_line_;

@@ -107,8 +107,9 @@ Json report_of(const TradeResults& results, const StepTimes& times) {
 int write(const Arguments& arguments,
           const TradeResults& results,
           OutputFolder& out,
-          const StepTimes& times) {
-  const std::string report = report_text(report_of(results, times));
+          Progress& progress) {
+  const std::string report =
+      report_with_warnings(report_text(report_of(results, progress.times())), progress.warnings());
   const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);
@@ -145,7 +146,7 @@ int trade(const Arguments& arguments) {
   }
   const TradeResults results =
       trade_results(std::move(work), {journal.records(), journal.machines()});
-  return write(arguments, results, out, progress.times());
+  return write(arguments, results, out, progress);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "bench/output/progress.h"
 
@@ -132,6 +133,15 @@ TEST(Progress, AStepThatEndsSoonIsOneLine) {
   EXPECT_TRUE(std::regex_match(out.text(), std::regex("sum +[0-9]+ ms\n"))) << out.text();
   ASSERT_EQ(progress.steps().size(), 1U);
   EXPECT_EQ(progress.times().back().first, "total");
+}
+
+TEST(Progress, AWarningIsALineAtOnceAndIsKept) {
+  Text out;
+  Progress progress({}, {.file = out.file(), .first = milliseconds(60000)});
+  progress.step("sum", [&] { progress.warn("a = b\nc: acts elsewhere"); });
+  EXPECT_TRUE(out.text().starts_with("wobblebench: warning: a = b\\nc: acts elsewhere\nsum "))
+      << out.text();
+  EXPECT_EQ(progress.warnings(), std::vector<std::string>{"a = b\\nc: acts elsewhere"});
 }
 
 TEST(Progress, AStepThatFailsSaysNothing) {
