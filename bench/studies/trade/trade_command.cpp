@@ -1,4 +1,5 @@
 // Time against error over a plan's settings.
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -55,6 +56,7 @@ TradeWork work_of(const Arguments& arguments) {
   return work;
 }
 
+/// Nothing is written where measurements are missing.
 void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& journal) {
   TradeContent merged;
   for (const std::string& folder : arguments.merged) {
@@ -62,20 +64,18 @@ void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& jour
     merged.records.merge(content.records);
     merged.machines.merge(content.machines);
   }
-  for (const std::string& machine : merged.machines) journal.append_machine(machine);
   const auto units = trade_units(work);
-  std::size_t missing = 0;
-  for (const TradeUnit& unit : units) {
-    const auto found = merged.records.find(unit);
-    if (found != merged.records.end()) {
-      journal.append(found->second);
-    } else if (!journal.records().contains(unit)) {
-      ++missing;
-    }
-  }
+  const auto missing = std::ranges::count_if(units, [&](const TradeUnit& unit) {
+    return !merged.records.contains(unit) && !journal.records().contains(unit);
+  });
   if (missing > 0) {
     throw UserError("--merge: " + std::to_string(missing) + " of " + std::to_string(units.size()) +
                     " measurements are in none of the folders; finish their shards first");
+  }
+  for (const std::string& machine : merged.machines) journal.append_machine(machine);
+  for (const TradeUnit& unit : units) {
+    const auto found = merged.records.find(unit);
+    if (found != merged.records.end()) journal.append(found->second);
   }
 }
 
@@ -84,6 +84,7 @@ void measure(const Arguments& arguments,
              const Shard& shard,
              TradeJournal& journal,
              Progress& progress) {
+  journal.file().say_kept();
   const auto context = render::make_context(arguments.gl);
   journal.append_machine(measured_by(provenance_of_simulation(*context, work.plan.seeds.front())));
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
@@ -93,10 +94,12 @@ void measure(const Arguments& arguments,
   });
 }
 
-Json report_of(const TradeResults& results, const StepTimes& times) {
+/// `kept`: measurements of an interrupted command.
+Json report_of(const TradeResults& results, std::size_t kept, const StepTimes& times) {
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
   Json report = report_head("trade", provenance, results.work.reference(0));
+  report["provenance"]["went_on_with"] = kept;
   report["scene"] = nullptr;  // there are several
   report["machines"] = results.machines;
   report["trade"] = trade_json(results);
@@ -106,10 +109,11 @@ Json report_of(const TradeResults& results, const StepTimes& times) {
 
 int write(const Arguments& arguments,
           const TradeResults& results,
+          std::size_t kept,
           OutputFolder& out,
           Progress& progress) {
-  const std::string report =
-      report_with_warnings(report_text(report_of(results, progress.times())), progress.warnings());
+  const std::string report = report_with_warnings(
+      report_text(report_of(results, kept, progress.times())), progress.warnings());
   const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);
@@ -139,14 +143,14 @@ int trade(const Arguments& arguments) {
   const std::size_t all = trade_units(work).size(), here = journal.records().size();
   if (here < all) {
     std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
-              << " measurements are in " << (out.directory() / TradeJournal::kFile).string()
+              << " measurements are in " << (out.directory() / JournalFile::kName).string()
               << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "
                  "shards.\n";
     return 0;
   }
   const TradeResults results =
-      trade_results(std::move(work), {journal.records(), journal.machines()});
-  return write(arguments, results, out, progress);
+      trade_results(std::move(work), {journal.records(), journal.file().machines()});
+  return write(arguments, results, journal.file().kept(), out, progress);
 }
 
 }  // namespace

@@ -1,19 +1,19 @@
-// What `trade` measures of one point on one scene and seed, and the journal that keeps finished
-// measurements as they come, so that no interruption loses them.
+// What `trade` measures of one point on one scene and seed, and its journal.
 #pragma once
 
 #include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
 #include "bench/evaluation/evaluator.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/studies/trade/journal_file.h"
 
 namespace wobblebench::bench {
 
@@ -62,28 +62,28 @@ struct TradeContent {
   std::set<std::string> machines;  ///< that measured them: program, CPU and renderer
 };
 
-/// A file of lines of JSON: the plan first, then a line for each record, in the order of the work,
-/// and for each machine. A last line without its end, as a killed command leaves it, is taken off.
+/// What was measured, without the unit, as a line of a journal has it, and back. The latter throws
+/// an exception of nlohmann::json for any other object.
+nlohmann::ordered_json measured_json(const TradeRecord& record);
+TradeRecord measured_of(const nlohmann::ordered_json& json);
+
+/// The journal of `trade`: a line for each record, in the order of the work.
 class TradeJournal {
  public:
-  static constexpr const char* kFile = "points.jsonl";
-
-  /// Opens `folder`/points.jsonl, or makes it. `plan`: hash of all that its records follow from.
-  /// Throws UserError where the file is of another plan, and std::runtime_error.
+  /// As JournalFile. `plan`: hash of all that the records follow from.
   TradeJournal(const std::filesystem::path& folder, const std::string& plan);
+  TradeJournal(const TradeJournal&) = delete;
+  TradeJournal& operator=(const TradeJournal&) = delete;
 
-  const TradeRecords& records() const { return content_.records; }
-  const std::set<std::string>& machines() const { return content_.machines; }
-  /// On the disk when it returns. A unit that is there already stays as it is. Throws
-  /// std::runtime_error.
+  const TradeRecords& records() const { return records_; }
+  const JournalFile& file() const { return file_; }
+  /// As JournalFile. A unit that is there already stays as it is.
   void append(const TradeRecord& record);
-  /// Notes by which machine the following records are measured.
-  void append_machine(const std::string& machine);
+  void append_machine(const std::string& machine) { file_.append_machine(machine); }
 
  private:
-  std::filesystem::path path_;
-  FileDescriptor file_;
-  TradeContent content_;
+  TradeRecords records_;
+  JournalFile file_;  ///< after the records: it reads them
 };
 
 /// Records as a text, and back: lines as the journal has them, without its head. Throws
@@ -91,8 +91,7 @@ class TradeJournal {
 std::string text_of(const TradeRecords& records);
 TradeRecords trade_records(const std::string& text);
 
-/// The content of another folder. Throws UserError "OPTION = DIR: reason" where they are of another
-/// plan or cannot be read.
+/// The content of another folder's journal, as read_journal().
 TradeContent read_trade_journal(const std::filesystem::path& folder,
                                 const std::string& plan,
                                 const std::string& option);

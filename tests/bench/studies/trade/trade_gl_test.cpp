@@ -74,6 +74,7 @@ TEST_F(Trade, ShardsMergedAreOneRun) {
   EXPECT_EQ(early.exit_code, 2);
   EXPECT_NE(early.err.find("--merge: 8 of 24 measurements are in none"), std::string::npos)
       << early.err;
+  EXPECT_FALSE(fs::exists(folder_.path() / "early"));
   const auto merged = trade({"--merge", "s3", "--merge", "s1", "--merge", "s2", "--out", "merged"});
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_EQ(without_times(file("merged/trade.csv")), without_times(file("whole/trade.csv")));
@@ -105,7 +106,13 @@ TEST_F(Trade, KilledAtAnyMomentItGoesOn) {
     EXPECT_EQ(whole.substr(0, kept.size()), kept) << "what was measured stays";
     kept = whole;
   }
-  ASSERT_EQ(trade({"--out", "killed"}).exit_code, 0);
+  const auto finished = trade({"--out", "killed"});
+  ASSERT_EQ(finished.exit_code, 0);
+  const auto measured = std::count(kept.begin(), kept.end(), '\n') - 2;
+  EXPECT_NE(
+      finished.err.find("wobblebench: went on with " + std::to_string(measured) + " measurement"),
+      std::string::npos)
+      << finished.err;
   const std::string last = file("killed/points.jsonl");
   EXPECT_EQ(static_cast<std::size_t>(std::count(last.begin(), last.end(), '\n')),
             kMeasurements + 2);  // the plan, the machine

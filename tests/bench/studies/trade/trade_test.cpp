@@ -1,19 +1,24 @@
 // The front, its knees, effects, and the journal of the command `trade`, against known answers.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <random>
 
 #include "base/user_error.h"
 #include "bench/studies/trade/trade_analysis.h"
 #include "bench/studies/trade/trade_study.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {
 namespace {
+
+using testing_support::bytes_of;
 
 MeanInterval exactly(double value) {
   return {value, 0, 1};
@@ -134,7 +139,41 @@ class Journal : public testing_support::FolderTest {
     result.volume_ratio = 1. / 7;
     return result;
   }
-  std::filesystem::path file() const { return folder_ / TradeJournal::kFile; }
+  std::filesystem::path file() const { return folder_ / JournalFile::kName; }
+  /// As a new file: ext4 waits for the disk where an old one is cut.
+  void replace_file(const std::string& bytes) const {
+    std::filesystem::remove(file());
+    std::ofstream(file(), std::ios::binary) << bytes;
+  }
+  /// The file of a journal of three records.
+  std::string three_records() const {
+    TradeJournal journal(folder_, "plan");
+    journal.append_machine("this one");
+    for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
+    return bytes_of(file());
+  }
+  /// Reads the file with these bytes. Returns the number of records, each of which must be the one
+  /// that was appended; nullopt: the file was refused.
+  std::optional<std::size_t> read_changed(const std::string& bytes) const {
+    replace_file(bytes);
+    try {
+      const TradeContent content = read_trade_journal(folder_, "plan", "--merge");
+      TradeRecords expected;
+      for (const auto& [unit, unused] : content.records) expected.emplace(unit, record(unit.point));
+      EXPECT_EQ(text_of(content.records), text_of(expected));
+      return content.records.size();
+    } catch (const UserError&) {
+      return std::nullopt;
+    }
+  }
+  void expect_refused(const std::string& reason) const {
+    try {
+      const TradeJournal journal(folder_, "plan");
+      ADD_FAILURE() << "taken";
+    } catch (const UserError& error) {
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  }
 };
 
 TEST_F(Journal, GivesBackWhatItWasGiven) {
@@ -146,7 +185,7 @@ TEST_F(Journal, GivesBackWhatItWasGiven) {
   }
   const TradeJournal again(folder_, "plan");
   ASSERT_EQ(again.records().size(), 4U);
-  EXPECT_EQ(again.machines(), std::set<std::string>{"this one"});
+  EXPECT_EQ(again.file().machines(), std::set<std::string>{"this one"});
   const TradeRecord& second = again.records().at({1, 1, 2});
   EXPECT_EQ(second.measures.front(), record(1).measures.front());
   EXPECT_TRUE(std::isnan(second.measures.back()));
@@ -160,23 +199,100 @@ TEST_F(Journal, CutAtAnyByteItLosesTheLastRecordAtMost) {
     TradeJournal journal(folder_, "plan");
     for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
   }
-  std::string whole;
-  {
-    std::ifstream in(file(), std::ios::binary);
-    whole.assign(std::istreambuf_iterator<char>(in), {});
-  }
+  const std::string whole = bytes_of(file());
   for (std::size_t bytes = 0; bytes <= whole.size(); ++bytes) {
-    std::ofstream(file(), std::ios::binary | std::ios::trunc) << whole.substr(0, bytes);
     const std::string left = whole.substr(0, bytes);
+    replace_file(left);
     const auto lines = std::count(left.begin(), left.end(), '\n');
     {
       TradeJournal journal(folder_, "plan");
       ASSERT_EQ(journal.records().size(), static_cast<std::size_t>(std::max(0L, lines - 1)));
       for (std::size_t i = 0; i < 3; ++i) journal.append(record(i));
     }
-    std::ifstream in(file(), std::ios::binary);
-    ASSERT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), whole) << bytes;
+    ASSERT_EQ(bytes_of(file()), whole) << bytes;
   }
+}
+
+void flip(std::string& bytes, std::size_t bit) {
+  bytes[bit / 8] = static_cast<char>(bytes[bit / 8] ^ (1 << bit % 8));
+}
+
+/// A changed bit is found wherever it is, but for the end of the last line, which makes that line
+/// one that is not finished.
+TEST_F(Journal, EveryChangedBitIsFound) {
+  const std::string whole = three_records();
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    std::string changed = whole;
+    flip(changed, bit);
+    const auto records = read_changed(changed);
+    if (bit / 8 == whole.size() - 1) {
+      ASSERT_EQ(records, 2U) << "bit " << bit;
+    } else {
+      ASSERT_EQ(records, std::nullopt) << "bit " << bit;
+    }
+  }
+}
+
+/// Several bits, bytes and cuts at random: refused, or each record that is read is as it was.
+TEST_F(Journal, WhateverHappensToItNoRecordIsReadAsAnother) {
+  const std::string whole = three_records();
+  std::mt19937_64 random(11);
+  for (int i = 0; i < 4000; ++i) {
+    std::string changed = whole;
+    for (auto n = random() % 6; n-- > 0;) flip(changed, random() % (8 * changed.size()));
+    if (random() % 3 == 0) changed.resize(random() % changed.size());
+    if (random() % 3 == 0) changed.insert(random() % (changed.size() + 1), 1, '\n');
+    if (random() % 3 == 0 && !changed.empty()) {
+      const std::size_t at = random() % changed.size();
+      changed.erase(at, random() % 400);
+    }
+    static_cast<void>(read_changed(changed));
+    ASSERT_FALSE(HasFailure()) << changed;
+  }
+}
+
+TEST_F(Journal, WhatIsNoRegularFileIsRefusedAndNotWaitedFor) {
+  const auto refused = [&](const std::string& reason) {
+    expect_refused(reason);
+    if (reason != "hard link") {
+      EXPECT_THROW(read_trade_journal(folder_, "plan", "--merge"), UserError) << reason;
+    }
+    std::filesystem::remove(file());
+  };
+  ASSERT_EQ(::mkfifo(file().c_str(), 0600), 0);
+  refused("is no regular file");
+  std::filesystem::create_directory(file());
+  refused("is a folder");
+  std::filesystem::create_symlink("/dev/zero", file());
+  refused("is a symbolic link");
+  std::filesystem::create_symlink("/dev/zero", folder_ / "link");
+  std::ofstream(folder_ / "victim") << "";
+  std::filesystem::create_hard_link(folder_ / "victim", file());
+  refused("hard link");
+  EXPECT_EQ(bytes_of(folder_ / "victim"), "");
+}
+
+/// Of a file that is not a journal, be it without the end of a line, nothing is taken off.
+TEST_F(Journal, AFileOfAnotherKindStaysAsItIs) {
+  for (const char* text : {"notes", "notes\n", "{\"scene\":1}\n", "\n"}) {
+    replace_file(text);
+    expect_refused("is no journal of measurements");
+    EXPECT_EQ(bytes_of(file()), text);
+  }
+  replace_file("{\"schema\":\"wobblebench.trade.points/1\",\"plan\":\"plan\"}\n");
+  expect_refused("earlier version");
+}
+
+/// A refused --merge, or a command that was stopped before its first measurement, binds no folder
+/// to its plan.
+TEST_F(Journal, WithoutAMeasurementItIsOfNoPlan) {
+  { const TradeJournal journal(folder_, "plan"); }
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  TradeJournal(folder_, "plan").append_machine("this one");
+  TradeJournal(folder_, "another").append(record(1));
+  const TradeContent content = read_trade_journal(folder_, "another", "--merge");
+  EXPECT_EQ(content.records.size(), 1U);
+  EXPECT_TRUE(content.machines.empty());
 }
 
 TEST_F(Journal, OfAnotherPlanIsRefusedAndStaysAsItIs) {
