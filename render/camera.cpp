@@ -48,6 +48,8 @@ Camera make_camera(const RenderOptions& options) {
   turn(camera.right, camera.forward, options.view.yaw_rad);
   turn(camera.forward, camera.down, options.view.pitch_rad);
   turn(camera.right, camera.down, options.view.roll_rad);
+  camera.flipped = options.view.flip;
+  if (camera.flipped) camera.right = -camera.right;
   camera.width_m = std::max(size.x, size.y);
   camera.plane_distance_m = 0.5 * glm::length(size);
   camera.eye_distance_m = options.view.eye_distance_m;

@@ -20,7 +20,8 @@ struct PicturePoint {
 /// distance that keeps the whole box behind it.
 ///
 /// Rotations: first yaw, about the picture's vertical axis; then pitch, about the horizontal axis
-/// so turned; then roll, clockwise for the viewer.
+/// so turned; then roll, clockwise for the viewer. A flip then mirrors the picture: `right` points
+/// the other way, and the axes are left-handed.
 ///
 /// @code
 /// render::RenderOptions options;
@@ -40,6 +41,7 @@ struct Camera {
   double plane_distance_m = 0;  ///< parallel: view plane to centre
   double eye_distance_m = 0;    ///< perspective: eye to centre, through which the view plane goes
   int image_size = 0;
+  bool flipped = false;
 
   double pixel_m() const { return width_m / image_size; }
   /// The ray through a point of the picture: origin on the view plane (parallel) or at the eye

@@ -129,6 +129,10 @@ struct ViewOptions {
   double roll_rad = 0;   ///< in the plane of the picture
   Projection projection = Projection::parallel;
   double eye_distance_m = 0.4;  ///< perspective: eye to centre of the volume of interest
+  /// The picture mirrored: column c shows what column N - 1 - c shows without it. With all angles 0
+  /// its left side is +x of the probe frame instead of -x, where line 0 of each frame lies. The
+  /// light stays at the side of the viewer that `light_left_deg` names.
+  bool flip = false;
 
   bool operator==(const ViewOptions&) const = default;
 };
@@ -142,6 +146,7 @@ void describe(O& o, Visitor& v) {
            o.projection,
            {{"parallel", Projection::parallel}, {"perspective", Projection::perspective}});
   v.real("eye_distance_mm", o.eye_distance_m, kMillimetre, 1, 10000);
+  v.flag("flip", o.flip);
 }
 
 inline constexpr int kLongestBuffer = 64;  ///< n of Eq. (1)

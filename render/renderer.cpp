@@ -339,6 +339,7 @@ void Renderer::set_options(const RenderOptions& options) {
   turned.view.yaw_rad = options.view.yaw_rad;
   turned.view.pitch_rad = options.view.pitch_rad;
   turned.view.roll_rad = options.view.roll_rad;
+  turned.view.flip = options.view.flip;
   if (options == turned) {
     p.options = options;
     p.set_view();

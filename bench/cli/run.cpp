@@ -184,7 +184,7 @@ int run(const Arguments& arguments) {
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
-    progress.step("write", [&] { stage_run_images(out, result); });
+    progress.step("write", [&] { stage_run_images(out, result, scene.view().camera); });
     const std::string failure = failure_of(result, tolerance, arguments);
     return CommandResult{run_report(result, scene, progress.times(), tolerance),
                          run_summary(result, scene, out.directory(), tolerance),

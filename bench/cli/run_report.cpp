@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "bench/cli/board_report.h"
+#include "bench/output/camera_matrices.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
@@ -257,6 +258,7 @@ std::string run_report(const RunResult& result,
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
   report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
+  report["camera"] = camera_json(scene.view().camera);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["error"] = nullptr;
@@ -300,15 +302,16 @@ std::string ending_text(const RunResult& result) {
          " sticks of the volume are missing";
 }
 
-void stage_run_images(OutputFolder& out, const RunResult& result) {
+void stage_run_images(OutputFolder& out, const RunResult& result, const render::Camera& camera) {
   const render::Picture& picture = result.picture;
   write_png(out.stage("surface.png"), picture.surface, Values::light);
   write_png(out.stage("volume.png"), picture.volume);
   write_exr_mm(out.stage("depth.exr"),
-               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}});
+               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
+               camera);
   if (!result.comparison) return;
-  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}});
-  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}});
+  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}}, camera);
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}}, camera);
 }
 
 std::string loss_text(const RunResult& result) {

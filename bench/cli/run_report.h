@@ -55,7 +55,8 @@ std::string ending_text(const RunResult& result);
 /// How many sticks of how many the volume lacks.
 std::string loss_text(const RunResult& result);
 
-/// Stages the surface and volume images and the depth maps, found and true, in mm.
-void stage_run_images(OutputFolder& out, const RunResult& result);
+/// Stages the surface and volume images and the depth maps, found and true, in mm and with
+/// the camera.
+void stage_run_images(OutputFolder& out, const RunResult& result, const render::Camera& camera);
 
 }  // namespace wobblebench::bench

@@ -2,6 +2,7 @@
 // bring some 240 shared libraries, which would delay every command by half a second and more.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -19,6 +20,8 @@ struct Raster {
   bool bytes = false;         ///< 8 bits a value, of [0, 1]; else floats
   std::vector<float> values;  ///< interleaved channels
   std::vector<std::pair<std::string, std::string>> attributes;  ///< OpenImageIO's names
+  std::vector<std::pair<std::string, float>> numbers = {};      ///< likewise
+  std::vector<std::pair<std::string, std::array<float, 16>>> matrices = {};  ///< likewise
 };
 
 /// An open video file. It is complete when this object is gone.

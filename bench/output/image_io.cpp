@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "base/file.h"
+#include "base/units.h"
 #include "base/user_error.h"
+#include "bench/output/camera_matrices.h"
 #include "bench/output/encoders.h"
 
 namespace wobblebench::bench {
@@ -35,6 +37,12 @@ std::uint8_t display_byte(float light) {
   return static_cast<std::uint8_t>(std::lrint(255.0f * encoded(std::clamp(light, 0.0f, 1.0f))));
 }
 
+std::array<float, 16> as_floats(const RowMatrix& matrix) {
+  std::array<float, 16> floats{};
+  std::ranges::transform(matrix, floats.begin(), [](double x) { return static_cast<float>(x); });
+  return floats;
+}
+
 }  // namespace
 
 float encoded(float light) {
@@ -54,8 +62,11 @@ void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image,
   write(path, raster);
 }
 
-void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m) {
+void write_exr_mm(const std::filesystem::path& path,
+                  const std::vector<NamedMap>& maps_m,
+                  const render::Camera& camera) {
   const auto& first = *maps_m.at(0).second;
+  const bool is_parallel = camera.projection == render::Projection::parallel;
   // The library writes the hour otherwise, and equal results would differ.
   Raster raster{first.width,
                 first.height,
@@ -63,7 +74,12 @@ void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>
                 false,
                 {},
                 {{"ImageDescription", "linear: lengths in millimetres; NaN: no value"},
-                 {"DateTime", "0000:00:00 00:00:00"}}};
+                 {"DateTime", "0000:00:00 00:00:00"},
+                 {"units", "mm"},
+                 {"projection", is_parallel ? "parallel" : "perspective"}},
+                {{"mmPerPixel", static_cast<float>(camera.pixel_m() / kMillimetre)}},
+                {{"worldToCamera", as_floats(world_to_camera(camera))},
+                 {"worldToNDC", as_floats(world_to_ndc(camera))}}};
   for (const auto& [name, map] : maps_m) raster.channels.push_back(name);
   raster.values.reserve(first.pixels.size() * maps_m.size());
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {

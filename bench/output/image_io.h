@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/image.h"
+#include "render/camera.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {
@@ -27,9 +28,12 @@ void write_png(const std::filesystem::path& path,
                Values values = Values::display);
 
 /// Float EXR with one named channel a map, linear; lengths are converted from metres to
-/// millimetres, pixels without a value are NaN. Throws std::runtime_error "PATH: reason".
+/// millimetres, pixels without a value are NaN. The header holds the camera's matrices, mm per
+/// pixel and projection. Throws std::runtime_error "PATH: reason".
 using NamedMap = std::pair<std::string, const Image<float>*>;
-void write_exr_mm(const std::filesystem::path& path, const std::vector<NamedMap>& maps_m);
+void write_exr_mm(const std::filesystem::path& path,
+                  const std::vector<NamedMap>& maps_m,
+                  const render::Camera& camera);
 
 enum class Codec {
   mjpg,  ///< Motion JPEG in .avi, by FFmpeg or else by OpenCV itself

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <random>
 
 namespace wobblebench::render {
@@ -59,6 +61,40 @@ TEST(Camera, AxesStayOrthonormalAndRightHanded) {
     expect_near(glm::cross(camera.right, camera.down), camera.forward, 1e-14);
     expect_near(glm::cross(camera.down, camera.forward), camera.right, 1e-14);
     EXPECT_NEAR(glm::length(camera.forward), 1, 1e-14);
+  }
+}
+
+/// [right down forward] = Ry(-yaw) Rx(-pitch) Rz(roll), by right-handed rotations.
+TEST(Camera, AxesAreThoseOfYawThenPitchThenRoll) {
+  std::mt19937 random(6);
+  for (int i = 0; i < 100; ++i) {
+    const RenderOptions options = random_view(random);
+    const double a = -options.view.yaw_rad, b = -options.view.pitch_rad, g = options.view.roll_rad;
+    using std::cos, std::sin;
+    const glm::dmat3 about_y{{cos(a), 0, -sin(a)}, {0, 1, 0}, {sin(a), 0, cos(a)}};
+    const glm::dmat3 about_x{{1, 0, 0}, {0, cos(b), sin(b)}, {0, -sin(b), cos(b)}};
+    const glm::dmat3 about_z{{cos(g), sin(g), 0}, {-sin(g), cos(g), 0}, {0, 0, 1}};
+    const glm::dmat3 axes = about_y * about_x * about_z;
+    const Camera camera = make_camera(options);
+    expect_near(camera.right, axes[0], 1e-14);
+    expect_near(camera.down, axes[1], 1e-14);
+    expect_near(camera.forward, axes[2], 1e-14);
+  }
+}
+
+TEST(Camera, AFlippedPictureShowsInEachColumnWhatTheOneOppositeShowed) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 200; ++i) {
+    RenderOptions options = random_view(random);
+    const Camera camera = make_camera(options);
+    options.view.flip = true;
+    const Camera flipped = make_camera(options);
+    const int last = camera.image_size - 1, column = static_cast<int>(random() % 512) % (last + 1);
+    const hw::Ray ray = camera.ray(column, 3), mirrored = flipped.ray(last - column, 3);
+    expect_near(mirrored.origin, ray.origin, 1e-15);
+    expect_near(mirrored.direction, ray.direction, 1e-15);
+    const PicturePoint point = flipped.project(mirrored.at(0.1));
+    EXPECT_NEAR(point.column, last - column, 1e-9 * camera.image_size);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include <cmath>
 #include <limits>
 
@@ -152,6 +154,49 @@ TEST(Renderer, SetViewGivesThePictureOfANewRenderer) {
     renderer.set_view(options.view);
     EXPECT_TRUE(
         same_bits(renderer.render().depth_m, render_volume(gl_context(), scene, options).depth_m));
+  }
+}
+
+/// Largest difference of `picture` from `mirrored` read from right to left.
+template <class Pixel, class Distance>
+double most_beside_mirror(const Image<Pixel>& picture,
+                          const Image<Pixel>& mirrored,
+                          const Distance& distance) {
+  double most = 0;
+  for (int row = 0; row < picture.height; ++row) {
+    for (int column = 0; column < picture.width; ++column) {
+      const auto& one = picture.at(column, row);
+      const auto& other = mirrored.at(picture.width - 1 - column, row);
+      most = std::max(most, distance(one, other));
+    }
+  }
+  return most;
+}
+
+TEST(Renderer, AFlippedPictureIsTheMirrorImageUnderALightFromTheSameSideOfTheViewer) {
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  for (const Projection projection : {Projection::parallel, Projection::perspective}) {
+    RenderOptions options = testing::small_options();
+    options.view.yaw_rad = 20 * kDegree;
+    options.view.roll_rad = 10 * kDegree;
+    options.view.projection = projection;
+    options.ray_casting.incidence_correction_m = 1e-3;
+    options.shading.light_left_rad = 30 * kDegree;
+    const Picture picture = render_volume(gl_context(), scene, options);
+    options.view.flip = true;
+    options.shading.light_left_rad = -30 * kDegree;
+    const Picture flipped = render_volume(gl_context(), scene, options);
+    const auto lengths = [](float one, float other) {
+      return std::isfinite(one) || std::isfinite(other) ? std::abs(double(one) - double(other)) : 0;
+    };
+    const auto colours = [](const glm::vec3& one, const glm::vec3& other) {
+      return static_cast<double>(glm::length(one - other));
+    };
+    EXPECT_LT(most_beside_mirror(flipped.depth_m, picture.depth_m, lengths), 1e-5);
+    EXPECT_LT(most_beside_mirror(flipped.volume, picture.volume, colours), 1e-3);
+    EXPECT_LT(most_beside_mirror(flipped.surface, picture.surface, colours), 0.01);
+    EXPECT_GT(most_beside_mirror(picture.depth_m, picture.depth_m, lengths), 1e-3)
+        << "the scene is its own mirror image, and shows nothing";
   }
 }
 

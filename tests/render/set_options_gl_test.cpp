@@ -41,6 +41,7 @@ class RandomSettings {
   /// Other settings of passes 2 to 4.
   RenderOptions changed(RenderOptions o) {
     o.view.yaw_rad = real(-40, 40) * kDegree;
+    o.view.flip = pick({true, false});
     o.view.projection = pick({Projection::parallel, Projection::perspective});
     RayCastingOptions& r = o.ray_casting;
     r.mode = pick({RenderMode::surface, RenderMode::volume, RenderMode::both});

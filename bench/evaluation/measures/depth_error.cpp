@@ -30,8 +30,8 @@ std::optional<glm::dvec3> measured_normal(const Image<float>& depth_m,
   };
   const glm::dvec3 across = point(column + 1, row) - point(column - 1, row);
   const glm::dvec3 along = point(column, row + 1) - point(column, row - 1);
-  // right x down points away from the viewer.
-  const glm::dvec3 normal = -glm::cross(across, along);
+  // right x down points away from the viewer, but in a mirrored picture towards them.
+  const glm::dvec3 normal = (camera.flipped ? 1.0 : -1.0) * glm::cross(across, along);
   const double length = glm::length(normal);
   if (!(length > 0)) return {};
   return normal / length;

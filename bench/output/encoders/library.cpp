@@ -21,6 +21,10 @@ std::vector<char> encode_image(const Raster& raster, const std::string& extensio
                        raster.bytes ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::FLOAT);
   spec.channelnames = raster.channels;
   for (const auto& [name, value] : raster.attributes) spec.attribute(name, value);
+  for (const auto& [name, number] : raster.numbers) spec.attribute(name, number);
+  for (const auto& [name, matrix] : raster.matrices) {
+    spec.attribute(name, OIIO::TypeMatrix, matrix.data());
+  }
   // In memory: OpenImageIO does not check the last flush of its own files.
   OIIO::Filesystem::IOVecOutput encoded;
   const std::string name = "picture" + extension;

@@ -76,7 +76,7 @@ TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
   Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
   depth.at(2, 1) = kNoSurface;
   const auto path = temporary("maps.exr");
-  write_exr_mm(path, {{"Z", &depth}, {"Z_filtered", &other}});
+  write_exr_mm(path, {{"Z", &depth}, {"Z_filtered", &other}}, render::make_camera({}));
   const auto input = OIIO::ImageInput::open(path.string());
   ASSERT_TRUE(input);
   ASSERT_EQ(input->spec().nchannels, 2);
@@ -118,7 +118,7 @@ TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
                              [&](const auto& path) { write_png(path, ramp(size)); });
     const Image<float> depth(size, size, 0.1f);
     expect_full_disk_is_said(scratch.path() / "a.exr", [&](const auto& path) {
-      write_exr_mm(path, {{"Z", &depth}});
+      write_exr_mm(path, {{"Z", &depth}}, render::make_camera({}));
     });
   }
 }
