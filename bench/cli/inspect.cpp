@@ -1,5 +1,6 @@
 // What a recording holds, and what is damaged in it.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -8,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/number_text.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/cli/board_report.h"
@@ -25,7 +27,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Most damaged regions, gaps and incomplete volumes that the summary lists.
+/// Most damaged regions, gaps, incomplete volumes, acquisitions and jumps of the clock that the
+/// summary lists.
 constexpr std::size_t kMostListed = 10;
 
 Json check_json(const std::string& name, bool passed, const std::string& detail) {
@@ -73,8 +76,27 @@ Json subject_json(const hw::SubjectHash& subject) {
       {"phantom", subject.phantom}, {"placement", subject.placement}, {"motion", subject.motion}};
 }
 
+Json acquisitions_json(const hw::RecordingContents& contents) {
+  Json acquisitions = Json::array();
+  for (const hw::RecordedAcquisition& one : contents.acquisitions) {
+    acquisitions.push_back(
+        {{"number", acquisitions.size() + 1},
+         {"offset", one.offset},
+         {"first_volume", one.volume},
+         {"volumes", one.volumes},
+         {"delivered", one.sticks},
+         {"acquisition", acquisition_json(one.configuration.plan)},
+         {"depth_mm", one.configuration.plan.acquisition().depth_m / kMillimetre},
+         {"samples_from", hw::to_string(one.configuration.source)},
+         {"subject", subject_json(one.configuration.subject)},
+         {"display_scale", display_scale_json(one.configuration.display_scale)}});
+  }
+  return acquisitions;
+}
+
 Json recording_json(const std::filesystem::path& path, const hw::RecordingContents& contents) {
   Json places = Json::array(), gaps = Json::array(), volumes = Json::array();
+  Json jumps = Json::array();
   for (const auto& place : contents.damaged_regions) {
     places.push_back({{"offset", place.offset}, {"bytes", place.bytes}});
   }
@@ -84,8 +106,14 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
                     {"cause", hw::to_string(gap.cause)}});
   }
   for (const auto& volume : contents.volumes) {
-    volumes.push_back(
-        {{"index", volume.index}, {"sticks", volume.sticks}, {"closed", volume.closed}});
+    volumes.push_back({{"index", volume.index},
+                       {"acquisition", volume.acquisition},
+                       {"sticks", volume.sticks},
+                       {"closed", volume.closed}});
+  }
+  for (const auto& jump : contents.time_jumps) {
+    jumps.push_back(
+        {{"offset", jump.offset}, {"sequence", jump.sequence}, {"later_s", jump.later_s}});
   }
   return {{"file", path.string()},
           {"bytes", contents.bytes},
@@ -96,13 +124,16 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
             {"stick", contents.sticks},
             {"volume_end", contents.volume_ends},
             {"unknown", contents.other_packets}}},
-          {"one_plan", contents.one_plan},
+          {"acquisitions", acquisitions_json(contents)},
+          {"acquisition_count", contents.acquisition_count},
           {"before_configuration", contents.unconfigured},
           {"contradictions", contents.contradictions},
           {"unreadable", unreadable_json(contents)},
           {"damage", places},
           {"gaps", gaps},
-          {"volumes", volumes}};
+          {"volumes", volumes},
+          {"time_jumps", jumps},
+          {"time_jump_count", contents.time_jump_count}};
 }
 
 void write_plan(std::ostream& text, const hw::Configuration& configuration) {
@@ -113,23 +144,55 @@ void write_plan(std::ostream& text, const hw::Configuration& configuration) {
        << "\nscale       " << display_scale_text(configuration.display_scale) << "\n";
 }
 
+/// One, as almost always, without its number.
+void write_acquisitions(std::ostream& text, const hw::RecordingContents& contents) {
+  const auto& acquisitions = contents.acquisitions;
+  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front().configuration);
+  if (acquisitions.empty()) return;
+  text << "acquisitions " << contents.acquisition_count
+       << ", one after the other; --board file=RECORDING,acquisition=N takes one\n";
+  for (std::size_t i = 0; i < std::min(kMostListed, acquisitions.size()); ++i) {
+    const hw::RecordedAcquisition& one = acquisitions[i];
+    text << "acquisition " << i + 1 << ", from byte " << one.offset << ": "
+         << count(one.volumes, "volume") << " from volume " << one.volume << " on, "
+         << count(one.sticks, "stick") << "\n";
+    write_plan(text, one.configuration);
+  }
+}
+
 void write_volumes(std::ostream& text, const hw::RecordingContents& contents) {
   if (!contents.configuration) return;
-  const auto expected =
-      static_cast<std::uint64_t>(contents.configuration->plan.sticks_per_volume());
   std::size_t shown = 0;
   std::uint64_t whole = 0;
   std::ostringstream partial;
   for (const auto& volume : contents.volumes) {
-    if (volume.closed && volume.sticks == expected) {
+    if (volume.whole()) {
       ++whole;
     } else if (shown++ < kMostListed) {
-      partial << "            volume " << volume.index << ": " << volume.sticks << " of "
-              << expected << " sticks" << (volume.closed ? "" : ", not closed") << "\n";
+      partial << "            volume " << volume.index;
+      if (contents.acquisition_count > 1) partial << " of acquisition " << volume.acquisition;
+      partial << ": " << volume.sticks << " of ";
+      if (volume.acquisition == 0) {
+        partial << "an unknown number of sticks: before any configuration\n";
+      } else {
+        partial << volume.expected << " sticks" << (volume.closed ? "" : ", not closed") << "\n";
+      }
     }
   }
   text << "volumes     " << contents.volumes.size() << ", of which " << whole << " whole\n"
        << partial.str();
+}
+
+void write_time_jumps(std::ostream& text, const hw::RecordingContents& contents) {
+  if (contents.time_jump_count == 0) return;
+  text << "times       leave the plan in " << count(contents.time_jump_count, "place")
+       << "; playback at pace=realtime goes by the plan\n";
+  for (std::size_t i = 0; i < std::min(kMostListed, contents.time_jumps.size()); ++i) {
+    const hw::TimeJump& jump = contents.time_jumps[i];
+    text << "            at byte " << jump.offset << ", stick " << jump.sequence << ": "
+         << significant(std::abs(jump.later_s), 6) << " s "
+         << (jump.later_s > 0 ? "later" : "earlier") << "\n";
+  }
 }
 
 void write_faults(std::ostream& text, const hw::RecordingContents& contents) {
@@ -174,11 +237,12 @@ std::string inspection_summary(const std::filesystem::path& path,
   std::ostringstream text;
   text << "file        " << path.string() << ", " << std::setprecision(4)
        << static_cast<double>(contents.bytes) / 1e6 << " MB\n";
-  if (contents.configuration) write_plan(text, *contents.configuration);
+  write_acquisitions(text, contents);
   text << "packets     " << contents.configurations << " configurations, " << contents.sticks
        << " sticks, " << contents.volume_ends << " volume ends\n";
   write_volumes(text, contents);
   write_faults(text, contents);
+  write_time_jumps(text, contents);
   text << "verdict     "
        << (contents.damaged()    ? "damaged"
            : contents.complete() ? "undamaged and complete"

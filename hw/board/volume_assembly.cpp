@@ -9,8 +9,8 @@ bool VolumeAssembly::wait_for_configuration(HostTime deadline) {
     Event event = board_.next(deadline);
     if (auto* configuration = std::get_if<Configuration>(&event)) {
       configuration_ = *configuration;
-    } else if (!std::holds_alternative<Gap>(event)) {
-      // No stick comes before the first configuration.
+    } else if (!std::holds_alternative<Gap>(event) && !std::holds_alternative<VolumeEnd>(event)) {
+      // No stick comes before the first configuration; the end of its volume may.
       ended_ =
           !std::holds_alternative<TimedOut>(event) && !std::holds_alternative<Cancelled>(event);
       return false;

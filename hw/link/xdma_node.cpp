@@ -98,7 +98,8 @@ FileDescriptor reopen_until(const std::filesystem::path& path,
     if (file.is_open()) return file;
     const int error_number = errno;
     if (error_number == EINTR) continue;
-    if (error_number != EBUSY || HostClock::now() >= busy_until) {
+    const bool may_pass = error_number == EBUSY || is_to_be_repeated(error_number);
+    if (!may_pass || HostClock::now() >= busy_until) {
       refuse(path, fault_of(error_number), error_text(error_number), end_of_packet);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -113,6 +114,22 @@ std::size_t alignment_of(const FileDescriptor& file) {
 }
 
 }  // namespace
+
+bool is_to_be_repeated(int error_number) {
+  // Of linux/errno.h, which no program may include.
+  constexpr int kRestartSys = 512, kRestartNoIntr = 513, kRestartNoHand = 514, kRestartBlock = 516;
+  switch (error_number) {
+    case EINTR:
+    case ETIMEDOUT:
+    case kRestartSys:
+    case kRestartNoIntr:
+    case kRestartNoHand:
+    case kRestartBlock:
+      return true;
+    default:
+      return false;
+  }
+}
 
 std::string error_text(int error_number) {
   const char* name = ::strerrorname_np(error_number);

@@ -27,6 +27,11 @@ struct XdmaNode {
 /// until `busy_until`. Throws LinkOpenError.
 XdmaNode open_xdma_node(const std::filesystem::path& path, bool end_of_packet, HostTime busy_until);
 
+/// A call of the driver that ended without a result, and is to be made again: it was interrupted,
+/// or timed out. Drivers before June 2026 answer a time-out with ERESTARTSYS, 512, one of the
+/// kernel's own codes, which reach a program that no signal has interrupted.
+bool is_to_be_repeated(int error_number);
+
 /// Text of an errno: "No such device (ENODEV)".
 std::string error_text(int error_number);
 

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kQueueBytes = 4U << 20U;
 constexpr std::size_t kLeastQueuedTransfers = 4;
 constexpr std::size_t kPageBytes = 4096;
-/// After a read that returned nothing at once: avoids polling a million times a second.
+/// After a read that returned nothing: avoids polling a million times a second.
 constexpr auto kIdlePause = std::chrono::milliseconds(1);
 
 /// A signal would interrupt the driver's wait, and with it the transfer.
@@ -104,15 +104,9 @@ bool XdmaReader::pause_when_idle() {
 }
 
 bool XdmaReader::handle_error(int error_number) {
-  switch (error_number) {
-    case EINTR:
-    case ETIMEDOUT:  // The driver's own timeout; the next read starts the engine again.
-      return true;
-    case EAGAIN:
-      return pause_when_idle();
-    default:
-      return end(ReadStatus::lost, error_text(error_number));
-  }
+  // After the driver's own timeout the next read starts the engine again.
+  if (is_to_be_repeated(error_number) || error_number == EAGAIN) return pause_when_idle();
+  return end(ReadStatus::lost, error_text(error_number));
 }
 
 bool XdmaReader::end(ReadStatus status, const std::string& reason) {

@@ -14,16 +14,79 @@
 #include "hw/link/interruptible_wait.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/recording/recording_reader.h"
+#include "hw/wire/stream_audit.h"
 
 namespace wobblebench::hw {
 namespace {
 
-/// Upper limit of a packet's time after the first: a damaged time must not stop the stream.
-constexpr DeviceDuration kLongestRecording = std::chrono::hours(24 * 365);
+/// Of a longer gap in the stream the rest is left out.
+constexpr DeviceDuration kLongestPause = std::chrono::seconds(10);
+/// From one acquisition's last packet to the next one's first: whoever dates the last sticks by
+/// the epoch does so meanwhile.
+constexpr auto kBetweenAcquisitions = std::chrono::milliseconds(100);
 
 /// `duration` is not negative.
 DeviceTime saturated_sum(DeviceTime time, DeviceDuration duration) {
   return time > DeviceTime::max() - duration ? DeviceTime::max() : time + duration;
+}
+
+/// When each packet of a stream is due by the plan, on the host's clock.
+class PlannedTimes {
+ public:
+  /// Takes the next packet. Throws UnreadableStream.
+  HostTime due(const Packet& packet);
+  /// Moves all that follows.
+  void delay(HostClock::duration by);
+  /// Host time of device time 0; none before the first configuration.
+  std::optional<HostTime> epoch() const {
+    if (!begun_) return {};
+    return last_due_ - (last_ - DeviceTime());
+  }
+
+ private:
+  /// By the plan; none for a packet of which the plan does not say.
+  std::optional<DeviceTime> time_of(const Packet& packet);
+
+  StreamAudit audit_;
+  bool begun_ = false;
+  DeviceTime last_{};    ///< the latest time so far
+  HostTime last_due_{};  ///< of that time
+};
+
+std::optional<DeviceTime> PlannedTimes::time_of(const Packet& packet) {
+  if (const auto* stick = std::get_if<StickPacket>(&packet)) {
+    const AuditResult result = audit_.take(stick->stick);
+    if (result.accepted) audit_.deliver();
+    if (result.contradicts || !begun_) return {};
+    return audit_.configuration().value().plan.stick_time(stick->stick.sequence);
+  }
+  if (const auto* end = std::get_if<VolumeEndPacket>(&packet)) {
+    if (audit_.take(*end).contradicts || !begun_) return {};
+    return audit_.configuration().value().plan.volume_end_time(end->volume);
+  }
+  const auto& configuration = std::get<ConfigurationPacket>(packet);
+  const AuditResult result = audit_.take(configuration);
+  if (result.contradicts) return {};
+  const DeviceTime time = audit_.configuration().value().plan.stick_time(configuration.sequence);
+  if (result.accepted) {
+    last_due_ = begun_ ? last_due_ + kBetweenAcquisitions : HostClock::now();
+    last_ = time;
+    begun_ = true;
+  }
+  return time;
+}
+
+HostTime PlannedTimes::due(const Packet& packet) {
+  const auto time = time_of(packet);
+  if (time && *time > last_) {
+    last_due_ += std::min(*time - last_, kLongestPause);
+    last_ = *time;
+  }
+  return last_due_;
+}
+
+void PlannedTimes::delay(HostClock::duration by) {
+  last_due_ += by;
 }
 
 }  // namespace
@@ -45,11 +108,12 @@ class FileLink::Impl {
     std::uint64_t sticks = 0;
     std::uint64_t volumes = 0;
   };
-  struct Epoch {
-    HostTime host;
-    DeviceTime device;
+  struct Extent {
+    std::uint64_t begin = 0;
+    std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
   };
 
+  Extent find_acquisition(int number) const;
   std::uint64_t find_volume(std::uint32_t volume) const;
   LoopLength measure_repetition();
   void skip_pause();
@@ -59,12 +123,12 @@ class FileLink::Impl {
   PacketStamp continued(const PacketStamp& stamp) const;
   void take_rest();
   void take_end();
-  HostTime due(DeviceTime time);
   void share_epoch();
 
   const FileLinkOptions options_;
   const RecordingFile file_;
   std::uint64_t start_ = 0;     ///< file offset of the first packet
+  std::uint64_t end_ = 0;       ///< file offset behind the last
   std::uint64_t offset_ = 0;    ///< file offset of the next raw byte
   std::uint64_t raw_left_ = 0;  ///< bytes of damage to copy before packet_
   LoopLength repetition_;
@@ -74,8 +138,8 @@ class FileLink::Impl {
   std::vector<std::byte> packet_;
   std::size_t delivered_ = 0;  ///< bytes of packet_
   HostTime packet_due_{};
-  HostTime last_read_{};        ///< its end
-  std::optional<Epoch> epoch_;  ///< of the first packet
+  HostTime last_read_{};  ///< its end
+  PlannedTimes times_;
 };
 
 FileLink::FileLink(const std::filesystem::path& path, const FileLinkOptions& options)
@@ -115,16 +179,39 @@ std::string FileLink::loss() const {
 FileLink::Impl::Impl(const std::filesystem::path& path, const FileLinkOptions& options)
     : options_(options), file_(path) {
   check_options(options);
+  const Extent extent = find_acquisition(options.acquisition);
+  start_ = extent.begin;
+  end_ = extent.end;
   if (options.start_volume > 0) {
     start_ = find_volume(static_cast<std::uint32_t>(options.start_volume));
   }
   if (options.loop) repetition_ = measure_repetition();
   offset_ = start_;
-  reader_.emplace(file_, start_);
+  reader_.emplace(file_, start_, end_);
+}
+
+/// The first begins with the file, what comes before its configuration included.
+FileLink::Impl::Extent FileLink::Impl::find_acquisition(int number) const {
+  if (number == 0) return {};
+  const RecordingContents contents = inspect_recording(file_.path());
+  const auto index = static_cast<std::size_t>(number) - 1;
+  if (index >= contents.acquisitions.size()) {
+    throw InvalidOption("acquisition",
+                        std::to_string(number),
+                        file_.path().string() + " holds " +
+                            std::to_string(contents.acquisition_count) + "; must be from 1 to " +
+                            std::to_string(contents.acquisitions.size()));
+  }
+  Extent extent;
+  if (index > 0) extent.begin = contents.acquisitions[index].offset;
+  if (index + 1 < contents.acquisitions.size()) {
+    extent.end = contents.acquisitions[index + 1].offset;
+  }
+  return extent;
 }
 
 std::uint64_t FileLink::Impl::find_volume(std::uint32_t volume) const {
-  RecordingReader reader(file_);
+  RecordingReader reader(file_, start_, end_);
   std::optional<std::uint32_t> last;
   std::string unreadable;
   try {
@@ -150,18 +237,19 @@ FileLink::Impl::LoopLength FileLink::Impl::measure_repetition() {
   const auto refuse = [&](const std::string& why) {
     throw InvalidOption("loop", "true", file_.path().string() + " cannot be repeated: " + why);
   };
-  RecordingReader reader(file_, start_);
+  RecordingReader reader(file_, start_, end_);
+  StreamAudit audit;
   std::optional<ConfigurationPacket> first;
   std::uint32_t last = 0;
   const auto unreadable = for_each_packet(reader, [&](const RecordedPacket& recorded) {
     if (!recorded.packet) return;
     if (const auto* packet = std::get_if<ConfigurationPacket>(&*recorded.packet)) {
+      const bool is_new = audit.take(*packet).accepted;
+      if (is_new && first) refuse("it holds several acquisitions; choose one by acquisition=1");
       if (!first) first = *packet;
-      if (!(first->probe == packet->probe) || !(first->acquisition == packet->acquisition)) {
-        refuse("it holds several acquisitions");
-      }
       last = std::max(last, packet->volume);
     } else if (const auto* stick = std::get_if<StickPacket>(&*recorded.packet)) {
+      if (audit.take(stick->stick).accepted) audit.deliver();
       last = std::max(last, stick->stick.index.volume);
     }
   });
@@ -193,15 +281,17 @@ ReadResult FileLink::Impl::read(std::span<std::byte> buffer, HostTime deadline) 
 
 /// Stops the clock from the last read before cancel() to the first one after resume().
 void FileLink::Impl::skip_pause() {
-  if (!std::exchange(resumed, false) || !epoch_) return;
+  if (!std::exchange(resumed, false) || !times_.epoch()) return;
   const auto pause = HostClock::now() - last_read_;
-  epoch_->host += pause;
+  times_.delay(pause);
   packet_due_ += pause;
   share_epoch();
 }
 
 ReadResult FileLink::Impl::read_raw(std::span<std::byte> buffer) {
-  const std::size_t count = file_.read(offset_, buffer);
+  const auto most =
+      static_cast<std::size_t>(std::min<std::uint64_t>(buffer.size(), end_ - offset_));
+  const std::size_t count = file_.read(offset_, buffer.first(most));
   offset_ += count;
   return {count, count > 0 ? ReadStatus::ok : ReadStatus::end_of_stream};
 }
@@ -246,12 +336,16 @@ bool FileLink::Impl::take_packet() {
   raw_left_ = recorded->damage_before;
   offset_ = recorded->offset - raw_left_;
   packet_.assign(recorded->bytes.begin(), recorded->bytes.end());
-  PacketStamp stamp = packet_stamp(packet_);
-  if (options_.loop) {
-    stamp = continued(stamp);
-    restamp(packet_, stamp);
+  if (options_.loop) restamp(packet_, continued(packet_stamp(packet_)));
+  if (options_.pace == Pace::asap || !is_known_kind(packet_)) return true;
+  const auto packet = options_.loop ? parse_packet(packet_) : std::move(recorded->packet);
+  if (!packet) return true;
+  try {
+    packet_due_ = times_.due(*packet);
+  } catch (const UnreadableStream&) {
+    // The reader of the link ends there.
   }
-  packet_due_ = due(stamp.time);
+  share_epoch();
   return true;
 }
 
@@ -270,34 +364,23 @@ PacketStamp FileLink::Impl::continued(const PacketStamp& stamp) const {
 /// Leaves the packets from an unreadable one on to the reader, as they are.
 void FileLink::Impl::take_rest() {
   offset_ = reader_->end();
-  raw_left_ = file_.bytes() - offset_;
+  raw_left_ = std::min(file_.bytes(), end_) - offset_;
   reader_.reset();
 }
 
 /// Reads the extent of the damage at the end, and starts the next repetition of a loop.
 void FileLink::Impl::take_end() {
   raw_left_ = reader_->damage_at_end();
-  offset_ = file_.bytes() - raw_left_;
+  offset_ = std::min(file_.bytes(), end_) - raw_left_;
   reader_.reset();
   if (!options_.loop) return;
   done_.sticks += repetition_.sticks;
   done_.volumes += repetition_.volumes;
-  reader_.emplace(file_, start_);
-}
-
-HostTime FileLink::Impl::due(DeviceTime time) {
-  if (!epoch_) {
-    epoch_ = {HostClock::now(), time};
-    share_epoch();
-  }
-  const DeviceTime last = saturated_sum(epoch_->device, kLongestRecording);
-  return epoch_->host + (std::clamp(time, epoch_->device, last) - epoch_->device);
+  reader_.emplace(file_, start_, end_);
 }
 
 void FileLink::Impl::share_epoch() {
-  if (options_.pace == Pace::realtime) {
-    shared_epoch.set(epoch_->host - epoch_->device.time_since_epoch());
-  }
+  if (const auto epoch = times_.epoch()) shared_epoch.set(*epoch);
 }
 
 }  // namespace wobblebench::hw

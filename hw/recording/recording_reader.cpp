@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -83,10 +84,12 @@ std::optional<PacketFrame> RecordingReader::next_frame() {
   for (;;) {
     if (auto frame = framer_.next()) return frame;
     if (finished_) return {};
-    const std::size_t count = file_.read(read_, chunk_);
+    const auto wanted =
+        static_cast<std::size_t>(std::min<std::uint64_t>(chunk_.size(), to_ - read_));
+    const std::size_t count = file_.read(read_, std::span(chunk_).first(wanted));
     read_ += count;
     framer_.feed(std::span(chunk_).first(count));
-    finished_ = count < chunk_.size();
+    finished_ = count < wanted || read_ == to_;
     if (finished_) framer_.finish();
   }
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -48,9 +49,12 @@ struct RecordedPacket {
 /// Reads a file front to back. Not thread-safe.
 class RecordingReader {
  public:
-  /// `from`: offset of a packet's first byte. `file` must outlive this.
-  explicit RecordingReader(const RecordingFile& file, std::uint64_t from = 0)
-      : file_(file), chunk_(file.chunk_bytes()), start_(from), read_(from), end_(from) {}
+  /// Reads as if the file ended at offset `to`. `from`: offset of a packet's first byte. `file`
+  /// must outlive this.
+  explicit RecordingReader(const RecordingFile& file,
+                           std::uint64_t from = 0,
+                           std::uint64_t to = std::numeric_limits<std::uint64_t>::max())
+      : file_(file), chunk_(file.chunk_bytes()), to_(to), start_(from), read_(from), end_(from) {}
 
   /// The next packet; none at the end. Throws UnsupportedWireVersion, and as RecordingFile::read().
   [[nodiscard]] std::optional<RecordedPacket> next();
@@ -69,6 +73,7 @@ class RecordingReader {
   const RecordingFile& file_;
   PacketFramer framer_;
   std::vector<std::byte> chunk_;
+  std::uint64_t to_;
   std::uint64_t start_;  ///< file offset of the first byte read
   std::uint64_t read_;   ///< file offset of the next byte to read
   std::uint64_t end_;    ///< file offset of the end of the last packet

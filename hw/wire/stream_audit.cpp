@@ -132,10 +132,15 @@ void SequenceTracker::restart() {
 
 AuditResult StreamAudit::take(const ConfigurationPacket& packet) {
   Configuration configuration{plan_of(packet), packet.source, packet.subject, packet.display_scale};
-  const bool repeated = configuration_ && same_plan(*configuration_, packet);
-  if (configuration_ && !repeated) tracker_.restart();
+  const bool has_its_number = fits(configuration.plan, packet);
+  const bool restarts = has_its_number && goes_back(packet.sequence);
+  const bool repeated = configuration_ && same_plan(*configuration_, packet) && !restarts;
+  if (restarts || (configuration_ && !repeated)) {
+    tracker_.restart();
+    inside_volume_ = false;
+  }
   AuditResult result;
-  if (fits(configuration.plan, packet)) {
+  if (has_its_number) {
     result.missing = advance_to(packet.sequence);
   } else {
     result = contradiction();
@@ -175,6 +180,11 @@ AuditResult StreamAudit::take(const VolumeEndPacket& packet) {
   result.accepted = inside_volume_ && tracker_.next() == packet.sequence;
   if (result.accepted) inside_volume_ = false;
   return result;
+}
+
+bool StreamAudit::goes_back(std::uint64_t sequence) const {
+  const std::uint64_t next = next_sequence();
+  return sequence < next && next - sequence > kMostLateSticks;
 }
 
 /// The error may be in the sequence number: the next packet shows which sticks are missing.

@@ -57,15 +57,21 @@ class SequenceTracker {
 struct AuditResult {
   std::optional<Gap> missing;   ///< sticks lost before the packet
   std::optional<Gap> rejected;  ///< the packet's own stick, which cannot be delivered
-  /// A configuration: it is new. A stick: it is the next one; call deliver() or lose() before the
-  /// next packet. A volume's end: it ends a volume of which a stick was emitted.
+  /// A configuration: it begins an acquisition. A stick: it is the next one; call deliver() or
+  /// lose() before the next packet. A volume's end: it ends a volume of which a stick was emitted.
   bool accepted = false;
   /// Of the packet's number, index and sample count some are not the plan's. Of a configuration the
   /// plan is taken all the same.
   bool contradicts = false;
 };
 
-/// Takes the packets of one stream in the order of arrival. Not thread-safe.
+/// A configuration that names a stick further back than this begins a new acquisition; a nearer one
+/// was late or repeated. No link delivers a packet more than 4 packets late.
+inline constexpr std::uint64_t kMostLateSticks = 8;
+
+/// Takes the packets of one stream in the order of arrival: of one acquisition, or of several one
+/// after the other, each of which begins with a configuration that differs from the one before or
+/// whose number lies behind the sticks that came. Not thread-safe.
 class StreamAudit {
  public:
   /// The decoder skipped bytes: sticks found missing next are corrupt.
@@ -90,6 +96,7 @@ class StreamAudit {
 
  private:
   AuditResult contradiction();
+  bool goes_back(std::uint64_t sequence) const;
   std::optional<Gap> advance_to(std::uint64_t sequence);
 
   SequenceTracker tracker_;

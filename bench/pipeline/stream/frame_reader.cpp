@@ -83,7 +83,14 @@ bool FrameReader::take_behind_last(const hw::Event& event) {
 bool FrameReader::take_configuration(const hw::Configuration& configuration) {
   const bool same = configuration.plan.probe() == plan_.probe() &&
                     configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());
-  if (!same) throw std::runtime_error("--board = " + source_.name + ": the acquisition changes");
+  if (!same) {
+    end_stream("the acquisition changes");
+    throw std::runtime_error("--board = " + source_.name +
+                             ": the acquisition changes; of a recording, file=RECORDING,"
+                             "acquisition=N takes one (`wobblebench inspect` lists them)");
+  }
+  // Also where it is another acquisition of the same plan, whose volumes have the same numbers.
+  leave_volume();
   assembly_.configure(configuration);
   return true;
 }
@@ -164,7 +171,7 @@ void FrameReader::check_samples() {
   const hw::Configuration& configuration = *assembly_.configuration();
   std::optional<double> range_db;
   if (source_.dynamic_range_db) range_db = source_.dynamic_range_db(configuration.display_scale);
-  samples_ = make_displayable(volume, configuration.source, range_db, source_.name);
+  samples_ = make_displayable(volume, configuration, range_db, source_.name);
 }
 
 void FrameReader::finish_volume() {

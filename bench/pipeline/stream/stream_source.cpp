@@ -70,7 +70,7 @@ ReceivedSamples received_samples(const hw::PolarVolume& volume) {
 }  // namespace
 
 ReceivedSamples make_displayable(hw::PolarVolume& volume,
-                                 hw::StreamOrigin source,
+                                 const hw::Configuration& configuration,
                                  std::optional<double> dynamic_range_db,
                                  const std::string& board) {
   ReceivedSamples received = received_samples(volume);
@@ -78,8 +78,14 @@ ReceivedSamples make_displayable(hw::PolarVolume& volume,
     throw UserError("--board = " + board + ": " + why);
   };
   if (received.scale == hw::SampleScale::linear_envelope) {
-    if (source != hw::StreamOrigin::simulated || !dynamic_range_db) {
-      refuse("its samples are linear envelopes of unknown full scale; they must be log-compressed");
+    const hw::DisplayScale& scale = configuration.display_scale;
+    // Simulations of before a stream stated it have full scale at 1, too.
+    const bool is_known = scale.stated() || configuration.source == hw::StreamOrigin::simulated;
+    if (scale.stated() && !dynamic_range_db) dynamic_range_db = scale.dynamic_range_db;
+    if (!is_known || !dynamic_range_db) {
+      refuse(
+          "its samples are linear envelopes of unknown full scale; they must be log-compressed, or "
+          "its configuration must state the display scale");
     }
     received.dynamic_range_db = dynamic_range_db;
     volume.log_compress(*dynamic_range_db);

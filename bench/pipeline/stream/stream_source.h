@@ -25,7 +25,8 @@ struct StreamSource {
   std::string name;          ///< --board, for refusals
   /// Where first_configuration() took it from the board; else it is the first event.
   std::optional<hw::Configuration> configuration;
-  /// Over which linear envelopes of that scale are log-compressed. Empty: they are refused.
+  /// Over which linear envelopes of that scale are log-compressed. Empty: over the one that it
+  /// states; where it states none they are refused.
   std::function<double(const hw::DisplayScale&)> dynamic_range_db;
 };
 
@@ -59,11 +60,12 @@ struct ReceivedSamples {
 /// More samples out of range than these are no outliers: the source counts on another scale.
 inline constexpr double kMostOutOfRangePercent = 1;
 
-/// Log-compresses linear envelopes of a simulation, whose full scale is 1. Throws UserError
-/// "--board = ARGS: …" where the full scale is not known (of hardware; or no dynamic range is
-/// given), and for samples of another scale than 0 to 1.
+/// Log-compresses linear envelopes, which are 1 at full scale, over `dynamic_range_db`; nullopt:
+/// over that of the configuration's display scale. Throws UserError "--board = ARGS: …" where the
+/// full scale is not known (of hardware that states no display scale), or no dynamic range is, and
+/// for samples of another scale than 0 to 1.
 ReceivedSamples make_displayable(hw::PolarVolume& volume,
-                                 hw::StreamOrigin source,
+                                 const hw::Configuration& configuration,
                                  std::optional<double> dynamic_range_db,
                                  const std::string& board);
 

@@ -84,7 +84,7 @@ TEST_F(Recordings, IntactRecordingIsUndamagedAndComplete) {
     const RecordingContents contents = inspect_recording(path);
     EXPECT_FALSE(contents.damaged());
     EXPECT_TRUE(contents.complete());
-    EXPECT_TRUE(contents.one_plan);
+    EXPECT_EQ(contents.acquisition_count, 1U);
     EXPECT_EQ(contents.configurations, 3U);
     EXPECT_EQ(contents.sticks, 36U);
     EXPECT_EQ(contents.volume_ends, 3U);
@@ -157,7 +157,7 @@ TEST_F(Recordings, OfProgramsWithoutADisplayScaleAreReadAndSalvaged) {
   const Bytes kept = salvage(write(join(packets)));
   const RecordingContents again = inspect_recording(write(kept));
   EXPECT_FALSE(again.damaged());
-  EXPECT_TRUE(again.one_plan) << "configurations of both lengths are equal";
+  EXPECT_EQ(again.acquisition_count, 1U) << "configurations of both lengths are equal";
   EXPECT_EQ(again.account.delivered, 24U);
 }
 

@@ -28,11 +28,18 @@ hw::PolarVolume volume_of(hw::SampleScale scale, const Sample& sample) {
   return volume;
 }
 
+constexpr hw::DisplayScale kScale{
+    .full_scale_db = -15, .dynamic_range_db = 40, .tgc_db_per_cm_mhz = 0.3};
+
+hw::Configuration configuration(hw::StreamOrigin source, const hw::DisplayScale& scale = {}) {
+  return {.plan = {{}, {}}, .source = source, .display_scale = scale};
+}
+
 std::string refusal(hw::PolarVolume volume,
                     hw::StreamOrigin source,
                     std::optional<double> dynamic_range_db = 60) {
   try {
-    make_displayable(volume, source, dynamic_range_db, "x");
+    make_displayable(volume, configuration(source), dynamic_range_db, "x");
   } catch (const UserError& error) {
     return error.what();
   }
@@ -43,7 +50,8 @@ TEST(DisplaySamples, LogCompressedOnesStayAsTheyAre) {
   auto volume =
       volume_of(hw::SampleScale::log_compressed, [](int i) { return static_cast<float>(i) / 999; });
   const auto before = volume.frame(1).samples;
-  const auto received = make_displayable(volume, hw::StreamOrigin::hardware, 60, "x");
+  const auto received =
+      make_displayable(volume, configuration(hw::StreamOrigin::hardware), 60, "x");
   EXPECT_EQ(volume.frame(1).samples, before);
   EXPECT_EQ(received.count, 1000u);
   EXPECT_EQ(received.out_of_range, 0u);
@@ -58,7 +66,8 @@ TEST(DisplaySamples, SomeOutOfRangeAreCounted) {
     if (i == 800) return 3.5f;
     return i == 900 ? std::nanf("") : 0.5f;
   });
-  const auto received = make_displayable(volume, hw::StreamOrigin::hardware, 60, "x");
+  const auto received =
+      make_displayable(volume, configuration(hw::StreamOrigin::hardware), 60, "x");
   EXPECT_EQ(received.out_of_range, 3u);
   EXPECT_EQ(received.least, -0.25f);
   EXPECT_EQ(received.most, 3.5f);
@@ -77,9 +86,23 @@ TEST(DisplaySamples, LinearOnesNeedAFullScaleAndADynamicRange) {
   EXPECT_EQ(refusal(linear, hw::StreamOrigin::simulated), "");
   const std::string unknown =
       "--board = x: its samples are linear envelopes of unknown full scale; they must be "
-      "log-compressed";
+      "log-compressed, or its configuration must state the display scale";
   EXPECT_EQ(refusal(linear, hw::StreamOrigin::hardware), unknown);
   EXPECT_EQ(refusal(linear, hw::StreamOrigin::simulated, std::nullopt), unknown);
+}
+
+/// 0.1 is 20 dB below full scale: half of 40 dB, two thirds up of 60 dB.
+TEST(DisplaySamples, LinearOnesOfHardwareThatStatesItsScaleAreLogCompressed) {
+  const auto hardware = configuration(hw::StreamOrigin::hardware, kScale);
+  const auto linear = [] {
+    return volume_of(hw::SampleScale::linear_envelope, [](int) { return 0.1f; });
+  };
+  auto as_stated = linear();
+  EXPECT_EQ(make_displayable(as_stated, hardware, std::nullopt, "x").dynamic_range_db, 40);
+  EXPECT_NEAR(as_stated.frame(1).samples.front(), 0.5, 1e-6);
+  auto as_asked_for = linear();
+  EXPECT_EQ(make_displayable(as_asked_for, hardware, 60, "x").dynamic_range_db, 60);
+  EXPECT_NEAR(as_asked_for.frame(1).samples.front(), 2.0 / 3, 1e-6);
 }
 
 /// Log-compressed on arrival, a linear envelope gives what the simulator's own log compression

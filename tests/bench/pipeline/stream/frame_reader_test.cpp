@@ -155,6 +155,20 @@ TEST(FrameReader, LinearEnvelopesAreLogCompressed) {
   }
 }
 
+/// Joined recordings, of which the first is a part of a volume of the same number.
+TEST(FrameReader, AVolumeOfAnotherAcquisitionIsAnotherVolume) {
+  const auto plan = hw::small_plan(1);
+  auto packets = hw::packets_of(plan);
+  const auto whole = packets;
+  packets.resize(hw::packet_index(plan, 9) + 1);
+  packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(hw::packet_index(plan, 0)));
+  packets.insert(packets.end(), whole.begin(), whole.end());
+  const Read got = read(plan, packets);
+  ASSERT_EQ(got.frames.size(), 3u);
+  for (const StreamFrame& frame : got.frames) EXPECT_EQ(frame.sticks, 4);
+  EXPECT_EQ(got.statistics.left_sticks, 9u);
+}
+
 TEST(FrameReader, AnAcquisitionThatChangesEndsTheStream) {
   const auto plan = hw::small_plan(1);
   hw::AcquisitionOptions other = plan.acquisition();
