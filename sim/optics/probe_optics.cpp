@@ -103,7 +103,10 @@ double StickAperture::weight(const Element& element, double aperture_m) const {
   const double half_m = 0.5 * aperture_m;
   const double position_m = element.angle_rad * probe.radius_m;  // along the face
   const double share = std::clamp((half_m - std::abs(position_m)) / probe.pitch_m + 0.5, 0.0, 1.0);
-  return share == 0 ? 0 : share * window(optics_.apodisation(), position_m / half_m);
+  if (share == 0) return 0;
+  // Near the face the aperture is narrower than two elements, whose centres lie beyond its ends:
+  // the window is that of two, so that the middle stick of an even array is not silent.
+  return share * window(optics_.apodisation(), position_m / std::max(half_m, probe.pitch_m));
 }
 
 bool StickAperture::whole(double range_m) const {

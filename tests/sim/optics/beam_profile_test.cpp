@@ -37,6 +37,19 @@ TEST(BeamProfile, WidthsAreThoseOfTheElementSum) {
   }
 }
 
+/// Sticks whose aperture is whole have the middle stick's beam, also where it is narrower than the
+/// two middle elements.
+TEST(BeamProfile, LevelsOfApodisedSticksAreOneNearTheFace) {
+  for (const auto apodisation : {Apodisation::rectangular, Apodisation::hann, Apodisation::tukey}) {
+    SimulationOptions options;
+    options.apodisation = apodisation;
+    const BeamProfile profile{ProbeOptics(plan(), options)};
+    for (const double range_m : {0.2e-3, 1e-3, 3e-3, 10e-3}) {
+      EXPECT_NEAR(profile.level(range_m, 10 * kDegree), 1, 1e-9) << range_m;
+    }
+  }
+}
+
 TEST(BeamProfile, LevelsAreThoseOfTheElementSum) {
   const BeamProfile profile{ProbeOptics(plan())};
   std::map<std::string, double> axis_db;  // by depth

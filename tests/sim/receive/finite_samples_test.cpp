@@ -128,5 +128,29 @@ TEST(FiniteSamples, BeyondTheLargestFloat) {
   }
 }
 
+/// Without TGC no echo is stronger than that of a perfect mirror, 1; uniform tissue at -28 dB
+/// echoes near the face as elsewhere, where the aperture is narrower than the two middle elements.
+TEST(FiniteSamples, NearTheFaceOfAnApodisedArray) {
+  for (const auto apodisation : {Apodisation::rectangular, Apodisation::hann, Apodisation::tukey}) {
+    for (const Rung rung : {Rung::field, Rung::scatterers}) {
+      Scene scene(1);
+      scene.probe = {};
+      scene.acquisition = {};
+      scene.acquisition.depth_m = 60e-3;
+      scene.acquisition.sticks_per_frame = 5;
+      scene.acquisition.frames_per_volume = 2;
+      scene.options = {};
+      scene.options.apodisation = apodisation;
+      scene.options.fidelity = rung;
+      scene.options.output = hw::SampleScale::linear_envelope;
+      scene.options.full_scale_db = 0;
+      scene.options.tgc_db_per_cm_mhz = 0;
+      const auto samples = scanned(scene);
+      EXPECT_LT(*std::max_element(samples.begin(), samples.end()), 1)
+          << static_cast<int>(apodisation) << " " << static_cast<int>(rung);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace wobblebench::sim
