@@ -85,8 +85,7 @@ Json samples_json(const ReceivedSamples& samples) {
 
 Json board_json(const Acquisition& acquisition) {
   Json json = account_json(acquisition.account);
-  json["damage"] = {{"places", acquisition.damage.regions},
-                    {"bytes_skipped", acquisition.damage.bytes_skipped}};
+  json.erase("duplicates");  // of all that was read
   json["samples_from"] = hw::to_string(acquisition.source);
   json["samples"] = samples_json(acquisition.samples);
   json["display_scale"] = display_scale_json(acquisition.display_scale);
@@ -94,6 +93,13 @@ Json board_json(const Acquisition& acquisition) {
   json["missing_sticks"] = acquisition.volume.missing_sticks();
   json["ending"] = acquisition.ending.empty() ? Json(nullptr) : Json(acquisition.ending);
   json["link"] = link_json(acquisition.link);
+  return json;
+}
+
+Json board_timing_json(const Acquisition& acquisition) {
+  Json json = account_json(acquisition.read);
+  json["damage"] = {{"places", acquisition.damage.regions},
+                    {"bytes_skipped", acquisition.damage.bytes_skipped}};
   json["transport_ms"] = acquisition.transport_ms;
   return json;
 }

@@ -14,8 +14,10 @@ namespace wobblebench::bench {
 /// ", N lost: CAUSE" for each cause that lost sticks.
 std::string losses_text(const hw::BoardAccount& account);
 
-/// emitted, delivered, lost by cause; then duplicates, damage, and the link.
+/// emitted, delivered and lost by cause, to the end of the volume; the samples, and the link.
 nlohmann::ordered_json board_json(const Acquisition& acquisition);
+/// The account of all that the board had read, some of it ahead of the volume; damage, transport.
+nlohmann::ordered_json board_timing_json(const Acquisition& acquisition);
 nlohmann::ordered_json account_json(const hw::BoardAccount& account);
 nlohmann::ordered_json link_json(const hw::LinkCapabilities& link);
 

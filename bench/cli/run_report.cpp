@@ -257,6 +257,7 @@ std::string run_report(const RunResult& result,
   report_simulation(report, simulated, scene.plan());
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
+  report["timing"]["board"] = board_timing_json(result.acquisition);
   report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
   report["camera"] = camera_json(scene.view().camera);
   const std::string truth = truth_source(result);

@@ -3,7 +3,7 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "bench/output/report_parts.h"
+#include "bench/output/finished_report.h"
 
 namespace wobblebench::bench {
 
@@ -31,7 +31,7 @@ int run_in_folder(const OutputArguments& output,
   OutputFolder out(output.folder);
   Progress progress(steps);
   CommandResult result = work(out, progress);
-  result.report = report_with_warnings(result.report, progress.warnings());
+  result.report = finished_report(result.report, progress);
   commit(out, result);
   std::cout << (output.json ? result.report : result.summary);
   if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";

@@ -97,6 +97,10 @@ std::vector<std::string> Progress::warnings() {
   return warnings_;
 }
 
+MachineUse Progress::machine_use() const {
+  return {machine_, sample_machine()};
+}
+
 void Progress::finish(bool failed) {
   const std::scoped_lock lock(mutex_);
   if (output_.terminal && line_shown_) std::fputs(kEraseLine, output_.file);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/part_done.h"
+#include "bench/output/machine_use.h"
 #include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
@@ -95,6 +96,8 @@ class Progress {
   /// In the order in which they were given.
   std::vector<std::string> warnings();
 
+  /// The machine since this was made.
+  MachineUse machine_use() const;
   /// Times of the steps so far, in their order.
   const StepTimes& steps() const { return steps_; }
   /// Likewise, and "total": since this was made.
@@ -121,6 +124,7 @@ class Progress {
 
   const ProgressOutput output_;
   const Clock::time_point start_ = Clock::now();
+  const MachineSample machine_ = sample_machine();
   StepTimes steps_;
 
   std::mutex mutex_;  ///< of what follows

@@ -55,13 +55,6 @@ std::string report_text(const nlohmann::ordered_json& report) {
   return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::string report_with_warnings(const std::string& report,
-                                 const std::vector<std::string>& warnings) {
-  auto with = nlohmann::ordered_json::parse(report);
-  with["warnings"] = warnings;
-  return report_text(with);
-}
-
 Provenance provenance_of_this_machine() {
   Provenance result;
   result.commit = kBuildCommit;

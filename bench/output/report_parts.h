@@ -29,10 +29,6 @@ nlohmann::ordered_json wall_json(const StepTimes& times);
 /// The text of report.json.
 std::string report_text(const nlohmann::ordered_json& report);
 
-/// A text of report_text() with `warnings` as its list "warnings": what the command said on stderr.
-std::string report_with_warnings(const std::string& report,
-                                 const std::vector<std::string>& warnings);
-
 struct Provenance {
   std::string commit;  ///< of the build; "-dirty" when the tree had changes
   std::string host;

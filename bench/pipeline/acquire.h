@@ -31,9 +31,10 @@ struct SimulatedVolume {
 };
 
 struct Acquisition {
-  hw::PolarVolume volume;   ///< its samples as the renderer takes them
-  ReceivedSamples samples;  ///< as they came
-  hw::BoardAccount account;
+  hw::PolarVolume volume;    ///< its samples as the renderer takes them
+  ReceivedSamples samples;   ///< as they came
+  hw::BoardAccount account;  ///< to the end of the volume
+  hw::BoardAccount read;     ///< of all that the board had read when it was stopped
   hw::WireDamage damage;
   hw::LinkCapabilities link;
   hw::StreamOrigin source;                   ///< of the samples

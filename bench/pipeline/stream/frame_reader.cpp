@@ -13,6 +13,20 @@ namespace {
 /// A board that is stopped wakes next(): the deadline is for boards whose stop was missed.
 constexpr std::chrono::seconds kLongestWait{1};
 
+std::uint64_t& lost_by(hw::LossCause cause, hw::BoardAccount::Lost& lost) {
+  switch (cause) {
+    case hw::LossCause::ring_full:
+      return lost.ring_full;
+    case hw::LossCause::link:
+      return lost.link;
+    case hw::LossCause::corrupt:
+      return lost.corrupt;
+    case hw::LossCause::out_of_order:
+      return lost.out_of_order;
+  }
+  throw std::logic_error("unknown cause of loss");
+}
+
 }  // namespace
 
 FrameReader::FrameReader(const StreamSource& source,
@@ -62,12 +76,25 @@ bool FrameReader::take(hw::Event& event) {
   if (const auto* configuration = std::get_if<hw::Configuration>(&event)) {
     return end_volume() && !has_all() && take_configuration(*configuration);
   }
+  if (const auto* gap = std::get_if<hw::Gap>(&event)) count(*gap);
   if (const std::string why = ending_of(event); !why.empty()) {
     end_stream(why);
     if (!std::holds_alternative<hw::DeviceLost>(event)) return false;
     throw std::runtime_error("--board = " + source_.name + ": " + why);
   }
   return std::holds_alternative<hw::Gap>(event) || std::holds_alternative<hw::TimedOut>(event);
+}
+
+/// Those of the gap's sticks that are due before the end of the last wanted volume.
+void FrameReader::count(const hw::Gap& gap) {
+  std::uint64_t sticks = gap.count;
+  if (const auto& volume = assembly_.volume(); volumes_ > 0 && volume) {
+    const auto left = static_cast<std::uint32_t>(volumes_ - statistics_.volumes);
+    const std::uint64_t end = plan_.first_sequence(volume->volume_index() + left);
+    sticks = std::min(sticks, end - std::min(end, gap.first_sequence));
+  }
+  statistics_.account.emitted += sticks;
+  lost_by(gap.cause, statistics_.account.lost) += sticks;
 }
 
 /// The event behind the last volume tells whether the stream went on.
@@ -109,6 +136,8 @@ bool FrameReader::take_stick(const hw::StickSlot& slot) {
   frame_.last.received = slot.received();
   frame_.last.acquired = hw::HostClock::now();
   assembly_.place(stick);
+  ++statistics_.account.emitted;
+  ++statistics_.account.delivered;
   frame_.last.placed = hw::HostClock::now();
   if (frame_.sticks++ == 0) frame_.first = frame_.last;
   const bool is_last =

@@ -10,11 +10,13 @@
 #include "bench/pipeline/stream/stream_source.h"
 #include "hw/board/volume_assembly.h"
 #include "hw/probe/polar_volume.h"
+#include "hw/wire/account.h"
 
 namespace wobblebench::bench {
 
 struct ReaderStatistics {
   std::uint64_t sticks = 0;       ///< taken from the board
+  hw::BoardAccount account;       ///< to the end of the last wanted volume; no duplicates
   std::uint64_t left_sticks = 0;  ///< of volumes whose beginning was missed, and of the last frame
   std::uint64_t volumes = 0;      ///< whose last frame was pushed
   double busy_ms = 0;             ///< neither waiting for the board nor for the queue
@@ -58,6 +60,7 @@ class FrameReader {
   bool has_all() const { return volumes_ > 0 && statistics_.volumes >= volumes_; }
   /// False: nothing more is wanted, or can come.
   bool take(hw::Event& event);
+  void count(const hw::Gap& gap);
   bool take_behind_last(const hw::Event& event);
   bool take_configuration(const hw::Configuration& configuration);
   bool take_stick(const hw::StickSlot& slot);

@@ -18,16 +18,34 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json interval_json(const MeanInterval& interval) {
+  return {
+      {"mean", number(interval.mean)}, {"half_interval", number(interval.half)}, {"n", interval.n}};
+}
+
 /// Measures that no seed has are left out.
 Json intervals_json(const std::vector<MeanInterval>& intervals) {
   Json json = Json::object();
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const MeanInterval& interval = intervals[i];
     if (interval.n == 0) continue;
-    json[measure_names()[i]] = {
-        {"mean", interval.mean}, {"half_interval", number(interval.half)}, {"n", interval.n}};
+    json[measure_names()[i]] = interval_json(interval);
   }
   return json;
+}
+
+/// Of a new volume, by scene, rung and setting.
+Json render_times_json(const AccuracyResults& results) {
+  Json list = Json::array();
+  for (const AccuracySummary& summary : results.summaries) {
+    if (summary.group != "picture") continue;
+    list.push_back({{"scene", summary.scene},
+                    {"rung", summary.rung},
+                    {"setting", summary.setting},
+                    {"ms", interval_json(summary.render_ms)},
+                    {"times_the_first", interval_json(summary.render_ratio)}});
+  }
+  return list;
 }
 
 /// A column: which measure, its heading, and its digits after the decimal point.
@@ -274,13 +292,13 @@ Json accuracy_json(const AccuracyResults& results) {
     if (!summary.differences.empty()) {
       json["differences"] = intervals_json(summary.differences);
     }
-    if (summary.group == "picture") json["render_ms"] = number(summary.render_ms.mean);
     summaries.push_back(std::move(json));
   }
   const EvaluationTimes& times = results.times;
   return {{"seeds", results.seeds},
           {"notes", results.notes},
           {"evaluations", results.evaluations},
+          {"render_ms", render_times_json(results)},
           {"evaluation_ms",
            {{"renderer", times.renderer_ms},
             {"render", times.render_ms},

@@ -9,6 +9,7 @@
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/output/finished_report.h"
 #include "bench/output/image_io.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/progress.h"
@@ -112,8 +113,8 @@ int write(const Arguments& arguments,
           std::size_t kept,
           OutputFolder& out,
           Progress& progress) {
-  const std::string report = report_with_warnings(
-      report_text(report_of(results, kept, progress.times())), progress.warnings());
+  const std::string report =
+      finished_report(report_text(report_of(results, kept, progress.times())), progress);
   const std::string markdown = trade_markdown(results);
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);

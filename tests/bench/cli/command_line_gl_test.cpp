@@ -29,8 +29,8 @@ TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   EXPECT_NEAR(report.at("acquisition").at("volume_time_ms").get<double>(),
               9 * 64 * 2 * 0.16 / 1540 * 1e3,
               1e-5);
-  ASSERT_EQ(report.at("render").at("passes").size(), 4u);
-  for (const auto& pass : report.at("render").at("passes"))
+  ASSERT_EQ(report.at("timing").at("render").at("passes").size(), 4u);
+  for (const auto& pass : report.at("timing").at("render").at("passes"))
     EXPECT_GT(pass.at("ms").get<double>(), 0) << pass;
   for (const char* figure : {"bias", "rms", "p95"}) {
     EXPECT_TRUE(report.at("error").at("depth_mm").at(figure).is_number()) << figure;
@@ -55,9 +55,9 @@ TEST(CommandLine, RunRegistersWhereItIsAskedTo) {
   const auto plain = report_of({}), registered = report_of({"--register"});
   EXPECT_TRUE(plain.at("fit").at("registration").is_null());
   EXPECT_EQ(plain.at("fit").at("why_not"), "not asked for; --register fits it");
-  EXPECT_FALSE(plain.at("wall_ms").contains("register"));
+  EXPECT_FALSE(plain.at("timing").at("wall_ms").contains("register"));
   EXPECT_GT(registered.at("fit").at("registration").at("points").get<int>(), 20);
-  EXPECT_TRUE(registered.at("wall_ms").contains("register"));
+  EXPECT_TRUE(registered.at("timing").at("wall_ms").contains("register"));
 }
 
 TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
@@ -71,12 +71,12 @@ TEST(CommandLine, ARunFromTheCacheIsTheSameRun) {
   const fs::path cache = folder.path() / "cache";
   const nlohmann::json made = {{"phantom", false}, {"tissue_map", false}};
   const nlohmann::json kept = {{"phantom", true}, {"tissue_map", true}};
-  EXPECT_EQ(run("without", {"--no-cache"}, cache).at("cached"), made);
+  EXPECT_EQ(run("without", {"--no-cache"}, cache).at("timing").at("cached"), made);
   EXPECT_FALSE(fs::exists(cache / "wobblebench")) << "the folder itself is the GL's too";
-  EXPECT_EQ(run("cold", {}, cache).at("cached"), made);
-  EXPECT_EQ(run("warm", {}, cache).at("cached"), kept);
-  EXPECT_EQ(run("anew", {"--no-cache"}, cache).at("cached"), made);
-  EXPECT_EQ(run("unwritable", {}, "/dev/null").at("cached"), made);
+  EXPECT_EQ(run("cold", {}, cache).at("timing").at("cached"), made);
+  EXPECT_EQ(run("warm", {}, cache).at("timing").at("cached"), kept);
+  EXPECT_EQ(run("anew", {"--no-cache"}, cache).at("timing").at("cached"), made);
+  EXPECT_EQ(run("unwritable", {}, "/dev/null").at("timing").at("cached"), made);
   for (const auto& name : kResults) {
     if (name == "report.json") continue;
     for (const char* out : {"cold", "warm", "anew", "unwritable"}) {

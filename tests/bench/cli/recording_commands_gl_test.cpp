@@ -107,7 +107,7 @@ TEST(Recording, TablesAreMeasuredOnIt) {
   EXPECT_EQ(report.at("provenance").at("board"), "recording");
   EXPECT_EQ(report.at("acquisition").at("sticks"), 37 * 8);
   EXPECT_EQ(report.at("scene").at("acquisition").at("sticks_per_frame"), 8);
-  EXPECT_EQ(report.at("tables").size(), 4u);
+  EXPECT_EQ(report.at("timing").at("tables").size(), 4u);
 }
 
 TEST_F(WithRecording, InjectedFaultsAreCountedInTheReport) {

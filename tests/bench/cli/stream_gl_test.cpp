@@ -47,9 +47,9 @@ TEST_F(StreamCommand, EverySimulatedVolumeIsShownAndMeasured) {
                                  {kSphere, kScan, kPicture}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json report = json_of("out/report.json");
-  EXPECT_EQ(report["latency"]["shown"]["volumes"], 6);
-  EXPECT_EQ(report["latency"]["shown"]["sticks"], report["board"]["delivered"]);
-  EXPECT_EQ(report["errors"].size(), 3u);
+  EXPECT_EQ(report["timing"]["latency"]["shown"]["volumes"], 6);
+  EXPECT_EQ(report["timing"]["latency"]["shown"]["sticks"], report["timing"]["board"]["delivered"]);
+  EXPECT_EQ(report["timing"]["errors"].size(), 3u);
   EXPECT_EQ(report["video"]["codec"], "mjpg");
   // RIFF, AVI.
   const std::string video = bytes_of(at("out/stream.avi"));
@@ -162,7 +162,7 @@ TEST_F(StreamCommand, CtrlCEndsItWithinASecondWithWholeFiles) {
       continue;
     }
     const Json report = json_of(out + "/report.json");
-    EXPECT_LT(double{report["wall_ms"]["write"]}, 1000);
+    EXPECT_LT(double{report["timing"]["wall_ms"]["write"]}, 1000);
     EXPECT_TRUE(fs::exists(at(out + "/stream.avi")));
   }
 }
@@ -183,18 +183,18 @@ TEST_F(StreamCommand, ASmallRingAndALossyLinkAreToldByCause) {
                                  {kSphere, kScan, kPicture}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json report = json_of("out/report.json");
-  const Json& board = report["board"];
+  const Json& board = report["timing"]["board"];
   const std::uint64_t ring_full = board["lost"]["ring_full"], link = board["lost"]["link"];
   EXPECT_GT(link, 0u);
   EXPECT_EQ(board["emitted"], std::uint64_t{board["delivered"]} + ring_full + link);
-  EXPECT_EQ(report["latency"]["ages_from"], "scheduled emission");
-  EXPECT_TRUE(report["latency"]["spans"]["unknown_because"].is_null());
-  EXPECT_LT(double{report["latency"]["age_oldest_ms"]["max"]}, 60000);
-  const Json& dropped = report["latency"]["dropped"];
+  EXPECT_EQ(report["timing"]["latency"]["ages_from"], "scheduled emission");
+  EXPECT_TRUE(report["timing"]["latency"]["spans"]["unknown_because"].is_null());
+  EXPECT_LT(double{report["timing"]["latency"]["age_oldest_ms"]["max"]}, 60000);
+  const Json& dropped = report["timing"]["latency"]["dropped"];
   const std::uint64_t superseded = std::uint64_t{dropped["superseded_before_rendering"]["sticks"]} +
                                    std::uint64_t{dropped["superseded_before_writing"]["sticks"]};
   EXPECT_EQ(board["delivered"],
-            std::uint64_t{report["latency"]["shown"]["sticks"]} + superseded +
+            std::uint64_t{report["timing"]["latency"]["shown"]["sticks"]} + superseded +
                 std::uint64_t{dropped["left_at_the_end_sticks"]} +
                 std::uint64_t{dropped["not_taken_sticks"]});
 }
@@ -210,7 +210,7 @@ TEST_F(StreamCommand, TheSpansOfAPictureAddUpToTheAgeOfItsNewestEcho) {
     const auto result =
         bench(with(one, {{"--board", board, "--out", out}, kSphere, kScan, kPicture}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    const Json latency = json_of(out + "/report.json")["latency"];
+    const Json latency = json_of(out + "/report.json")["timing"]["latency"];
     const Json& spans = latency["spans"]["newest_echo"];
     const bool is_dated = board == "sim,pace=realtime";
     EXPECT_EQ(spans.front()["ms"].is_null(), !is_dated);
@@ -244,7 +244,7 @@ TEST_F(StreamCommand, ARecordingThatIsShorterThanAskedForIsSaid) {
   EXPECT_NE(result.err.find("--volumes = 5: --board file=rec/recording.wbst sent 2\n"),
             std::string::npos)
       << result.err;
-  EXPECT_EQ(json_of("out/report.json")["latency"]["shown"]["volumes"], 2);
+  EXPECT_EQ(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 2);
 }
 
 TEST_F(StreamCommand, BadInputIsRefusedByOneLine) {
@@ -263,7 +263,7 @@ TEST_F(StreamCommand, LatencyHoldsVirtualTimeAgainstTheWallClock) {
   const auto result =
       bench(with({"latency", "--volumes", "10", "--out", "out"}, {kSphere, kScan, kPicture}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const Json latency = json_of("out/report.json")["latency"];
+  const Json latency = json_of("out/report.json")["timing"]["latency"];
   EXPECT_EQ(latency["checks"].size(), 5u);
   EXPECT_EQ(latency["stalls"].size(), 3u);
   EXPECT_EQ(latency["crossovers"].size(), 6u);

@@ -28,6 +28,7 @@ TEST(AccuracyCommand, ScoresEverySettingOfEverySeed) {
   EXPECT_EQ(report.at("command"), "accuracy");
   EXPECT_EQ(report.at("accuracy").at("evaluations"), 4);
   EXPECT_EQ(report.at("scenes").at("ball").at("long").at("phantom").at("name"), "sphere");
+  EXPECT_EQ(report.at("timing").at("accuracy").at("render_ms").size(), 2U);
   const Json& summaries = report.at("accuracy").at("summaries");
   EXPECT_EQ(summaries.at(0).at("setting"), "paper");
   EXPECT_EQ(summaries.at(0).at("means").at("p95_mm").at("n"), 2);

@@ -82,7 +82,7 @@ TEST(TablesProgram, WritesWhatItMeasuredOnARecording) {
   EXPECT_EQ(report.at("provenance").at("board"), "recording");
   EXPECT_EQ(report.at("provenance").at("gl_backend"), render::make_context()->backend());
   EXPECT_EQ(report.at("acquisition").at("frames"), 37);
-  EXPECT_EQ(report.at("tables").size(), 4u);
+  EXPECT_EQ(report.at("timing").at("tables").size(), 4u);
 }
 
 TEST(TablesProgram, HelpIsNoError) {

@@ -54,9 +54,9 @@ TEST_F(Trade, MeasuresEveryPointAndSaysWhatItFound) {
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("command"), "trade");
   EXPECT_EQ(report.at("trade").at("measurements"), kMeasurements);
-  EXPECT_EQ(report.at("machines").size(), 1U);
+  EXPECT_EQ(report.at("timing").at("machines").size(), 1U);
   for (const char* part : {"all scenes", "ball", "flat"}) {
-    EXPECT_FALSE(report.at("trade").at("parts").at(part).at("front").empty()) << part;
+    EXPECT_FALSE(report.at("timing").at("trade").at("parts").at(part).at("front").empty()) << part;
   }
   for (const char* name : {"trade.csv", "trade.md", "trade_ball.png", "points.jsonl"}) {
     EXPECT_TRUE(fs::exists(folder_.path() / "out" / name)) << name;

@@ -40,7 +40,7 @@ class Tune : public ::testing::Test {
 TEST_F(Tune, WritesASceneThatHoldsWhatWasAsked) {
   const auto result = tune({"--limit", "p95_mm<=20", "--evaluations", "30", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto report = nlohmann::json::parse(result.out).at("tune");
+  const auto report = nlohmann::json::parse(result.out).at("timing").at("tune");
   EXPECT_LE(report.at("measured_points"), 30);
   EXPECT_FALSE(report.at("chosen").is_null());
   EXPECT_LE(report.at("candidates").back().at("fresh").at("p95_mm").at("mean"), 20);
@@ -72,9 +72,9 @@ TEST_F(Tune, StartsFromATradeOfThePlanAndFromNoOther) {
   const auto result =
       tune({"--limit", "p95_mm<=20", "--evaluations", "0", "--trade", "traded", "--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto report = nlohmann::json::parse(result.out).at("tune");
-  EXPECT_EQ(report.at("known_points"), 4);
-  EXPECT_EQ(report.at("measured_points"), 0);
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report.at("tune").at("known_points"), 4);
+  EXPECT_EQ(report.at("timing").at("tune").at("measured_points"), 0);
   folder_.write("plan.toml", kPlan + "\"render.ray_casting.threshold\" = [1, 2]\n");
   const auto other = tune({"--limit", "p95_mm<=20", "--trade", "traded"});
   EXPECT_EQ(other.exit_code, 2);
@@ -103,7 +103,7 @@ TEST_F(Tune, JudgesManyRequestsOnSeedsThatChoseNothing) {
   const auto result = tune(
       {"--trade", "traded", "--requests", "3", "--evaluations", "2", "--json", "--out", "judged"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const auto requests = nlohmann::json::parse(result.out).at("requests");
+  const auto requests = nlohmann::json::parse(result.out).at("timing").at("requests");
   ASSERT_EQ(requests.size(), 3U);
   for (const auto& request : requests) {
     const auto& answers = request.at("answers");
@@ -136,7 +136,7 @@ TEST_F(Tune, AsksOfEachSceneInTurnWhatItsOwnFrontAllows) {
     if (record.contains("p95_mm"))
       p95_mm[record.at("scene").get<std::size_t>()].push_back(record.at("p95_mm"));
   }
-  const auto requests = nlohmann::json::parse(result.out).at("requests");
+  const auto requests = nlohmann::json::parse(result.out).at("timing").at("requests");
   ASSERT_EQ(requests.size(), 2U);
   for (std::size_t i = 0; i < requests.size(); ++i) {
     EXPECT_EQ(requests[i].at("scene"), i == 0 ? "ball" : "flat");

@@ -1,0 +1,113 @@
+#include "bench/output/finished_report.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <vector>
+
+#include "bench/output/report_parts.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Paths = std::vector<std::string>;
+
+/// In every report.
+const Paths kOfAll = {"/wall_ms", "/cached"};
+
+/// In the report of a command: measured times, what follows from them, and what depends on how far
+/// a thread had come.
+const std::map<std::string, Paths>& paths_by_command() {
+  static const std::map<std::string, Paths> paths = {
+      {"run",
+       {"/simulation/map_ms",
+        "/simulation/once_ms",
+        "/simulation/ms_per_volume",
+        "/simulation/times_real_time",
+        "/simulation/late_ms",
+        "/simulation/packets_dropped",
+        "/render/passes",
+        "/render/frame_ms",
+        "/tolerance/predicted_render_ms",
+        "/tolerance/render_ms",
+        "/tolerance/measured",
+        "/tolerance/kept"}},
+      {"stream",
+       {"/simulation/map_ms",
+        "/simulation/once_ms",
+        "/simulation/ms_per_volume",
+        "/simulation/times_real_time",
+        "/simulation/late_ms",
+        "/simulation/packets_dropped",
+        "/board/emitted",
+        "/board/delivered",
+        "/board/lost",
+        "/board/duplicates",
+        "/stream/broke_off",
+        "/latency",
+        "/queues",
+        "/video/seconds",
+        "/errors",
+        "/no_errors_because"}},
+      {"rehearse",
+       {"/rehearsal/wall_s", "/rehearsal/times_real_time", "/rehearsal/times_acquisition"}},
+      {"board", {"/throughput/stages", "/cancel"}},
+      {"tables", {"/reference", "/tables", "/arrival", "/floor"}},
+      {"accuracy", {"/accuracy/evaluation_ms", "/accuracy/render_ms"}},
+      {"trade", {"/machines", "/trade/parts"}},
+      {"tune",
+       {"/tune/measured_points",
+        "/tune/refused_points",
+        "/tune/candidates",
+        "/tune/chosen",
+        "/tune/nearest",
+        "/tune/at_an_end",
+        "/tune/unseen",
+        "/requests"}},
+      {"rungs", {"/rungs"}},
+      {"latency", {"/latency"}}};
+  return paths;
+}
+
+void move(Json& report, const std::string& path) {
+  const Json::json_pointer from(path);
+  if (!report.contains(from)) return;
+  report[Json::json_pointer("/timing" + path)] = report.at(from);
+  report.at(from.parent_pointer()).erase(from.back());
+}
+
+/// Whether it holds times of more than the command's steps.
+bool measures_times(const Json& report) {
+  static const std::set<std::string> no_measurements = {"wall_ms", "cached", "board"};
+  const Json timing = report.value("timing", Json::object());
+  return std::any_of(timing.items().begin(), timing.items().end(), [](const auto& part) {
+    return !no_measurements.contains(part.key());
+  });
+}
+
+}  // namespace
+
+void move_to_timing(Json& report) {
+  for (const std::string& path : kOfAll) move(report, path);
+  const auto own = paths_by_command().find(report.at("command"));
+  if (own == paths_by_command().end()) return;
+  for (const std::string& path : own->second) move(report, path);
+}
+
+std::string finished_report(const std::string& report, Progress& progress) {
+  auto json = Json::parse(report);
+  move_to_timing(json);
+  json["warnings"] = progress.warnings();
+  if (json.contains("timing")) {
+    const MachineUse use = progress.machine_use();
+    json["provenance"]["load"] = to_json(use);
+    // Not among the report's warnings, which are those of every equal run.
+    if (measures_times(json) && !use.warning().empty()) progress.warn(use.warning());
+  }
+  return report_text(json);
+}
+
+}  // namespace wobblebench::bench
