@@ -140,8 +140,10 @@ void write_plan(std::ostream& text, const hw::Configuration& configuration) {
   const auto& plan = configuration.plan.acquisition();
   text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
        << " sticks of " << plan.samples_per_stick << " samples, depth "
-       << plan.depth_m / kMillimetre << " mm; samples " << hw::to_string(configuration.source)
-       << "\nscale       " << display_scale_text(configuration.display_scale) << "\n";
+       << plan.depth_m / kMillimetre << " mm, "
+       << significant(1 / configuration.plan.stick_period_s(), 4) << " lines/s; samples "
+       << hw::to_string(configuration.source) << "\nscale       "
+       << display_scale_text(configuration.display_scale) << "\n";
 }
 
 /// One, as almost always, without its number.

@@ -285,6 +285,11 @@ CommandResult record_to(OutputFolder& out,
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
+  if (result.progress.acquisitions > 1) {
+    progress.warn("the recording holds " + std::to_string(result.progress.acquisitions) +
+                  " acquisitions, one after the other (`wobblebench inspect` lists them); the "
+                  "report is of the last");
+  }
   const std::string failure = failure_of(result, loss, arguments);
   return {record_report(result, scene),
           record_summary(result, out.directory()),

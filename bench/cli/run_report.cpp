@@ -49,7 +49,8 @@ std::string in_mm(double metres) {
 std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
   const Acquisition& acquisition = result.acquisition;
   const double sound_ms = to_milliseconds(scene.plan().volume_duration());
-  const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, ";
+  const std::string sound = "volume      " + rounded(sound_ms) + " ms of sound, " +
+                            rounded(1 / scene.plan().stick_period_s()) + " lines/s, ";
   if (!acquisition.simulated) {
     return sound + std::string(hw::to_string(acquisition.link.origin)) + ", samples " +
            std::string(hw::to_string(acquisition.source)) + "\nscale       " +

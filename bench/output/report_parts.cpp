@@ -38,7 +38,8 @@ nlohmann::ordered_json number(double value) {
 
 nlohmann::ordered_json acquisition_json(const hw::AcquisitionPlan& plan) {
   const auto& acquisition = plan.acquisition();
-  return {{"volume_time_ms", to_milliseconds(plan.volume_duration())},
+  return {{"line_rate_hz", 1 / plan.stick_period_s()},
+          {"volume_time_ms", to_milliseconds(plan.volume_duration())},
           {"sticks", plan.sticks_per_volume()},
           {"frames", acquisition.frames_per_volume},
           {"samples", acquisition.samples_per_stick}};

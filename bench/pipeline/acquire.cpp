@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/user_error.h"
+#include "bench/pipeline/acquisitions.h"
 #include "bench/scene/subject_hash.h"
 
 namespace wobblebench::bench {
@@ -40,6 +41,9 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
                                        Progress& progress) {
   Scene scene = given;
   if (!is_simulated(arguments_)) {
+    if (const auto warning = acquisitions_warning(arguments_); !warning.empty()) {
+      progress.warn(warning);
+    }
     configuration_ = first_configuration(*board_, arguments_.text);
     scene = with_plan(given, configuration_->plan, name());
     if (configuration_->source != hw::StreamOrigin::simulated) {

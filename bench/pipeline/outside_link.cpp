@@ -1,5 +1,7 @@
 #include "bench/pipeline/outside_link.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "hw/link/xdma_link.h"
@@ -18,6 +20,26 @@ std::unique_ptr<hw::Link> open_bare(const BoardArguments& board) {
                                         read_link_options<hw::XdmaLinkOptions>(board));
 }
 
+/// The link that a path is opened with where the text names none, "file=PATH"; empty: it is no
+/// path.
+std::string link_of_path(const std::string& text) {
+  const std::filesystem::path path = text.substr(0, text.find(','));
+  std::error_code ignored;
+  const auto type = std::filesystem::status(path, ignored).type();
+  using Type = std::filesystem::file_type;
+  const bool is_node = type == Type::character || type == Type::fifo;
+  if (is_node || path.string().starts_with("/dev/")) return "xdma=" + path.string();
+  const bool is_recording = type == Type::regular || path.extension() == ".wbst";
+  return is_recording ? "file=" + path.string() : "";
+}
+
+void refuse_bare_path(const std::string& text) {
+  if (text.substr(0, text.find(',')).find('=') != std::string::npos) return;
+  const std::string link = link_of_path(text);
+  if (text.empty() || text == "sim" || text.starts_with("sim,") || link.empty()) return;
+  throw board_refusal(text, "is a path; must be " + link);
+}
+
 }  // namespace
 
 UserError board_refusal(const std::string& text, const std::string& why) {
@@ -25,6 +47,7 @@ UserError board_refusal(const std::string& text, const std::string& why) {
 }
 
 BoardArguments split_board(const std::string& text) {
+  refuse_bare_path(text);
   return of_board(text, [&] {
     BoardArguments board{.text = text, .link = hw::parse_link_arguments(text), .faults = {}};
     const auto faults = board.link.settings.find("faults");

@@ -73,7 +73,7 @@ bool Board::Impl::enqueue_decoded(const std::stop_token& stop) {
   for (;;) {
     if (!pending_) pending_ = decoder_.next();
     update_damage();
-    check_skipped(decoder_.skipped_in_a_row());
+    check_skipped(decoder_.skipped_in_a_row(), decoder_.wrong_checksums());
     const bool enqueued =
         !pending_ || std::visit([&](auto& packet) { return enqueue(packet, stop); }, *pending_);
     if (!pending_ || !enqueued) {

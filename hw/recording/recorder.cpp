@@ -113,7 +113,7 @@ std::size_t Recorder::Impl::audit_chunk(std::span<const std::byte> chunk, bool l
   try {
     while (audit_next()) {
     }
-    check_skipped(framer_.skipped_in_a_row());
+    check_skipped(framer_.skipped_in_a_row(), framer_.wrong_checksums());
     if (has_all_volumes()) end = packet_end_;
   } catch (const UnreadableStream&) {
     unreadable_ = std::current_exception();
@@ -153,7 +153,10 @@ bool Recorder::Impl::audit_packet(const Packet& packet) {
           if (audit_.take(kind.stick).accepted) audit_.deliver();
           return false;
         } else {
-          return audit_.take(kind).accepted && std::is_same_v<Kind, VolumeEndPacket>;
+          constexpr bool kEnds = std::is_same_v<Kind, VolumeEndPacket>;
+          const bool accepted = audit_.take(kind).accepted;
+          if (accepted && !kEnds) ++progress_.acquisitions;
+          return accepted && kEnds;
         }
       },
       packet);

@@ -32,6 +32,7 @@ struct RecordingProgress {
   std::uint64_t bytes = 0;        ///< given to the sink
   std::uint64_t whole_bytes = 0;  ///< of them, up to the end of the last whole packet
   std::uint64_t volumes = 0;
+  std::uint64_t acquisitions = 0;   ///< one after the other
   std::uint64_t next_sequence = 0;  ///< of the stick after the last one known to be emitted
   BoardAccount account;
   WireDamage damage;

@@ -18,7 +18,9 @@ namespace wobblebench::hw {
 
 namespace {
 
-[[noreturn]] void refuse(OpenFault fault, const std::filesystem::path& path, const char* what) {
+[[noreturn]] void refuse(OpenFault fault,
+                         const std::filesystem::path& path,
+                         const std::string& what) {
   throw LinkOpenError(fault, path.string() + ": " + what + "; must be a recording");
 }
 
@@ -45,7 +47,13 @@ void check_first_packet(const RecordingFile& recording) {
                           recording.path().string() + ": " + version.what());
     }
   }
-  refuse(OpenFault::foreign, recording.path(), "holds no packet of the wire format");
+  if (decoder.wrong_checksums() == 0) {
+    refuse(OpenFault::foreign, recording.path(), "holds no packet of the wire format");
+  }
+  throw LinkOpenError(OpenFault::foreign,
+                      recording.path().string() + ": the checksums of all its packets (" +
+                          std::to_string(decoder.wrong_checksums()) +
+                          ") are wrong; must be CRC-32C (docs/wire_format.md)");
 }
 
 }  // namespace

@@ -169,14 +169,16 @@ void PacketFramer::feed(Bytes bytes) {
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
-std::optional<std::size_t> PacketFramer::front_packet_bytes() const {
+std::optional<std::size_t> PacketFramer::front_packet_bytes() {
   const Bytes bytes = pending();
   if (bytes.size() < kWireHeaderBytes) return {};
   const std::size_t size = packet_bytes(bytes.first(kWireHeaderBytes));
   if (size > bytes.size()) return {};
   if (size == 0) return 0;
   const Bytes packet = bytes.first(size);
-  return accepted_unchecked(packet, in_sync_) || has_correct_crc(packet) ? size : 0;
+  if (accepted_unchecked(packet, in_sync_) || has_correct_crc(packet)) return size;
+  ++wrong_checksums_;
+  return 0;
 }
 
 void PacketFramer::note_damage(std::size_t bytes) {

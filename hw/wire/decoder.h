@@ -52,6 +52,8 @@ class PacketFramer {
   void reject_last();
 
   const WireDamage& damage() const { return damage_; }
+  /// Packets so far with a valid header and a wrong CRC; their bytes are part of the damage.
+  std::uint64_t wrong_checksums() const { return wrong_checksums_; }
   /// Bytes skipped since the last packet.
   std::uint64_t skipped_in_a_row() const { return in_sync_ ? 0 : skipped_; }
   /// Bytes fed that belong to no frame and are not skipped yet.
@@ -60,7 +62,7 @@ class PacketFramer {
  private:
   std::span<const std::byte> pending() const { return std::span(buffer_).subspan(read_); }
   /// Size of the packet at the front, bytes: 0 if there is none, unset if it is incomplete.
-  std::optional<std::size_t> front_packet_bytes() const;
+  std::optional<std::size_t> front_packet_bytes();
   void note_damage(std::size_t bytes);
   void skip_to_magic();
 
@@ -72,6 +74,7 @@ class PacketFramer {
   bool in_sync_ = true;         ///< the last byte consumed ended a frame
   std::uint64_t skipped_ = 0;   ///< since the last packet; valid unless in_sync_
   bool finished_ = false;
+  std::uint64_t wrong_checksums_ = 0;
   WireDamage damage_;
 };
 
@@ -92,6 +95,8 @@ class Decoder {
   [[nodiscard]] std::optional<Packet> next();
 
   const WireDamage& damage() const { return framer_.damage(); }
+  /// As PacketFramer::wrong_checksums().
+  std::uint64_t wrong_checksums() const { return framer_.wrong_checksums(); }
   /// Bytes skipped since the last packet.
   std::uint64_t skipped_in_a_row() const { return framer_.skipped_in_a_row(); }
   /// Bytes fed that are neither decoded nor skipped yet.

@@ -34,10 +34,15 @@ class UnreadableStream : public std::runtime_error {
 /// never given up. Inspection and salvage of a file have no such limit.
 inline constexpr std::uint64_t kMostSkippedBytes = 64 << 20;
 
-/// Throws UnreadableStream where more were skipped in a row.
-inline void check_skipped(std::uint64_t bytes_in_a_row) {
+/// Throws UnreadableStream where more were skipped in a row. `wrong_checksums`: packets so far of
+/// which nothing but the CRC is wrong.
+inline void check_skipped(std::uint64_t bytes_in_a_row, std::uint64_t wrong_checksums) {
   if (bytes_in_a_row <= kMostSkippedBytes) return;
-  throw UnreadableStream("no sound packet in 64 MiB: this is no stream of the wire format");
+  throw UnreadableStream(
+      wrong_checksums == 0
+          ? "no sound packet in 64 MiB: this is no stream of the wire format"
+          : "no sound packet in 64 MiB: " + std::to_string(wrong_checksums) +
+                " packets have a wrong checksum; it must be a CRC-32C (docs/wire_format.md)");
 }
 
 inline constexpr std::uint16_t kWireVersion = 1;

@@ -1,10 +1,13 @@
-// Any file as a recording: inspected, salvaged, inspected again, and played in a loop.
+// Any file as a recording: inspected, salvaged, inspected again, played by acquisition and in a
+// loop.
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/file.h"
@@ -51,6 +54,24 @@ void salvage(const std::string& path, const hw::RecordingContents& contents) {
   if (again.account.delivered < contents.account.delivered) std::abort();
 }
 
+/// Each acquisition alone has the sticks that it has in the whole.
+void play_acquisitions(const std::string& path, const hw::RecordingContents& contents) {
+  for (std::size_t i = 0; i < contents.acquisitions.size() && i < 4; ++i) {
+    hw::FileLinkOptions options;
+    options.acquisition = static_cast<int>(i) + 1;
+    hw::Board board(std::make_unique<hw::FileLink>(path, options), {.ring_slots = 8});
+    board.start();
+    std::uint64_t sticks = 0;
+    for (;;) {
+      const hw::Event event = board.next(hw::HostTime::max());
+      if (std::holds_alternative<hw::StickSlot>(event)) ++sticks;
+      if (std::holds_alternative<hw::EndOfStream>(event)) break;
+      if (std::holds_alternative<hw::DeviceLost>(event)) break;
+    }
+    if (sticks != contents.acquisitions[i].sticks) std::abort();
+  }
+}
+
 void loop(const std::string& path) {
   try {
     hw::FileLink link(path, {.loop = true});
@@ -70,6 +91,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const hw::RecordingContents contents = hw::inspect_recording(path);
     if (!contents.account.balanced()) std::abort();
     salvage(path, contents);
+    play_acquisitions(path, contents);
     loop(path);
   } catch (const hw::LinkOpenError&) {
     // No recording.

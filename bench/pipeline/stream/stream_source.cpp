@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "base/number_text.h"
@@ -16,7 +17,12 @@ hw::Configuration first_configuration(hw::Board& board, const std::string& name)
   board.start();
   if (!assembly.wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
     // The board returns its end again at every call.
-    throw nothing_came(name, "configuration", ending_of(board.next(hw::HostTime::min())));
+    std::string ending = ending_of(board.next(hw::HostTime::min()));
+    const std::uint64_t skipped = board.damage().bytes_skipped;
+    if (!ending.empty() && skipped > 0) {
+      ending += "; " + std::to_string(skipped) + " bytes are no packet with a correct checksum";
+    }
+    throw nothing_came(name, "configuration", std::move(ending));
   }
   board.stop();
   return *assembly.configuration();

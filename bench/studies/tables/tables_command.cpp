@@ -13,6 +13,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
+#include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/board_link.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/tables/measure.h"
@@ -101,6 +102,8 @@ int measure(const Arguments& arguments) {
   return run_in_folder(arguments.output,
                        {{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}},
                        [&](OutputFolder& out, Progress& progress) {
+                         const std::string warning = acquisitions_warning(board);
+                         if (!warning.empty()) progress.warn(warning);
                          return measure_and_write(
                              scene, arguments, board, std::move(link), *context, out, progress);
                        });

@@ -9,6 +9,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/output/report_parts.h"
+#include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/tables_report.h"
@@ -54,6 +55,7 @@ int measure_recording(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
   const TableRun run = arguments.tables.run();
   const auto measure = [&](OutputFolder& out, Progress& progress) {
+    if (const auto warning = acquisitions_warning(board); !warning.empty()) progress.warn(warning);
     const TableVolumes volumes =
         progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
     const TableResults results = progress.step("tables", [&](const PartDone& done) {

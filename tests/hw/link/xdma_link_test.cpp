@@ -65,6 +65,15 @@ OpenFault fault_of(const std::filesystem::path& path, std::string& what) {
   return OpenFault::empty;
 }
 
+/// The driver's libxdma.c answers a time-out with ETIMEDOUT, and before June 2026 with ERESTARTSYS,
+/// 512 (include/linux/errno.h).
+TEST(XdmaErrors, ATimeOutIsNoLossWhateverTheDriversVersion) {
+  for (const int error : {EINTR, ETIMEDOUT, 512}) EXPECT_TRUE(is_to_be_repeated(error)) << error;
+  for (const int error : {EIO, ENODEV, EINVAL, EFAULT, ENOMEM, 511, 515}) {
+    EXPECT_FALSE(is_to_be_repeated(error)) << error;
+  }
+}
+
 TEST_F(XdmaLinkOnFifo, BoardGetsEveryStickAndTheEnd) {
   const AcquisitionPlan plan = small_plan(5);
   Board board(std::make_unique<XdmaLink>(path_));

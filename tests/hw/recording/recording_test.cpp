@@ -188,6 +188,21 @@ TEST_F(Recordings, MissingStickIsNoDamage) {
   EXPECT_EQ(contents.account.lost.link, 1U);
 }
 
+TEST_F(Recordings, SayThatChecksumsAreWrong) {
+  auto packets = packets_of(small_plan(1));
+  for (Bytes& packet : packets) packet[60] ^= std::byte{1};
+  const auto path = write(join(packets));
+  try {
+    inspect_recording(path);
+    FAIL() << "accepted";
+  } catch (const LinkOpenError& error) {
+    EXPECT_EQ(error.what(),
+              path.string() +
+                  ": the checksums of all its packets (14) are wrong; must be CRC-32C "
+                  "(docs/wire_format.md)");
+  }
+}
+
 TEST_F(Recordings, RejectsOtherFilesWithTheReason) {
   const auto fault = [](const std::filesystem::path& path) {
     try {
