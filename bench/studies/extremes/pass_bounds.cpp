@@ -170,8 +170,9 @@ Image<double> blend_bounds(const render::reference::SliceStack& slices,
     const render::Span span = clip_to_box(ray, options.volume_of_interest);
     const double end_m = clip_to_box(ray, end_box).to_m + step;
     double error = 0, opacity = 0, most_light = 1;
-    for (double at_m = span.from_m + 0.5 * step; at_m < end_m; at_m += step) {
-      const auto sample = slices.at(ray.at(at_m));
+    const int steps = static_cast<int>(std::ceil((end_m - span.from_m) / step - 0.5));
+    for (int number = 0; number < steps; ++number) {
+      const auto sample = slices.at(ray.at(span.from_m + (number + 0.5) * step));
       if (!sample.inside) continue;
       const double own = transfer.step_opacity(sample.value);
       const double own_error = change(&render::TransferFunction::step_opacity, sample.value);

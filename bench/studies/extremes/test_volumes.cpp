@@ -121,8 +121,9 @@ std::vector<bool> reached_pixels(const hw::PolarVolume& before,
   const auto differs = [&](const hw::Ray& ray) {
     const render::Span span = clip_to_box(ray, options.volume_of_interest);
     const double part_m = 0.25 * step_m(options);
-    for (double at_m = span.from_m; at_m <= span.to_m; at_m += part_m) {
-      const glm::dvec3 position = ray.at(at_m);
+    const int parts = static_cast<int>(std::floor((span.to_m - span.from_m) / part_m));
+    for (int part = 0; part <= parts; ++part) {
+      const glm::dvec3 position = ray.at(span.from_m + part * part_m);
       if (std::abs(one.at(position).value - other.at(position).value) > same) return true;
     }
     return false;
