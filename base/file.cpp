@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -39,7 +40,53 @@ bool has_name(int file, const char* path) {
   throw std::system_error(errno, std::generic_category(), path.string());
 }
 
+[[noreturn]] void refuse_reading(const std::filesystem::path& path, const std::string& reason) {
+  throw std::runtime_error(path.string() + ": cannot be read: " + reason);
+}
+
+/// Does not wait for the writer of a FIFO.
+FileDescriptor open_to_read(const std::filesystem::path& path) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.get(), &status) != 0) {
+    refuse_reading(path, std::strerror(errno));
+  }
+  if (S_ISDIR(status.st_mode)) refuse_reading(path, "is a folder");
+  if (!S_ISREG(status.st_mode)) refuse_reading(path, "is no file");
+  return file;
+}
+
+/// Calls body(piece) until the end of the file, or until it returns false.
+template <class Body>
+void read_while(const std::filesystem::path& path, const Body& body) {
+  const FileDescriptor file = open_to_read(path);
+  std::array<char, 1 << 16> bytes{};
+  for (;;) {
+    const ssize_t count = ::read(file.get(), bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) refuse_reading(path, std::strerror(errno));
+    if (count == 0 || !body(std::string_view(bytes.data(), static_cast<std::size_t>(count)))) return;
+  }
+}
+
 }  // namespace
+
+void read_pieces(const std::filesystem::path& path,
+                 const std::function<void(std::string_view)>& body) {
+  read_while(path, [&](std::string_view piece) {
+    body(piece);
+    return true;
+  });
+}
+
+std::string read_file(const std::filesystem::path& path, std::size_t most) {
+  std::string text;
+  read_while(path, [&](std::string_view piece) {
+    text += piece.substr(0, most - text.size());
+    return text.size() < most;
+  });
+  return text;
+}
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
   const auto refuse = [&](int reason) {

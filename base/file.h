@@ -1,10 +1,14 @@
-// Files and folders: descriptors, durable writing, locks.
+// Files and folders: descriptors, reading, durable writing, locks.
 #pragma once
 
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -31,6 +35,16 @@ class FileDescriptor {
  private:
   int number_;
 };
+
+/// Calls body(piece) for one piece of the file's content after the other. The one way to read a
+/// whole file: std::ifstream takes a read that fails for the end of the file. Throws
+/// std::runtime_error "PATH: cannot be read: reason", also for a folder, a FIFO or a device.
+void read_pieces(const std::filesystem::path& path,
+                 const std::function<void(std::string_view)>& body);
+
+/// The content of a file, or its first `most` bytes. Throws as read_pieces().
+std::string read_file(const std::filesystem::path& path,
+                      std::size_t most = std::numeric_limits<std::size_t>::max());
 
 /// write(2) until all of it is written. False, with errno, where it fails.
 bool write_all(int descriptor, std::string_view bytes);

@@ -1,10 +1,11 @@
 #include "bench/scene/subject_hash.h"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 
+#include "base/file.h"
 #include "base/user_error.h"
 #include "hw/wire/crc32c.h"
 
@@ -17,23 +18,12 @@ bool is_imported(const phantoms::PhantomOptions& phantom) {
   return std::find(built_in.begin(), built_in.end(), phantom.name) == built_in.end();
 }
 
-std::uint32_t continued(std::uint32_t crc, const char* bytes, std::size_t count) {
-  return hw::crc32c(std::as_bytes(std::span(bytes, count)), crc);
-}
-
-std::uint32_t file_hash(const std::string& key, const std::string& path, std::uint32_t crc) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 65536> chunk;
-  while (file.read(chunk.data(), chunk.size()) || file.gcount() > 0) {
-    crc = continued(crc, chunk.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (file.eof()) return crc;
-  throw UserError("phantom." + key + " = " + path + ": cannot be read");
+std::uint32_t continued(std::uint32_t crc, std::string_view bytes) {
+  return hw::crc32c(std::as_bytes(std::span(bytes)), crc);
 }
 
 std::uint32_t text_hash(const nlohmann::ordered_json& section) {
-  const std::string text = section.dump();
-  return continued(0, text.data(), text.size());
+  return continued(0, section.dump());
 }
 
 /// Never 0, which stands for "not stated".
@@ -54,11 +44,12 @@ std::uint32_t phantom_hash(nlohmann::ordered_json section,
   drop_neutral(section, "mouth_open_mm", 0);
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
-  const auto add = [&](const char* key, const std::string& path) {
-    if (!path.empty()) crc = file_hash(key, path, crc);
+  const auto add = [&](const std::string& path) {
+    if (path.empty()) return;
+    read_pieces(path, [&](std::string_view piece) { crc = continued(crc, piece); });
   };
-  if (is_imported(phantom)) add("file", phantom.file);
-  add("scatterers", phantom.scatterers);
+  if (is_imported(phantom)) add(phantom.file);
+  add(phantom.scatterers);
   return crc;
 }
 

@@ -1,11 +1,9 @@
 #include "bench/scene/toml_file.h"
 
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
-#include <fstream>
+#include <cstddef>
 #include <system_error>
 
+#include "base/file.h"
 #include "base/user_error.h"
 #include "bench/scene/toml_depth.h"
 
@@ -23,15 +21,11 @@ void check_is_file(const std::filesystem::path& path, const std::string& what) {
 }
 
 /// Larger files are nothing that people wrote.
-constexpr std::uintmax_t kMostBytes = 16'000'000;
+constexpr std::size_t kMostBytes = 16'000'000;
 
 std::string text_of(const std::filesystem::path& path, const std::string& what) {
   check_is_file(path, what);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError(path.string() + ": " + std::strerror(errno));
-  std::string text(kMostBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  std::string text = read_file(path, kMostBytes + 1);
   if (text.size() <= kMostBytes) return text;
   throw UserError(path.string() + ": has more than " + std::to_string(kMostBytes / 1'000'000) +
                   " MB; " + what + " is a TOML file");

@@ -18,7 +18,7 @@
 namespace wobblebench::bench {
 
 /// `what` the file should be, "a scene" say, for refusals. Throws UserError "PATH: reason" for what
-/// is no file, is too large, nests too deep or is not TOML.
+/// is no file, is too large, nests too deep or is not TOML; as read_file() where it cannot be read.
 toml::table parse_toml_file(const std::filesystem::path& path, const std::string& what);
 
 /// Why a table that nests too deep is refused.

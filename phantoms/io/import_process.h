@@ -21,7 +21,7 @@ class ImportedBytes {
  public:
   /// Runs the program and waits for it. Throws std::invalid_argument with one line for a file that
   /// it refuses, or that ends it: by a signal, too much memory or too much processor time; and
-  /// ImportUnavailable.
+  /// ImportUnavailable. As read_pieces() where the file cannot be read.
   ImportedBytes(ImportFormat format, const std::filesystem::path& path);
   ~ImportedBytes();
   ImportedBytes(const ImportedBytes&) = delete;

@@ -6,10 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <span>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "base/number_text.h"
 #include "phantoms/io/import_process.h"
 #include "phantoms/io/message.h"
@@ -284,13 +283,6 @@ namespace fs = std::filesystem;
 /// Larger than any list of kMostScattererRows.
 constexpr std::uintmax_t kMostFileBytes = 500'000'000;
 
-std::string contents_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw std::invalid_argument("cannot be read");
-  return std::move(text).str();
-}
-
 void check_is_list(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) {
@@ -334,7 +326,7 @@ PointScatterers read_list(const fs::path& path, double gain) {
   const bool hdf5 = extension == ".h5" || extension == ".hdf5";
   if (!hdf5 && extension != ".csv") throw std::invalid_argument("must be a .csv or an .h5");
   check_is_list(path);
-  if (!hdf5) return scatterers_from_csv(contents_of(path), gain);
+  if (!hdf5) return scatterers_from_csv(read_file(path), gain);
   return scatterers_from_message(ImportedBytes(ImportFormat::hdf5, path).message(), gain);
 }
 

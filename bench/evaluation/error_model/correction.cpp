@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
+#include "base/file.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
 #include "render/camera.h"
@@ -21,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kKind = "wobblebench depth correction";
 constexpr int kCorrectionSchema = 1;
 constexpr double kStepTolerance = 0.1;
-constexpr std::uintmax_t kMostBytes = 1'000'000;
+constexpr std::size_t kMostBytes = 1'000'000;
 
 /// Keys that do not move a detected surface.
 const std::set<std::string> kIndifferent = {"acquisition.volumes",
@@ -99,16 +98,15 @@ std::string text_of(const Scene& scene) {
   if (!std::filesystem::is_regular_file(path, error)) {
     throw UserError(source_of(scene) + ": no such file; must be a correction.json of `fit`");
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file || std::filesystem::file_size(path, error) > kMostBytes) {
-    throw UserError(source_of(scene) + ": cannot be read; must be a correction.json of `fit`");
-  }
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::string text = read_file(path, kMostBytes + 1);
+  if (text.size() <= kMostBytes) return text;
+  throw UserError(source_of(scene) + ": is too large; must be a correction.json of `fit`");
 }
 
 Correction parse(const Scene& scene) {
+  const std::string text = text_of(scene);
   try {
-    const Json json = Json::parse(text_of(scene));
+    const Json json = Json::parse(text);
     if (json.at("kind") != kKind || json.at("schema") != kCorrectionSchema) {
       throw std::runtime_error("kind");
     }
