@@ -1,22 +1,19 @@
 #include "bench/cache/phantom_cache.h"
 
-#include <fcntl.h>
 #include <gnu/libc-version.h>
 #include <openvdb/version.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/byte_stream.h"
-#include "base/file.h"
 #include "bench/cache/sha256.h"
 #include "phantom_sources.h"
 #include "phantoms/io/phantom_bytes.h"
@@ -70,20 +67,6 @@ class KeyWriter {
  private:
   std::string text_;
 };
-
-std::optional<std::string> hash_of_file(const std::string& path) {
-  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open()) return std::nullopt;
-  Sha256 hash;
-  std::array<char, 1 << 16> bytes{};
-  for (;;) {
-    const ssize_t count = ::read(file.get(), bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return std::nullopt;
-    if (count == 0) return hex(hash.digest());
-    hash.add({bytes.data(), static_cast<std::size_t>(count)});
-  }
-}
 
 bool is_imported(const phantoms::PhantomOptions& options) {
   const auto& names = phantoms::phantom_names();
@@ -166,13 +149,16 @@ std::string phantom_key(const phantoms::PhantomOptions& options) {
   key.add("sources", kPhantomSources);
   key.add("openvdb", OPENVDB_LIBRARY_VERSION_STRING);
   key.add("libc", ::gnu_get_libc_version());
-  describe(options, key);
-  for (const std::string& file :
-       {is_imported(options) ? options.file : std::string(), options.scatterers}) {
-    if (file.empty()) continue;
-    const auto content = hash_of_file(file);
-    if (!content) return "";
-    key.add("content", *content);
+  phantoms::PhantomOptions named = options;
+  // A mesh is named after its file; the folder changes nothing.
+  named.file = std::filesystem::path(options.file).filename();
+  named.scatterers = std::filesystem::path(options.scatterers).extension();
+  describe(named, key);
+  try {
+    if (is_imported(options)) key.add("content", sha256_of_file(options.file));
+    if (!options.scatterers.empty()) key.add("content", sha256_of_file(options.scatterers));
+  } catch (const std::runtime_error&) {
+    return "";
   }
   return key.take();
 }

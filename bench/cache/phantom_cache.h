@@ -49,8 +49,8 @@ class PhantomCache {
 PhantomCache open_phantom_cache(int megabytes);
 
 /// Names every option with its exact value, the content of an imported file and of a list of
-/// scatterers, the sources of this build, its compiler, and the versions of the libraries that
-/// compute. Empty where the file cannot be read.
+/// scatterers in the place of their folders, the sources of this build, its compiler, and the
+/// versions of the libraries that compute. Empty where the file cannot be read.
 std::string phantom_key(const phantoms::PhantomOptions& options);
 
 /// Key of the tissue map of a phantom with this key.

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "base/file.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -37,6 +39,12 @@ std::string hex(const Sha256::Digest& digest) {
   std::string text;
   for (const std::uint8_t byte : digest) text += {kDigits[byte >> 4], kDigits[byte & 15]};
   return text;
+}
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+  Sha256 hash;
+  read_pieces(path, [&](std::string_view piece) { hash.add(piece); });
+  return hex(hash.digest());
 }
 
 }  // namespace wobblebench::bench

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -29,5 +30,8 @@ class Sha256 {
 
 /// Lower-case hexadecimal.
 std::string hex(const Sha256::Digest& digest);
+
+/// Of a file's content, in hexadecimal. Throws as read_pieces().
+std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace wobblebench::bench

@@ -249,6 +249,10 @@ double share_of(const TradeAxis& axis, const std::string& value, int level) {
 
 }  // namespace
 
+bool TradeAxis::is_of_files() const {
+  return key == "phantom.file" || key == "phantom.scatterers";
+}
+
 TradePlan load_trade_plan(const std::filesystem::path& path) {
   TradePlan plan;
   plan.source = path.string();
@@ -276,16 +280,13 @@ std::string TradePlan::canonical() const {
   std::ostringstream text;
   text << static_cast<int>(design) << " " << points << " " << design_seed << " " << repeats;
   for (const std::uint64_t seed : seeds) text << " " << seed;
-  const auto add = [&](const NamedOptions& options) {
-    text << "\n" << options.name << " " << options.file.string();
-    for (const std::string& setting : options.settings) text << "\n " << setting;
-  };
-  add(reference);
-  for (const NamedOptions& scene : scenes) add(scene);
+  for (const NamedOptions& scene : scenes) text << "\n" << scene.name;
   for (const TradeAxis& axis : axes) {
-    text << "\n" << axis.key;
-    for (const std::string& level : axis.levels) text << "\n " << level;
-    if (axis.range) text << "\n " << axis.range->from << " " << axis.range->to;
+    text << "\n" << axis.key << " " << axis.levels.size();
+    for (const std::string& level : axis.levels) text << "\n " << (axis.is_of_files() ? "" : level);
+    if (!axis.range) continue;
+    text << "\n " << shortest(axis.range->from) << " " << shortest(axis.range->to) << " "
+         << axis.range->logarithmic;
   }
   return text.str();
 }

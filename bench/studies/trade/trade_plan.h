@@ -25,6 +25,8 @@ struct TradeAxis {
     bool logarithmic = false;
   };
   std::optional<Range> range;  ///< values between two numbers; not in a grid
+
+  bool is_of_files() const;  ///< its values are names of files
 };
 
 /// In TOML:
@@ -57,7 +59,8 @@ struct TradePlan {
   /// The scene may have a seed of its own, and several volumes, of which the first is measured.
   bool of_one_scene = false;
 
-  /// Everything that the measured points of `trade` follow from, as a text.
+  /// Everything that the measured points of `trade` follow from, as a text, but for the options of
+  /// the scenes and the files that these name.
   std::string canonical() const;
 };
 

@@ -1,6 +1,9 @@
 #include "bench/studies/trade/trade_study.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
@@ -14,6 +17,8 @@ namespace wobblebench::bench {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 Scene load(const TradePlan& plan,
            const NamedOptions& scene,
            std::vector<std::string> settings,
@@ -23,6 +28,9 @@ Scene load(const TradePlan& plan,
   const std::string source = plan.source + " (scene " + scene.name + ")";
   Scene read = load_scene(scene.file, settings, source);
   check_memory_of_run(read, available_memory_bytes());
+  if (!read.picture.correction.empty()) {
+    refuse_plan(source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
+  }
   if (plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {
     refuse_plan(source, "acquisition.volumes", "must be 1; one volume is rendered");
@@ -31,6 +39,42 @@ Scene load(const TradePlan& plan,
     refuse_plan(source, "simulation.seed", "is set by the plan's seeds; leave it out");
   }
   return read;
+}
+
+void add_files(const Scene& scene, std::vector<fs::path>& files) {
+  for (const fs::path file : {scene.phantom.file, scene.phantom.scatterers}) {
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) files.push_back(file);
+  }
+}
+
+/// Every option with its value, and which of them were given: the defaults of others may follow
+/// from an axis. Without the names of files.
+std::string text_without_names(const Scene& scene) {
+  auto options = resolved(scene);
+  for (const char* file : {"file", "scatterers"}) options["phantom"].erase(file);
+  std::string text = options.dump();
+  for (const std::string& key : scene.given) text += "\n" + key;
+  return text;
+}
+
+/// Changes whenever a file is written or replaced, and may change where its content does not.
+std::string stamps_of(const std::vector<fs::path>& files) {
+  std::string text;
+  for (const fs::path& file : files) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) status = {};
+    for (const std::int64_t part : {static_cast<std::int64_t>(status.st_dev),
+                                    static_cast<std::int64_t>(status.st_ino),
+                                    static_cast<std::int64_t>(status.st_size),
+                                    static_cast<std::int64_t>(status.st_mtim.tv_sec),
+                                    static_cast<std::int64_t>(status.st_mtim.tv_nsec),
+                                    static_cast<std::int64_t>(status.st_ctim.tv_sec),
+                                    static_cast<std::int64_t>(status.st_ctim.tv_nsec)}) {
+      text += std::to_string(part) + " ";
+    }
+  }
+  return text;
 }
 
 template <class IsOf>
@@ -64,15 +108,52 @@ Scene TradeWork::reference(std::size_t scene) const {
   return load(plan, plan.scenes[scene], plan.reference.settings, more);
 }
 
+std::optional<Scene> TradeWork::plain(std::size_t scene) const {
+  try {
+    return load(plan, plan.scenes[scene], {}, more);
+  } catch (const UserError&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<fs::path> TradeWork::files() const {
+  std::vector<fs::path> files;
+  for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
+    const NamedOptions& scene = plan.scenes[i];
+    if (!scene.file.empty()) files.push_back(scene.file);
+    add_files(reference(i), files);
+    if (const auto of_points = plain(i)) add_files(*of_points, files);
+    for (const TradeAxis& axis : plan.axes) {
+      if (!axis.is_of_files()) continue;
+      for (const std::string& level : axis.levels) {
+        add_files(load(plan, scene, {axis.key + "=" + level}, more), files);
+      }
+    }
+  }
+  return files;
+}
+
 std::string TradeWork::hash() const {
   Sha256 hash;
-  hash.add(plan.canonical());
-  for (const std::string& setting : more) hash.add("\n" + setting);
-  for (std::size_t i = 0; i < plan.scenes.size(); ++i) hash.add(resolved(reference(i)).dump());
+  const auto add = [&](const std::string& part) {
+    hash.add(std::to_string(part.size()) + " " + part);
+  };
+  add(plan.canonical());
+  for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
+    add(text_without_names(reference(i)));
+    if (const auto of_points = plain(i)) add(text_without_names(*of_points));
+  }
+  for (const fs::path& file : files()) add(sha256_of_file(file));
   return hex(hash.digest());
 }
 
 void check_trade(const TradeWork& work) {
+  for (const std::string& setting : work.more) {
+    for (const TradeAxis& axis : work.plan.axes) {
+      if (!setting.starts_with(axis.key + "=")) continue;
+      throw UserError("--set " + setting + ": " + axis.key + " is an axis of the plan; leave it out");
+    }
+  }
   for (std::size_t scene = 0; scene < work.plan.scenes.size(); ++scene) {
     work.reference(scene);
     for (const TradeAxis& axis : work.plan.axes) {
@@ -159,7 +240,13 @@ TradeMeasurement::TradeMeasurement(const TradeWork& work,
                                    render::GlContext& context,
                                    PhantomCache& cache,
                                    std::size_t kept)
-    : work_(work), context_(context), cache_(cache), kept_(kept) {}
+    : work_(work),
+      context_(context),
+      cache_(cache),
+      kept_(kept),
+      files_(work.files()),
+      stamps_(stamps_of(files_)),
+      hash_(work.hash()) {}
 
 TradeMeasurement::~TradeMeasurement() = default;
 
@@ -224,6 +311,18 @@ void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeR
   }
 }
 
+/// What was read of a file that changed may be of one body or of the other.
+void TradeMeasurement::check_files() {
+  const std::string stamps = stamps_of(files_);
+  if (stamps == stamps_) return;
+  if (work_.hash() != hash_) {
+    throw UserError(work_.plan.source +
+                    ": a file that it names was changed while it was measured; put it back, or "
+                    "measure the new one into another folder");
+  }
+  stamps_ = stamps;
+}
+
 TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {
   TradeRecord record;
   record.unit = unit;
@@ -234,6 +333,7 @@ TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {
   } catch (const InvalidOption& error) {
     record.refused = error.what();
   }
+  check_files();
   return record;
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +26,15 @@ struct TradeWork {
   /// The scene as a point sets it. Throws UserError.
   Scene scene(std::size_t scene, const TradePoint& point) const;
   Scene reference(std::size_t scene) const;
-  /// A hash of all that the records follow from.
+  /// The files that scenes and axes name, in the order of the plan.
+  std::vector<std::filesystem::path> files() const;
+  /// A hash of all that the records follow from: of files the content, and not the name. Throws as
+  /// read_pieces().
   std::string hash() const;
+
+ private:
+  /// The scene without a point; none where it is refused without one.
+  std::optional<Scene> plain(std::size_t scene) const;
 };
 
 /// Reads each scene with its reference, and with each level of each axis alone. Throws UserError.
@@ -57,7 +66,8 @@ class TradeMeasurement {
                    std::size_t kept = 1);
   ~TradeMeasurement();
 
-  /// A combination that is refused makes a record that says so. Throws std::runtime_error.
+  /// A combination that is refused makes a record that says so. Throws std::runtime_error, and
+  /// UserError where a file of the plan has changed since this was made.
   TradeRecord measure(const TradeUnit& unit);
 
  private:
@@ -66,12 +76,16 @@ class TradeMeasurement {
 
   Scan& scan_of(const TradeUnit& unit, const Scene& scene);
   Reference& reference_of(std::size_t scene);
+  void check_files();
   void measure(const TradeUnit& unit, const Scene& scene, TradeRecord& record);
 
   const TradeWork& work_;
   render::GlContext& context_;
   PhantomCache& cache_;
   std::size_t kept_;
+  const std::vector<std::filesystem::path> files_;  ///< that the plan names
+  std::string stamps_;                              ///< of these, where they have hash_
+  const std::string hash_;                          ///< of the work
   std::deque<std::unique_ptr<Scan>> scans_;  ///< the last used is last
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
 };
