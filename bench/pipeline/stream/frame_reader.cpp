@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "base/user_error.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -25,6 +27,13 @@ std::uint64_t& lost_by(hw::LossCause cause, hw::BoardAccount::Lost& lost) {
       return lost.out_of_order;
   }
   throw std::logic_error("unknown cause of loss");
+}
+
+constexpr const char* kChoose =
+    "; of a recording, file=RECORDING,acquisition=N takes one (`wobblebench inspect` lists them)";
+
+bool is_same_subject(const hw::Configuration& one, const hw::Configuration& other) {
+  return one.subject == other.subject && one.source == other.source;
 }
 
 }  // namespace
@@ -107,14 +116,22 @@ bool FrameReader::take_behind_last(const hw::Event& event) {
   return std::holds_alternative<hw::Gap>(event);
 }
 
+/// One stream shows one subject on one scale: what scene, renderer and truth were made for.
 bool FrameReader::take_configuration(const hw::Configuration& configuration) {
-  const bool same = configuration.plan.probe() == plan_.probe() &&
-                    configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());
-  if (!same) {
-    end_stream("the acquisition changes");
-    throw std::runtime_error("--board = " + source_.name +
-                             ": the acquisition changes; of a recording, file=RECORDING,"
-                             "acquisition=N takes one (`wobblebench inspect` lists them)");
+  const auto& before = assembly_.configuration();
+  const bool same_plan = configuration.plan.probe() == plan_.probe() &&
+                         configuration.plan.acquisition() == hw::with_one_zone(plan_.acquisition());
+  const std::uint64_t volumes = statistics_.volumes;
+  const std::string text = "--board = " + source_.name + ": behind " + std::to_string(volumes) +
+                           (volumes == 1 ? " volume " : " volumes ");
+  if (before && !is_same_subject(configuration, *before)) {
+    throw UserError(text + "the samples are of another subject" + kChoose);
+  }
+  const bool same_scale = !before || configuration.display_scale == before->display_scale;
+  if (!same_plan || !same_scale) {
+    const std::string what = same_plan ? "the display scale changes" : "the acquisition changes";
+    end_stream(what);
+    throw std::runtime_error(text + what + kChoose);
   }
   // Also where it is another acquisition of the same plan, whose volumes have the same numbers.
   leave_volume();

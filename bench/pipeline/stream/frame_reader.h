@@ -48,8 +48,8 @@ class FrameReader {
 
   /// Reads until the stream is over, cancelled or stopped, all wanted volumes were read and the
   /// event behind them, or the queue was stopped; closes the queue. Throws UserError for samples
-  /// that cannot be displayed, std::runtime_error for a plan that changes and for a device that is
-  /// lost.
+  /// that cannot be displayed and for another subject, std::runtime_error for a plan or a display
+  /// scale that changes and for a device that is lost.
   void run();
 
   const ReaderStatistics& statistics() const { return statistics_; }

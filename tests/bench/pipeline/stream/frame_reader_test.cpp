@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "base/user_error.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
 
@@ -174,6 +178,92 @@ TEST(FrameReader, AnAcquisitionThatChangesEndsTheStream) {
   hw::AcquisitionOptions other = plan.acquisition();
   other.depth_m *= 2;
   EXPECT_THROW(read({plan.probe(), other}, hw::packets_of(plan)), std::runtime_error);
+}
+
+/// What a configuration says of the samples beside their acquisition, each part changed alone.
+constexpr int kParts = 7;
+void change(hw::ConfigurationPacket& packet, int part) {
+  switch (part) {
+    case 0:
+      packet.subject.phantom ^= 0x80;
+      break;
+    case 1:
+      packet.subject.placement ^= 1;
+      break;
+    case 2:
+      packet.subject.motion ^= 4;
+      break;
+    case 3:
+      packet.source = hw::StreamOrigin::hardware;
+      break;
+    case 4:
+      packet.display_scale.full_scale_db += 3;
+      break;
+    case 5:
+      packet.display_scale.dynamic_range_db += 3;
+      break;
+    default:
+      packet.display_scale.tgc_db_per_cm_mhz += 0.1;
+  }
+}
+
+/// Volumes of one body and, from volume `changed` on, of another or on another scale. Each volume's
+/// configuration but the first may be lost.
+std::vector<hw::Bytes> changing(const hw::AcquisitionPlan& plan,
+                                std::uint32_t changed,
+                                int part,
+                                const std::set<std::uint32_t>& lost) {
+  std::vector<hw::Bytes> packets = hw::packets_of(plan);
+  for (std::uint32_t volume = 0; volume < 6; ++volume) {
+    hw::ConfigurationPacket packet = hw::configuration_of(plan, volume);
+    packet.subject = {11, 12, 13};
+    packet.display_scale = {-10, 60, 0.5};
+    if (volume >= changed) change(packet, part);
+    hw::Bytes& bytes = packets[hw::packet_index(plan, plan.first_sequence(volume)) - 1];
+    bytes.clear();
+    if (!lost.contains(volume)) hw::encode(packet, bytes);
+  }
+  return packets;
+}
+
+/// The reader ends the stream with the first configuration that differs, wherever it comes: before
+/// that every frame is pushed, and none after it.
+TEST(FrameReader, ShowsOneSubjectOnOneScale) {
+  const auto plan = hw::small_plan(6);
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const auto at = [&](std::uint64_t i, std::uint64_t n) { return hw::hash(seed, i) % n; };
+    const auto changed = static_cast<std::uint32_t>(1 + at(0, 6));  // 6: it does not
+    const int part = static_cast<int>(at(1, kParts));
+    std::set<std::uint32_t> lost;
+    for (std::uint32_t volume = 1; volume < 6; ++volume) {
+      if (at(2 + volume, 4) == 0) lost.insert(volume);
+    }
+    std::uint32_t seen = changed;
+    while (seen < 6 && lost.contains(seen)) ++seen;
+
+    hw::Board board(
+        std::make_unique<hw::MemoryLink>(hw::join(changing(plan, changed, part, lost))));
+    board.start();
+    VolumeQueue queue({.policy = StreamPolicy::every, .volumes = 64});
+    const StreamSource source{
+        .board = board, .plan = plan, .name = "test", .configuration = {}, .dynamic_range_db = {}};
+    FrameReader reader(source, queue, 0, /*keep_volume=*/false);
+    SCOPED_TRACE(std::to_string(seed) + ": part " + std::to_string(part) + " at " +
+                 std::to_string(changed));
+    bool is_user_error = false, is_failure = false;
+    try {
+      reader.run();
+    } catch (const UserError&) {
+      is_user_error = true;
+    } catch (const std::runtime_error&) {
+      is_failure = true;
+    }
+    EXPECT_EQ(is_user_error, seen < 6 && part < 4);
+    EXPECT_EQ(is_failure, seen < 6 && part >= 4);
+    std::uint32_t frames = 0;
+    while (queue.pop()) ++frames;
+    EXPECT_EQ(frames, 3 * seen);
+  }
 }
 
 }  // namespace
