@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -14,6 +17,9 @@
 
 namespace wobblebench::sim {
 namespace {
+
+/// Of the probe's thread, which is woken for all that it waits for.
+constexpr std::chrono::seconds kLongestSleep{1};
 
 /// Adds the wall time of computing each block to the statistics.
 MakeBlock timed(MakeBlock make, std::shared_ptr<SimLinkStatistics> statistics) {
@@ -61,6 +67,9 @@ class SimLink::Impl {
   hw::HostTime now() const { return time_ ? time_->now() : hw::HostClock::now(); }
   void set_epoch(hw::HostTime epoch);
   hw::ReadResult read_card(std::span<std::byte> buffer, hw::HostTime deadline);
+  std::optional<hw::ReadResult> take_bytes(std::span<std::byte> buffer);
+  void fire(const std::stop_token& stop);
+  void notify();
   hw::DeviceTime device_now() const;
   void send_until(hw::DeviceTime time);
   bool take_block();
@@ -68,7 +77,9 @@ class SimLink::Impl {
   void delay_probe(hw::DeviceTime begin, hw::HostTime ready);
   void send_stick();
   void end_volume(std::uint32_t volume);
+  void push_bytes(hw::DeviceTime time, bool ends_volume);
   hw::DeviceTime stick_end() const;
+  hw::HostTime volume_end() const;
   hw::HostTime next_event() const;
 
   const StickSource source_;
@@ -76,8 +87,11 @@ class SimLink::Impl {
   const std::shared_ptr<SimLinkStatistics> statistics_;
   const hw::HostTimeSource* const time_;
   hw::InterruptibleWait waiting_;
-  CardModel card_;
   std::string loss_;
+  std::mutex mutex_;  ///< of what follows, but for the constants
+  std::condition_variable_any changed_;
+  bool has_news_ = false;  ///< for probe_: the epoch, or a block
+  CardModel card_;
   std::uint64_t sequence_ = 0;         ///< of the stick that is sent next
   bool inside_volume_ = false;         ///< its configuration was sent
   bool over_ = false;                  ///< all volumes were sent
@@ -88,7 +102,8 @@ class SimLink::Impl {
   std::optional<hw::HostTime> epoch_;  ///< host time of device time 0; set by the first read
   hw::SharedEpoch shared_epoch_;       ///< realtime: the same
   const hw::DeviceDuration stick_period_;
-  StickFeed feed_;  ///< last: its thread wakes waiting_
+  StickFeed feed_;      ///< its thread calls notify()
+  std::jthread probe_;  ///< last: joined before what it uses is destroyed
 };
 
 SimLink::Impl::Impl(StickSource source,
@@ -105,8 +120,11 @@ SimLink::Impl::Impl(StickSource source,
             source_.plan,
             options.pace == hw::Pace::realtime,
             options.volumes_ahead,
-            [this] { waiting_.wake(); }) {
+            [this] { notify(); }) {
   check_options(options_);
+  if (options_.pace == hw::Pace::realtime && time_ == nullptr) {
+    probe_ = std::jthread([this](const std::stop_token& stop) { fire(stop); });
+  }
 }
 
 hw::LinkCapabilities SimLink::Impl::capabilities() const {
@@ -129,23 +147,58 @@ hw::ReadResult SimLink::Impl::read(std::span<std::byte> buffer, hw::HostTime dea
 }
 
 hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTime deadline) {
-  if (!epoch_) set_epoch(now());
   for (;;) {
     const std::uint64_t wakes = waiting_.wakes();
-    send_until(device_now());
-    statistics_->packets_dropped = card_.packets_dropped();
-    if (const std::size_t bytes = card_.read(buffer, device_now()); bytes > 0) {
-      return {bytes, hw::ReadStatus::ok};
+    hw::HostTime event;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!epoch_) set_epoch(now());
+      if (const auto taken = take_bytes(buffer)) return *taken;
+      event = next_event();
     }
-    if (over_ && !card_.next_interrupt()) return {0, hw::ReadStatus::end_of_stream};
     if (deadline <= now()) return {0, hw::ReadStatus::timeout};
-    waiting_.sleep_until(std::min(deadline, next_event()), wakes);
+    waiting_.sleep_until(std::min(deadline, event), wakes);
     if (const auto ended = waiting_.interrupted()) return {0, *ended};
   }
 }
 
+/// What a read returns at once; none: it has to wait.
+std::optional<hw::ReadResult> SimLink::Impl::take_bytes(std::span<std::byte> buffer) {
+  send_until(device_now());
+  const std::size_t bytes = card_.read(buffer, device_now());
+  if (bytes > 0) return hw::ReadResult{bytes, hw::ReadStatus::ok};
+  if (!over_ || card_.next_interrupt()) return std::nullopt;
+  return hw::ReadResult{0, hw::ReadStatus::end_of_stream};
+}
+
+/// The thread of a probe in real time, which fires on while nobody reads: each volume is taken from
+/// the feed when it is due, so that the next one is computed meanwhile, and none is late for want of
+/// a reader.
+void SimLink::Impl::fire(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  try {
+    while (!stop.stop_requested() && !over_) {
+      if (epoch_) send_until(device_now());
+      hw::HostTime wake = hw::HostClock::now() + kLongestSleep;
+      if (epoch_ && inside_volume_) wake = std::min(wake, volume_end());
+      changed_.wait_until(lock, stop, wake, [this] { return std::exchange(has_news_, false); });
+    }
+  } catch (const std::exception&) {  // read() comes to it, too
+  }
+}
+
+/// A block is ready.
+void SimLink::Impl::notify() {
+  waiting_.wake();
+  const std::lock_guard lock(mutex_);
+  has_news_ = true;
+  changed_.notify_all();
+}
+
 void SimLink::Impl::set_epoch(hw::HostTime epoch) {
   epoch_ = epoch;
+  has_news_ = true;
+  changed_.notify_all();
   if (options_.pace == hw::Pace::realtime) shared_epoch_.set(epoch);
 }
 
@@ -201,7 +254,7 @@ void SimLink::Impl::begin_volume() {
                                      .subject = source_.subject,
                                      .display_scale = source_.display_scale},
              bytes_);
-  card_.push(bytes_, begin, false);
+  push_bytes(begin, false);
   inside_volume_ = true;
 }
 
@@ -214,8 +267,21 @@ void SimLink::Impl::delay_probe(hw::DeviceTime begin, hw::HostTime ready) {
   if (sequence_ > 0) statistics_->late_ms += to_milliseconds(ready - due);
 }
 
+void SimLink::Impl::push_bytes(hw::DeviceTime time, bool ends_volume) {
+  card_.push(bytes_, time, ends_volume);
+  statistics_->packets_dropped = card_.packets_dropped();
+}
+
 hw::DeviceTime SimLink::Impl::stick_end() const {
   return source_.plan.stick_time(sequence_) + stick_period_;
+}
+
+/// When all sticks of the volume under way are fired.
+hw::HostTime SimLink::Impl::volume_end() const {
+  const hw::AcquisitionPlan& plan = source_.plan;
+  const auto next = plan.first_sequence(plan.index(sequence_).volume) +
+                    static_cast<std::uint64_t>(plan.sticks_per_volume());
+  return *epoch_ + (plan.stick_time(next - 1) + stick_period_).time_since_epoch();
 }
 
 void SimLink::Impl::send_stick() {
@@ -229,7 +295,7 @@ void SimLink::Impl::send_stick() {
   stick_.samples.assign(stick_samples.begin(), stick_samples.end());
   bytes_.clear();
   hw::encode(stick_, bytes_);
-  card_.push(bytes_, stick_end(), false);
+  push_bytes(stick_end(), false);
   ++sequence_;
   ++statistics_->sticks_emitted;
   if (sequence_ % per_volume == 0) end_volume(stick_.index.volume);
@@ -239,7 +305,7 @@ void SimLink::Impl::end_volume(std::uint32_t volume) {
   const hw::DeviceTime end = source_.plan.volume_end_time(volume);
   bytes_.clear();
   hw::encode(hw::VolumeEndPacket{.sequence = sequence_, .volume = volume, .time = end}, bytes_);
-  card_.push(bytes_, end, true);
+  push_bytes(end, true);
   inside_volume_ = false;
   over_ = volume + 1 == static_cast<std::uint32_t>(source_.plan.acquisition().volumes);
 }

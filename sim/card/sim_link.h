@@ -63,7 +63,8 @@ struct SimLinkStatistics {
 /// Sends `acquisition.volumes` volumes as wire packets through a CardModel. asap: in virtual time,
 /// where device time passes only while the link is read, so that slow reading loses nothing; sticks
 /// are sent while the following blocks of their volume are computed. realtime: by the host's clock
-/// from the first read on, whether the link is read or not. A probe does not pause within a volume:
+/// from the first read on, on a thread of its own (not with `time`), whether the link is read or
+/// not: packets that find the card's ring full are dropped. A probe does not pause within a volume:
 /// the link waits until the whole volume is computed, and only a volume that is not computed in
 /// time delays the probe, as the statistics report.
 ///

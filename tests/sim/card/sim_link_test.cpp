@@ -238,6 +238,33 @@ TEST(SimLink, TheFirstReadStartsTheAcquisition) {
   EXPECT_EQ(link.read(buffer, hw::HostTime::min()).status, hw::ReadStatus::ok);
 }
 
+/// A reader that pauses for five volumes misses five volumes, less what the card's ring holds: the
+/// probe does not wait for it, however few volumes are computed ahead.
+TEST(SimLink, APauseOfTheReaderDoesNotMoveTheProbesClock) {
+  constexpr int kVolumes = 20;
+  const auto plan = small_plan(kVolumes);
+  const auto volume = std::chrono::duration_cast<hw::HostClock::duration>(plan.volume_duration());
+  ASSERT_GT(volume, std::chrono::milliseconds(5));
+  for (const int ahead : {0, 1, 16}) {
+    const auto statistics = std::make_shared<SimLinkStatistics>();
+    SimLinkOptions options{.pace = hw::Pace::realtime, .volumes_ahead = ahead};
+    options.card.buffers = 4;  // of 8 KiB: 56 of these sticks
+    SimLink link(blank_sticks(plan), options, statistics);
+    std::vector<std::byte> buffer(1 << 16);
+    ASSERT_EQ(link.read(buffer, hw::HostTime::max()).status, hw::ReadStatus::ok);
+    const auto epoch = link.epoch().value();
+    std::this_thread::sleep_for(5 * volume);
+    while (link.read(buffer, hw::HostTime::max()).status == hw::ReadStatus::ok) {
+    }
+    const auto lasted = hw::HostClock::now() - epoch;
+    EXPECT_LT(link.epoch().value() - epoch, volume) << ahead;
+    EXPECT_LT(statistics->late_ms, to_milliseconds(volume)) << ahead;
+    EXPECT_GT(statistics->packets_dropped, 4u * 16 * 9 - 60) << ahead;
+    EXPECT_EQ(statistics->sticks_emitted, kVolumes * 16u * 9) << ahead;
+    EXPECT_LT(lasted, (kVolumes + 2) * volume) << ahead;
+  }
+}
+
 TEST(SimLink, CancelDoesNotWaitForAComputation) {
   const auto plan = small_plan();
   StickSource slow = blank_sticks(plan);
