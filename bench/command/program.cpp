@@ -7,18 +7,24 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <initializer_list>
 #include <iostream>
 #include <new>
 #include <stdexcept>
+#include <system_error>
 
 #include "base/file.h"
+#include "base/options.h"
 #include "base/user_error.h"
+#include "bench/command/machine_limits.h"
 #include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 void check_stdout() {
   std::cout.flush();
@@ -55,6 +61,18 @@ int report_error(const Program& program, const std::string& what, int code) {
   return code;
 }
 
+std::string line_of(const fs::filesystem_error& error) {
+  const std::string path = error.path1().string();
+  return (path.empty() ? "a file" : path) + ": cannot be used: " + error.code().message();
+}
+
+/// Where the system says no more than its reason, as of a thread that cannot be started.
+std::string line_of(const std::system_error& error) {
+  const std::string reason = error.code().message();
+  if (error.what() != reason) return error.what();
+  return "the system refuses a thread, a lock or memory: " + reason;
+}
+
 /// Set by a signal handler, which can reach nothing but a global variable.
 volatile std::sig_atomic_t requested = 0;
 
@@ -65,18 +83,42 @@ void on_signal(int signal) {
 
 }  // namespace
 
+Refusal refusal_of(const std::exception_ptr& exception) {
+  const std::string internal = "a fault of this program, please report it: ";
+  try {
+    std::rethrow_exception(exception);
+  } catch (const UserError& error) {
+    return {error.what(), kBadInput};
+  } catch (const InvalidOption& error) {
+    return {error.what(), kBadInput};
+  } catch (const std::bad_alloc&) {
+    return {"out of memory", kFailed};
+  } catch (const fs::filesystem_error& error) {
+    return {line_of(error), kFailed};
+  } catch (const std::system_error& error) {
+    return {line_of(error), kFailed};
+  } catch (
+      const std::logic_error& error) {  // also of containers, numbers in texts, optional values
+    return {internal + error.what(), kFailed};
+  } catch (const std::runtime_error& error) {
+    return {error.what(), kFailed};
+  } catch (const std::exception& error) {  // of a library
+    return {internal + error.what(), kFailed};
+  } catch (...) {
+    return {internal + "an exception without a text", kFailed};
+  }
+}
+
 int run_program(const Program& program, int argc, char** argv) {
+  expect_machine_limits(program.name.c_str());
   try {
     occupy_standard_descriptors();
     const int code = parse_and_run(program, argc, argv);
     check_stdout();
     return code;
-  } catch (const UserError& error) {
-    return report_error(program, error.what(), kBadInput);
-  } catch (const std::bad_alloc&) {
-    return report_error(program, "out of memory", kFailed);
-  } catch (const std::exception& error) {
-    return report_error(program, error.what(), kFailed);
+  } catch (...) {
+    const Refusal refusal = refusal_of(std::current_exception());
+    return report_error(program, refusal.line, refusal.code);
   }
 }
 

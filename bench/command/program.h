@@ -2,6 +2,7 @@
 // version and the standard streams.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <string>
 #include <vector>
@@ -32,11 +33,18 @@ struct Program {
 };
 
 /// Parses the command line and runs its command. Returns the exit code: that of the command;
-/// kBadInput for a UserError or a line that cannot be parsed, kFailed for every other exception and
-/// for stdout that cannot be written, all with one line "NAME: what is wrong" on stderr. Call it
+/// kBadInput for a line that cannot be parsed, kFailed for stdout that cannot be written, that of
+/// refusal_of() for an exception, all with one line "NAME: what is wrong" on stderr. Call it
 /// first in main: standard descriptors that the caller closed are taken, so that no file of ours
 /// becomes one of them.
 int run_program(const Program& program, int argc, char** argv);
+
+/// What a user reads of an exception, and the exit code: each type has a line of its own.
+struct Refusal {
+  std::string line;
+  int code = kFailed;
+};
+Refusal refusal_of(const std::exception_ptr& exception);
 
 /// From now on the first SIGINT, SIGTERM or SIGHUP asks the command to stop, and a second one ends
 /// the program. A signal that was ignored stays so.

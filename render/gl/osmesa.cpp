@@ -2,9 +2,16 @@
 
 #include <GL/osmesa.h>
 #include <dlfcn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <stdexcept>
+#include <string>
 
 namespace wobblebench::render {
 namespace {
@@ -74,9 +81,34 @@ class OsmesaContext final : public DriverContext {
   decltype(&OSMesaGetProcAddress) proc_address_ = nullptr;
 };
 
+/// Makes a context in a process of its own: Mesa crashes for the name of a driver that it lacks.
+void try_driver(const std::string& name) {
+  library();
+  const pid_t child = ::fork();
+  if (child < 0) return;
+  if (child == 0) {
+    std::signal(SIGSEGV, SIG_DFL);  // whatever this program does with a crash of its own
+    try {
+      OsmesaContext().bind();
+    } catch (const std::exception&) {
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return;
+  }
+  if (!WIFSIGNALED(status)) return;
+  throw std::runtime_error("osmesa: crashes (" + std::string(::strsignal(WTERMSIG(status))) +
+                           ") where GALLIUM_DRIVER = " + name +
+                           "; unset it, or set it to llvmpipe");
+}
+
 }  // namespace
 
 std::unique_ptr<GlContext> make_osmesa_context() {
+  if (const char* driver = std::getenv("GALLIUM_DRIVER")) try_driver(driver);
   return std::make_unique<GlContext>(std::make_shared<OsmesaContext>());
 }
 

@@ -34,7 +34,6 @@ void redirect(const fs::path& path, int descriptor) {
     const auto bytes = static_cast<rlim_t>(*limits.file_bytes);
     const rlimit limit{bytes, bytes};
     ::setrlimit(RLIMIT_FSIZE, &limit);
-    std::signal(SIGXFSZ, SIG_IGN);  // so that write fails instead
   }
   // Unset, not empty: Mesa complains of an empty one on stderr.
   for (const char* name : {"XDG_CACHE_HOME", "HOME"}) ::unsetenv(name);

@@ -1,0 +1,73 @@
+#include "bench/command/machine_limits.h"
+
+#include <sys/resource.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "bench/command/program.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the handler writes: it may allocate nothing.
+std::string last_line;
+
+void on_crash(int) {
+  [[maybe_unused]] const ssize_t written =
+      ::write(STDERR_FILENO, last_line.data(), last_line.size());
+  ::_exit(kFailed);
+}
+
+void do_nothing(int) {}
+
+void explain_crashes(const char* program) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  last_line = std::string(program) + ": out of memory: the address space is limited to " +
+              std::to_string(limit.rlim_cur / 1'000'000) +
+              " MB (ulimit -v), for want of which the program crashed\n";
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(signal, on_crash);
+#else
+  static_cast<void>(program);
+#endif
+}
+
+/// As Mesa finds it; empty: nowhere.
+fs::path shader_cache() {
+  if (const char* folder = std::getenv("MESA_SHADER_CACHE_DIR")) return folder;
+  if (const char* folder = std::getenv("XDG_CACHE_HOME")) return folder;
+  const char* home = std::getenv("HOME");
+  return home == nullptr ? fs::path() : fs::path(home) / ".cache";
+}
+
+void avoid_a_full_shader_cache() {
+  fs::path folder = shader_cache();
+  struct statvfs disk {};
+  while (!folder.empty() && ::statvfs(folder.c_str(), &disk) != 0) {
+    if (folder == folder.parent_path()) return;
+    folder = folder.parent_path();  // Mesa makes the folders that are missing
+  }
+  if (folder.empty() || disk.f_frsize * disk.f_bavail >= kLeastCacheRoom) return;
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
+}
+
+}  // namespace
+
+void expect_machine_limits(const char* program) {
+  // A handler, unlike SIG_IGN, is not passed on to programs that this one starts.
+  std::signal(SIGXFSZ, do_nothing);
+  explain_crashes(program);
+  avoid_a_full_shader_cache();
+}
+
+}  // namespace wobblebench::bench
