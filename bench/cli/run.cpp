@@ -9,6 +9,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/report_parts.h"
@@ -166,6 +167,7 @@ int run(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
+    warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const auto choice = choose_settings(request, given, *context, cache, progress);
     const Scene chosen = with_choice(given, arguments, choice);

@@ -16,6 +16,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/program.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
@@ -134,6 +135,7 @@ struct Arguments {
   std::string codec = "mjpg";
   int errors = 8;
   bool trace = false;
+  bool fail_on_loss = false;
 };
 
 QueueOptions queue_options(const Arguments& arguments) {
@@ -212,9 +214,14 @@ std::string why_nothing(const StreamResult& result, const Arguments& arguments) 
 std::string failure_of(const StreamReport& report, const Arguments& arguments) {
   if (!report.result.failure.empty()) return report.result.failure;
   const std::uint64_t came = report.result.reader.volumes;
-  if (came >= static_cast<std::uint64_t>(arguments.volumes) || stop_requested()) return "";
-  return "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
-         " sent " + std::to_string(came);
+  if (came < static_cast<std::uint64_t>(arguments.volumes) && !stop_requested()) {
+    return "--volumes = " + std::to_string(arguments.volumes) + ": --board " + arguments.board +
+           " sent " + std::to_string(came);
+  }
+  const hw::BoardAccount& account = report.result.reader.account;
+  if (!arguments.fail_on_loss || account.lost.total() == 0) return "";
+  return "--fail-on-loss: " + std::to_string(account.lost.total()) + " of " +
+         std::to_string(account.emitted) + " sticks were lost";
 }
 
 StreamResult stream_to(StreamSink& sink,
@@ -286,6 +293,7 @@ void write_pictures(StreamSink& sink,
                     bool with_trace,
                     OutputFolder& out) {
   write_png(out.stage("surface.png"), sink.last_picture()->surface, Values::light);
+  out.write_text("ages.csv", stream_ages(report));
   if (with_trace) out.write_text("trace.json", stream_trace(report.result));
   if (const Video* video = sink.finish_video()) {
     report.video = VideoSummary{
@@ -301,6 +309,7 @@ int stream(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
 
   return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
+    warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const ResolvedScene scene = board.resolve(given, cache, progress);
     const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
@@ -373,6 +382,10 @@ Command add_stream_command(CLI::App& app) {
               0,
               64);
   add_flag(command, "--trace", arguments->trace, "Write trace.json, which Perfetto opens");
+  add_flag(command,
+           "--fail-on-loss",
+           arguments->fail_on_loss,
+           "Exit code 1 if sticks were lost; results are written all the same");
   return {&command, [arguments] { return stream(*arguments); }};
 }
 

@@ -6,6 +6,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/scene/scene_cost.h"
@@ -115,6 +116,7 @@ int accuracy(const Arguments& arguments) {
   return run_in_folder(arguments.output,
                        {{"measure", 95}, {"write", 5}},
                        [&](OutputFolder& out, Progress& progress) {
+                         warn_of_software(*context, arguments.gl, progress);
                          return measure_and_write(scenes, arguments, *context, out, progress);
                        });
 }

@@ -10,6 +10,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/extremes/extremes.h"
@@ -272,6 +273,7 @@ int run_extremes(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
   return run_in_folder(
       arguments.output, {{"cases", 1}}, [&](OutputFolder& out, Progress& progress) {
+        warn_of_software(*context, arguments.gl, progress);
         return measure_and_write(arguments, *context, out, progress);
       });
 }

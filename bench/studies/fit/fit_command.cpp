@@ -7,6 +7,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/scene/scene_cost.h"
@@ -123,6 +124,7 @@ int fit(const Arguments& arguments) {
       {"coverage", 1.5 * (arguments.coverage + kReferenceSeeds)},
       {"model", 60.0 + 60.0 * arguments.seeds}};
   const auto fit_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    warn_of_software(*context, arguments.gl, progress);
     const FitResults results = measure(scene, judged, arguments, *context, progress);
     const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
     Json report = report_head("fit", provenance, scene);

@@ -6,6 +6,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/scene/scene_cost.h"
@@ -65,6 +66,7 @@ int latency(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
   return run_in_folder(
       arguments.output, {{"streams", 100}}, [&](OutputFolder& out, Progress& progress) {
+        warn_of_software(*context, arguments.gl, progress);
         return study_and_write(scene, arguments, *context, out, progress);
       });
 }

@@ -11,6 +11,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/studies/modes/mode_agreement.h"
@@ -138,6 +139,7 @@ int compare_modes(const Arguments& arguments) {
   std::vector<PlannedStep> steps;
   for (const std::string& name : names) steps.push_back({name, name == "fetal_face" ? 3.0 : 1.0});
   const auto compare = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     Rows rows;
     for (const std::string& name : names) {

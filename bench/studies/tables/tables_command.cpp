@@ -10,6 +10,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
@@ -104,6 +105,7 @@ int measure(const Arguments& arguments) {
                        [&](OutputFolder& out, Progress& progress) {
                          const std::string warning = acquisitions_warning(board);
                          if (!warning.empty()) progress.warn(warning);
+                         warn_of_software(*context, arguments.gl, progress);
                          return measure_and_write(
                              scene, arguments, board, std::move(link), *context, out, progress);
                        });

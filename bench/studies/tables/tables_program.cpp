@@ -8,6 +8,7 @@
 
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/outside_link.h"
@@ -56,6 +57,7 @@ int measure_recording(const Arguments& arguments) {
   const TableRun run = arguments.tables.run();
   const auto measure = [&](OutputFolder& out, Progress& progress) {
     if (const auto warning = acquisitions_warning(board); !warning.empty()) progress.warn(warning);
+    warn_of_software(*context, arguments.gl, progress);
     const TableVolumes volumes =
         progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
     const TableResults results = progress.step("tables", [&](const PartDone& done) {

@@ -9,6 +9,7 @@
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/finished_report.h"
 #include "bench/output/image_io.h"
 #include "bench/output/output_folder.h"
@@ -87,6 +88,7 @@ void measure(const Arguments& arguments,
              Progress& progress) {
   journal.file().say_kept();
   const auto context = render::make_context(arguments.gl);
+  warn_of_software(*context, arguments.gl, progress);
   journal.append_machine(measured_by(provenance_of_simulation(*context, work.plan.seeds.front())));
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   const auto units = trade_shard(trade_units(work), shard.index, shard.count);

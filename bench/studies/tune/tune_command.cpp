@@ -7,6 +7,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
+#include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
 #include "bench/studies/trade/trade_report.h"
 #include "bench/studies/tune/tune_report.h"
@@ -101,6 +102,7 @@ int study(const Arguments& arguments) {
   Machine machine(arguments);
   const Provenance provenance = machine.provenance(work);
   const auto measure_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    warn_of_software(*machine.context, arguments.gl, progress);
     const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
       return study_requests(
           work, arguments.requests, options, known, *machine.context, machine.cache, done);
@@ -123,6 +125,7 @@ int tune(const Arguments& arguments) {
   Machine machine(arguments);
   const Provenance provenance = machine.provenance(work);
   const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+    warn_of_software(*machine.context, arguments.gl, progress);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
       return bench::tune(work, options, known, *machine.context, machine.cache, done);
     });
