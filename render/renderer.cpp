@@ -55,8 +55,9 @@ int sweep_of(const hw::PolarFrame& frame) {
 
 /// The four passes and the textures between them, one function per pass (paper Fig. 2).
 struct Renderer::Pipeline {
-  Pipeline(GlContext& gl, const hw::AcquisitionPlan& plan, const RenderOptions& given)
+  Pipeline(GlContext& gl, const hw::AcquisitionPlan& of, const RenderOptions& given)
       : context(gl),
+        plan(of),
         options(given),
         factory(plan, options),
         reconstruction(plan, options),
@@ -82,16 +83,28 @@ struct Renderer::Pipeline {
     std::swap(incoming_levels, complete_levels);
   }
 
-  /// Before pass 1: levels of fluid and tissue and, if asked for, sticks between the sticks. False:
-  /// the volume is not whole, which aligned sticks wait for.
+  /// Before pass 1: levels of fluid and tissue, sticks between the sticks if asked for, and sticks
+  /// at the plan's angles where the motor was not there. False: the volume is not whole, which
+  /// aligned sticks wait for.
   bool reconstruct() {
     const bool whole = frames.volume_complete();
     if (reconstruction.aligns() && !whole) return false;
-    if (!needs_levels(options) || (!whole && !options.pipeline.mid_volume)) return true;
-    incoming_levels = reconstruction.levels(frames.received());
-    incoming->set_level(detection_level(*incoming_levels, options.ray_casting));
+    if (!whole && !options.pipeline.mid_volume) return true;
+    const MotorAngles angles = frames.angles();
+    const double steps = factory.geometry().frames_per_planned_frame();
+    incoming->set_covered({steps * angles.covered.first, steps * angles.covered.last});
+    if (!angles.as_planned()) incoming->sweep = 1;
+    if (needs_levels(options)) {
+      incoming_levels = reconstruction.levels(frames.received(), angles);
+      incoming->set_level(detection_level(*incoming_levels, options.ray_casting));
+    }
     if (reconstruction.aligns()) {
-      frames.put_aligned(reconstruction.aligned_frames(frames.received(), *incoming_levels));
+      frames.put_aligned(
+          reconstruction.aligned_frames(frames.received(), angles, *incoming_levels));
+    } else if (!angles.as_planned()) {
+      frames.put_aligned(place_frames(plan, frames.received(), angles));
+    } else {
+      frames.drop_aligned();
     }
     return true;
   }
@@ -225,6 +238,7 @@ struct Renderer::Pipeline {
   }
 
   GlContext& context;
+  hw::AcquisitionPlan plan;
   RenderOptions options;
   SliceVolumeFactory factory;
   Reconstruction reconstruction;

@@ -75,7 +75,11 @@ class Inspection {
     if (result.accepted) {
       audit_.deliver();
       ++volume(packet.stick.index.volume).sticks;
-      if (RecordedAcquisition* acquisition = listed_acquisition()) ++acquisition->sticks;
+      if (RecordedAcquisition* acquisition = listed_acquisition()) {
+        ++acquisition->sticks;
+        acquisition->motor.add(
+            audit_.configuration()->plan, packet.stick.index, packet.stick.motor_angle_rad);
+      }
       if (const auto later_s = times_->jump_s(packet.stick)) {
         ++contents_.time_jump_count;
         append_fault(contents_.time_jumps, {offset_, packet.stick.sequence, *later_s});

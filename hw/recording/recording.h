@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "hw/probe/motor_deviation.h"
 #include "hw/wire/account.h"
 #include "hw/wire/configuration.h"
 #include "hw/wire/unreadable_stream.h"
@@ -46,6 +47,7 @@ struct RecordedAcquisition {
   std::uint32_t volume = 0;   ///< the first
   std::uint64_t volumes = 0;  ///< of which a packet is there
   std::uint64_t sticks = 0;   ///< intact and in order
+  MotorDeviation motor = {};  ///< of them
 };
 
 /// The time of a stick, compared with the plan's, jumps by more than half a stick's period.

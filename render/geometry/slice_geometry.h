@@ -24,6 +24,13 @@ DenseFactors dense_factors(const hw::AcquisitionPlan& plan, const RenderOptions&
 /// the same sector and fan.
 hw::AcquisitionPlan dense_plan(const hw::AcquisitionPlan& plan, const DenseFactors& factors);
 
+/// A part of the fan, as fractional frame indices.
+struct FrameSpan {
+  double first = 0, last = 0;
+
+  bool holds(double frame) const { return frame >= first && frame <= last; }
+};
+
 /// Slice coordinates of a position in the probe frame.
 struct SlicePoint {
   double x_m = 0;       ///< r sin(theta), in the image plane
@@ -54,6 +61,8 @@ class SliceGeometry {
   double axis_z_m() const { return axis_z_m_; }
   int slice_size() const { return slice_size_; }
   int frames() const { return frames_; }
+  /// DenseFactors::frames.
+  int frames_per_planned_frame() const { return frames_per_planned_frame_; }
 
   /// Coordinates of a fractional pixel, 0 at the first pixel's centre.
   double pixel_x_m(double column) const;
@@ -88,7 +97,7 @@ class SliceGeometry {
  private:
   hw::AcquisitionPlan plan_;
   int slice_size_;
-  int frames_;
+  int frames_, frames_per_planned_frame_;
   double frame_skew_;  ///< for a sweep in the direction +1
   double axis_z_m_, r_min_m_, r_max_m_, half_sector_rad_;
   double x_max_m_, depth_min_m_;

@@ -68,6 +68,11 @@ void EmptySpace::set_level(double level) {
   changed_ = true;
 }
 
+void EmptySpace::set_covered(const FrameSpan& covered) {
+  cells_.set_covered(covered);
+  changed_ = true;
+}
+
 const Texture& EmptySpace::distances() {
   if (!std::exchange(changed_, false)) return distances_;
   for (int interval = 0; interval < cells_.grid().intervals; ++interval) {

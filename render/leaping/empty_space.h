@@ -22,6 +22,7 @@ class EmptySpace {
   void set_cells(SkippableCells cells);
   void set_view(const RenderOptions& options);
   void set_level(double level);
+  void set_covered(const FrameSpan& covered);
 
   /// SkippableCells::distances() over 255; columns x rows x intervals of the grid.
   const Texture& distances();

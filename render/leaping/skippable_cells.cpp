@@ -132,6 +132,7 @@ SkippableCells::SkippableCells(const hw::AcquisitionPlan& plan,
       detects_(options.ray_casting.mode != RenderMode::volume),
       rising_(options.ray_casting.edge == EdgeSign::rising),
       detector_(options.ray_casting.detector),
+      covered_{0, geometry.frames() - 1.0},
       value_rounding_(value_rounding(options.scan_conversion.format)),
       max_slope_without_edge_per_m_(max_slope_without_edge_per_m(options)),
       least_bright_value_(least_bright_value(options)),
@@ -284,7 +285,7 @@ CellBits SkippableCells::to_sample() const {
     const int interval = static_cast<int>(word) / grid_.rows;
     const int row = static_cast<int>(word) % grid_.rows;
     const Directions along = directions(interval, 0);
-    const bool outermost = interval == 0 || interval == grid_.intervals - 1;
+    const bool outermost = interval <= covered_.first || interval + 1 >= covered_.last;
     const auto row_begin = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns);
     const MacrocellBounds* row_bounds =
         bounds_[static_cast<std::size_t>(interval)].data() + row_begin;

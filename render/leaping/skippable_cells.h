@@ -76,6 +76,8 @@ class SkippableCells {
   /// Detector::iso: the surface's level. A cell that lies below it holds no rising edge.
   /// Detector::floor: the rise. No sample so large, no rise.
   void set_level(double level) { level_ = level; }
+  /// SliceVolume::covered().
+  void set_covered(const FrameSpan& covered) { covered_ = covered; }
 
   /// For each cell ([interval][row][column]), the Chebyshev distance to the nearest cell that must
   /// be sampled, at most kMaxCellDistance; 0: this one. Cells on the cone's border must be sampled,
@@ -122,6 +124,7 @@ class SkippableCells {
   bool detects_, rising_;
   Detector detector_;
   double level_ = 0;
+  FrameSpan covered_;
   double value_rounding_;
   double max_slope_without_edge_per_m_;  ///< along a ray
   double least_bright_value_;            ///< Detector::paper

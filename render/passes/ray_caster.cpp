@@ -227,6 +227,7 @@ void RayCaster::set_sampling(const RenderOptions& options) {
 
 void RayCaster::cast(SliceVolume& volume) {
   if (measures_level_) ray_cast_.set("threshold", std::min(volume.level(), kNoLevel));
+  ray_cast_.set("first_frame", volume.covered().first).set("last_frame", volume.covered().last);
   if (geometry_.is_skewed()) ray_cast_.set("frame_skew", geometry_.frame_skew(volume.sweep));
   const Texture* distances = volume.distances();
   const Binding slice_lookup =

@@ -16,7 +16,7 @@ namespace {
 class PlainVolume : public SliceVolume {
  public:
   PlainVolume(ScanConverter& converter, const SliceGeometry& geometry, const RenderOptions& options)
-      : converter_(converter), slices_(geometry, options.scan_conversion) {}
+      : SliceVolume(geometry), converter_(converter), slices_(geometry, options.scan_conversion) {}
 
   void make_layers(const std::vector<int>& layers, FrameStore& store) override {
     for (int frame : layers) converter_.convert(store.filtered(frame), slices_.layer(frame));
@@ -38,7 +38,8 @@ class FastVolume : public SliceVolume {
              const hw::AcquisitionPlan& plan,
              const RenderOptions& options,
              FragmentProgram& bounds_program)
-      : converter_(converter),
+      : SliceVolume(geometry),
+        converter_(converter),
         geometry_(geometry),
         plan_(plan),
         slices_(geometry, options),
@@ -57,10 +58,15 @@ class FastVolume : public SliceVolume {
   void set_view(const RenderOptions& options) override { empty_space_.set_view(options); }
   void set_options(const RenderOptions& options) override {
     empty_space_.set_cells({plan_, geometry_, options, slices_.region()});
+    empty_space_.set_covered(covered());
   }
   void set_level(double new_level) override {
     SliceVolume::set_level(new_level);
     empty_space_.set_level(new_level);
+  }
+  void set_covered(const FrameSpan& covered) override {
+    SliceVolume::set_covered(covered);
+    empty_space_.set_covered(covered);
   }
 
  private:

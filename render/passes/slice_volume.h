@@ -17,7 +17,7 @@ namespace wobblebench::render {
 class SliceVolume {
  public:
   virtual ~SliceVolume() = default;
-  SliceVolume() = default;
+  explicit SliceVolume(const SliceGeometry& geometry) : covered_{0, geometry.frames() - 1.0} {}
   SliceVolume(const SliceVolume&) = delete;
   SliceVolume& operator=(const SliceVolume&) = delete;
 
@@ -43,10 +43,15 @@ class SliceVolume {
   virtual void set_level(double new_level) { level_ = new_level; }
   double level() const { return level_; }
 
+  /// The part of the fan that holds data; the whole, unless told.
+  virtual void set_covered(const FrameSpan& covered) { covered_ = covered; }
+  const FrameSpan& covered() const { return covered_; }
+
   int sweep = 1;  ///< of the motor, as hw::AcquisitionPlan::sweep_direction
 
  private:
   double level_ = std::numeric_limits<double>::infinity();
+  FrameSpan covered_;
 };
 
 /// Whether pass 1, with the reconstruction before it, makes the same of a scan by both settings,

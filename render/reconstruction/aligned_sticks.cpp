@@ -88,21 +88,12 @@ struct StickRows {
   std::vector<double> edges;               ///< [row * sticks + stick]
 };
 
-/// Four neighbours around step `i` of `factor` steps from one to the next; `stick(j)` is the view
-/// of the jth of `count`.
+/// The neighbours at a place; `stick(j)` is the view of the jth.
 template <class Stick>
-std::array<StickView, 4> neighbours(int i, int factor, int count, const Stick& stick) {
-  const int first = std::min(i / factor, std::max(count - 2, 0));
+std::array<StickView, 4> neighbours(const FramePlace& place, const Stick& stick) {
   std::array<StickView, 4> views;
-  for (int j = 0; j < 4; ++j) {
-    views[static_cast<std::size_t>(j)] = stick(std::clamp(first + j - 1, 0, count - 1));
-  }
+  for (std::size_t j = 0; j < 4; ++j) views[j] = stick(place.frames[j]);
   return views;
-}
-
-double fraction_of(int i, int factor, int count) {
-  const int first = std::min(i / factor, std::max(count - 2, 0));
-  return static_cast<double>(i - first * factor) / factor;
 }
 
 /// Largest difference of edges on one surface, for the edge of either middle stick.
@@ -132,9 +123,43 @@ double mix_sticks(const std::array<StickView, 4>& sticks,
   return surface.edge_m;
 }
 
+namespace {
+
+/// Where the sticks of dense_plan() lie among the frames: equally spaced, or by their angles.
+class DenseFrames {
+ public:
+  DenseFrames(const hw::AcquisitionPlan& plan,
+              const DenseFactors& factors,
+              const MotorAngles& angles)
+      : plan_(plan), factors_(factors) {
+    if (angles.as_planned()) return;
+    const int lines = plan.acquisition().sticks_per_frame;
+    for (int line = 0; line <= (lines - 1) * factors.lines; ++line) {
+      orders_.push_back(angles.order_at(static_cast<double>(line) / factors.lines, lines));
+    }
+  }
+
+  FramePlace at(int frame, int line) const {
+    if (orders_.empty()) {
+      return regular_place(
+          frame, factors_.frames, plan_.acquisition().frames_per_volume, plan_.phi_step_rad());
+    }
+    return orders_[static_cast<std::size_t>(line)].at(
+        dense_angle_rad(plan_, factors_, frame, line));
+  }
+
+ private:
+  const hw::AcquisitionPlan& plan_;
+  const DenseFactors& factors_;
+  std::vector<FrameOrder> orders_;  ///< per line of the denser scan; empty: equally spaced
+};
+
+}  // namespace
+
 std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
                                              const DenseFactors& factors,
                                              const std::vector<std::vector<float>>& frames,
+                                             const MotorAngles& angles,
                                              const std::vector<double>& edges,
                                              double steepest_rad) {
   const hw::AcquisitionOptions& scan = plan.acquisition();
@@ -142,38 +167,37 @@ std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
   const int samples = scan.samples_per_stick;
   const double spacing_m = plan.sample_spacing_m();
   const hw::ProbeGeometry geometry = plan.geometry();
+  // Mixes the sticks of `views` at a place; the centre of their fan is `radius_m` before the face.
+  const auto mix = [&](const std::array<StickView, 4>& views,
+                       const FramePlace& place,
+                       double radius_m,
+                       float* mixed) {
+    const double reach = reach_m(views, radius_m, place.step_rad, steepest_rad);
+    return mix_sticks(views, place.t, reach, spacing_m, samples, mixed);
+  };
   // First between the sticks of each frame, then between frames.
   StickRows lines(scan.frames_per_volume, dense.sticks_per_frame, samples);
   parallel_rows(lines.rows, [&](int frame) {
     const float* sticks = frames[static_cast<std::size_t>(frame)].data();
     const double* frame_edges = edges.data() + std::ptrdiff_t{frame} * scan.sticks_per_frame;
     for (int line = 0; line < lines.sticks; ++line) {
-      const auto views = neighbours(line, factors.lines, scan.sticks_per_frame, [&](int l) {
+      const FramePlace place =
+          regular_place(line, factors.lines, scan.sticks_per_frame, plan.theta_step_rad());
+      const auto views = neighbours(place, [&](int l) {
         return StickView{sticks + std::ptrdiff_t{l} * samples, frame_edges[l]};
       });
-      const double reach = reach_m(views, geometry.radius_m(), plan.theta_step_rad(), steepest_rad);
-      lines.edge(frame, line) = mix_sticks(views,
-                                           fraction_of(line, factors.lines, scan.sticks_per_frame),
-                                           reach,
-                                           spacing_m,
-                                           samples,
-                                           lines.at(frame, line));
+      lines.edge(frame, line) = mix(views, place, geometry.radius_m(), lines.at(frame, line));
     }
   });
   StickRows all(dense.frames_per_volume, dense.sticks_per_frame, samples);
+  const DenseFrames dense_frames(plan, factors, angles);
   parallel_rows(all.rows, [&](int frame) {
     for (int line = 0; line < all.sticks; ++line) {
-      const auto views = neighbours(frame, factors.frames, scan.frames_per_volume, [&](int f) {
+      const FramePlace place = dense_frames.at(frame, line);
+      const auto views = neighbours(place, [&](int f) {
         return StickView{lines.at(f, line), lines.edge(f, line)};
       });
-      const double reach = reach_m(
-          views, geometry.radius_m() - geometry.axis_z_m(), plan.phi_step_rad(), steepest_rad);
-      mix_sticks(views,
-                 fraction_of(frame, factors.frames, scan.frames_per_volume),
-                 reach,
-                 spacing_m,
-                 samples,
-                 all.at(frame, line));
+      mix(views, place, geometry.radius_m() - geometry.axis_z_m(), all.at(frame, line));
     }
   });
   return std::move(all.values);

@@ -6,6 +6,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "render/geometry/slice_geometry.h"
+#include "render/reconstruction/motor_angles.h"
 
 namespace wobblebench::render {
 
@@ -28,11 +29,13 @@ double mix_sticks(const std::array<StickView, 4>& sticks,
                   int count,
                   float* mixed);
 
-/// The frames of dense_plan(): samples in the order of a frame's. `edges`: of find_stick_edges().
-/// `steepest_rad`: the largest slope of one surface between neighbouring sticks.
+/// The frames of dense_plan(): samples in the order of a frame's. `angles`: of `frames`. `edges`:
+/// of find_stick_edges(). `steepest_rad`: the largest slope of one surface between neighbouring
+/// sticks.
 std::vector<std::vector<float>> align_sticks(const hw::AcquisitionPlan& plan,
                                              const DenseFactors& factors,
                                              const std::vector<std::vector<float>>& frames,
+                                             const MotorAngles& angles,
                                              const std::vector<double>& edges,
                                              double steepest_rad);
 

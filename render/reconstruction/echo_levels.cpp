@@ -87,14 +87,18 @@ EchoLevels measure_levels(const hw::AcquisitionPlan& plan,
   return best;
 }
 
-std::vector<SampleSpan> spans_in_box(const hw::AcquisitionPlan& plan, const VolumeOfInterest& box) {
+std::vector<SampleSpan> spans_in_box(const hw::AcquisitionPlan& plan,
+                                     const VolumeOfInterest& box,
+                                     const MotorAngles& angles) {
   const hw::ProbeGeometry geometry = plan.geometry();
   const hw::AcquisitionOptions& scan = plan.acquisition();
   const double spacing_m = plan.sample_spacing_m();
   std::vector<SampleSpan> spans;
   for (int frame = 0; frame < scan.frames_per_volume; ++frame) {
     for (int line = 0; line < scan.sticks_per_frame; ++line) {
-      const hw::Ray axis = geometry.stick(plan.theta_rad(line), plan.frame_phi_rad(frame));
+      const double phi_rad =
+          angles.as_planned() ? plan.frame_phi_rad(frame) : angles.phi_rad[spans.size()];
+      const hw::Ray axis = geometry.stick(plan.theta_rad(line), phi_rad);
       const Span inside = clip_to_box(axis, box);
       // Sample k lies at (k + 1/2) spacings.
       const auto first_from = [&](double range_m) {

@@ -6,6 +6,7 @@
 
 #include "hw/probe/acquisition_plan.h"
 #include "render/options.h"
+#include "render/reconstruction/motor_angles.h"
 
 namespace wobblebench::render {
 
@@ -14,8 +15,11 @@ struct SampleSpan {
   int begin = 0, end = 0;
 };
 
-/// [frame * lines + line]. A motor that turns during a frame is taken at the frame's centre.
-std::vector<SampleSpan> spans_in_box(const hw::AcquisitionPlan& plan, const VolumeOfInterest& box);
+/// [frame * lines + line]. A motor that turns during a frame as planned is taken at the frame's
+/// centre.
+std::vector<SampleSpan> spans_in_box(const hw::AcquisitionPlan& plan,
+                                     const VolumeOfInterest& box,
+                                     const MotorAngles& angles = {});
 
 /// Means over windows of a stick's samples, from prefix sums: each costs the same at any length.
 class WindowMeans {

@@ -31,6 +31,7 @@ FrameStore::FrameStore(const hw::AcquisitionPlan& plan, const RenderOptions& opt
       weights_(frame_weights(options.ray_casting)),
       half_(static_cast<int>(weights_.size()) / 2),
       received_(empty_frames(plan.acquisition())),
+      angles_(plan),
       arrived_(received_.size(), false) {
   if (options.reconstruction.sticks == Sticks::aligned) {
     aligned_ = empty_frames(dense_plan(plan, dense_factors(plan, options)).acquisition());
@@ -51,6 +52,7 @@ void FrameStore::put(int index, const hw::PolarFrame& frame) {
   std::vector<float>& samples = received_[static_cast<std::size_t>(index)];
   std::transform(frame.samples.begin(), frame.samples.end(), samples.begin(), clean_sample);
   if (frame.arrived.size() == lines_) fill_lost_sticks(frame.arrived, samples);
+  angles_.put(index, frame);
   arrived_[static_cast<std::size_t>(index)] = true;
   if (!aligned_.empty()) return;
   // The first layer affected is the one whose last slice is the frame's first neighbour.
@@ -88,11 +90,17 @@ void FrameStore::fill_lost_sticks(const std::vector<std::uint8_t>& arrived,
 }
 
 void FrameStore::put_aligned(std::vector<std::vector<float>> frames) {
-  if (frames.size() != aligned_.size()) {
+  if (frames.size() != converted().size()) {
     throw std::logic_error("FrameStore: " + std::to_string(frames.size()) + " aligned frames for " +
-                           std::to_string(aligned_.size()));
+                           std::to_string(converted().size()));
   }
   aligned_ = std::move(frames);
+  changed_.assign(changed_.size(), true);
+}
+
+void FrameStore::drop_aligned() {
+  if (aligned_.empty()) return;
+  aligned_.clear();
   changed_.assign(changed_.size(), true);
 }
 

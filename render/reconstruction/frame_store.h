@@ -10,6 +10,7 @@
 
 #include "hw/probe/polar_volume.h"
 #include "render/options.h"
+#include "render/reconstruction/motor_angles.h"
 
 namespace wobblebench::render {
 
@@ -31,10 +32,10 @@ void check_log_compressed(const hw::PolarVolume& volume);
 /// of the nearest sticks of its frame on both sides that arrived, weighted by their distance. A
 /// frame of which no stick arrived is zero.
 ///
-/// Pass 1 converts these frames or, with Sticks::aligned, those of the denser scan that
-/// put_aligned() gives. It reads them through filtered(): the part of the 3D kernel that lies
-/// across frames. Filtering sticks equals filtering slices, as scan conversion is linear and the
-/// same for all frames, and sticks are fewer than pixels.
+/// Pass 1 converts these frames or, with Sticks::aligned and where motor angles leave the plan,
+/// those that put_aligned() gives. It reads them through filtered(): the part of the 3D kernel that
+/// lies across frames. Filtering sticks equals filtering slices, as scan conversion is linear and
+/// the same for all frames, and sticks are fewer than pixels.
 ///
 /// Tracks which layers of the volume texture a frame changes, and which of them are complete: all
 /// frames that contribute to them have arrived since begin_volume(). Layer k holds slice k, in mode
@@ -48,6 +49,8 @@ class FrameStore {
   void put(int index, const hw::PolarFrame& frame);
   /// All frames of dense_plan(), of the volume that has arrived.
   void put_aligned(std::vector<std::vector<float>> frames);
+  /// From now on received() is converted, which Sticks::aligned does not allow.
+  void drop_aligned();
 
   /// Whether all frames have arrived since begin_volume().
   bool volume_complete() const;
@@ -55,6 +58,8 @@ class FrameStore {
 
   /// [frame][line * samples_per_stick + sample] of the scan; zeros before a frame's arrival.
   const std::vector<std::vector<float>>& received() const { return received_; }
+  /// The motor angles of received().
+  MotorAngles angles() const { return angles_.angles(); }
 
   /// Changed layers that are complete, ascending; they count as unchanged from then on.
   [[nodiscard]] std::vector<int> take_complete();
@@ -77,7 +82,8 @@ class FrameStore {
   std::vector<double> weights_;  ///< frame_weights()
   int half_;                     ///< of the weights
   std::vector<std::vector<float>> received_;
-  std::vector<std::vector<float>> aligned_;  ///< empty for plain sticks
+  ReceivedAngles angles_;
+  std::vector<std::vector<float>> aligned_;  ///< empty: received_ is converted
   std::vector<bool> arrived_;                ///< per frame
   std::vector<bool> changed_;                ///< per layer
   std::vector<float> filtered_;

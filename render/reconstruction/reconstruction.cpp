@@ -19,19 +19,28 @@ double detection_level(const EchoLevels& levels, const RayCastingOptions& option
 
 Reconstruction::Reconstruction(const hw::AcquisitionPlan& plan, const RenderOptions& options)
     : plan_(plan), options_(options) {
-  if (needs_levels(options)) spans_ = spans_in_box(plan, options.volume_of_interest);
+  if (needs_levels(options)) planned_spans_ = spans_in_box(plan, options.volume_of_interest);
 }
 
-EchoLevels Reconstruction::levels(const std::vector<std::vector<float>>& received) const {
-  return measure_levels(plan_, received, spans_);
+std::vector<SampleSpan> Reconstruction::spans(const MotorAngles& angles) const {
+  if (angles.as_planned()) return planned_spans_;
+  return spans_in_box(plan_, options_.volume_of_interest, angles);
+}
+
+EchoLevels Reconstruction::levels(const std::vector<std::vector<float>>& received,
+                                  const MotorAngles& angles) const {
+  return measure_levels(plan_, received, spans(angles));
 }
 
 std::vector<std::vector<float>> Reconstruction::aligned_frames(
-    const std::vector<std::vector<float>>& received, const EchoLevels& levels) const {
+    const std::vector<std::vector<float>>& received,
+    const MotorAngles& angles,
+    const EchoLevels& levels) const {
   const ReconstructionOptions& o = options_.reconstruction;
-  const auto edges =
-      find_stick_edges(plan_, received, spans_, levels, options_.ray_casting.edge, o.edge_level);
-  return align_sticks(plan_, dense_factors(plan_, options_), received, edges, o.steepest_rad);
+  const auto edges = find_stick_edges(
+      plan_, received, spans(angles), levels, options_.ray_casting.edge, o.edge_level);
+  return align_sticks(
+      plan_, dense_factors(plan_, options_), received, angles, edges, o.steepest_rad);
 }
 
 }  // namespace wobblebench::render

@@ -23,16 +23,20 @@ class Reconstruction {
   Reconstruction(const hw::AcquisitionPlan& plan, const RenderOptions& options);
 
   bool aligns() const { return options_.reconstruction.sticks == Sticks::aligned; }
-  /// `received`: FrameStore::received().
-  EchoLevels levels(const std::vector<std::vector<float>>& received) const;
+  /// `received`: FrameStore::received(); `angles`: FrameStore::angles().
+  EchoLevels levels(const std::vector<std::vector<float>>& received,
+                    const MotorAngles& angles) const;
   /// All frames of dense_plan(), for FrameStore::put_aligned().
   std::vector<std::vector<float>> aligned_frames(const std::vector<std::vector<float>>& received,
+                                                 const MotorAngles& angles,
                                                  const EchoLevels& levels) const;
 
  private:
+  std::vector<SampleSpan> spans(const MotorAngles& angles) const;
+
   hw::AcquisitionPlan plan_;
   RenderOptions options_;
-  std::vector<SampleSpan> spans_;
+  std::vector<SampleSpan> planned_spans_;
 };
 
 }  // namespace wobblebench::render

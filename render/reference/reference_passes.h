@@ -36,6 +36,7 @@ class SliceStack {
  private:
   SliceGeometry geometry_;
   int sweep_;
+  FrameSpan covered_;
   double level_ = 0;
   std::vector<Image<double>> slices_;
 };

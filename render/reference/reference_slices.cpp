@@ -187,6 +187,20 @@ EdgedStick mix(const std::array<const EdgedStick*, 4>& n,
   return mixed;
 }
 
+/// A stick of a row that turns about a centre `radius_m` before its first sample.
+EdgedStick at_place(const Sticks& row,
+                    const FramePlace& place,
+                    double radius_m,
+                    double steepest_rad,
+                    double spacing_m) {
+  std::array<const EdgedStick*, 4> n{};
+  for (std::size_t j = 0; j < 4; ++j) n[j] = &row[static_cast<std::size_t>(place.frames[j])];
+  const double edge_m = std::isnan(n[1]->edge_m) ? n[2]->edge_m : n[1]->edge_m;
+  const double reach_m =
+      std::isnan(edge_m) ? 0 : (radius_m + edge_m) * place.step_rad * std::tan(steepest_rad);
+  return mix(n, place.t, reach_m, spacing_m);
+}
+
 /// `steps` for each one along a row of sticks that turn by `step_rad` about a centre `radius_m`
 /// before their first sample.
 Sticks denser(const Sticks& row,
@@ -198,16 +212,8 @@ Sticks denser(const Sticks& row,
   const int count = static_cast<int>(row.size());
   Sticks dense;
   for (int i = 0; i <= (count - 1) * steps; ++i) {
-    const int before = std::min(i / steps, std::max(count - 2, 0));
-    std::array<const EdgedStick*, 4> n{};
-    for (int j = 0; j < 4; ++j) {
-      n[static_cast<std::size_t>(j)] =
-          &row[static_cast<std::size_t>(std::clamp(before + j - 1, 0, count - 1))];
-    }
-    const double edge_m = std::isnan(n[1]->edge_m) ? n[2]->edge_m : n[1]->edge_m;
-    const double reach_m =
-        std::isnan(edge_m) ? 0 : (radius_m + edge_m) * step_rad * std::tan(steepest_rad);
-    dense.push_back(mix(n, double(i) / steps - before, reach_m, spacing_m));
+    const FramePlace place = regular_place(i, steps, count, step_rad);
+    dense.push_back(at_place(row, place, radius_m, steepest_rad, spacing_m));
   }
   return dense;
 }
@@ -231,6 +237,7 @@ std::vector<Sticks> edged_frames(const hw::AcquisitionPlan& plan,
 struct ReferenceSticks {
   std::vector<std::vector<double>> frames;  ///< of dense_plan(), [line * samples + sample]
   double level = 0;                         ///< detection_level()
+  MotorAngles angles;
 };
 
 ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& options) {
@@ -240,15 +247,16 @@ ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& 
     store.put(f, volume.frame(f));
   }
   const auto& received = store.received();
-  const auto spans = spans_in_box(plan, options.volume_of_interest);
-  const EchoLevels levels = measure_levels(plan, received, spans);
   ReferenceSticks result;
+  result.angles = store.angles();
+  const auto spans = spans_in_box(plan, options.volume_of_interest, result.angles);
+  const EchoLevels levels = measure_levels(plan, received, spans);
   result.level = detection_level(levels, options.ray_casting);
   const ReconstructionOptions& o = options.reconstruction;
   if (o.sticks == render::Sticks::plain) {
-    for (const auto& frame : received) {
-      result.frames.emplace_back(frame.begin(), frame.end());
-    }
+    const auto& frames =
+        result.angles.as_planned() ? received : place_frames(plan, received, result.angles);
+    for (const auto& frame : frames) result.frames.emplace_back(frame.begin(), frame.end());
     return result;
   }
   const auto edges =
@@ -267,12 +275,20 @@ ReferenceSticks make_sticks(const hw::PolarVolume& volume, const RenderOptions& 
   parallel_rows(lines, [&](int l) {
     Sticks column;
     for (const Sticks& row : rows) column.push_back(row[static_cast<std::size_t>(l)]);
-    columns[static_cast<std::size_t>(l)] = denser(column,
-                                                  factors.frames,
-                                                  geometry.radius_m() - geometry.axis_z_m(),
-                                                  plan.phi_step_rad(),
-                                                  o.steepest_rad,
-                                                  spacing_m);
+    const double radius_m = geometry.radius_m() - geometry.axis_z_m();
+    Sticks& dense = columns[static_cast<std::size_t>(l)];
+    if (result.angles.as_planned()) {
+      dense =
+          denser(column, factors.frames, radius_m, plan.phi_step_rad(), o.steepest_rad, spacing_m);
+      return;
+    }
+    const FrameOrder order = result.angles.order_at(static_cast<double>(l) / factors.lines,
+                                                    plan.acquisition().sticks_per_frame);
+    const int last = (plan.acquisition().frames_per_volume - 1) * factors.frames;
+    for (int f = 0; f <= last; ++f) {
+      const FramePlace place = order.at(dense_angle_rad(plan, factors, f, l));
+      dense.push_back(at_place(column, place, radius_m, o.steepest_rad, spacing_m));
+    }
   });
   for (std::size_t f = 0; f < columns.front().size(); ++f) {
     std::vector<double>& frame = result.frames.emplace_back();
@@ -292,6 +308,9 @@ SliceStack::SliceStack(const hw::PolarVolume& volume, const RenderOptions& optio
       slices_(static_cast<std::size_t>(geometry_.frames())) {
   const ReferenceSticks sticks = make_sticks(volume, options);
   level_ = sticks.level;
+  const double steps = geometry_.frames_per_planned_frame();
+  covered_ = {steps * sticks.angles.covered.first, steps * sticks.angles.covered.last};
+  if (!sticks.angles.as_planned()) sweep_ = 1;
   const hw::AcquisitionPlan plan = dense_plan(volume.plan(), dense_factors(volume.plan(), options));
   std::vector<Image<double>> filtered(slices_.size());
   parallel_rows(geometry_.frames(), [&](int frame) {
@@ -307,7 +326,7 @@ SliceStack::SliceStack(const hw::PolarVolume& volume, const RenderOptions& optio
 
 SliceStack::Sample SliceStack::at(const glm::dvec3& position_m) const {
   const SlicePoint point = geometry_.locate(position_m, sweep_);
-  if (!point.inside) return {};
+  if (!point.inside || !covered_.holds(point.frame)) return {};
   const int size = geometry_.slice_size();
   const Between x = between(geometry_.column(point.x_m), size);
   const Between y = between(geometry_.row(point.depth_m), size);

@@ -55,8 +55,12 @@ hw::PolarVolume middle_frames(const hw::PolarVolume& volume, int count) {
   }
   hw::PolarVolume middle(narrowed(volume.plan(), count));
   const int first = (all - count) / 2;
+  // By half a frame where an odd number of frames is left out.
+  const double turn_rad = volume.plan().frame_phi_rad(first) - middle.plan().frame_phi_rad(0);
   for (int frame = 0; frame < count; ++frame) {
-    middle.place_frame(frame, volume.frame(first + frame), volume.scale());
+    hw::PolarFrame turned = volume.frame(first + frame);
+    for (double& phi_rad : turned.motor_angle_rad) phi_rad -= turn_rad;
+    middle.place_frame(frame, turned, volume.scale());
   }
   return middle;
 }

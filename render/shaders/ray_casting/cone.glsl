@@ -3,6 +3,7 @@
 uniform float r_min_m, r_max_m;
 uniform float tan_half_sector;
 uniform float frame_skew;  // SliceGeometry::frame_skew
+uniform float first_frame, last_frame;  // SliceVolume::covered
 
 #if !PAIRS
 
@@ -18,7 +19,7 @@ vec3 to_slices(vec3 position, out bool inside) {
   frame -= frame_skew * atan(position.x, depth);
 #endif
   float r = length(vec2(position.x, depth));
-  inside = motion.z > 0.99 && frame >= 0.0 && frame <= float(FRAMES - 1) && depth > 0.0 &&
+  inside = motion.z > 0.99 && frame >= first_frame && frame <= last_frame && depth > 0.0 &&
            r >= r_min_m && r <= r_max_m && abs(position.x) <= depth * tan_half_sector;
   return vec3(position.x, depth, frame);
 }
@@ -55,7 +56,7 @@ bool in_fan(float frame, float phi) {
 #if FRAMES == 1
   return phi >= phi_min_rad && phi <= phi_max_rad;
 #else
-  return frame >= 0.0 && frame <= float(FRAMES - 1);
+  return frame >= first_frame && frame <= last_frame;
 #endif
 }
 

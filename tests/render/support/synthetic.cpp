@@ -22,14 +22,15 @@ double hash(const glm::dvec3& position, std::uint64_t seed) {
 
 hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
                              const Field& field,
-                             std::uint32_t volume_index) {
+                             std::uint32_t volume_index,
+                             const MotorLaw& law) {
   hw::PolarVolume volume(plan, volume_index);
   const hw::ProbeGeometry geometry = plan.geometry();
   for (int i = 0; i < plan.sticks_per_volume(); ++i) {
     hw::Stick stick;
     stick.sequence = plan.first_sequence(volume_index) + static_cast<std::uint64_t>(i);
     stick.index = plan.index(stick.sequence);
-    stick.motor_angle_rad = plan.motor_angle_rad(stick.index);
+    stick.motor_angle_rad = law ? law(stick.index) : plan.motor_angle_rad(stick.index);
     const double theta_rad = plan.theta_rad(static_cast<int>(stick.index.line));
     for (int k = 0; k < plan.acquisition().samples_per_stick; ++k) {
       const glm::dvec3 position =

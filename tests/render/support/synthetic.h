@@ -18,10 +18,14 @@ namespace wobblebench::render::testing {
 /// Sample value at a position of the probe frame.
 using Field = std::function<double(const glm::dvec3&)>;
 
-/// `volume`: its index in the stream.
+/// Motor angle of a stick.
+using MotorLaw = std::function<double(const hw::StickIndex&)>;
+
+/// `volume`: its index in the stream. `law`: where the motor is; empty: where the plan has it.
 hw::PolarVolume sample_field(const hw::AcquisitionPlan& plan,
                              const Field& field,
-                             std::uint32_t volume = 0);
+                             std::uint32_t volume = 0,
+                             const MotorLaw& law = {});
 
 /// Sample value at a signed distance from a surface, negative inside: `inside` or `outside`, with a
 /// linear ramp of this width across the surface (0: a step).
