@@ -18,6 +18,7 @@
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/recording_sink.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 
@@ -86,6 +87,7 @@ Json acquisitions_json(const hw::RecordingContents& contents) {
          {"volumes", one.volumes},
          {"delivered", one.sticks},
          {"acquisition", acquisition_json(one.configuration.plan)},
+         {"motor_angles", motor_json(one.motor)},
          {"depth_mm", one.configuration.plan.acquisition().depth_m / kMillimetre},
          {"samples_from", hw::to_string(one.configuration.source)},
          {"subject", subject_json(one.configuration.subject)},
@@ -136,7 +138,8 @@ Json recording_json(const std::filesystem::path& path, const hw::RecordingConten
           {"time_jump_count", contents.time_jump_count}};
 }
 
-void write_plan(std::ostream& text, const hw::Configuration& configuration) {
+void write_plan(std::ostream& text, const hw::RecordedAcquisition& of) {
+  const hw::Configuration& configuration = of.configuration;
   const auto& plan = configuration.plan.acquisition();
   text << "plan        " << plan.frames_per_volume << " frames of " << plan.sticks_per_frame
        << " sticks of " << plan.samples_per_stick << " samples, depth "
@@ -144,12 +147,14 @@ void write_plan(std::ostream& text, const hw::Configuration& configuration) {
        << significant(1 / configuration.plan.stick_period_s(), 4) << " lines/s; samples "
        << hw::to_string(configuration.source) << "\nscale       "
        << display_scale_text(configuration.display_scale) << "\n";
+  const std::string motor = motor_text(of.motor, configuration.plan);
+  if (!motor.empty()) text << "motor       " << motor << "\n";
 }
 
 /// One, as almost always, without its number.
 void write_acquisitions(std::ostream& text, const hw::RecordingContents& contents) {
   const auto& acquisitions = contents.acquisitions;
-  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front().configuration);
+  if (contents.acquisition_count == 1) return write_plan(text, acquisitions.front());
   if (acquisitions.empty()) return;
   text << "acquisitions " << contents.acquisition_count
        << ", one after the other; --board file=RECORDING,acquisition=N takes one\n";
@@ -158,7 +163,7 @@ void write_acquisitions(std::ostream& text, const hw::RecordingContents& content
     text << "acquisition " << i + 1 << ", from byte " << one.offset << ": "
          << count(one.volumes, "volume") << " from volume " << one.volume << " on, "
          << count(one.sticks, "stick") << "\n";
-    write_plan(text, one.configuration);
+    write_plan(text, one);
   }
 }
 
@@ -226,6 +231,7 @@ std::string inspection_report(const std::filesystem::path& path,
                  {"checks", checks_json(contents)}};
   if (const auto& configuration = contents.configuration) {
     report["acquisition"] = acquisition_json(configuration->plan);
+    report["acquisition"]["motor_angles"] = motor_json(contents.acquisitions.front().motor);
     report["board"]["samples_from"] = hw::to_string(configuration->source);
     report["recording"]["subject"] = subject_json(configuration->subject);
     report["recording"]["display_scale"] = display_scale_json(configuration->display_scale);

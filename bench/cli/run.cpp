@@ -13,6 +13,7 @@
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/report_parts.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
@@ -121,8 +122,13 @@ std::optional<Comparison> compare(const RunResult& result,
                                   Progress& progress) {
   if (!scene.subject()) return std::nullopt;
   const std::uint32_t volume = result.acquisition.volume.volume_index();
-  TrueView truth = progress.step(
-      "truth", [&] { return TrueView(true_surface(scene, maps, volume), scene.view().camera); });
+  TrueView truth = progress.step("truth", [&] {
+    Truth surface = true_surface(scene, maps, volume);
+    if (result.motor.matters(scene.plan())) {
+      mark_outside(surface, result.motor, scene.plan().geometry(), scene.view().camera);
+    }
+    return TrueView(std::move(surface), scene.view().camera);
+  });
   PictureMeasures error = progress.step(
       "compare", [&] { return measure_picture(result.picture, truth, scene.render()); });
   std::optional<PictureMeasures> before;
@@ -173,6 +179,7 @@ int run(const Arguments& arguments) {
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
     if (correction) check_correction(*correction, scene.options());
+    warn_of_scene(scene, is_simulated(parse_board(arguments.board)), progress);
     render::Renderer renderer(*context, scene.plan(), scene.render());
     auto compiled = renderer.compile_in_background();
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
@@ -182,6 +189,8 @@ int run(const Arguments& arguments) {
     RunResult result =
         progress.step("stream", [&] { return stream_volume(board, source, *context, renderer); });
     result.kept = cache.kept();
+    result.motor = hw::motor_deviation(result.acquisition.volume);
+    warn_of_motor(result.motor, scene.plan(), progress);
     const auto found = correct_picture(result, correction, scene, renderer, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
 

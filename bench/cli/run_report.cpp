@@ -1,5 +1,6 @@
 #include "bench/cli/run_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
+#include "bench/pipeline/scene_warnings.h"
 
 namespace wobblebench::bench {
 
@@ -255,6 +257,7 @@ std::string run_report(const RunResult& result,
   Json report = report_head("run", provenance_of(result), scene.options());
   const auto& simulated = result.acquisition.simulated;
   report["acquisition"] = acquisition_json(scene.plan());
+  report["acquisition"]["motor_angles"] = motor_json(result.motor);
   report_simulation(report, simulated, scene.plan());
   if (!simulated) report_stream_scale(report, result.acquisition.display_scale);
   report["board"] = board_json(result.acquisition);
@@ -312,7 +315,16 @@ void stage_run_images(OutputFolder& out, const RunResult& result, const render::
                {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
                camera);
   if (!result.comparison) return;
-  write_exr_mm(out.stage("truth_depth.exr"), {{"Z", &result.comparison->truth.depth_m}}, camera);
+  const Truth& truth = result.comparison->truth;
+  Image<float> reason(truth.kind.width, truth.kind.height);
+  std::transform(truth.kind.pixels.begin(),
+                 truth.kind.pixels.end(),
+                 reason.pixels.begin(),
+                 [](TruthKind kind) { return static_cast<float>(kind); });
+  write_exr_mm(
+      out.stage("truth_depth.exr"),
+      {{"Z", &truth.depth_m}, {"Z_crossing", &truth.crossing_m}, {"truth_reason", &reason, 1}},
+      camera);
   write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}}, camera);
 }
 

@@ -14,6 +14,7 @@
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/tolerance/tolerance_report.h"
+#include "hw/probe/motor_deviation.h"
 #include "render/picture.h"
 
 namespace wobblebench::bench {
@@ -32,6 +33,7 @@ struct RunResult {
   std::string gl_renderer;                    ///< GL_RENDERER and GL_VERSION
   std::optional<Comparison> comparison = {};  ///< none: the samples are not of the scene's phantom
   PhantomCache::Kept kept = {};               ///< what was read from the cache
+  hw::MotorDeviation motor = {};              ///< of the volume's sticks
 };
 
 /// What the picture of a result reached of what was chosen for it.

@@ -21,6 +21,7 @@
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
 #include "bench/pipeline/acquire.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/pipeline/stream/stream.h"
 #include "bench/pipeline/stream/stream_queues.h"
@@ -312,6 +313,7 @@ int stream(const Arguments& arguments) {
     warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const ResolvedScene scene = board.resolve(given, cache, progress);
+    warn_of_scene(scene, is_simulated(parse_board(arguments.board)), progress);
     const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
     StreamSink sink(scene.plan(),
                     make_video(out, codec, scene.render().ray_casting.image_size),
@@ -326,6 +328,7 @@ int stream(const Arguments& arguments) {
     report.queue = queue_options(arguments);
     report.result = stream_to(sink, source, renderer, scene, arguments, progress);
     if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
+    warn_of_motor(report.result.reader.motor, scene.plan(), progress);
     report.simulated = board.simulated();
     const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
     report.summary = summary_of(report, in_real_time, scene, arguments);

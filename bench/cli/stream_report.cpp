@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "bench/cli/board_report.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {
@@ -152,6 +153,7 @@ std::string stream_report(const StreamReport& report,
                           const StepTimes& times) {
   Json json = report_head("stream", std::move(provenance), scene.options());
   json["acquisition"] = acquisition_json(scene.plan());
+  json["acquisition"]["motor_angles"] = motor_json(report.result.reader.motor);
   report_simulation(json, report.simulated, scene.plan(), report.result.reader.volumes);
   json["board"] = account_json(report.result.account);
   json["board"]["link"] = link_json(report.result.link);

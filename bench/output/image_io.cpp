@@ -65,7 +65,7 @@ void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image,
 void write_exr_mm(const std::filesystem::path& path,
                   const std::vector<NamedMap>& maps_m,
                   const render::Camera& camera) {
-  const auto& first = *maps_m.at(0).second;
+  const Image<float>& first = *maps_m.at(0).map;
   const bool is_parallel = camera.projection == render::Projection::parallel;
   // The library writes the hour otherwise, and equal results would differ.
   Raster raster{first.width,
@@ -80,10 +80,12 @@ void write_exr_mm(const std::filesystem::path& path,
                 {{"mmPerPixel", static_cast<float>(camera.pixel_m() / kMillimetre)}},
                 {{"worldToCamera", as_floats(world_to_camera(camera))},
                  {"worldToNDC", as_floats(world_to_ndc(camera))}}};
-  for (const auto& [name, map] : maps_m) raster.channels.push_back(name);
+  for (const NamedMap& named : maps_m) raster.channels.push_back(named.name);
   raster.values.reserve(first.pixels.size() * maps_m.size());
   for (std::size_t i = 0; i < first.pixels.size(); ++i) {
-    for (const auto& [name, map] : maps_m) raster.values.push_back(1000.0f * map->pixels.at(i));
+    for (const NamedMap& named : maps_m) {
+      raster.values.push_back(named.scale * named.map->pixels.at(i));
+    }
   }
   write(path, raster);
 }

@@ -27,10 +27,14 @@ void write_png(const std::filesystem::path& path,
                const Image<glm::vec3>& image,
                Values values = Values::display);
 
-/// Float EXR with one named channel a map, linear; lengths are converted from metres to
-/// millimetres, pixels without a value are NaN. The header holds the camera's matrices, mm per
-/// pixel and projection. Throws std::runtime_error "PATH: reason".
-using NamedMap = std::pair<std::string, const Image<float>*>;
+/// A channel of an EXR: lengths in metres, which are written in millimetres, or plain numbers.
+struct NamedMap {
+  std::string name;
+  const Image<float>* map;
+  float scale = 1000.0f;  ///< 1: plain numbers
+};
+/// Float EXR with one named channel a map, linear; pixels without a value are NaN. The header holds
+/// the camera's matrices, mm per pixel and projection. Throws std::runtime_error "PATH: reason".
 void write_exr_mm(const std::filesystem::path& path,
                   const std::vector<NamedMap>& maps_m,
                   const render::Camera& camera);

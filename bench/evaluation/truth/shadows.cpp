@@ -117,6 +117,23 @@ void mark_shadowed(Truth& truth, const StickReach& reach, const render::Camera& 
   });
 }
 
+void mark_outside(Truth& truth,
+                  const hw::MotorDeviation& motor,
+                  const hw::ProbeGeometry& geometry,
+                  const render::Camera& camera) {
+  for (int row = 0; row < truth.kind.height; ++row) {
+    for (int column = 0; column < truth.kind.width; ++column) {
+      TruthKind& kind = truth.kind.at(column, row);
+      if (kind == TruthKind::none) continue;
+      const auto crossing_m = static_cast<double>(truth.crossing_m.at(column, row));
+      const double phi_rad = geometry.to_polar(camera.ray(column, row).at(crossing_m)).phi_rad;
+      if (phi_rad >= motor.low_rad && phi_rad <= motor.high_rad) continue;
+      kind = TruthKind::outside_field;
+      truth.depth_m.at(column, row) = kNoSurface;
+    }
+  }
+}
+
 Truth true_surface(const ResolvedScene& scene,
                    const sim::TissueMapSource& maps,
                    std::uint32_t volume) {

@@ -5,6 +5,7 @@
 
 #include "bench/evaluation/truth/truth.h"
 #include "bench/scene/resolved_scene.h"
+#include "hw/probe/motor_deviation.h"
 #include "render/camera.h"
 #include "sim/options.h"
 #include "sim/probe_simulator.h"
@@ -49,6 +50,12 @@ class StickReach {
 
 /// Surfaces beyond their stick's reach become `shadowed`. The truth must know its crossings.
 void mark_shadowed(Truth& truth, const StickReach& reach, const render::Camera& camera);
+
+/// Surfaces beyond the motor angles of the sticks become `outside_field`.
+void mark_outside(Truth& truth,
+                  const hw::MotorDeviation& motor,
+                  const hw::ProbeGeometry& geometry,
+                  const render::Camera& camera);
 
 /// What a picture of this volume is compared with: trace_truth(), then mark_shadowed(). The scene's
 /// subject must be known. Throws InvalidOption.

@@ -199,6 +199,7 @@ bool FrameReader::finish_frame() {
 
 bool FrameReader::push_frames() {
   const bool ends_volume = finished_.back().ends_volume;
+  if (ends_volume) check_motor();
   if (ends_volume) check_samples();
   for (StreamFrame& frame : finished_) frame.samples = assembly_.volume()->frame(frame.frame);
   if (ends_volume) finish_volume();
@@ -207,6 +208,12 @@ bool FrameReader::push_frames() {
     is_open = queue_.push(std::move(frame)) && is_open;
   }
   return is_open;
+}
+
+void FrameReader::check_motor() {
+  const hw::MotorDeviation motor = hw::motor_deviation(*assembly_.volume());
+  refuse_misplaced(motor, plan_, source_.name);
+  statistics_.motor.add(motor);
 }
 
 /// Of the first volume, and of those that are kept; log-compresses linear ones.

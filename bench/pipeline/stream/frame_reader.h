@@ -9,6 +9,7 @@
 #include "bench/pipeline/stream/stream_queues.h"
 #include "bench/pipeline/stream/stream_source.h"
 #include "hw/board/volume_assembly.h"
+#include "hw/probe/motor_deviation.h"
 #include "hw/probe/polar_volume.h"
 #include "hw/wire/account.h"
 
@@ -21,6 +22,7 @@ struct ReaderStatistics {
   std::uint64_t volumes = 0;      ///< whose last frame was pushed
   double busy_ms = 0;             ///< neither waiting for the board nor for the queue
   int least_free_slots = 0;       ///< of the board's ring
+  hw::MotorDeviation motor;       ///< of the sticks of `volumes`
   std::string ending;             ///< why nothing more came; empty: it was not read to its end
 };
 
@@ -69,6 +71,7 @@ class FrameReader {
   void end_stream(const std::string& why);
   bool finish_frame();
   bool push_frames();
+  void check_motor();
   void check_samples();
   void finish_volume();
   void set_times();

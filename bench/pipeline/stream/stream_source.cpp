@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "base/number_text.h"
+#include "base/units.h"
 #include "base/user_error.h"
 #include "hw/board/volume_assembly.h"
 
@@ -104,6 +105,28 @@ ReceivedSamples make_displayable(hw::PolarVolume& volume,
            " % of them out of range; they must be finite, and log-compressed from 0 to 1");
   }
   return received;
+}
+
+namespace {
+
+std::string degrees(double rad) {
+  return significant(rad / kDegree, 3);
+}
+
+}  // namespace
+
+void refuse_misplaced(const hw::MotorDeviation& motor,
+                      const hw::AcquisitionPlan& plan,
+                      const std::string& board) {
+  const auto frame = static_cast<std::uint64_t>(plan.acquisition().sticks_per_frame);
+  if (plan.phi_step_rad() == 0 || motor.sticks <= frame || !motor.matters(plan)) return;
+  const auto [low_rad, high_rad] = hw::planned_fan_rad(plan);
+  const double covered_rad = std::min(high_rad, motor.high_rad) - std::max(low_rad, motor.low_rad);
+  if (covered_rad >= plan.phi_step_rad()) return;
+  throw UserError("--board = " + board + ": its motor angles go from " + degrees(motor.low_rad) +
+                  " to " + degrees(motor.high_rad) + " deg; the plan's fan is " + degrees(low_rad) +
+                  " to " + degrees(high_rad) + " deg, and at least one frame's step of it (" +
+                  degrees(plan.phi_step_rad()) + " deg) must be covered");
 }
 
 }  // namespace wobblebench::bench

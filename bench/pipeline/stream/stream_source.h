@@ -11,6 +11,7 @@
 
 #include "hw/board/board.h"
 #include "hw/probe/acquisition_plan.h"
+#include "hw/probe/motor_deviation.h"
 #include "hw/probe/polar_volume.h"
 #include "hw/wire/configuration.h"
 
@@ -68,5 +69,10 @@ ReceivedSamples make_displayable(hw::PolarVolume& volume,
                                  const hw::Configuration& configuration,
                                  std::optional<double> dynamic_range_db,
                                  const std::string& board);
+
+/// Throws UserError "--board = NAME: …" where hardly a stick of a volume lies in the plan's fan.
+void refuse_misplaced(const hw::MotorDeviation& motor,
+                      const hw::AcquisitionPlan& plan,
+                      const std::string& board);
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,7 @@
 // Every measure of the picture against the truth, over scenes, rungs, render settings and seeds.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
@@ -9,6 +10,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
@@ -85,12 +87,25 @@ Json report_of(const AccuracyResults& results,
   return report;
 }
 
+/// Each once, whichever settings it is true of.
+void warn_of_scenes(const std::vector<AccuracyScene>& scenes, Progress& progress) {
+  std::set<std::string> said;
+  for (const AccuracyScene& scene : scenes) {
+    for (const auto& setting : scene.settings) {
+      for (const std::string& text : scene_warnings(setting.scene, SamplesFrom::simulator)) {
+        if (said.insert(text).second) progress.warn(text);
+      }
+    }
+  }
+}
+
 CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
                                 const Arguments& arguments,
                                 render::GlContext& context,
                                 OutputFolder& out,
                                 Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  warn_of_scenes(scenes, progress);
   const AccuracyResults results = progress.step("measure", [&](const PartDone& done) {
     return measure_accuracy(
         scenes, context, cache, done, [&](const std::string& what) { progress.note(what); });

@@ -10,6 +10,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/fit/fit_report.h"
 #include "render/gl/context.h"
@@ -95,6 +96,7 @@ FitResults measure(const Scene& scene,
                    render::GlContext& context,
                    Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  for (const auto& text : scene_warnings(scene, SamplesFrom::simulator)) progress.warn(text);
   const LoadedPhantom phantom =
       progress.step("phantom", [&] { return load_phantom(scene.phantom, cache); });
   FitResults results;
