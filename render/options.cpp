@@ -54,6 +54,13 @@ void check_buffer_length(const RenderOptions& options) {
   }
 }
 
+void check_threshold(const RayCastingOptions& o) {
+  if (o.threshold_per_sample == 0 || o.threshold == RayCastingOptions{}.threshold) return;
+  throw InvalidOption("ray_casting.threshold_per_sample",
+                      significant(o.threshold_per_sample, 6),
+                      "cannot be given with threshold");
+}
+
 }  // namespace
 
 void validate(const RenderOptions& options) {
@@ -71,6 +78,7 @@ void validate(const RenderOptions& options) {
   check_odd("shading.depth_filter_size", options.shading.depth_filter_size);
   check_odd("smoothing.filter_size", options.smoothing.filter_size);
   check_buffer_length(options);
+  check_threshold(options.ray_casting);
   check_transfer_function(options.ray_casting);
   if (options.reconstruction.sticks == Sticks::aligned && options.pipeline.mid_volume) {
     throw InvalidOption(

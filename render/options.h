@@ -174,6 +174,9 @@ struct RayCastingOptions {
   /// this value suits the boxes of the built-in phantoms, where 8 steps span 0.9 mm, and the kernel
   /// in slices (docs/results/calibration.md).
   double threshold = 0.15;
+  /// Likewise on the difference between the means of the buffer's halves, which does not grow with
+  /// n: Difference divided by n / 2. 0: `threshold` says it. Not both.
+  double threshold_per_sample = 0;
   EdgeSign edge = EdgeSign::rising;
   /// Side of the window across the ray whose mean enters the buffer (paper section 4); odd; 1: the
   /// sample itself.
@@ -213,6 +216,7 @@ void describe(O& o, Visitor& v) {
   v.integer("buffer_length", o.buffer_length, 2, kLongestBuffer);
   v.real("buffer_length_mm", o.buffer_length_m, kMillimetre, 0, 1000);
   v.real("threshold", o.threshold, 1, -64, 64);
+  v.real("threshold_per_sample", o.threshold_per_sample, 1, -1, 1);
   v.choice("edge", o.edge, {{"rising", EdgeSign::rising}, {"falling", EdgeSign::falling}});
   v.integer("window_2d", o.window_2d, 1, 11);
   v.flag("refine_crossing", o.refine_crossing);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ struct PassTime {
   double ms = 0;
   double gpu_ms = -1;
   FetchCounts fetches;  ///< empty unless a FetchCounter exists
+};
+
+/// Levels of the echoes that the detectors `iso` and `floor` measure in the volume of interest, for
+/// samples in [0, 1].
+struct SurfaceLevels {
+  double fluid = 0;
+  double tissue = 0;
+  /// False where the samples are of one kind: then nothing is a surface.
+  bool separate = false;
 };
 
 /// A rendered picture.
@@ -40,6 +50,7 @@ struct Picture {
   /// scan_conversion, ray_casting, surface_shading, smoothing; behind ray_casting `correction`,
   /// where a tap (RenderTaps::depth) has replaced z.
   std::vector<PassTime> passes;
+  std::optional<SurfaceLevels> levels;  ///< none: no setting needs them
 };
 
 }  // namespace wobblebench::render

@@ -179,6 +179,9 @@ struct Renderer::Pipeline {
     picture.volume = download_rgb(ray_caster.color());
     picture.depth_m = download_depth(*depth);
     picture.filtered_depth_m = download_depth(surface_shader.filtered_depth());
+    if (const auto& levels = complete ? complete_levels : incoming_levels) {
+      picture.levels = SurfaceLevels{levels->fluid, levels->tissue, levels->separate};
+    }
     check_gl("reading the picture");
   }
 

@@ -5,6 +5,7 @@
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/cli/picture_warnings.h"
 #include "bench/cli/run_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -98,6 +99,19 @@ RunResult stream_volume(BoardConnection& board,
           .gl_renderer = context.renderer_string()};
 }
 
+/// No true surface, no fit.
+void refuse_registration(const Arguments& arguments, const ResolvedScene& scene) {
+  if (!arguments.register_surface || scene.subject()) return;
+  throw UserError("--register: needs samples of a known phantom; those of --board " +
+                  arguments.board + " are of an unknown subject: leave it out");
+}
+
+void warn_of_picture(const RunResult& result, const ResolvedScene& scene, Progress& progress) {
+  const auto& comparison = result.comparison;
+  const DepthError* error = comparison ? &comparison->error.raw : nullptr;
+  for (const auto& warning : picture_warnings(result.picture, scene, error)) progress.warn(warning);
+}
+
 /// Corrects z of the result's picture. Returns the picture as it was found; nullopt: there is no
 /// correction.
 std::optional<render::Picture> correct_picture(RunResult& result,
@@ -178,6 +192,7 @@ int run(const Arguments& arguments) {
     const auto choice = choose_settings(request, given, *context, cache, progress);
     const Scene chosen = with_choice(given, arguments, choice);
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
+    refuse_registration(arguments, scene);
     if (correction) check_correction(*correction, scene.options());
     warn_of_scene(scene, is_simulated(parse_board(arguments.board)), progress);
     render::Renderer renderer(*context, scene.plan(), scene.render());
@@ -193,6 +208,7 @@ int run(const Arguments& arguments) {
     warn_of_motor(result.motor, scene.plan(), progress);
     const auto found = correct_picture(result, correction, scene, renderer, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
+    warn_of_picture(result, scene, progress);
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
     progress.step("write", [&] { stage_run_images(out, result, scene.view().camera); });
@@ -220,8 +236,8 @@ Command add_run_command(CLI::App& app) {
       command,
       "--register",
       arguments->register_surface,
-      "Fit pose, range scale and bias that lay the found surface onto the true one (`fit` also "
-      "fits the probe's errors)");
+      "Fit pose, range scale and bias that lay the found surface onto the true one, which must be "
+      "known (`fit` also fits the probe's errors)");
   add_text(
       command,
       "--tolerance",

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/number_text.h"
 #include "bench/cli/board_report.h"
 #include "bench/output/camera_matrices.h"
 #include "bench/output/image_io.h"
@@ -241,6 +242,59 @@ Json error_json(const PictureMeasures& measures, bool surface_sought) {
           {"regions", regions_json(measures, surface_sought)}};
 }
 
+/// Null where no detector needs them.
+Json levels_json(const std::optional<render::SurfaceLevels>& levels) {
+  if (!levels) return nullptr;
+  return {{"fluid", levels->fluid}, {"tissue", levels->tissue}, {"separate", levels->separate}};
+}
+
+/// A fitted value with its 95 % interval, in units that a person reads.
+std::string fitted_text(const Registration& registration, int parameter) {
+  const auto slot = static_cast<std::size_t>(parameter);
+  std::string name = registration_names().at(slot), unit;
+  double scale = 1;
+  if (name.ends_with("_rad")) {
+    scale = 1 / kDegree;
+    unit = " deg";
+    name.resize(name.size() - 4);
+  } else if (name.ends_with("_m")) {
+    scale = 1 / kMillimetre;
+    unit = " mm";
+    name.resize(name.size() - 2);
+  } else {  // scale_minus_1
+    scale = 100;
+    unit = " %";
+  }
+  const auto text = [&](double value) { return significant(scale * value, 3); };
+  return name + " " + text(registration.value.at(slot)) + unit + " (" +
+         text(registration.low.at(slot)) + " to " + text(registration.high.at(slot)) + ")";
+}
+
+/// What --register fitted, with 95 % intervals; empty: it was not asked for.
+std::string registration_lines(const RunResult& result) {
+  if (!result.comparison || !result.comparison->registration) return "";
+  const Registration& fit = *result.comparison->registration;
+  if (!std::isfinite(fit.rms_after_m)) {
+    return "registered  nothing: " + std::to_string(fit.points) + " of " +
+           std::to_string(fit.sampled) + " found points lie near the true surface, too few\n";
+  }
+  std::string lines = "registered  " + std::to_string(fit.points) + " points, RMS distance " +
+                      in_mm(fit.rms_before_m) + " mm before, " + in_mm(fit.rms_after_m) +
+                      " mm after" + (fit.converged ? "" : "; did NOT converge") +
+                      (fit.within_priors ? "" : "; beyond the priors, no calibration error") + "\n";
+  for (int i = 0; i < kRegistrationParameters; ++i) {
+    if (fit.standard_deviation(i) > 0) lines += "            " + fitted_text(fit, i) + "\n";
+  }
+  for (const UnseenParameters& unseen : fit.unseen) {
+    lines += "            not told apart by the data:";
+    for (const int parameter : unseen.parameters) {
+      lines += " " + registration_names().at(static_cast<std::size_t>(parameter));
+    }
+    lines += "\n";
+  }
+  return lines;
+}
+
 }  // namespace
 
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
@@ -264,6 +318,7 @@ std::string run_report(const RunResult& result,
   report["timing"]["board"] = board_timing_json(result.acquisition);
   report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
   report["camera"] = camera_json(scene.view().camera);
+  report["render"]["levels"] = levels_json(result.picture.levels);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
   report["error"] = nullptr;
@@ -296,7 +351,7 @@ std::string run_summary(const RunResult& result,
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
          rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
          samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result, computes_surface(scene)) +
+         error_line(result, computes_surface(scene)) + registration_lines(result) +
          (tolerance ? tolerance_lines(*tolerance) : "") + "results     " + directory.string() +
          "\n";
 }

@@ -11,6 +11,7 @@
 #include "base/duration.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/cli/picture_warnings.h"
 #include "bench/cli/stream_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -329,6 +330,9 @@ int stream(const Arguments& arguments) {
     report.result = stream_to(sink, source, renderer, scene, arguments, progress);
     if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
     warn_of_motor(report.result.reader.motor, scene.plan(), progress);
+    for (const auto& warning : picture_warnings(*sink.last_picture(), scene, nullptr)) {
+      progress.warn(warning);
+    }
     report.simulated = board.simulated();
     const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
     report.summary = summary_of(report, in_real_time, scene, arguments);

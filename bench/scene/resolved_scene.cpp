@@ -86,6 +86,15 @@ bool belongs_to_plan(const std::string& key) {
   return key.starts_with("acquisition.") || key.starts_with("probe.");
 }
 
+/// Rules that depend on the volume of interest, which the file may have left open.
+void check_render(const render::RenderOptions& options) {
+  try {
+    render::validate(options);
+  } catch (const InvalidOption& error) {
+    throw UserError("render." + std::string(error.what()));
+  }
+}
+
 }  // namespace
 
 ResolvedScene::ResolvedScene(Scene options, std::optional<phantoms::PlacedPhantom> subject)
@@ -97,9 +106,11 @@ ResolvedScene::ResolvedScene(Scene options, std::optional<phantoms::PlacedPhanto
 ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>& phantom) {
   if (!phantom) {
     frame_sector(scene);
+    check_render(scene.render);
     return {std::move(scene), std::nullopt};
   }
   frame_phantom(scene, *phantom);
+  check_render(scene.render);
   auto subject = placed(scene, *phantom);
   return {std::move(scene), std::move(subject)};
 }

@@ -62,6 +62,12 @@ int buffer_samples(const RenderOptions& options) {
   return 2 * static_cast<int>(std::lround(0.5 * o.buffer_length_m / step_m(options)));
 }
 
+double difference_threshold(const RenderOptions& options) {
+  const RayCastingOptions& o = options.ray_casting;
+  return o.threshold_per_sample == 0 ? o.threshold
+                                     : o.threshold_per_sample * 0.5 * buffer_samples(options);
+}
+
 int detector_samples(const RenderOptions& options) {
   switch (options.ray_casting.detector) {
     case Detector::iso:

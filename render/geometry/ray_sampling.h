@@ -28,6 +28,10 @@ std::vector<double> blend_weights(const RayCastingOptions& options);
 /// n of Eq. (1), from `buffer_length` or `buffer_length_m`.
 int buffer_samples(const RenderOptions& options);
 
+/// Threshold on Difference of Eq. (1), the sum of the newer half of the buffer minus that of the
+/// older half: from `threshold` or `threshold_per_sample`.
+double difference_threshold(const RenderOptions& options);
+
 /// Samples up to this one that the detector takes to say whether the surface lies here: n of
 /// Eq. (1); two for an iso-surface; for Detector::floor those of the floor's blocks and of one
 /// more, because the crossing is interpolated from the step before.

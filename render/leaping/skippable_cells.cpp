@@ -42,17 +42,16 @@ std::vector<int> next_visible(const RenderOptions& options) {
 
 /// Slope along a ray below which Difference, Eq. (1), stays below the threshold.
 double max_slope_without_edge_per_m(const RenderOptions& options) {
-  const RayCastingOptions& o = options.ray_casting;
   const int n = buffer_samples(options);
   const double half = 0.5 * n;
   const double rounding = n * value_rounding(options.scan_conversion.format);
-  return (o.threshold - rounding) / (half * half * step_m(options) * kSlopeMargin);
+  return (difference_threshold(options) - rounding) / (half * half * step_m(options) * kSlopeMargin);
 }
 
 /// Value that a sample of the buffer must reach for Difference, Eq. (1), to reach the threshold:
 /// samples are not negative, so it is at most n / 2 times the largest of them.
 double least_bright_value(const RenderOptions& options) {
-  return 2 * options.ray_casting.threshold / buffer_samples(options) -
+  return 2 * difference_threshold(options) / buffer_samples(options) -
          value_rounding(options.scan_conversion.format);
 }
 

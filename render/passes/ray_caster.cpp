@@ -220,7 +220,7 @@ void RayCaster::set_sampling(const RenderOptions& options) {
       .set("along_weights", gaussian_weights(ray_kernel_size(o)))
       .set("buffer_weights", buffer_weights(o))
       .set("blend_weights", blend_weights(o))
-      .set("threshold", o.threshold)
+      .set("threshold", difference_threshold(options))
       .set("edge_sign", o.edge == EdgeSign::rising ? 1.0 : -1.0)
       .set("opacity_limit", o.opacity_limit);
 }

@@ -42,6 +42,7 @@ class PaperFinder : public SurfaceFinder {
  public:
   explicit PaperFinder(const RenderOptions& options)
       : o_(options.ray_casting),
+        threshold_(difference_threshold(options)),
         step_m_(step_m(options)),
         n_(static_cast<std::size_t>(buffer_samples(options))) {}
 
@@ -55,9 +56,9 @@ class PaperFinder : public SurfaceFinder {
     if (buffer_.size() > n_) buffer_.pop_front();
     const double now = difference();
     const std::optional<double> before = std::exchange(last_difference_, now);
-    if (now < o_.threshold) return {};
+    if (now < threshold_) return {};
     if (!o_.refine_crossing || !before) return distance_m;
-    return distance_m - step_m_ * (now - o_.threshold) / (now - *before);
+    return distance_m - step_m_ * (now - threshold_) / (now - *before);
   }
 
  private:
@@ -69,6 +70,7 @@ class PaperFinder : public SurfaceFinder {
   }
 
   RayCastingOptions o_;
+  double threshold_;
   double step_m_;
   std::size_t n_;
   std::deque<double> buffer_;

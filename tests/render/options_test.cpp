@@ -66,6 +66,12 @@ const Refusal kRefusals[] = {
     {"threshold",
      [](RenderOptions& o) { o.ray_casting.threshold = std::nan(""); },
      "ray_casting.threshold = nan: must be within -64 and 64"},
+    {"two_thresholds",
+     [](RenderOptions& o) {
+       o.ray_casting.threshold = 0.2;
+       o.ray_casting.threshold_per_sample = 0.05;
+     },
+     "ray_casting.threshold_per_sample = 0.05: cannot be given with threshold"},
     {"rendered_base_without_a_picture",
      [](RenderOptions& o) {
        o.shading.base = ShadingBase::rendered;

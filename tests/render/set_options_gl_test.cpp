@@ -185,5 +185,21 @@ TEST(ProgramPool, GivesEachProgramOnce) {
   check_gl("programs of the pool");
 }
 
+/// Difference sums n / 2 differences: twice the buffer has twice the threshold on the sum, and the
+/// same one on the mean.
+TEST(SetOptions, AThresholdPerSampleIsTimesHalfOfTheBuffer) {
+  for (const int n : {4, 8, 16}) {
+    RenderOptions summed = testing::small_options();
+    summed.ray_casting.detector = Detector::paper;
+    summed.ray_casting.buffer_length = n;
+    summed.ray_casting.threshold = 0.0625 * n / 2;
+    RenderOptions mean = summed;
+    mean.ray_casting.threshold = RayCastingOptions{}.threshold;
+    mean.ray_casting.threshold_per_sample = 0.0625;
+    expect_same(render_volume(gl_context(), testing::noisy_scene(), mean),
+                render_volume(gl_context(), testing::noisy_scene(), summed));
+  }
+}
+
 }  // namespace
 }  // namespace wobblebench::render

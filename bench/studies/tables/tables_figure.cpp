@@ -55,6 +55,14 @@ std::string reference_text(const std::string& name, double ms) {
   return name + ", 1 = " + fixed(ms, ms < 1 ? 2 : ms < 100 ? 1 : 0) + " ms";
 }
 
+/// The median, with a bar to the farther quartile on either side.
+void add_ratio(const Quartiles& ratio, Series& series) {
+  constexpr double kMostShare = 0.9;  // a bar that reached 0 has no end on a logarithmic axis
+  const double quartile = std::max(ratio.upper - ratio.median, ratio.median - ratio.lower);
+  series.y.push_back(ratio.median);
+  series.error.push_back(std::min(quartile, kMostShare * ratio.median));
+}
+
 std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& reference) {
   const auto value = varied_in(table.table).value;
   const std::string paper_text = reference_text("paper", reference.row.paper_ms);
@@ -68,8 +76,8 @@ std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& ref
   for (const MeasuredRow& row : in_order(table, value)) {
     for (Series* series : {&paper, &plain, &fast}) series->x.push_back(row.row.*value);
     paper.y.push_back(row.paper_ratio);
-    plain.y.push_back(row.timings.at(PipelineVariant::plain).ratio.median);
-    fast.y.push_back(row.timings.at(PipelineVariant::fast).ratio.median);
+    add_ratio(row.timings.at(PipelineVariant::plain).ratio, plain);
+    add_ratio(row.timings.at(PipelineVariant::fast).ratio, fast);
   }
   return {paper, plain, fast};
 }

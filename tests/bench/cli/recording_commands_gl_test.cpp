@@ -207,6 +207,11 @@ TEST_F(WithRecording, ARecordingFromHardwareHasNoPhantomAndNoTruth) {
                              folder_);
   EXPECT_NE(summary.out.find("truth       none; samples from hardware"), std::string::npos)
       << summary.out;
+  const auto registered =
+      bench(with({"run", "--register", "--board", "file=card.wbst"}, {kPicture}), folder_);
+  EXPECT_EQ(registered.exit_code, 2);
+  EXPECT_NE(registered.err.find("--register: needs samples of a known phantom"), std::string::npos)
+      << registered.err;
 }
 
 TEST_F(WithRecording, AnImpossibleConfigurationKeepsWhatIsBefore) {

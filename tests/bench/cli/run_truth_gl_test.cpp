@@ -6,7 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "hw/wire/crc32c.h"
 #include "hw/wire/packet.h"
@@ -234,6 +237,92 @@ TEST(RunSamples, OutOfRangeAreNamedWithTheLeastAndTheMost) {
   EXPECT_NE(summary.out.find("1 of 9216 out of range and clamped: they go from 0.25 to 3"),
             std::string::npos)
       << summary.out;
+}
+
+/// Warnings of a run of the small sphere, one line each on stderr and in the report.
+std::vector<std::string> warnings_of(const Words& more, const ScratchFolder& folder) {
+  const auto result = bench(with({"run", "--json"}, {kSphere, kScan, kPicture, more}), folder);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto warnings = report_of(result).at("warnings").get<std::vector<std::string>>();
+  for (const std::string& warning : warnings) {
+    EXPECT_NE(result.err.find("wobblebench: warning: " + warning + "\n"), std::string::npos);
+  }
+  return warnings;
+}
+
+TEST(RunWarnings, SayWhichStageLostTheSurface) {
+  const ScratchFolder folder;
+  const auto only = [&](const Words& more, const std::string& text) {
+    const auto warnings = warnings_of(more, folder);
+    ASSERT_EQ(warnings.size(), 1U) << text;
+    EXPECT_NE(warnings.front().find(text), std::string::npos) << warnings.front();
+  };
+  EXPECT_EQ(warnings_of({}, folder), std::vector<std::string>{});
+  const std::string box = "render.volume_of_interest.center_mm=";
+  only(set(box + "[0,0,900]"), "render.volume_of_interest lies outside the scanned sector");
+  only(with(set("render.preset=baseline"), {set("render.ray_casting.threshold=60")}),
+       "Difference reached the threshold, 60 over 8 samples");
+  only(set("phantom.name=speckle_block"), "shows no surface and is black");
+}
+
+/// Sound travels 60 mm and more to the sphere; a box at the face holds the first millimetres alone.
+TEST(RunWarnings, SayThatTheNearFieldIsInTheBox) {
+  const ScratchFolder folder;
+  const auto warnings = warnings_of(with(set("render.preset=baseline"),
+                                         {set("render.ray_casting.threshold=0"),
+                                          set("render.volume_of_interest.center_mm=[0,0,60]"),
+                                          set("render.volume_of_interest.size_mm=[40,40,24]")}),
+                                    folder);
+  const auto has = [&](const std::string& text) {
+    return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+      return warning.find(text) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(has("the near field is within render.volume_of_interest"));
+}
+
+TEST(RunReport, HoldsTheLevelsOfFluidAndTissue) {
+  const ScratchFolder folder;
+  const auto levels = [&](const Words& more) {
+    return report_of(bench(with({"run", "--json"}, {kSphere, kScan, kPicture, more}), folder))
+        .at("render")
+        .at("levels");
+  };
+  const auto measured = levels({});
+  EXPECT_TRUE(measured.at("separate"));
+  EXPECT_GE(measured.at("fluid"), 0);
+  EXPECT_GT(measured.at("tissue"), measured.at("fluid"));
+  EXPECT_LE(measured.at("tissue"), 1);
+  EXPECT_TRUE(levels(set("render.preset=baseline")).is_null());
+}
+
+TEST(RunReport, TheSummarySaysWhatWasFitted) {
+  const ScratchFolder folder;
+  const auto result = bench(with({"run", "--register"}, {kSphere, kScan, kPicture}), folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(std::regex_search(
+      result.out, std::regex("\nregistered  \\d+ points, RMS distance .* mm before, .* mm after")))
+      << result.out;
+  EXPECT_TRUE(std::regex_search(
+      result.out,
+      std::regex("\n            bias -?[0-9.e-]+ mm \\(-?[0-9.e-]+ to -?[0-9.e-]+\\)\n")))
+      << result.out;
+}
+
+TEST(RunReport, ALengthThatIsTooLongForTheBoxIsRefusedByItsKey) {
+  const ScratchFolder folder;
+  // 64 steps of the sphere's box are shorter than those of the default box.
+  const auto result = bench(with({"run"},
+                                 {kSphere,
+                                  kScan,
+                                  set("render.preset=baseline"),
+                                  set("render.ray_casting.buffer_length_mm=9.5")}),
+                            folder);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(
+      result.err.find("wobblebench: render.ray_casting.buffer_length_mm = 9.5: must be 2 to 64"),
+      std::string::npos)
+      << result.err;
 }
 
 }  // namespace
