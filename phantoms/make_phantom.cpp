@@ -5,7 +5,10 @@
 #include <numeric>
 #include <sstream>
 #include <system_error>
+#include <utility>
+#include <vector>
 
+#include "base/near_name.h"
 #include "phantoms/builders.h"
 #include "phantoms/io/scatterer_file.h"
 #include "phantoms/io/triangle_mesh.h"
@@ -46,16 +49,28 @@ void check_readable(const std::string& file, const std::string& kind) {
 
 void check_material(const std::string& key, const std::string& name) {
   std::string known;
+  std::vector<std::string> names;
   for (const Material& entry : material_table()) {
     if (entry.name == name) return;
     known += (known.empty() ? "" : ", ") + entry.name;
+    names.push_back(entry.name);
   }
-  throw refusal(key, quoted(name), "must be one of " + known);
+  throw refusal(key, quoted(name), "must be one of " + known + did_you_mean(name, names));
 }
 
-void check_materials(const PhantomOptions& options) {
+/// Names that do not exist, also where the phantom does not use them.
+void check_names(const PhantomOptions& options) {
   for (const std::string& name : options.materials) check_material("materials", name);
   check_material("background", options.background);
+  if (options.name == "vdb") return;  // its grids are known once it is read
+  for (const auto& [key, names] :
+       {std::pair{"grids", &options.grids}, std::pair{"targets", &options.targets}}) {
+    if (names->empty()) continue;
+    throw refusal(
+        key,
+        quoted(names->front()),
+        "no such grid: the phantom " + options.name + " has none to name; phantom.name = vdb has");
+  }
 }
 
 void check_mesh(const PhantomOptions& options) {
@@ -69,12 +84,6 @@ void check_mesh(const PhantomOptions& options) {
                   std::to_string(options.materials.size()) + " names",
                   "takes one name for a mesh");
   }
-  check_materials(options);
-}
-
-void check_vdb(const PhantomOptions& options) {
-  check_readable(options.file, "a .vdb");
-  check_materials(options);
 }
 
 void check_file(const PhantomOptions& options) {
@@ -82,10 +91,6 @@ void check_file(const PhantomOptions& options) {
 }
 
 void check_any_voxel(const PhantomOptions&) {}
-
-void check_points(const PhantomOptions& options) {
-  check_material("background", options.background);
-}
 
 void check_radius(const PhantomOptions& options) {
   check_voxel(options, options.radius_m / 2);
@@ -139,7 +144,7 @@ const std::vector<Source>& built_in() {
                                           {"plane", make_plane, check_any_voxel},
                                           {"steps", make_steps, check_steps},
                                           {"sphere", make_sphere, check_radius},
-                                          {"points", make_points, check_points},
+                                          {"points", make_points, check_any_voxel},
                                           {"cyst", make_cyst, check_radius},
                                           {"bone_plate", make_bone_plate, check_thickness},
                                           {"speckle_block", make_speckle_block, check_any_voxel}};
@@ -148,20 +153,22 @@ const std::vector<Source>& built_in() {
 
 const std::vector<Source>& imported() {
   static const std::vector<Source> all = {{"mesh", make_mesh, check_mesh},
-                                          {"vdb", make_vdb, check_vdb},
+                                          {"vdb", make_vdb, check_file},
                                           {"file", read_file, check_file}};
   return all;
 }
 
 const Source& source_of(const std::string& name) {
   std::string known;
+  std::vector<std::string> names;
   for (const auto* sources : {&built_in(), &imported()}) {
     for (const Source& source : *sources) {
       if (source.name == name) return source;
       known += (known.empty() ? "" : ", ") + source.name;
+      names.push_back(source.name);
     }
   }
-  throw refusal("name", quoted(name), "must be one of " + known);
+  throw refusal("name", quoted(name), "must be one of " + known + did_you_mean(name, names));
 }
 
 }  // namespace
@@ -178,6 +185,7 @@ const std::vector<std::string>& phantom_names() {
 void validate(const PhantomOptions& options) {
   check_ranges(options);
   source_of(options.name).check(options);
+  check_names(options);
   (void)read_scatterers(options);  // its lines
 }
 
@@ -185,6 +193,7 @@ Phantom make_phantom(const PhantomOptions& options) {
   check_ranges(options);
   const Source& source = source_of(options.name);
   source.check(options);
+  check_names(options);
   const PointScatterers listed = read_scatterers(options);
   const Phantom phantom = source.build(options);
   return listed.empty() ? phantom : phantom.with(listed);

@@ -13,10 +13,17 @@ set(slow_suites
   Rungs/OnTheSimulator Rungs/PointsOnRung ScattererHdf5 Scatterers Scenes/MemoryOfRun Settings/EachSetting
   SimLink Speckle SpeckleSizeStudy SpeckleStudy Steps StreamCommand SurfaceFinder Tables TablesProgram
   TissueMap Tolerance Trade Truth Tune TurnedMesh VdbFile VdbImport Velocities/TruthOfMovingSphere
-  Weeks/Biometry Weeks/FetalScene WithRecording WithScale)
+  Weeks/Biometry Weeks/FetalScene WithRecording WithScale Views/DepthPoints DepthToPoints PictureSides Hints Warnings)
+
+set(nightly_suites Bases/IdleSweep)
 
 # The labels of a suite of GoogleTest. CTest knows no IN_LIST.
 function(tier_labels suite result)
+  list(FIND nightly_suites "${suite}" nightly)
+  if(NOT nightly EQUAL -1)
+    set(${result} nightly PARENT_SCOPE)
+    return()
+  endif()
   list(FIND slow_suites "${suite}" slow)
   if(slow EQUAL -1)
     set(${result} quick full PARENT_SCOPE)

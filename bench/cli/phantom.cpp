@@ -14,6 +14,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/output/report.h"
+#include "bench/scene/idle_options.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/scene/scene.h"
 #include "phantoms/grids.h"
@@ -201,6 +202,10 @@ int write_phantom(const Arguments& arguments) {
       arguments.output,
       {{"phantom", 10}, {"write", 1}},
       [&](OutputFolder& out, Progress& progress) {
+        std::set<std::string> keys = scene.given;
+        std::erase_if(keys, [](const auto& key) { return !key.starts_with("phantom."); });
+        const std::string idle = idle_options_text(idle_options(scene, keys));
+        if (!idle.empty()) progress.warn(idle);
         PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
         const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
         progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });

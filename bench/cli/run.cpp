@@ -81,7 +81,9 @@ Scene with_choice(const Scene& given,
   if (!choice) return given;
   std::vector<std::string> settings = arguments.scene.settings;
   settings.insert(settings.end(), choice->scene_settings.begin(), choice->scene_settings.end());
-  return load_scene(arguments.scene.file, settings);
+  Scene chosen = load_scene(arguments.scene.file, settings);
+  chosen.given = given.given;  // by the user
+  return chosen;
 }
 
 /// The volume, and the picture of it.
@@ -242,7 +244,8 @@ Command add_run_command(CLI::App& app) {
       command,
       "--tolerance",
       arguments->tolerance,
-      "Choose the fastest settings whose P95 of depth stays within this, as 0.5mm: measured on "
+      "Choose the fastest settings whose P95 of depth stays within this, as 0.5mm, over pixels "
+      "more than 3 mm from a silhouette (the P95 of the whole picture may be larger): measured on "
       "the scene the first time. Exit code 1 if it is not kept");
   add_flag(command,
            "--fail-on-loss",

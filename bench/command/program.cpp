@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "base/near_name.h"
 #include "base/options.h"
 #include "base/user_error.h"
 #include "bench/command/machine_limits.h"
@@ -37,6 +38,41 @@ void check_stdout() {
   throw std::runtime_error("stdout cannot be written" + reason);
 }
 
+/// Whether the program has commands and `word` stands for one that it does not have.
+std::string unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  const bool known = std::find(names.begin(), names.end(), word) != names.end();
+  if (names.empty() || known || word.starts_with("-")) return "";
+  return word + ": no such command" + did_you_mean(word, names);
+}
+
+/// The first word that looks like an option that `command` does not have.
+std::string unknown_option(const CLI::App& command, int argc, char** argv) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (!word.starts_with("--") || word == "--") continue;
+    if (std::find(names.begin(), names.end(), word) != names.end()) continue;
+    return word + ": no such option" + did_you_mean(word, names);
+  }
+  return "";
+}
+
+/// What a line that cannot be parsed holds that the program does not have; empty: it is not that.
+std::string unknown_word(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2) return "";
+  const std::string first = unknown_command(app, argv[1]);
+  if (!first.empty()) return first;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->get_name() == argv[1]) return unknown_option(*command, argc, argv);
+  }
+  return unknown_option(app, argc, argv);
+}
+
 int parse_and_run(const Program& program, int argc, char** argv) {
   CLI::App app{program.description, program.name};
   app.set_version_flag("--version", version_line(program.name), "Print name, version and commit");
@@ -47,7 +83,8 @@ int parse_and_run(const Program& program, int argc, char** argv) {
   } catch (const CLI::Success& answer) {  // --help, --version
     return app.exit(answer);
   } catch (const CLI::ParseError& error) {
-    throw UserError(std::string(error.what()) + " (" + program.name +
+    const std::string unknown = unknown_word(app, argc, argv);
+    throw UserError((unknown.empty() ? error.what() : unknown) + " (" + program.name +
                     " --help lists what it takes)");
   }
   const auto named = std::find_if(

@@ -6,6 +6,7 @@
 
 #include "base/user_error.h"
 #include "bench/pipeline/acquisitions.h"
+#include "bench/scene/idle_options.h"
 #include "bench/scene/subject_hash.h"
 
 namespace wobblebench::bench {
@@ -23,6 +24,11 @@ void check_balance(const hw::BoardAccount& account) {
 double dynamic_range_db(const Scene& scene, const hw::DisplayScale& scale) {
   const bool is_chosen = scene.given.contains("simulation.dynamic_range_db");
   return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
+}
+
+void warn_of_idle_options(const Scene& scene, SampleSource source, Progress& progress) {
+  const std::string idle = idle_options_text(idle_options(scene, scene.given, source));
+  if (!idle.empty()) progress.warn(idle);
 }
 
 }  // namespace
@@ -46,10 +52,17 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
     }
     configuration_ = first_configuration(*board_, arguments_.text);
     scene = with_plan(given, configuration_->plan, name());
-    if (configuration_->source != hw::StreamOrigin::simulated) {
+    const bool is_known = configuration_->source == hw::StreamOrigin::simulated;
+    warn_of_idle_options(
+        scene,
+        is_known ? SampleSource::recording_of_scene : SampleSource::unknown_subject,
+        progress);
+    if (!is_known) {
       return resolve_scene(std::move(scene), std::nullopt);
     }
     refuse_other_subject(scene, configuration_->subject, /*placed=*/false, name());
+  } else {
+    warn_of_idle_options(scene, SampleSource::simulator, progress);
   }
   const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
   return resolve_scene(std::move(scene), phantom);

@@ -53,7 +53,8 @@ class BoardConnection {
   explicit BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options = {});
 
   /// The scene with the board's probe and acquisition (a simulator has the scene's own), and with
-  /// its phantom where the samples are of it: step "phantom". Throws UserError where the scene was
+  /// its phantom where the samples are of it: step "phantom". Warns of options that are given and
+  /// without effect. Throws UserError where the scene was
   /// given other values or is of another subject, NothingCame if no configuration comes.
   ResolvedScene resolve(const Scene& given, PhantomCache& cache, Progress& progress);
 

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/near_name.h"
 #include "base/text.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/scene/toml_depth.h"
@@ -91,6 +92,23 @@ bool is_deep_value(const std::string& setting, std::size_t equals) {
   return line_nested_too_deep(setting.substr(first)).has_value();
 }
 
+/// What a shell leaves of a list without quotes is none; what TOML reads of it is not what was
+/// meant.
+void refuse_broken_list(const std::string& setting,
+                        std::size_t equals,
+                        const std::string& given_by) {
+  const auto first = setting.find_first_not_of(' ', equals + 1);
+  if (first == std::string::npos || setting[first] != '[') return;
+  try {
+    static_cast<void>(toml::parse("value = " + setting.substr(first)));
+  } catch (const toml::parse_error&) {
+    const std::string key = setting.substr(0, equals);
+    throw UserError(given_by + " " + setting +
+                    ": its list is no TOML; in a shell, quote all of it: " + given_by + " '" + key +
+                    "=[1, 2]' or '" + key + "=[\"a\", \"b\"]'");
+  }
+}
+
 /// Puts "a.b.c=value" into the table of section a.b.
 void apply_setting(toml::table& scene, const std::string& setting, const std::string& given_by) {
   if (!is_printable_text(setting)) {
@@ -109,6 +127,7 @@ void apply_setting(toml::table& scene, const std::string& setting, const std::st
     throw UserError(given_by + " " + setting +
                     ": a part of its key is empty; must be SECTION.KEY=VALUE");
   }
+  refuse_broken_list(setting, equals, given_by);
   toml::table* table = &scene;
   std::istringstream sections(setting.substr(0, last_dot));
   for (std::string name; std::getline(sections, name, '.');) {
@@ -150,10 +169,30 @@ void refuse_leftovers(const toml::table& table,
           return section == name || section.starts_with(name + ".");
         });
     if (!node.is_table() || !is_section_or_parent) {
-      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections));
+      throw UserError(source + ": " + name + ": unknown; sections are " + joined(sections) +
+                      did_you_mean(name, sections));
     }
     refuse_leftovers(*node.as_table(), name, source, sections);
   }
+}
+
+/// Of the section's own keys, or else of those with just this name in another section.
+std::string did_you_mean_key(const std::string& key, const std::vector<std::string>& known) {
+  const std::string near = did_you_mean(key, known);
+  if (!near.empty()) return near;
+  std::vector<std::string> names, keys;
+  const Scene defaults;
+  for_each_section(defaults, [&](const std::string& section, const auto& options) {
+    JsonWriter writer;
+    describe(options, writer);
+    for (const auto& [name, value] : writer.json().items()) {
+      names.push_back(name);
+      keys.push_back(section + "." + name);
+    }
+  });
+  const auto found = std::find(names.begin(), names.end(), nearest_name(key, names));
+  if (found == names.end()) return "";
+  return "; did you mean " + keys[static_cast<std::size_t>(found - names.begin())] + "?";
 }
 
 void refuse_unknown_keys(const toml::table& table,
@@ -163,7 +202,8 @@ void refuse_unknown_keys(const toml::table& table,
   for (const auto& [key, node] : table) {
     if (node.is_table()) continue;
     throw UserError(source + ": " + section + "." + std::string(key.str()) +
-                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()));
+                    ": unknown key; keys of [" + section + "] are " + joined(reader.known_keys()) +
+                    did_you_mean_key(std::string(key.str()), reader.known_keys()));
   }
 }
 
@@ -238,6 +278,9 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of,
                  render::RenderPreset preset) {
+  // Settings first where they alone are wrong: what a shell made of a list may stand as the path.
+  toml::table alone;
+  for (const auto& setting : settings) apply_setting(alone, setting, settings_of);
   toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
   for (const auto& setting : settings) apply_setting(table, setting, settings_of);
   std::string source = path.empty() ? "defaults" : path.string();

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/near_name.h"
 #include "base/user_error.h"
 
 namespace wobblebench::bench {
@@ -97,6 +98,11 @@ class TomlReader {
           value = candidate;
           return true;
         }
+      }
+      if (node.is_string()) {
+        std::vector<std::string> known;
+        for (const auto& [name, unused] : names) known.emplace_back(name);
+        fail(key, node, "must be " + allowed + did_you_mean(node.as_string()->get(), known));
       }
       return false;
     });

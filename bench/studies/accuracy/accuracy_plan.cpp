@@ -4,6 +4,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "base/near_name.h"
 #include "base/user_error.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/validate/common/statistics.h"
@@ -170,7 +171,7 @@ void refuse_unknown_keys(const std::vector<std::string>& given,
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    refuse_plan(source, key, "unknown; keys of a plan are " + names);
+    refuse_plan(source, key, "unknown; keys of a plan are " + names + did_you_mean(key, known));
   }
 }
 

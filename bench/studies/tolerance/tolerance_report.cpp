@@ -70,7 +70,7 @@ std::string tolerance_lines(const ToleranceResult& result) {
   lines += choice.promised ? "promised" : "cannot be promised";
   lines += " (a further seed: at most " + in_mm(upper_quantity(setting.score, kToleranceMeasure)) +
            "), reached " + in_mm(result.outcome.reached_mm) +
-           (result.outcome.held ? ", held" : ", not held") + "\nchosen      " + setting.text +
+           (result.outcome.held ? ", held there" : ", not held") + "\nchosen      " + setting.text +
            "; rung " + choice.rung + "; rendering predicted to take " +
            significant(setting.score.volume_ms, 3) + " ms, took " +
            significant(result.render_ms, 3) + " ms\n";

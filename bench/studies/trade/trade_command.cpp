@@ -138,6 +138,8 @@ int trade(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   TradeJournal journal(out.directory(), work.hash());
   Progress progress({{"measure", 100}});
+  const std::string idle = idle_settings(work);
+  if (!idle.empty()) progress.warn(idle);
   if (!arguments.merged.empty()) {
     merge(arguments, work, journal);
   } else {

@@ -11,6 +11,7 @@
 #include "base/statistics.h"
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
+#include "bench/scene/idle_options.h"
 #include "bench/scene/scene_cost.h"
 
 namespace wobblebench::bench {
@@ -164,6 +165,20 @@ void check_trade(const TradeWork& work) {
       }
     }
   }
+}
+
+std::string idle_settings(const TradeWork& work) {
+  IdleInAll idle;
+  for (const TradePoint& point : design_points(work.plan)) {
+    for (std::size_t i = 0; i < work.plan.scenes.size(); ++i) {
+      try {
+        const Scene scene = work.scene(i, point);
+        idle.add(scene, scene.given);
+      } catch (const UserError&) {  // a combination that is refused is recorded as that
+      }
+    }
+  }
+  return idle_options_text(idle.options());
 }
 
 std::vector<TradeUnit> trade_units(const TradeWork& work) {

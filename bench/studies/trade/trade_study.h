@@ -40,6 +40,10 @@ struct TradeWork {
 /// Reads each scene with its reference, and with each level of each axis alone. Throws UserError.
 void check_trade(const TradeWork& work);
 
+/// One line that names the settings of plan and scenes that are without effect in every point of
+/// the design; empty: there are none.
+std::string idle_settings(const TradeWork& work);
+
 /// Every measurement, in the order of the work: what shares sticks and slices follows each other.
 std::vector<TradeUnit> trade_units(const TradeWork& work);
 

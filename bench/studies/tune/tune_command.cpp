@@ -116,6 +116,12 @@ int study(const Arguments& arguments) {
   return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
 }
 
+std::string failure_of(const TuneResults& results) {
+  const std::string nearest = nearest_text(results);
+  return "tune: no setting was found within the limits" +
+         (nearest.empty() ? std::string("; all were refused") : "; nearest: " + nearest);
+}
+
 int tune(const Arguments& arguments) {
   check_search(arguments);
   if (arguments.requests > 0) return study(arguments);
@@ -126,6 +132,8 @@ int tune(const Arguments& arguments) {
   const Provenance provenance = machine.provenance(work);
   const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
+    const std::string idle = idle_settings(work);
+    if (!idle.empty()) progress.warn(idle);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
       return bench::tune(work, options, known, *machine.context, machine.cache, done);
     });
@@ -135,7 +143,8 @@ int tune(const Arguments& arguments) {
     if (found) out.write_text("tuned.toml", tuned_scene(results));
     return {.report = report_of(work, "tune", tune_json(results), provenance, progress.times()),
             .summary = markdown,
-            .exit_code = found ? kDone : kFailed};
+            .exit_code = found ? kDone : kFailed,
+            .failure = found ? "" : failure_of(results)};
   };
   return run_in_folder(arguments.output, {{"search", 100}}, search_and_write);
 }

@@ -85,12 +85,34 @@ void write_candidates(const TuneResults& results, std::ostream& markdown) {
   }
 }
 
+std::string beyond_limit(const TuneNearest::Value& at) {
+  if (!std::isfinite(at.value)) return "not formed";
+  const double percent = 100 * (at.value / at.limit.most - 1);
+  const std::string by = percent > 0 ? significant(percent, 2) + " % above" : "held";
+  return significant(at.value, 3) + " of at most " + significant(at.limit.most, 6) + " (" + by +
+         ")";
+}
+
+Json nearest_json(const TuneResults& results) {
+  if (!results.nearest) return nullptr;
+  Json limits = Json::array();
+  for (const auto& [limit, value] : results.nearest->values) {
+    limits.push_back({{"name", limit.name}, {"most", limit.most}, {"value", number(value)}});
+  }
+  return {{"point", results.nearest->point},
+          {"settings", point_text(results.work, results.nearest->point)},
+          {"seeds", results.nearest->on_fresh_seeds ? "fresh" : "searched"},
+          {"limits", limits}};
+}
+
 void write_chosen(const TuneResults& results, std::ostream& markdown) {
   const TuneCandidate* chosen = results.chosen();
   markdown << "\n## Chosen\n\n";
   if (chosen == nullptr) {
     markdown << (results.candidates.empty() ? "No setting met the limits on the searched seeds.\n"
                                             : "No candidate held on fresh seeds.\n");
+    const std::string nearest = nearest_text(results);
+    if (!nearest.empty()) markdown << "\nNearest: " << nearest << ".\n";
     return;
   }
   markdown << "Point " << chosen->point << ": " << point_text(results.work, chosen->point)
@@ -208,6 +230,7 @@ Json tune_json(const TuneResults& results) {
           {"fresh_seeds", results.fresh_seeds},
           {"candidates", candidates},
           {"chosen", chosen == nullptr ? Json(nullptr) : Json(chosen->point)},
+          {"nearest", nearest_json(results)},
           {"at_an_end", results.at_an_end},
           {"unseen", unseen}};
 }
@@ -218,6 +241,17 @@ std::string tune_markdown(const TuneResults& results, const std::string& machine
   if (!results.candidates.empty()) write_candidates(results, markdown);
   write_chosen(results, markdown);
   return markdown.str();
+}
+
+std::string nearest_text(const TuneResults& results) {
+  if (!results.nearest) return "";
+  std::string text = "point " + std::to_string(results.nearest->point) + " (" +
+                     point_text(results.work, results.nearest->point) + ")";
+  for (const TuneNearest::Value& at : results.nearest->values) {
+    text += (&at == &results.nearest->values.front() ? ": " : ", ") + at.limit.name + " " +
+            beyond_limit(at);
+  }
+  return text + (results.nearest->on_fresh_seeds ? ", bounds of a further seed" : "");
 }
 
 std::string request_text(const TuneRequest& request) {

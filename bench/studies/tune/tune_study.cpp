@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "base/near_name.h"
 #include "base/user_error.h"
 #include "bench/studies/validate/common/statistics.h"
 
@@ -84,6 +85,7 @@ class Tuning {
   TuneResults run() {
     find();
     confirm();
+    find_nearest();
     judge();
     return std::move(results_);
   }
@@ -190,6 +192,35 @@ class Tuning {
     }
   }
 
+  /// Of the candidates if there are any, by their fresh seeds; else of all points.
+  void find_nearest() {
+    if (results_.chosen() != nullptr) return;
+    for (const TuneCandidate& candidate : results_.candidates) {
+      if (candidate.fresh) take_nearer(candidate.point, *candidate.fresh, true);
+    }
+    if (results_.nearest) return;
+    const auto points = best_first();
+    if (!points.empty()) take_nearer(points.front(), scores_.at(points.front()), false);
+  }
+
+  void take_nearer(std::size_t point, const TradeScore& score, bool fresh) {
+    TuneNearest nearest{.point = point, .on_fresh_seeds = fresh, .values = {}};
+    for (const TuneLimit& limit : request().limits) {
+      nearest.values.push_back(
+          {limit, fresh ? upper_quantity(score, limit.name) : quantity_of(score, limit.name)});
+    }
+    const auto excess = [](const TuneNearest& one) {
+      double sum = 0;
+      for (const auto& [limit, value] : one.values) {
+        sum += std::isfinite(value) ? std::max(0.0, value / limit.most - 1) : kNotFormed;
+      }
+      return sum;
+    };
+    if (!results_.nearest || excess(nearest) < excess(*results_.nearest)) {
+      results_.nearest = std::move(nearest);
+    }
+  }
+
   bool all_hold(const TradeScore& fresh) const {
     return std::ranges::all_of(request().limits, [&](const TuneLimit& limit) {
       return upper_quantity(fresh, limit.name) <= limit.most;
@@ -249,7 +280,7 @@ void check_quantity(const std::string& option, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) != names.end()) return;
   std::string all;
   for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
-  throw UserError(option + " = " + name + ": must be one of " + all);
+  throw UserError(option + " = " + name + ": must be one of " + all + did_you_mean(name, names));
 }
 
 TuneLimit parse_limit(const std::string& text) {

@@ -55,6 +55,18 @@ struct TuneCandidate {
   bool holds = false;               ///< each limit, for the upper_quantity() of the fresh seeds
 };
 
+/// The point that came nearest to the limits where none was found.
+struct TuneNearest {
+  /// As compared with a limit: of fresh seeds the upper_quantity().
+  struct Value {
+    TuneLimit limit;
+    double value = 0;
+  };
+  std::size_t point = 0;
+  bool on_fresh_seeds = false;
+  std::vector<Value> values;  ///< of all limits
+};
+
 struct UnseenScore {
   std::string scene;
   std::optional<TradeScore> score;
@@ -70,6 +82,7 @@ struct TuneResults {
   std::vector<TuneCandidate> candidates;  ///< in the order in which they were tried
   /// The candidate that holds, which is the last; none: nothing was found.
   const TuneCandidate* chosen() const;
+  std::optional<TuneNearest> nearest = {};  ///< none: one was chosen, or all points were refused
   std::optional<TradeScore> judged;    ///< the chosen one on the judging seeds; none: not asked for
   std::vector<UnseenScore> unseen;     ///< the chosen one on the plan's unseen scenes
   std::vector<std::string> at_an_end;  ///< keys whose chosen value is the first or last of the plan

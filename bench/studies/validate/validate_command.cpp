@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/near_name.h"
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -35,7 +36,10 @@ std::vector<NamedStudy> chosen(const std::vector<std::string>& names) {
     const bool known =
         std::any_of(all.begin(), all.end(), [&](const auto& study) { return study.id == name; });
     if (known) continue;
-    throw UserError("--study = " + name + ": must be one of " + study_names());
+    std::vector<std::string> ids;
+    for (const auto& study : all) ids.push_back(study.id);
+    throw UserError("--study = " + name + ": must be one of " + study_names() +
+                    did_you_mean(name, ids));
   }
   std::vector<NamedStudy> studies;
   std::copy_if(all.begin(), all.end(), std::back_inserter(studies), [&](const auto& study) {

@@ -345,7 +345,7 @@ TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {
 TEST_F(SceneFile, AnUnknownPresetIsRefusedWithThoseThatExist) {
   EXPECT_EQ(refusal("", {"probe.preset=c5-1"}),
             "--set: probe.preset = 'c5-1': must be one of \"default\" \"c5-2v\" "
-            "\"curvilinear-60\"");
+            "\"curvilinear-60\"; did you mean c5-2v?");
   EXPECT_NE(refusal("[probe]\npreset_source = \"me\"\n").find("probe.preset_source = 'me'"),
             std::string::npos);
 }

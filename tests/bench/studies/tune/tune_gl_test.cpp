@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "tests/bench/cli/program_under_test.h"
 
@@ -63,6 +64,13 @@ TEST_F(Tune, SaysThatNothingWasFoundAndWritesNoScene) {
   const auto result = tune({"--limit", "p95_mm<=0.0001", "--evaluations", "5"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.out.find("No setting met the limits"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\nNearest: point "), std::string::npos) << result.out;
+  // The setting that came nearest, the value that it reached, the limit and by how much it is
+  // above.
+  const std::regex nearest(
+      "wobblebench: tune: no setting was found within the limits; nearest: point [0-9]+ "
+      "\\(.* = .*\\): p95_mm [0-9.]+ of at most 0.0001 \\([0-9.e+]+ % above\\)\n");
+  EXPECT_TRUE(std::regex_search(result.err, nearest)) << result.err;
   EXPECT_FALSE(fs::exists(folder_.path() / "out/tuned.toml"));
   EXPECT_TRUE(fs::exists(folder_.path() / "out/tune.md"));
 }
