@@ -1,9 +1,12 @@
 #include "bench/scene/subject_hash.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <string_view>
+#include <system_error>
 
 #include "base/file.h"
 #include "base/user_error.h"
@@ -44,12 +47,16 @@ std::uint32_t phantom_hash(nlohmann::ordered_json section,
   drop_neutral(section, "mouth_open_mm", 0);
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
-  const auto add = [&](const std::string& path) {
+  const auto add = [&](const std::string& key, const std::string& path) {
     if (path.empty()) return;
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) {
+      throw UserError("phantom." + key + " = " + path + ": no such file");
+    }
     read_pieces(path, [&](std::string_view piece) { crc = continued(crc, piece); });
   };
-  if (is_imported(phantom)) add(phantom.file);
-  add(phantom.scatterers);
+  if (is_imported(phantom)) add("file", phantom.file);
+  add("scatterers", phantom.scatterers);
   return crc;
 }
 

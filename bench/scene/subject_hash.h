@@ -10,7 +10,7 @@ namespace wobblebench::bench {
 
 /// Hash of all that decides the truth: the section [phantom], with the bytes of an imported file
 /// and of a list of scatterers instead of their names, [placement] and [motion]. The scene is that
-/// of a ResolvedScene. Throws as read_pieces().
+/// of a ResolvedScene. Throws UserError for a file that is missing, and as read_pieces().
 hw::SubjectHash subject_hash(const Scene& scene);
 
 /// Throws UserError "SOURCE: …" naming the first section in which the scene differs from the
