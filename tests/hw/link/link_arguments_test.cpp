@@ -67,7 +67,7 @@ TEST(LinkSettings, RejectionNamesTheAllowedValues) {
   EXPECT_EQ(rejection("file=x,start_volume=-1"),
             "start_volume = -1: must be within 0 and 1073741824");
   EXPECT_EQ(rejection("file=x,colour=red"),
-            "colour = red: no such key; file takes pace, loop, start_volume");
+            "colour = red: no such key; file takes pace, loop, acquisition, start_volume");
 }
 
 }  // namespace
