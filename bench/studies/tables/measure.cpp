@@ -95,6 +95,7 @@ MeasuredRow measured_row(const TableRow& row, const Table& table, const TimedSet
   MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
   for (const PipelineVariant variant : variants_of(table)) {
     Timing timing = settings.at(key_of(row, variant)).timing();
+    timing.median_ms = median_interval(settings.at(key_of(row, variant)).frame_ms);
     timing.ratio = paired_ratio(settings.at(key_of(row, variant)).frame_ms,
                                 settings.at(key_of(reference_row(), variant)).frame_ms);
     measured.timings.emplace(variant, std::move(timing));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/median_interval.h"
 #include "base/part_done.h"
 #include "base/statistics.h"
 #include "bench/studies/tables/paper.h"
@@ -27,6 +28,7 @@ struct Timing {
   Spread frame_ms;                 ///< all four passes, all frames, upload included
   std::vector<PassTiming> passes;  ///< in the renderer's order
   Quartiles ratio;  ///< to the reference row's in the same repeat, in the same variant
+  MedianInterval median_ms = {};  ///< of frame_ms
 };
 
 struct MeasuredRow {

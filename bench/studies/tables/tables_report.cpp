@@ -80,6 +80,9 @@ void put_timing(Json& row, PipelineVariant variant, const Timing& timing) {
   row[name + "_ms"] = timing.frame_ms.median;
   row[name + "_min_ms"] = timing.frame_ms.min;
   row[name + "_max_ms"] = timing.frame_ms.max;
+  row[name + "_median_interval_ms"] = {{"low", timing.median_ms.low},
+                                       {"high", timing.median_ms.high},
+                                       {"coverage", timing.median_ms.coverage}};
   row[name + "_ratio"] = timing.ratio.median;
   row[name + "_ratio_quartiles"] = {timing.ratio.lower, timing.ratio.upper};
   for (const PassTiming& pass : timing.passes) {

@@ -60,6 +60,7 @@ TEST(Tables, TheReportHasTheNamesThatOthersRead) {
       for (const char* key : {"paper_ms", "plain_ms", "fast_ms"}) {
         EXPECT_GT(row.at(key).get<double>(), 0) << key;
       }
+      EXPECT_TRUE(row.at("fast_median_interval_ms").at("coverage").is_number());
     }
   }
   EXPECT_TRUE(report.at("tables").at(1).at("exponent_of_side").at("fast").is_number());
