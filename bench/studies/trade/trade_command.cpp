@@ -147,6 +147,9 @@ int trade(const Arguments& arguments) {
   }
   const std::size_t all = trade_units(work).size(), here = journal.records().size();
   if (here < all) {
+    // A shard has no report to say it.
+    const std::string busy = progress.machine_use().warning();
+    if (!busy.empty()) progress.warn(busy);
     std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
               << " measurements are in " << (out.directory() / JournalFile::kName).string()
               << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "
