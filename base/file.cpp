@@ -65,7 +65,8 @@ void read_while(const std::filesystem::path& path, const Body& body) {
     const ssize_t count = ::read(file.get(), bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) refuse_reading(path, std::strerror(errno));
-    if (count == 0 || !body(std::string_view(bytes.data(), static_cast<std::size_t>(count)))) return;
+    if (count == 0 || !body(std::string_view(bytes.data(), static_cast<std::size_t>(count))))
+      return;
   }
 }
 

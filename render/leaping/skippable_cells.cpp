@@ -45,7 +45,8 @@ double max_slope_without_edge_per_m(const RenderOptions& options) {
   const int n = buffer_samples(options);
   const double half = 0.5 * n;
   const double rounding = n * value_rounding(options.scan_conversion.format);
-  return (difference_threshold(options) - rounding) / (half * half * step_m(options) * kSlopeMargin);
+  return (difference_threshold(options) - rounding) /
+         (half * half * step_m(options) * kSlopeMargin);
 }
 
 /// Value that a sample of the buffer must reach for Difference, Eq. (1), to reach the threshold:

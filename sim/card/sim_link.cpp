@@ -172,8 +172,8 @@ std::optional<hw::ReadResult> SimLink::Impl::take_bytes(std::span<std::byte> buf
 }
 
 /// The thread of a probe in real time, which fires on while nobody reads: each volume is taken from
-/// the feed when it is due, so that the next one is computed meanwhile, and none is late for want of
-/// a reader.
+/// the feed when it is due, so that the next one is computed meanwhile, and none is late for want
+/// of a reader.
 void SimLink::Impl::fire(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   try {

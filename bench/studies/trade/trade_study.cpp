@@ -30,7 +30,8 @@ Scene load(const TradePlan& plan,
   Scene read = load_scene(scene.file, settings, source);
   check_memory_of_run(read, available_memory_bytes());
   if (!read.picture.correction.empty()) {
-    refuse_plan(source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
+    refuse_plan(
+        source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
   }
   if (plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {
@@ -152,7 +153,8 @@ void check_trade(const TradeWork& work) {
   for (const std::string& setting : work.more) {
     for (const TradeAxis& axis : work.plan.axes) {
       if (!setting.starts_with(axis.key + "=")) continue;
-      throw UserError("--set " + setting + ": " + axis.key + " is an axis of the plan; leave it out");
+      throw UserError("--set " + setting + ": " + axis.key +
+                      " is an axis of the plan; leave it out");
     }
   }
   for (std::size_t scene = 0; scene < work.plan.scenes.size(); ++scene) {

@@ -90,7 +90,7 @@ class TradeMeasurement {
   const std::vector<std::filesystem::path> files_;  ///< that the plan names
   std::string stamps_;                              ///< of these, where they have hash_
   const std::string hash_;                          ///< of the work
-  std::deque<std::unique_ptr<Scan>> scans_;  ///< the last used is last
+  std::deque<std::unique_ptr<Scan>> scans_;         ///< the last used is last
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
 };
 
