@@ -12,6 +12,7 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
+#include "bench/pipeline/acquisitions.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
@@ -224,7 +225,12 @@ std::vector<BoardArguments> boards_of(const Arguments& arguments) {
     // What cannot be opened is refused before the folder is made; what is made for the checks takes
     // long, and comes after it.
     const bool made = is_simulated(boards.back()) || boards.back().link.value.ends_with("stand-in");
-    if (!made) open_outside_link(boards.back());
+    if (made) continue;
+    open_outside_link(boards.back());
+    if (!holds_several_acquisitions(boards.back())) continue;
+    throw board_refusal(text,
+                        "holds several acquisitions; must be one, which acquisition=N takes "
+                        "(`wobblebench inspect` lists them)");
   }
   return boards;
 }

@@ -35,10 +35,14 @@ bool holds_several(const std::string& path) {
 
 }  // namespace
 
+bool holds_several_acquisitions(const BoardArguments& board) {
+  if (board.link.link != "file") return false;
+  if (read_link_options<hw::FileLinkOptions>(board).acquisition != 0) return false;
+  return of_board(board.text, [&] { return holds_several(board.link.value); });
+}
+
 std::string acquisitions_warning(const BoardArguments& board) {
-  if (board.link.link != "file") return "";
-  if (read_link_options<hw::FileLinkOptions>(board).acquisition != 0) return "";
-  if (!of_board(board.text, [&] { return holds_several(board.link.value); })) return "";
+  if (!holds_several_acquisitions(board)) return "";
   return "--board = " + board.text +
          ": holds several acquisitions; acquisition=N takes one, without it the first is taken "
          "(`wobblebench inspect` lists them)";

@@ -7,8 +7,11 @@
 
 namespace wobblebench::bench {
 
-/// A warning where the board is a recording of which several acquisitions were found and none was
-/// chosen; empty: it is not. Reads the first 256 MiB of the recording.
+/// The board is a recording with several acquisitions in its first 256 MiB, and none was chosen.
+/// Throws UserError where it cannot be read.
+bool holds_several_acquisitions(const BoardArguments& board);
+
+/// Of such a board, that its first acquisition is taken; empty: of any other.
 std::string acquisitions_warning(const BoardArguments& board);
 
 }  // namespace wobblebench::bench

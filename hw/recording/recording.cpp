@@ -164,6 +164,8 @@ std::optional<FirstConfiguration> first_configuration(const RecordingFile& file)
       if (!recorded->packet) continue;
       if (const auto* stick = std::get_if<StickPacket>(&*recorded->packet)) {
         audit.take(stick->stick);
+      } else if (const auto* end = std::get_if<VolumeEndPacket>(&*recorded->packet)) {
+        audit.take(*end);
       } else if (const auto* packet = std::get_if<ConfigurationPacket>(&*recorded->packet)) {
         const std::uint64_t before = audit.next_sequence();
         audit.take(*packet);  // throws if it is not possible

@@ -81,6 +81,48 @@ TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
   EXPECT_TRUE(of("played").at("simulation").is_null());
 }
 
+TEST_F(WithRecording, JoinedToItselfItHoldsTwoAcquisitions) {
+  const std::string bytes = bytes_of(folder_.path() / "rec/recording.wbst");
+  folder_.write("joined.wbst", bytes + bytes);
+  const auto inspected = bench({"inspect", "joined.wbst", "--json"}, folder_);
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.err;
+  const auto recording = nlohmann::json::parse(inspected.out).at("recording");
+  ASSERT_EQ(recording.at("acquisition_count"), 2);
+  EXPECT_EQ(recording.at("acquisitions").at(1).at("offset"), bytes.size());
+  const Words scene = with({}, {kSphere, kPicture});
+  const auto warned = bench(with({"run", "--board", "file=joined.wbst"}, {scene}), folder_);
+  EXPECT_EQ(warned.exit_code, 0) << warned.err;
+  EXPECT_NE(warned.err.find("warning: --board = file=joined.wbst: holds several acquisitions; "),
+            std::string::npos)
+      << warned.err;
+  const auto chosen = bench(
+      with({"run", "--board", "file=joined.wbst,acquisition=2,start_volume=1"}, {scene}), folder_);
+  EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+  EXPECT_EQ(chosen.err.find("warning"), std::string::npos) << chosen.err;
+  const auto copied =
+      bench({"record", "--board", "file=joined.wbst,acquisition=2", "--out", "second"}, folder_);
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
+  EXPECT_EQ(bytes_of(folder_.path() / "second/recording.wbst"), bytes);
+  const auto refused = bench({"conformance", "--board", "file=joined.wbst"}, folder_);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("holds several acquisitions; must be one"), std::string::npos);
+}
+
+/// The end of volume 0 comes before any configuration.
+TEST_F(WithRecording, WithoutItsFirstConfigurationItIsRenderedFromTheNextVolumeOn) {
+  const auto lossy = bench(
+      {"record", "--board", "file=rec/recording.wbst,faults=drop@0", "--out", "lossy"}, folder_);
+  ASSERT_EQ(lossy.exit_code, 0) << lossy.err;
+  const auto result =
+      bench(with({"run", "--board", "file=lossy/recording.wbst", "--json"}, {kSphere, kPicture}),
+            folder_);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto board = nlohmann::json::parse(result.out).at("board");
+  EXPECT_EQ(board.at("volume"), 1);
+  EXPECT_EQ(board.at("missing_sticks"), 0);
+  EXPECT_EQ(board.at("lost").at("link"), 9 * 16);
+}
+
 TEST_F(WithRecording, TablesOfTooFewFramesAreRefused) {
   const auto result = bench({"tables", "--board", "file=rec/recording.wbst"}, folder_);
   EXPECT_EQ(result.exit_code, 2);
