@@ -169,7 +169,7 @@ FileDescriptor open_regular(const std::filesystem::path& path, int flags) {
 JournalFile::JournalFile(const std::filesystem::path& folder,
                          const JournalHead& head,
                          const TakeLine& take)
-    : path_(folder / kName), head_(head) {
+    : path_(folder / head.file), head_(head) {
   try {
     file_ = open_regular(path_, O_RDWR | O_APPEND | O_NOFOLLOW);
     if (!file_.is_open()) return;
@@ -178,7 +178,7 @@ JournalFile::JournalFile(const std::filesystem::path& folder,
     whole_ = content.whole;
     kept_ = content.measurements;
   } catch (const Fault& fault) {
-    throw UserError("--out = " + folder.string() + ": its " + kName + " " + fault.reason +
+    throw UserError("--out = " + folder.string() + ": its " + head.file + " " + fault.reason +
                     "; give another folder");
   }
 }
@@ -223,16 +223,16 @@ std::set<std::string> read_journal(const std::filesystem::path& folder,
                                    const JournalHead& head,
                                    const std::string& option,
                                    const TakeLine& take) {
-  const std::filesystem::path path = folder / JournalFile::kName;
+  const std::filesystem::path path = folder / head.file;
   const auto refuse = [&](const std::string& reason) {
     throw UserError(option + " = " + folder.string() + ": " + reason);
   };
   try {
     const FileDescriptor file = open_regular(path, O_RDONLY);
-    if (!file.is_open()) refuse(std::string("has no ") + JournalFile::kName);
+    if (!file.is_open()) refuse("has no " + head.file);
     return LineReader(head, take).read(read_text(file.get(), path)).machines;
   } catch (const Fault& fault) {
-    refuse(std::string("its ") + JournalFile::kName + " " + fault.reason);
+    refuse("its " + head.file + " " + fault.reason);
     return {};
   }
 }

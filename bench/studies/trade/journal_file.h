@@ -12,8 +12,9 @@
 
 namespace wobblebench::bench {
 
-/// What the first line of a journal says.
+/// Name of a journal's file, and what its first line says.
 struct JournalHead {
+  std::string file;    ///< "points.jsonl"
   std::string schema;  ///< "wobblebench.trade.points/2"
   std::string plan;    ///< hash of all that its lines follow from
 };
@@ -22,15 +23,13 @@ struct JournalHead {
 /// that the line is none.
 using TakeLine = std::function<void(const nlohmann::ordered_json& line)>;
 
-/// `points.jsonl`: lines of JSON, each with the CRC-32C of its text, so that a line that was
+/// Lines of JSON, each with the CRC-32C of its text, so that a line that was
 /// changed is found and never taken for another measurement. The head is first, then come
 /// measurements and the machines that made them. A last line without its end, as a killed command
 /// leaves it, is taken off. A journal without a measurement counts as none, whatever plan it is of.
 class JournalFile {
  public:
-  static constexpr const char* kName = "points.jsonl";
-
-  /// Reads `folder`/points.jsonl, if there is one, and changes nothing. Throws UserError
+  /// Reads the file in `folder`, if there is one, and changes nothing. Throws UserError
   /// "--out = DIR: reason" for a file that is damaged or of another plan, for what is no regular
   /// file, and for a link, be it a symbolic or a hard one: what is appended would get into a file
   /// that belongs to something else.

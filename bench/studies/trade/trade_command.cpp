@@ -151,7 +151,7 @@ int trade(const Arguments& arguments) {
     const std::string busy = progress.machine_use().warning();
     if (!busy.empty()) progress.warn(busy);
     std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
-              << " measurements are in " << (out.directory() / JournalFile::kName).string()
+              << " measurements are in " << (out.directory() / TradeJournal::kFile).string()
               << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "
                  "shards.\n";
     return 0;

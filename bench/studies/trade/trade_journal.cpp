@@ -120,7 +120,9 @@ std::size_t trade_measure(const std::string& name) {
 }
 
 TradeJournal::TradeJournal(const std::filesystem::path& folder, const std::string& plan)
-    : file_(folder, {kSchema, plan}, [this](const Json& line) { add_record(line, records_); }) {}
+    : file_(folder, {kFile, kSchema, plan}, [this](const Json& line) {
+        add_record(line, records_);
+      }) {}
 
 void TradeJournal::append(const TradeRecord& record) {
   if (records_.emplace(record.unit, record).second) file_.append(json_of(record));
@@ -148,7 +150,7 @@ TradeContent read_trade_journal(const std::filesystem::path& folder,
                                 const std::string& option) {
   TradeContent content;
   const auto take = [&](const Json& line) { add_record(line, content.records); };
-  content.machines = read_journal(folder, {kSchema, plan}, option, take);
+  content.machines = read_journal(folder, {TradeJournal::kFile, kSchema, plan}, option, take);
   return content;
 }
 

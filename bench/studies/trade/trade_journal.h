@@ -70,6 +70,8 @@ TradeRecord measured_of(const nlohmann::ordered_json& json);
 /// The journal of `trade`: a line for each record, in the order of the work.
 class TradeJournal {
  public:
+  static constexpr const char* kFile = "points.jsonl";
+
   /// As JournalFile. `plan`: hash of all that the records follow from.
   TradeJournal(const std::filesystem::path& folder, const std::string& plan);
   TradeJournal(const TradeJournal&) = delete;

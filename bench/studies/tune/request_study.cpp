@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <random>
+#include <string>
 #include <utility>
 
 #include "base/hash.h"
@@ -73,6 +74,7 @@ RequestStudy study_requests(const TradeWork& work,
                             int requests,
                             const TuneOptions& options,
                             const TradeRecords& known,
+                            TuneJournal& journal,
                             render::GlContext& context,
                             PhantomCache& cache,
                             const PartDone& done) {
@@ -93,8 +95,9 @@ RequestStudy study_requests(const TradeWork& work,
     for (const RequestMethod& method : kRequestMethods) {
       chosen.search.method = method.search;
       chosen.search.evaluations = method.searches ? options.search.evaluations : 0;
+      const std::string part = "request " + std::to_string(i) + " " + method.name;
       outcome.answers.push_back(
-          answer_of(tune(trade.work, chosen, trade.known, context, cache, {})));
+          answer_of(tune(trade.work, chosen, trade.known, {&journal, part}, context, cache, {})));
       parts.finish_one();
     }
     study.outcomes.push_back(std::move(outcome));

@@ -51,6 +51,7 @@ RequestStudy study_requests(const TradeWork& work,
                             int requests,
                             const TuneOptions& options,
                             const TradeRecords& known,
+                            TuneJournal& journal,
                             render::GlContext& context,
                             PhantomCache& cache,
                             const PartDone& done = {});

@@ -10,6 +10,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
 #include "bench/studies/trade/trade_report.h"
+#include "bench/studies/tune/tune_journal.h"
 #include "bench/studies/tune/tune_report.h"
 
 namespace wobblebench::bench {
@@ -39,13 +40,16 @@ TuneOptions options_of(const Arguments& arguments) {
   return options;
 }
 
+TradeWork unseen_of(TradeWork work) {
+  work.plan.scenes = work.plan.unseen;
+  return work;
+}
+
 /// Reads all scenes, so that nothing is refused after the search.
 TradeWork work_of(const Arguments& arguments) {
   TradeWork work{load_trade_plan(arguments.plan), {}, arguments.settings};
   check_trade(work);
-  TradeWork unseen = work;
-  unseen.plan.scenes = unseen.plan.unseen;
-  check_trade(unseen);
+  check_trade(unseen_of(work));
   return work;
 }
 
@@ -70,12 +74,38 @@ struct Machine {
   PhantomCache cache;
 };
 
+/// The folder's journal, and by which machines its measurements are made.
+class Journal {
+ public:
+  Journal(const OutputFolder& out, const TradeWork& work, const Provenance& provenance)
+      : journal_(out.directory(), work.hash() + unseen_of(work).hash()) {
+    journal_.file().say_kept();
+    journal_.append_machine(measured_by(provenance));
+  }
+
+  TuneJournal& journal() { return journal_; }
+  std::size_t kept() const { return journal_.file().kept(); }
+  /// Those of measured_by(), one after the other.
+  std::string machines() const {
+    std::string text;
+    for (const std::string& machine : journal_.file().machines()) {
+      text += (text.empty() ? "" : "; ") + machine;
+    }
+    return text;
+  }
+
+ private:
+  TuneJournal journal_;
+};
+
 std::string report_of(const TradeWork& work,
                       const std::string& key,
                       const Json& content,
                       const Provenance& provenance,
+                      const Journal& journal,
                       const StepTimes& times) {
   Json report = report_head("tune", provenance, work.reference(0));
+  report["provenance"]["went_on_with"] = journal.kept();
   report["scene"] = nullptr;  // there may be several
   report[key] = content;
   report["wall_ms"] = wall_json(times);
@@ -103,15 +133,22 @@ int study(const Arguments& arguments) {
   const Provenance provenance = machine.provenance(work);
   const auto measure_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
+    Journal journal(out, work, provenance);
     const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
-      return study_requests(
-          work, arguments.requests, options, known, *machine.context, machine.cache, done);
+      return study_requests(work,
+                            arguments.requests,
+                            options,
+                            known,
+                            journal.journal(),
+                            *machine.context,
+                            machine.cache,
+                            done);
     });
-    const std::string markdown = requests_markdown(study, measured_by(provenance));
+    const std::string markdown = requests_markdown(study, journal.machines());
     out.write_text("requests.md", markdown);
-    return {
-        .report = report_of(work, "requests", requests_json(study), provenance, progress.times()),
-        .summary = markdown};
+    return {.report = report_of(
+                work, "requests", requests_json(study), provenance, journal, progress.times()),
+            .summary = markdown};
   };
   return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
 }
@@ -134,14 +171,22 @@ int tune(const Arguments& arguments) {
     warn_of_software(*machine.context, arguments.gl, progress);
     const std::string idle = idle_settings(work);
     if (!idle.empty()) progress.warn(idle);
+    Journal journal(out, work, provenance);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
-      return bench::tune(work, options, known, *machine.context, machine.cache, done);
+      return bench::tune(work,
+                         options,
+                         known,
+                         {&journal.journal(), "search"},
+                         *machine.context,
+                         machine.cache,
+                         done);
     });
-    const std::string markdown = tune_markdown(results, measured_by(provenance));
+    const std::string markdown = tune_markdown(results, journal.machines());
     out.write_text("tune.md", markdown);
     const bool found = results.chosen() != nullptr;
     if (found) out.write_text("tuned.toml", tuned_scene(results));
-    return {.report = report_of(work, "tune", tune_json(results), provenance, progress.times()),
+    return {.report =
+                report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
             .summary = markdown,
             .exit_code = found ? kDone : kFailed,
             .failure = found ? "" : failure_of(results)};

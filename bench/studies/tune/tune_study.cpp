@@ -33,8 +33,15 @@ double magnitude(const std::string& name, double value) {
 /// Scores points of one work, measuring what is not known.
 class Scorer {
  public:
-  Scorer(const TradeWork& work, TradeRecords known, render::GlContext& context, PhantomCache& cache)
-      : work_(work), records_(std::move(known)), measurement_(work, context, cache, scans(work)) {}
+  Scorer(const TradeWork& work,
+         TradeRecords known,
+         KeptSearch kept,
+         render::GlContext& context,
+         PhantomCache& cache)
+      : work_(work),
+        records_(std::move(known)),
+        kept_(std::move(kept)),
+        measurement_(work, context, cache, scans(work)) {}
 
   /// On all scenes; none where one refuses the point.
   std::optional<TradeScore> score(std::size_t point) {
@@ -46,8 +53,7 @@ class Scorer {
       for (std::size_t seed = 0; seed < work_.plan.seeds.size(); ++seed) {
         const TradeUnit unit{scene, point, seed};
         if (records_.contains(unit)) continue;
-        const TradeRecord& record =
-            records_.emplace(unit, measurement_.measure(unit)).first->second;
+        const TradeRecord& record = records_.emplace(unit, measure(unit)).first->second;
         if (!record.refused.empty()) return std::nullopt;
       }
     }
@@ -59,8 +65,25 @@ class Scorer {
     return std::min(kMostScans, work.plan.scenes.size() * work.plan.seeds.size());
   }
 
+  TradeRecord measure(const TradeUnit& unit) {
+    if (kept_.journal == nullptr) return measurement_.measure(unit);
+    const TuneKey key = {kept_.part,
+                         work_.plan.scenes[unit.scene].name,
+                         work_.points[unit.point].values,
+                         work_.plan.seeds[unit.seed]};
+    if (const TradeRecord* const found = kept_.journal->find(key)) {
+      TradeRecord record = *found;
+      record.unit = unit;
+      return record;
+    }
+    TradeRecord record = measurement_.measure(unit);
+    kept_.journal->append(key, record);
+    return record;
+  }
+
   const TradeWork& work_;
   TradeRecords records_;
+  const KeptSearch kept_;
   TradeMeasurement measurement_;
 };
 
@@ -69,10 +92,11 @@ class Tuning {
   Tuning(TradeWork work,
          const TuneOptions& options,
          TradeRecords known,
+         KeptSearch kept,
          render::GlContext& context,
          PhantomCache& cache,
          const PartDone& done)
-      : context_(context), cache_(cache), done_(done) {
+      : kept_(std::move(kept)), context_(context), cache_(cache), done_(done) {
     results_.work = std::move(work);
     results_.options = options;
     results_.known = results_.work.points.size();
@@ -101,7 +125,7 @@ class Tuning {
       const auto score = trade_score(results_.work, known, scenes, point);
       if (score) scores_.emplace(point, *score);
     }
-    scorer_.emplace(results_.work, std::move(known), context_, cache_);
+    scorer_.emplace(results_.work, std::move(known), kept_, context_, cache_);
   }
 
   SearchPoint search_point(const TradePoint& point) const {
@@ -181,7 +205,7 @@ class Tuning {
   void confirm() {
     results_.fresh_seeds = seeds_from(plan().seeds.back() + 1, results_.options.fresh_seeds);
     const TradeWork fresh = work_on(plan().scenes, results_.fresh_seeds);
-    Scorer scorer(fresh, {}, context_, cache_);
+    Scorer scorer(fresh, {}, kept_, context_, cache_);
     for (const std::size_t point : best_first()) {
       const TradeScore& searched = scores_.at(point);
       if (excess_of(request(), searched) > 0) break;
@@ -236,10 +260,10 @@ class Tuning {
       const auto seeds =
           seeds_from(results_.fresh_seeds.back() + 1, results_.options.judging_seeds);
       const TradeWork judging = work_on(plan().scenes, seeds);
-      results_.judged = Scorer(judging, {}, context_, cache_).score(point);
+      results_.judged = Scorer(judging, {}, kept_, context_, cache_).score(point);
     }
     const TradeWork unseen = work_on(plan().unseen, results_.fresh_seeds);
-    Scorer scorer(unseen, {}, context_, cache_);
+    Scorer scorer(unseen, {}, {kept_.journal, kept_.part + " unseen"}, context_, cache_);
     for (const std::size_t scene : all_scenes(unseen.plan)) {
       results_.unseen.push_back({plan().unseen[scene].name, scorer.score(point, {scene})});
     }
@@ -252,6 +276,7 @@ class Tuning {
     return work;
   }
 
+  const KeptSearch kept_;
   render::GlContext& context_;
   PhantomCache& cache_;
   const PartDone& done_;
@@ -345,10 +370,12 @@ std::vector<std::string> keys_at_an_end(const TradePlan& plan, const TradePoint&
 TuneResults tune(TradeWork work,
                  const TuneOptions& options,
                  TradeRecords known,
+                 KeptSearch kept,
                  render::GlContext& context,
                  PhantomCache& cache,
                  const PartDone& done) {
-  return Tuning(std::move(work), options, std::move(known), context, cache, done).run();
+  return Tuning(std::move(work), options, std::move(known), std::move(kept), context, cache, done)
+      .run();
 }
 
 }  // namespace wobblebench::bench

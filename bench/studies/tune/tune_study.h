@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/studies/trade/trade_analysis.h"
+#include "bench/studies/tune/tune_journal.h"
 #include "bench/studies/tune/tune_search.h"
 
 namespace wobblebench::bench {
@@ -90,11 +91,12 @@ struct TuneResults {
 
 inline constexpr std::size_t kMostCandidates = 8;
 
-/// `known`: records of `work`'s points. Throws std::runtime_error; UserError where the reference is
-/// refused.
+/// `known`: records of `work`'s points. `kept`: whose measurements are not made again, and where
+/// new ones are kept. Throws std::runtime_error; UserError where the reference is refused.
 TuneResults tune(TradeWork work,
                  const TuneOptions& options,
                  TradeRecords known,
+                 KeptSearch kept,
                  render::GlContext& context,
                  PhantomCache& cache,
                  const PartDone& done);

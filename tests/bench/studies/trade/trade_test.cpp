@@ -139,7 +139,7 @@ class Journal : public testing_support::FolderTest {
     result.volume_ratio = 1. / 7;
     return result;
   }
-  std::filesystem::path file() const { return folder_ / JournalFile::kName; }
+  std::filesystem::path file() const { return folder_ / TradeJournal::kFile; }
   /// As a new file: ext4 waits for the disk where an old one is cut.
   void replace_file(const std::string& bytes) const {
     std::filesystem::remove(file());

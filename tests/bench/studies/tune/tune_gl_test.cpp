@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -31,8 +32,8 @@ const std::string kPlan = "design = \"sobol\"\npoints = 4\nseeds = 1\nrepeats = 
 class Tune : public ::testing::Test {
  protected:
   Tune() { folder_.write("plan.toml", kPlan); }
-  ProcessResult tune(const Words& more) const {
-    return bench(with({"tune", "plan.toml", "--fresh-seeds", "2"}, {more}), folder_, {});
+  ProcessResult tune(const Words& more, const ProcessLimits& limits = {}) const {
+    return bench(with({"tune", "plan.toml", "--fresh-seeds", "2"}, {more}), folder_, limits);
   }
 
   ScratchFolder folder_;
@@ -87,6 +88,40 @@ TEST_F(Tune, StartsFromATradeOfThePlanAndFromNoOther) {
   const auto other = tune({"--limit", "p95_mm<=20", "--trade", "traded"});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.err.find("--trade = traded: "), std::string::npos) << other.err;
+}
+
+/// Killed, it goes on with what it had measured, and its end is that of a command that was not.
+TEST_F(Tune, KilledItGoesOnWithWhatItMeasured) {
+  const fs::path journal = folder_.path() / "out/tune_points.jsonl";
+  const auto lines = [&] {
+    const std::string text = fs::exists(journal) ? bytes_of(journal) : "";
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  const Words words = {
+      "--limit", "p95_mm<=20", "--least", "rms_mm", "--evaluations", "12", "--json"};
+  ProcessLimits limits;
+  limits.signal = SIGKILL;
+  limits.interrupt_when = [&] { return lines() >= 7; };  // the plan, the machine
+  ASSERT_EQ(tune(words, limits).exit_code, 128 + SIGKILL);
+  const std::string kept = bytes_of(journal).substr(0, bytes_of(journal).rfind('\n') + 1);
+  const auto measured = std::count(kept.begin(), kept.end(), '\n') - 2;
+  const auto second = tune(words);
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_NE(
+      second.err.find("wobblebench: went on with " + std::to_string(measured) + " measurements"),
+      std::string::npos)
+      << second.err;
+  EXPECT_EQ(bytes_of(journal).substr(0, kept.size()), kept) << "measured once";
+  const auto report = nlohmann::json::parse(second.out);
+  EXPECT_EQ(report.at("provenance").at("went_on_with"), measured);
+  const std::string whole = bytes_of(journal);
+  const auto third = tune(words);
+  EXPECT_EQ(bytes_of(journal), whole) << "all of it is known";
+  EXPECT_EQ(nlohmann::json::parse(third.out).at("tune"), report.at("tune"));
+  // The errors do not follow from the times, so that a command that is not killed chooses the same.
+  const auto other = tune(with(words, {{"--out", "whole"}}));
+  EXPECT_EQ(nlohmann::json::parse(other.out).at("tune").at("chosen"),
+            report.at("tune").at("chosen"));
 }
 
 TEST_F(Tune, RefusesWhatItCannotSearch) {
