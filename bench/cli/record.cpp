@@ -1,4 +1,6 @@
 // Writes what a board sends to a file.
+#include <algorithm>
+#include <complex>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,6 +12,7 @@
 #include <string>
 
 #include "base/number_text.h"
+#include "base/shell_word.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
@@ -29,6 +32,7 @@
 #include "bench/scene/scene.h"
 #include "hw/link/link.h"
 #include "hw/recording/recorder.h"
+#include "hw/recording/recording.h"
 #include "sim/fidelity.h"
 #include "sim/rungs/echo_model.h"
 
@@ -40,6 +44,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRecordingName = "recording.wbst";
 constexpr const char* kIqName = "iq.npy";
+constexpr const char* kReportName = "recording.json";
+constexpr std::uintmax_t kMostWithoutStick = 65536;  // bytes of a file that may be removed
 
 struct RecordResult {
   hw::RecordingProgress progress;
@@ -49,10 +55,23 @@ struct RecordResult {
   bool with_iq = false;
 };
 
+/// Whether a file is a recording whose command was killed before its first stick came, so that
+/// nothing can be salvaged from it.
+bool holds_no_stick(const fs::path& partial) {
+  const fs::file_status status = fs::symlink_status(partial);
+  if (!fs::is_regular_file(status) || fs::file_size(partial) > kMostWithoutStick) return false;
+  try {
+    const hw::RecordingContents contents = hw::inspect_recording(partial);
+    return contents.sticks + contents.other_packets == 0 && !contents.unreadable;
+  } catch (const hw::LinkOpenError& error) {
+    return error.fault() == hw::OpenFault::empty || error.fault() == hw::OpenFault::foreign;
+  }
+}
+
 /// The name of a recording that is not finished. Throws UserError where the folder holds one, a
 /// finished one that is not to be replaced, or the IQ samples of one that would not be replaced
 /// with it.
-fs::path new_partial(const OutputFolder& out, bool replace, bool with_iq) {
+fs::path new_partial(const OutputFolder& out, bool replace, bool with_iq, Progress& progress) {
   const fs::path whole = out.directory() / kRecordingName;
   fs::path partial = whole.string() + ".partial";
   const auto refuse = [&](const std::string& what) {
@@ -65,10 +84,14 @@ fs::path new_partial(const OutputFolder& out, bool replace, bool with_iq) {
   std::error_code ignored;
   // A command was killed after its recording had its final name, before it lost the other.
   if (fs::equivalent(partial, whole, ignored)) fs::remove(partial);
+  if (holds_no_stick(partial)) {
+    fs::remove(partial);
+    progress.warn(partial.string() + " of a killed command held no stick; it was removed");
+  }
   if (holds(partial)) {
     refuse(
         "a recording that was not finished; must be a folder without one (`wobblebench inspect " +
-        partial.string() + " --salvage NEW` copies what it holds)");
+        shell_word(partial.string()) + " --salvage NEW` copies what it holds)");
   }
   if (!replace && holds(whole)) {
     refuse(std::string(kRecordingName) +
@@ -239,6 +262,26 @@ std::unique_ptr<hw::Link> make_simulated_link(const Scene& scene,
   return open_board_link(board, simulated_sticks(std::move(scan), std::move(iq)));
 }
 
+/// What the files of the command have at least; 0: not known beforehand.
+std::uint64_t least_bytes(const BoardArguments& board,
+                          const Scene& scene,
+                          const Arguments& arguments) {
+  if (!board.faults.faults.empty()) return 0;  // which may lose packets
+  if (!is_simulated(board)) {
+    const bool is_whole = board.link.link == "file" && board.link.settings.empty();
+    return is_whole && arguments.volumes == 0 ? fs::file_size(board.link.value) : 0;
+  }
+  const hw::AcquisitionPlan plan = scene.plan();
+  const auto volumes = static_cast<std::uint64_t>(
+      arguments.volumes > 0 ? std::min(arguments.volumes, scene.acquisition.volumes)
+                            : scene.acquisition.volumes);
+  const auto sticks = volumes * static_cast<std::uint64_t>(plan.sticks_per_volume());
+  const auto samples = static_cast<std::uint64_t>(plan.acquisition().samples_per_stick);
+  std::uint64_t iq = arguments.iq ? sizeof(std::complex<float>) : 0;
+  for (const std::uint64_t size : iq_shape(plan, volumes)) iq *= size;
+  return sticks * samples * sizeof(float) + iq;
+}
+
 /// Why the exit code is kFailed; empty: it is not.
 std::string failure_of(const RecordResult& result,
                        const std::string& loss,
@@ -276,8 +319,9 @@ CommandResult record_to(OutputFolder& out,
     const std::string idle = idle_options_text(idle_options(scene, scanned_keys(scene)));
     if (!idle.empty()) progress.warn(idle);
   }
-  const fs::path partial = new_partial(out, arguments.replace, arguments.iq);
+  const fs::path partial = new_partial(out, arguments.replace, arguments.iq, progress);
   if (link) out.refuse_input(board.link.value, kRecordingName);
+  out.check_space(least_bytes(board, scene, arguments));
   RecordResult result{.with_iq = arguments.iq};
   std::shared_ptr<IqFile> iq;
   if (arguments.iq) iq = std::make_shared<IqFile>(out.stage(kIqName), scene.plan());
@@ -285,8 +329,8 @@ CommandResult record_to(OutputFolder& out,
     link = progress.step(
         "open", [&] { return make_simulated_link(scene, board, arguments.cache, iq, result); });
   }
-  RecordingSink sink(partial);
   stop_in_order();
+  RecordingSink sink(partial);
   hw::Recorder recorder(
       *link, [&](auto bytes) { sink.write(bytes); }, {.volumes = arguments.volumes});
   result.end = record(recorder, sink, iq.get(), arguments, progress);
@@ -304,7 +348,10 @@ CommandResult record_to(OutputFolder& out,
                   "report is of the last");
   }
   const std::string failure = failure_of(result, loss, arguments);
-  return {record_report(result, scene),
+  const std::string report = record_report(result, scene);
+  // The other commands write their report.json into any folder.
+  out.write_text(kReportName, report);
+  return {report,
           record_summary(result, out.directory()),
           failure.empty() ? kDone : kFailed,
           failure,

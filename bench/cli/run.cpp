@@ -1,4 +1,5 @@
 // The main job: a stream of one volume, its picture compared with the truth, written.
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -166,6 +167,12 @@ std::optional<Comparison> compare(const RunResult& result,
   return comparison;
 }
 
+/// What the pictures have on disk, roughly: 6 bytes a pixel of a sphere that fills half of it.
+std::uint64_t picture_bytes(const Scene& scene) {
+  const auto size = static_cast<std::uint64_t>(scene.render.ray_casting.image_size);
+  return 4 * size * size;
+}
+
 /// Why the exit code is kFailed; empty: it is not.
 std::string failure_of(const RunResult& result,
                        const std::optional<ToleranceResult>& tolerance,
@@ -190,6 +197,7 @@ int run(const Arguments& arguments) {
 
   const auto work = [&](OutputFolder& out, Progress& progress) {
     warn_of_software(*context, arguments.gl, progress);
+    out.check_space(picture_bytes(given));
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const auto choice = choose_settings(request, given, *context, cache, progress);
     const Scene chosen = with_choice(given, arguments, choice);

@@ -322,8 +322,9 @@ int stream(const Arguments& arguments) {
     render::Renderer renderer(*context, scene.plan(), scene.render());
     progress.step("shaders", [&] { renderer.compile(); });
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
-    stop_in_order();
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+    // Until here an interrupt ends the command at once, as there is nothing to keep.
+    stop_in_order();
 
     StreamReport report;
     report.queue = queue_options(arguments);

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/file.h"
+#include "base/new_file.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/output/camera_matrices.h"
@@ -22,7 +22,7 @@ void write(const std::filesystem::path& path, const Raster& raster) {
   } catch (const std::exception& error) {
     throw std::runtime_error(path.string() + ": " + error.what());
   }
-  write_file(path, {bytes.data(), bytes.size()});
+  write_new_file(path, {bytes.data(), bytes.size()});
 }
 
 VideoFormat format_of(Codec codec, int width, int height) {

@@ -22,7 +22,8 @@ enum class Values { display, light };
 /// sRGB's transfer function (IEC 61966-2-1).
 float encoded(float light);
 
-/// 8-bit RGB PNG in sRGB, which the file says. Throws std::runtime_error "PATH: reason".
+/// 8-bit RGB PNG in sRGB, which the file says: a new file, as write_new_file(). Throws
+/// std::runtime_error "PATH: reason".
 void write_png(const std::filesystem::path& path,
                const Image<glm::vec3>& image,
                Values values = Values::display);
@@ -34,7 +35,8 @@ struct NamedMap {
   float scale = 1000.0f;  ///< 1: plain numbers
 };
 /// Float EXR with one named channel a map, linear; pixels without a value are NaN. The header holds
-/// the camera's matrices, mm per pixel and projection. Throws std::runtime_error "PATH: reason".
+/// the camera's matrices, mm per pixel and projection. A new file, too. Throws
+/// std::runtime_error "PATH: reason".
 void write_exr_mm(const std::filesystem::path& path,
                   const std::vector<NamedMap>& maps_m,
                   const render::Camera& camera);

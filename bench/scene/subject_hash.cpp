@@ -81,7 +81,7 @@ void refuse_other_subject(const Scene& scene,
     if (of_scene == of_record) return;
     throw UserError(source + ": the scene's [" + section +
                     "] is not that of the recording; give the scene and --set that it was "
-                    "recorded with (`scene` in the report.json beside it)");
+                    "recorded with (`scene` in the recording.json beside it)");
   };
   compare("phantom", here.phantom, recorded.phantom);
   compare("motion", here.motion, recorded.motion);

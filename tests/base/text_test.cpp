@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "base/shell_word.h"
+
 namespace wobblebench {
 namespace {
 
@@ -69,6 +71,15 @@ TEST(CsvField, IsQuotedWhereRfc4180AsksForIt) {
   EXPECT_EQ(csv_field("1,5"), "\"1,5\"");
   EXPECT_EQ(csv_field("say \"no\""), "\"say \"\"no\"\"\"");
   EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
+}
+
+TEST(ShellWord, NamesEveryTextAsOneWord) {
+  EXPECT_EQ(shell_word("out/recording.wbst"), "out/recording.wbst");
+  EXPECT_EQ(shell_word(""), "''");
+  EXPECT_EQ(shell_word("my out"), "'my out'");
+  EXPECT_EQ(shell_word("a$(touch x)`y`"), "'a$(touch x)`y`'");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word("\xc3\xa9"), "'\xc3\xa9'");
 }
 
 }  // namespace

@@ -105,6 +105,15 @@ int open64(const char* path, int flags, ...) {
   return open_file("open64", path, flags, mode);
 }
 
+int openat(int folder, const char* path, int flags, ...) {
+  std::va_list arguments;
+  va_start(arguments, flags);
+  const mode_t mode = mode_of(flags, arguments);
+  va_end(arguments);
+  static auto* const real = next<int(int, const char*, int, ...)>("openat");
+  return is_reached("open", (flags & O_CREAT) != 0) ? fail(EIO) : real(folder, path, flags, mode);
+}
+
 ssize_t write(int file, const void* bytes, size_t count) {
   static auto* const real = next<ssize_t(int, const void*, size_t)>("write");
   return file > STDERR_FILENO && is_reached("write") ? fail(ENOSPC) : real(file, bytes, count);
@@ -113,6 +122,11 @@ ssize_t write(int file, const void* bytes, size_t count) {
 int rename(const char* from, const char* to) noexcept {
   static auto* const real = next<int(const char*, const char*)>("rename");
   return is_reached("rename") ? fail(EIO) : real(from, to);
+}
+
+int renameat(int from_folder, const char* from, int to_folder, const char* to) noexcept {
+  static auto* const real = next<int(int, const char*, int, const char*)>("renameat");
+  return is_reached("rename") ? fail(EIO) : real(from_folder, from, to_folder, to);
 }
 
 int fsync(int file) {
@@ -130,9 +144,24 @@ int link(const char* from, const char* to) noexcept {
   return is_reached("link") ? fail(EIO) : real(from, to);
 }
 
+int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags) noexcept {
+  static auto* const real = next<int(int, const char*, int, const char*, int)>("linkat");
+  return is_reached("link") ? fail(EIO) : real(from_folder, from, to_folder, to, flags);
+}
+
 int mkdir(const char* path, mode_t mode) noexcept {
   static auto* const real = next<int(const char*, mode_t)>("mkdir");
   return is_reached("mkdir") ? fail(EIO) : real(path, mode);
+}
+
+int mkdirat(int folder, const char* path, mode_t mode) noexcept {
+  static auto* const real = next<int(int, const char*, mode_t)>("mkdirat");
+  return is_reached("mkdir") ? fail(EIO) : real(folder, path, mode);
+}
+
+int unlinkat(int folder, const char* path, int flags) noexcept {
+  static auto* const real = next<int(int, const char*, int)>("unlinkat");
+  return is_reached("unlink") ? fail(EIO) : real(folder, path, flags);
 }
 
 int unlink(const char* path) noexcept {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "base/shell_word.h"
 #include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
@@ -18,8 +19,8 @@ const Words kSmallSphere = with({"phantom"}, {kSphere});
 ProcessResult shell(const std::string& program,
                     const std::string& line,
                     const ScratchFolder& folder) {
-  return run_process(
-      "/bin/sh", {"-c", std::regex_replace(line, std::regex("PROGRAM"), program)}, folder.path());
+  const std::string command = std::regex_replace(line, std::regex("PROGRAM"), shell_word(program));
+  return run_process("/bin/sh", {"-c", command}, folder.path());
 }
 
 int lines_in(const std::string& text) {
@@ -149,6 +150,7 @@ TEST(Answers, AnInterruptedRunLeavesNoNewFolder) {
                     {.interrupt_when = [&] { return fs::exists(folder.path() / "new/deep"); },
                      .signal = signal});
     EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
+    EXPECT_TRUE(result.err.ends_with("wobblebench: interrupted\n")) << result.err;
     EXPECT_TRUE(folder.files().empty());
   }
 }

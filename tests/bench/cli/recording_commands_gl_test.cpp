@@ -24,7 +24,7 @@ class WithRecording : public testing::Test {
     const auto result =
         bench(with({"record", "--volumes", "3", "--out", "rec"}, {kSphere, kScan}), folder_);
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    ASSERT_EQ(folder_.files("rec"), (Words{"recording.wbst", "report.json"}));
+    ASSERT_EQ(folder_.files("rec"), (Words{"recording.json", "recording.wbst", "report.json"}));
   }
 
   ScratchFolder folder_;
@@ -386,7 +386,7 @@ TEST_F(WithRecording, InterruptedARecordingIsWholeAsFarAsItGoes) {
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("recording").at("ended_because"), "interrupted");
   EXPECT_GT(report.at("board").at("delivered"), 100);
-  EXPECT_EQ(folder_.files("long"), (Words{"recording.wbst", "report.json"}));
+  EXPECT_EQ(folder_.files("long"), (Words{"recording.json", "recording.wbst", "report.json"}));
 }
 
 TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {
@@ -443,7 +443,8 @@ TEST_F(WithRecording, KilledAtAnyMomentItCanBeSalvaged) {
         folder_,
         limits);
     ASSERT_EQ(killed.exit_code, 128 + SIGKILL);
-    ASSERT_EQ(folder_.files("killed"), (Words{".wobblebench.lock", "recording.wbst.partial"}));
+    ASSERT_EQ(folder_.files("killed"),
+              (Words{".wobblebench-partial", ".wobblebench.lock", "recording.wbst.partial"}));
     fs::remove(folder_.path() / "s.wbst");
     const auto inspected = bench(
         {"inspect", "killed/recording.wbst.partial", "--salvage", "s.wbst", "--json"}, folder_);

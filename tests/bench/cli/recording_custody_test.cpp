@@ -167,7 +167,7 @@ TEST_F(Custody, AFolderTakesOneCommandAtATime) {
                  "--out = out: is in use by another command; must be a folder that no other "
                  "command writes to");
   EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
-  EXPECT_EQ(folder_.files("out"), (Words{"recording.wbst", "report.json"}));
+  EXPECT_EQ(folder_.files("out"), (Words{"recording.json", "recording.wbst", "report.json"}));
 }
 
 TEST_F(Custody, WithStandardStreamsClosedNoTextGetsIntoTheRecording) {
@@ -188,6 +188,46 @@ TEST_F(Custody, ALinkUnderThePartialNameIsNotFollowed) {
   expect_refused(bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}),
                  "--out = out: holds a recording that was not finished");
   EXPECT_EQ(bytes_of(at("victim")), "text");
+}
+
+/// Killed before its first stick: empty, a part of the first packet, the plan alone.
+TEST_F(Custody, APartialWithoutAStickIsNoDeadEnd) {
+  constexpr std::size_t kHeader = 64, kConfiguration = 64 + 184;  // docs/wire_format.md
+  for (const std::size_t bytes : {std::size_t{0}, kHeader - 1, kHeader, kConfiguration}) {
+    fs::remove_all(at("out"));
+    fs::create_directory(at("out"));
+    folder_.write("out/recording.wbst.partial", bytes_.substr(0, bytes));
+    const auto result = bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"});
+    EXPECT_EQ(result.exit_code, 0) << bytes << ": " << result.err;
+    EXPECT_NE(result.err.find("out/recording.wbst.partial of a killed command held no stick"),
+              std::string::npos)
+        << result.err;
+    EXPECT_EQ(bytes_of(at("out/recording.wbst")), bytes_);
+    EXPECT_FALSE(fs::exists(at("out/recording.wbst.partial")));
+  }
+}
+
+TEST_F(Custody, APartialOfWhichLittleIsKnownStays) {
+  std::string later = bytes_;
+  later[4] = 9;  // the wire format's version
+  for (const std::string& bytes :
+       {bytes_.substr(0, 3000), later.substr(0, 3000), std::string(100000, 'x')}) {
+    fs::remove_all(at("out"));
+    fs::create_directory(at("out"));
+    folder_.write("out/recording.wbst.partial", bytes);
+    expect_refused(bench({"record", "--board", "file=rec/recording.wbst", "--out", "out"}),
+                   "--out = out: holds a recording that was not finished");
+    EXPECT_EQ(bytes_of(at("out/recording.wbst.partial")), bytes);
+  }
+}
+
+/// The scene of a recording is known after other commands have filled its folder, too.
+TEST_F(Custody, TheReportOfARecordingOutlivesOtherCommands) {
+  const std::string report = bytes_of(at("rec/recording.json"));
+  EXPECT_NE(report.find("\"command\": \"record\""), std::string::npos);
+  ASSERT_EQ(bench(with({"phantom", "--out", "rec"}, {kSphere})).exit_code, 0);
+  EXPECT_EQ(bytes_of(at("rec/recording.json")), report);
+  EXPECT_EQ(bytes_of(at("rec/recording.wbst")), bytes_);
 }
 
 }  // namespace

@@ -28,7 +28,9 @@ Image<glm::vec3> ramp(int size) {
 }
 
 std::filesystem::path temporary(const std::string& name) {
-  return std::filesystem::path(testing::TempDir()) / name;
+  const auto path = std::filesystem::path(testing::TempDir()) / name;
+  std::filesystem::remove(path);  // of a test that was stopped
+  return path;
 }
 
 TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
@@ -58,6 +60,7 @@ TEST(ImageIo, LightIsEncodedInSrgbAndTheFileSaysSo) {
   for (const auto& [meaning, expected] :
        {std::pair{Values::light, std::vector<unsigned char>{0, 7, 40, 124, 188, 255}},
         std::pair{Values::display, std::vector<unsigned char>{0, 1, 5, 51, 128, 255}}}) {
+    std::filesystem::remove(path);
     write_png(path, image, meaning);
     const auto input = OIIO::ImageInput::open(path.string());
     ASSERT_TRUE(input);
@@ -103,12 +106,15 @@ template <class Write>
 void expect_full_disk_is_said(const std::filesystem::path& path, const Write& write) {
   write(path);
   const auto size = std::filesystem::file_size(path);
+  EXPECT_THROW(write(path), std::runtime_error) << "there is a file of that name";
+  std::filesystem::remove(path);
   for (const std::uintmax_t missing : {std::uintmax_t{1}, std::uintmax_t{100}, size / 2, size}) {
     const testing_support::FileLimit limit(size - missing);
     EXPECT_THROW(write(path), std::runtime_error) << missing << " of " << size << " bytes missing";
   }
   EXPECT_NO_THROW(write(path));
   EXPECT_EQ(std::filesystem::file_size(path), size);
+  std::filesystem::remove(path);
 }
 
 TEST(ImageIo, AFullDiskIsSaidHoweverLate) {

@@ -107,6 +107,110 @@ TEST(OutputFolder, NothingIsRenamedWhenAFolderIsInTheWay) {
   EXPECT_EQ(scratch.files(), Names{"two"});
 }
 
+/// A folder of somebody else, and what may be planted in a command's folder while it works.
+class PlantedFolder : public testing::Test {
+ protected:
+  PlantedFolder() {
+    std::filesystem::create_directory(at("out"));
+    std::filesystem::create_directory(at("victim"));
+    scratch_.write("victim/report.json", "precious");
+    scratch_.write("victim/thesis.tex", "precious");
+    scratch_.write("out/report.json", "old");
+  }
+  std::filesystem::path at(const std::string& name) const { return scratch_.path() / name; }
+  void expect_victim_untouched() const {
+    EXPECT_EQ(scratch_.files("victim"), (Names{"report.json", "thesis.tex"}));
+    EXPECT_EQ(bytes_of(at("victim/report.json")), "precious");
+    EXPECT_EQ(bytes_of(at("out/report.json")), "old");
+  }
+  /// Puts a link to the victim in the place of the folder that the command has made.
+  void plant() const {
+    std::filesystem::rename(at("out/.wobblebench-partial"), at("out/.moved"));
+    std::filesystem::create_directory_symlink(at("victim"), at("out/.wobblebench-partial"));
+  }
+
+  const ScratchFolder scratch_;
+};
+
+TEST_F(PlantedFolder, BeforeAFileIsStagedItIsRefused) {
+  {
+    OutputFolder out(at("out"));
+    plant();
+    EXPECT_THROW(out.write_text("report.json", "new"), std::runtime_error);
+  }
+  expect_victim_untouched();
+}
+
+TEST_F(PlantedFolder, AfterAFileIsStagedItIsRefused) {
+  {
+    OutputFolder out(at("out"));
+    out.write_text("report.json", "new");
+    plant();
+    EXPECT_THROW(out.commit(), std::runtime_error);
+  }
+  expect_victim_untouched();
+}
+
+TEST_F(PlantedFolder, LinksAndFilesWithinItAreRefused) {
+  for (const char* name : {"report.json", "thesis.tex"}) {
+    {
+      OutputFolder out(at("out"));
+      const auto planted = at("out/.wobblebench-partial") / name;
+      std::filesystem::create_symlink(at("victim") / name, planted);
+      EXPECT_THROW(
+          {
+            out.write_text("report.json", "new");
+            out.commit();
+          },
+          std::runtime_error)
+          << name;
+      std::filesystem::remove(planted);
+    }
+    expect_victim_untouched();
+  }
+}
+
+TEST_F(PlantedFolder, OfACommittedCommandALinkIsRefused) {
+  std::filesystem::create_directory_symlink(at("victim"), at("out/.wobblebench-commit"));
+  EXPECT_THROW(OutputFolder{at("out")}, UserError);
+  expect_victim_untouched();
+}
+
+/// As before the first command: the link goes, what it leads to stays.
+TEST_F(PlantedFolder, OfAKilledCommandALinkIsRemoved) {
+  std::filesystem::create_directory_symlink(at("victim"), at("out/.wobblebench-partial"));
+  { const OutputFolder out(at("out")); }
+  EXPECT_EQ(scratch_.files("out"), Names{"report.json"});
+  expect_victim_untouched();
+}
+
+TEST(OutputFolder, WhatCannotBeMovedIsMovedByTheNextCommandAndThatIsSaid) {
+  const ScratchFolder scratch;
+  std::filesystem::create_directory(scratch.path() / ".wobblebench-commit");
+  scratch.write(".wobblebench-commit/one", "new");
+  std::filesystem::create_directory(scratch.path() / "one");
+  try {
+    const OutputFolder out(scratch.path());
+    ADD_FAILURE() << "moved onto a folder";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("the next command with this folder"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(bytes_of(scratch.path() / ".wobblebench-commit/one"), "new");
+  std::filesystem::remove(scratch.path() / "one");
+  { const OutputFolder out(scratch.path()); }
+  EXPECT_EQ(scratch.files(), Names{"one"});
+  EXPECT_EQ(bytes_of(scratch.path() / "one"), "new");
+}
+
+TEST(OutputFolder, ADiskWithoutRoomIsSaidBeforeAnythingIsWritten) {
+  const ScratchFolder scratch;
+  const OutputFolder out(scratch.path());
+  EXPECT_NO_THROW(out.check_space(1));
+  EXPECT_THROW(out.check_space(std::uint64_t{1} << 60), std::runtime_error);
+}
+
 enum class SignalReaches { any_thread, another_thread };
 
 /// In a process of its own: commits many files while a second thread sends SIGTERM to the process.
