@@ -53,6 +53,10 @@ std::string text_of(double value) {
   return significant(value, 12);
 }
 
+bool is_column(std::string_view name) {
+  return std::ranges::find(kColumns, name, &Column::name) != kColumns.end();
+}
+
 const Column& column_of(const std::string& name) {
   const auto found = std::ranges::find(kColumns, name, &Column::name);
   if (found != kColumns.end()) return *found;
@@ -205,11 +209,16 @@ std::string_view take_until(char separator, std::string_view& text) {
   return taken;
 }
 
+/// Values between commas, without the quotes that some programs put about them.
 std::vector<std::string_view> fields_of(std::string_view line) {
   std::vector<std::string_view> fields;
   for (bool last = false; !last;) {
     last = line.find(',') == std::string_view::npos;
-    fields.push_back(trimmed(take_until(',', line)));
+    std::string_view field = trimmed(take_until(',', line));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"') {
+      field = trimmed(field.substr(1, field.size() - 2));
+    }
+    fields.push_back(field);
   }
   return fields;
 }
@@ -228,14 +237,20 @@ class CsvReader {
   explicit CsvReader(double gain) : table_("line", gain) {}
 
   void read_line(std::size_t number, std::string_view line) {
+    line = trimmed(line);
+    if (table_.columns() == 0 && line.starts_with('#')) note_header(number, line.substr(1));
     line = trimmed(line.substr(0, line.find('#')));
     if (line.empty()) return;
     const auto fields = fields_of(line);
-    if (table_.columns() == 0) {
-      read_header(number, fields);
-    } else {
-      read_row(number, fields);
+    if (table_.columns() > 0) return read_row(number, fields);
+    if (!number_in(fields[0])) return read_header(number, fields);
+    if (noted_.empty()) {
+      throw std::invalid_argument("line " + std::to_string(number) +
+                                  ": must be preceded by a header line of column names, such as "
+                                  "x_mm,y_mm,z_mm,amplitude");
     }
+    read_header(noted_line_, noted_);
+    read_row(number, fields);
   }
   PointScatterers take() && {
     if (table_.columns() == 0) throw std::invalid_argument("has no header line of column names");
@@ -243,6 +258,15 @@ class CsvReader {
   }
 
  private:
+  /// numpy.savetxt() writes its header as a comment: the last one of column names alone is the
+  /// header if numbers follow it.
+  void note_header(std::size_t number, std::string_view comment) {
+    const auto fields = fields_of(comment);
+    if (fields.size() < 2 || !std::ranges::all_of(fields, is_column)) return;
+    noted_ = fields;
+    noted_line_ = number;
+  }
+
   void read_header(std::size_t number, const std::vector<std::string_view>& fields) {
     try {
       table_.set_columns({fields.begin(), fields.end()});
@@ -256,7 +280,8 @@ class CsvReader {
     if (fields.size() != table_.columns()) {
       throw std::invalid_argument("line " + std::to_string(number) + ": has " +
                                   std::to_string(fields.size()) + " values; must have " +
-                                  std::to_string(table_.columns()) + ", one a column");
+                                  std::to_string(table_.columns()) +
+                                  ", one a column, separated by commas");
     }
     values_.clear();
     for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -268,6 +293,8 @@ class CsvReader {
   }
 
   ScattererTable table_;
+  std::vector<std::string_view> noted_;  ///< column names in a comment, and their line
+  std::size_t noted_line_ = 0;
   std::vector<double> values_;
 };
 

@@ -19,8 +19,10 @@ inline constexpr std::size_t kMostScattererRows = 1'000'000;
 [[nodiscard]] PointScatterers read_scatterers(const PhantomOptions& options);
 
 /// Reads a list as CSV: a header line of column names, then a line a row, values separated by
-/// commas. Lines end in LF or CRLF; "#" begins a comment; empty lines are skipped. `gain`: factor
-/// on each amplitude. Throws std::invalid_argument "line N, column NAME = VALUE: what is allowed".
+/// commas, with quotes about them or without. Lines end in LF or CRLF; "#" begins a comment; empty
+/// lines are skipped. A comment of column names alone is the header if rows follow it. `gain`:
+/// factor on each amplitude. Throws std::invalid_argument "line N, column NAME = VALUE: what is
+/// allowed".
 [[nodiscard]] PointScatterers scatterers_from_csv(std::string_view text, double gain = 1);
 
 /// The list that gives the same scatterers to the bit: in metres, with tracks where any moves.

@@ -44,6 +44,31 @@ TEST(ScattererCsv, RowsOfOneIdAreATrackWhateverTheirOrder) {
   EXPECT_DOUBLE_EQ(points.at(1, 1.5).amplitude, 0.75);
 }
 
+TEST(ScattererCsv, TheHeaderMayBeAComment) {
+  const auto points = scatterers_from_csv(
+      "# written by numpy\n# x_mm,y_mm,z_mm,amplitude\n1.5e+00,2,3,0.5\n4,5,6,-1\n");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.at(0, 0), (PointScatterer{{1.5e-3, 2e-3, 3e-3}, 0.5}));
+  // A header that is none comes first.
+  EXPECT_EQ(scatterers_from_csv("# x_mm,y_mm,z_mm,amplitude\nx_m,y_m,z_m,amplitude\n0.1,0,0,1\n")
+                .at(0, 0),
+            (PointScatterer{{0.1, 0, 0}, 1}));
+  EXPECT_EQ(refusal("# x_mm,y_mm,z_mm\n1,2,3\n"), "line 1, the header: has no column amplitude");
+  EXPECT_EQ(
+      refusal("# x_mm,y_mm,z_mm,gain\n1,2,3,4\n").rfind("line 2: must be preceded by a header", 0),
+      0u);
+}
+
+TEST(ScattererCsv, ValuesMayStandInQuotes) {
+  const auto points = scatterers_from_csv(
+      "\"x_mm\",\"y_mm\" , \" z_mm \",amplitude\n1,2,3,0.5\n\"4\",\"5\",\"6\",\"-1\"\r\n");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points.at(1, 0), (PointScatterer{{4e-3, 5e-3, 6e-3}, -1}));
+  EXPECT_EQ(refusal("\"x_mm,y_mm,z_mm,amplitude\n1,2,3,4\n")
+                .rfind("line 1, the header: column \"\"x_mm\"", 0),
+            0u);
+}
+
 TEST(ScattererCsv, TheGainScalesAmplitudes) {
   EXPECT_EQ(scatterers_from_csv(std::string(kHeader) + "0,0,0,-40\n", 0.01).at(0, 0).amplitude,
             -0.4);
@@ -70,15 +95,20 @@ TEST(ScattererCsv, RefusalsNameLineColumnValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal(header + "1,2,3,-1.5\n"),
             "line 2, column amplitude = -1.5: must be within -1 and 1, a perfect mirror's, after "
             "phantom.scatterers_gain_db = 0");
-  EXPECT_EQ(refusal(header + "1,2,3\n"), "line 2: has 3 values; must have 4, one a column");
-  EXPECT_EQ(refusal(header + "1,2,3,0.1,\n"), "line 2: has 5 values; must have 4, one a column");
+  EXPECT_EQ(refusal(header + "1,2,3\n"),
+            "line 2: has 3 values; must have 4, one a column, separated by commas");
+  EXPECT_EQ(refusal(header + "1,2,3,0.1,\n"),
+            "line 2: has 5 values; must have 4, one a column, separated by commas");
 }
 
 TEST(ScattererCsv, RefusalsOfTheHeader) {
   EXPECT_EQ(refusal(""), "has no header line of column names");
   EXPECT_EQ(refusal(kHeader), "holds no scatterers");
   EXPECT_EQ(refusal("# c\n1,2,3,4\n"),
-            "line 2, the header: column \"1\": must be one of x_mm, y_mm, z_mm (or x_m, y_m, z_m), "
+            "line 2: must be preceded by a header line of column names, such as "
+            "x_mm,y_mm,z_mm,amplitude");
+  EXPECT_EQ(refusal("a,b\n1,2\n"),
+            "line 1, the header: column \"a\": must be one of x_mm, y_mm, z_mm (or x_m, y_m, z_m), "
             "amplitude, id, time_s");
   EXPECT_EQ(refusal("x_mm,y_mm,z_mm\n"), "line 1, the header: has no column amplitude");
   EXPECT_EQ(refusal("x_mm,y_mm,amplitude\n"), "line 1, the header: has no column z_mm");

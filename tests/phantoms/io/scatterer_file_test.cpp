@@ -76,7 +76,8 @@ TEST_F(ScattererFile, RefusalsNameTheFile) {
   EXPECT_EQ(refusal("empty.csv"), "is empty");
   EXPECT_EQ(refusal("folder.csv"), "is not a file");
   EXPECT_EQ(refusal("list.txt"), "must be a .csv or an .h5");
-  EXPECT_EQ(refusal("bad.csv"), "line 2: has 5 values; must have 4, one a column");
+  EXPECT_EQ(refusal("bad.csv"),
+            "line 2: has 5 values; must have 4, one a column, separated by commas");
 }
 
 #ifdef WOBBLEBENCH_HDF5
