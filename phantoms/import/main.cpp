@@ -1,19 +1,20 @@
-// wobblebench-import FORMAT FILE: reads a .vdb, a mesh or an HDF5 file for a program that uses
-// phantoms, and writes what it holds as a message to descriptor 3. A process of its own, with
-// limits: a damaged file may make OpenVDB, Assimp or libhdf5 write where they must not.
+// wobblebench-import FORMAT FILE PARENT: reads a .vdb, a mesh or an HDF5 file for the program of
+// this process number, and writes what it holds as a message to descriptor 3. A process of its own,
+// with limits: a damaged file may make OpenVDB, Assimp or libhdf5 write where they must not.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>
 
+#include "phantoms/import/confine.h"
 #include "phantoms/import/parsers.h"
 
 namespace wobblebench::phantoms {
@@ -31,13 +32,21 @@ void limit(__rlimit_resource resource, rlim_t most) {
 void limit_resources(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(path, ignored);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::prctl(PR_SET_DUMPABLE, 0);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, most_import_seconds(ignored ? 0 : bytes));
   limit(RLIMIT_FSIZE, static_cast<rlim_t>(kMostImportBytes));
 #if !defined(__SANITIZE_ADDRESS__) && !defined(WOBBLEBENCH_SANITIZED)
   limit(RLIMIT_AS, static_cast<rlim_t>(kMostImportBytes));  // a sanitizer's shadow takes terabytes
+#endif
+}
+
+void confine() {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(WOBBLEBENCH_SANITIZED)  // their reports take more
+  if (give_up_system_calls()) return;
+  throw std::invalid_argument(
+      "cannot be read safely: this system has no seccomp filters, which keep a reader from writing "
+      "files and from the network");
 #endif
 }
 
@@ -83,14 +92,16 @@ extern "C" const char* __asan_default_options() {
 
 int main(int argc, char** argv) {
   using namespace wobblebench::phantoms;
-  FILE* const file = argc == 3 ? ::fdopen(kImportDescriptor, "w") : nullptr;
+  FILE* const file = argc == 4 ? ::fdopen(kImportDescriptor, "w") : nullptr;
   if (file == nullptr) {
     std::fputs("wobblebench-import: is started by wobblebench, to read a file for it\n", stderr);
     return 2;
   }
+  if (!die_with(static_cast<pid_t>(std::strtol(argv[3], nullptr, 10)))) return 1;
   limit_resources(argv[2]);
   try {
     try {
+      confine();
       write_message(argv[1], argv[2], file);
     } catch (const std::bad_alloc&) {
       write_refusal("would take more memory than reading a file may", file);

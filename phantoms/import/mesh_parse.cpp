@@ -1,4 +1,3 @@
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 
@@ -17,6 +16,7 @@
 
 #include "base/text.h"
 #include "phantoms/import/parsers.h"
+#include "phantoms/import/polygon.h"
 #include "phantoms/io/triangle_mesh.h"
 
 namespace wobblebench::phantoms {
@@ -25,9 +25,13 @@ namespace {
 enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 struct Property {
+  std::string name;
   Number value = Number::f32;
   bool is_list = false;
   Number count = Number::u8;  // type of a list's length
+
+  /// Of faces: the other lists are textures' and the like.
+  bool holds_corners() const { return name == "vertex_indices" || name == "vertex_index"; }
 };
 
 struct Element {
@@ -81,6 +85,7 @@ Property read_property(std::istream& words) {
     property.count = number_of(count);
   }
   property.value = number_of(type);
+  words >> property.name;
   return property;
 }
 
@@ -174,14 +179,13 @@ class Body {
   std::string format_;
 };
 
-void check_list(Body& body, const Property& list, bool is_face, double vertices) {
+void check_list(Body& body, const Property& list, bool corners, double vertices) {
   const double count = body.next(list.count);
-  if (!(count >= (is_face ? 3 : 0))) throw damaged("a face of less than three corners");
+  if (!(count >= 0)) throw damaged("a list of negative length");
+  if (corners && count < 3) throw damaged("a face of less than three corners");
   for (long i = 0; static_cast<double>(i) < count; ++i) {
     const double value = body.next(list.value);
-    if (is_face && !(value >= 0 && value < vertices)) {
-      throw damaged("a corner that is no vertex");
-    }
+    if (corners && !(value >= 0 && value < vertices)) throw damaged("a corner that is no vertex");
   }
 }
 
@@ -200,26 +204,12 @@ void check_ply(const std::filesystem::path& path) {
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (const Property& property : element.properties) {
         if (property.is_list) {
-          check_list(body, property, element.name == "face", vertices);
+          const bool corners = element.name == "face" && property.holds_corners();
+          check_list(body, property, corners, vertices);
         } else {
           body.next(property.value);
         }
       }
-    }
-  }
-}
-
-// Checks for faces on which Assimp's triangulation would abort.
-void check_faces(const aiScene& scene) {
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[i];
-    for (unsigned face = 0; face < mesh.mNumFaces; ++face) {
-      for (unsigned corner = 0; corner < mesh.mFaces[face].mNumIndices; ++corner) {
-        if (mesh.mFaces[face].mIndices[corner] < mesh.mNumVertices) continue;
-        throw std::invalid_argument("has a face without its vertices");
-      }
-      if (mesh.mFaces[face].mNumIndices > 0) continue;
-      throw std::invalid_argument("has a face without corners");
     }
   }
 }
@@ -231,50 +221,47 @@ std::string reason_of(const Assimp::Importer& importer) {
   return is_utf8(text) ? text : "damaged";
 }
 
-void write_vertices(const aiScene& scene, MessageWriter& out) {
-  std::uint64_t count = 0;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) count += scene.mMeshes[i]->mNumVertices;
-  out.put(count);
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[i];
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D& at = mesh.mVertices[v];
-      for (const float axis : {at.x, at.y, at.z}) out.put(double(axis));
+// Adds a mesh of the scene. Points and lines are left out.
+void add(const aiMesh& part, TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (unsigned v = 0; v < part.mNumVertices; ++v) {
+    const aiVector3D& at = part.mVertices[v];
+    mesh.vertices.emplace_back(at.x, at.y, at.z);
+  }
+  std::vector<std::uint32_t> corners;
+  for (unsigned f = 0; f < part.mNumFaces; ++f) {
+    const aiFace& face = part.mFaces[f];
+    corners.clear();
+    for (unsigned i = 0; i < face.mNumIndices; ++i) {
+      if (face.mIndices[i] >= part.mNumVertices) {
+        throw std::invalid_argument("has a face without its vertices");
+      }
+      corners.push_back(first + face.mIndices[i]);
     }
+    if (corners.size() >= 3) add_face(mesh, corners);
   }
 }
 
-void write_triangles(const aiScene& scene, MessageWriter& out) {
-  std::vector<TriangleMesh::Triangle> triangles;
-  std::uint32_t first = 0;
-  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
-    const aiMesh& mesh = *scene.mMeshes[i];
-    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-      const aiFace& face = mesh.mFaces[f];
-      if (face.mNumIndices != 3) continue;
-      triangles.push_back(
-          {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-    }
-    first += mesh.mNumVertices;
+// Reads by Assimp. Its polygons are kept as they are: Assimp 5.2 cuts concave ones with folds.
+TriangleMesh read_by_assimp(const std::filesystem::path& path) {
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path.string(), 0);
+  if (scene == nullptr) {
+    throw std::invalid_argument("not a readable mesh (" + reason_of(importer) + ")");
   }
-  out.list(std::span<const TriangleMesh::Triangle>(triangles));
+  TriangleMesh mesh;
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) add(*scene->mMeshes[i], mesh);
+  return mesh;
 }
 
 }  // namespace
 
 void write_mesh_message(const std::filesystem::path& path, MessageWriter& out) {
-  if (lower_case_extension(path) == ".ply") check_ply(path);
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path.string(), 0);
-  if (scene != nullptr) {
-    check_faces(*scene);
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-  }
-  if (scene == nullptr) {
-    throw std::invalid_argument("not a readable mesh (" + reason_of(importer) + ")");
-  }
-  write_vertices(*scene, out);
-  write_triangles(*scene, out);
+  const std::string extension = lower_case_extension(path);
+  if (extension == ".ply") check_ply(path);
+  const TriangleMesh mesh = extension == ".stl" ? read_stl(path) : read_by_assimp(path);
+  out.list(std::span<const glm::dvec3>(mesh.vertices));
+  out.list(std::span<const TriangleMesh::Triangle>(mesh.triangles));
 }
 
 }  // namespace wobblebench::phantoms

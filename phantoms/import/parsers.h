@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "phantoms/io/message.h"
+#include "phantoms/io/triangle_mesh.h"
 
 namespace wobblebench::phantoms {
 
@@ -12,9 +13,12 @@ namespace wobblebench::phantoms {
 /// than kMostBytes.
 void write_vdb_message(const std::filesystem::path& path, MessageWriter& out);
 
-/// Reads by Assimp: writes vertices (a count, then three doubles each) and triangles (a list of
-/// TriangleMesh::Triangle) of all meshes of the file, in its unit; polygons are triangulated,
-/// points and lines dropped. The extension says the format.
+/// Reads an STL in text or binary. Assimp 5.2 refuses files with bytes behind the last triangle.
+TriangleMesh read_stl(const std::filesystem::path& path);
+
+/// Reads an STL by read_stl(), others by Assimp: writes vertices (a list of three doubles each) and
+/// triangles (a list of TriangleMesh::Triangle) of all meshes of the file, in its unit; polygons
+/// are cut by cut_polygon(), points and lines dropped. The extension says the format.
 void write_mesh_message(const std::filesystem::path& path, MessageWriter& out);
 
 /// Reads by libhdf5: writes name and values of each dataset of the root group, one-dimensional

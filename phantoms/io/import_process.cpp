@@ -76,9 +76,9 @@ const char* name_of(ImportFormat format) {
 /// Starts the program and returns its status as waitpid() gives it.
 int run_import(ImportFormat format, const fs::path& path, int message) {
   const fs::path program = import_program();
-  std::string kind = name_of(format), file = path.string();
-  const std::array<char*, 4> arguments = {
-      const_cast<char*>(program.c_str()), kind.data(), file.data(), nullptr};
+  std::string kind = name_of(format), file = path.string(), parent = std::to_string(::getpid());
+  const std::array<char*, 5> arguments = {
+      const_cast<char*>(program.c_str()), kind.data(), file.data(), parent.data(), nullptr};
   const Descriptors descriptors(message);
   pid_t child = 0;
   const int failed =

@@ -1,12 +1,12 @@
 // Imports closed triangle meshes as level sets.
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/Composite.h>
 #include <openvdb/tools/LevelSetMeasure.h>
 #include <openvdb/tools/MeshToVolume.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -36,15 +36,26 @@ void check_edges(const EdgeFaults& faults) {
   }
 }
 
-void check_volumes(const std::vector<double>& shells) {
-  const auto inverted = std::count_if(shells.begin(), shells.end(), [](double v) { return v < 0; });
+// A surface within a body bounds a cavity, and one within a cavity another body.
+void check_shells(const std::vector<Shell>& shells) {
+  const auto shown = [&](std::ptrdiff_t count) {
+    return std::to_string(count) + " of " + std::to_string(shells.size()) + " shells ";
+  };
+  const auto inverted = std::ranges::count_if(
+      shells, [](const Shell& shell) { return shell.depth % 2 == 0 && shell.volume < 0; });
   if (inverted > 0) {
-    throw std::invalid_argument("is turned inside out: " + std::to_string(inverted) + " of " +
-                                std::to_string(shells.size()) + " shells have a negative volume");
+    throw std::invalid_argument("is turned inside out: " + shown(inverted) +
+                                "have a negative volume");
   }
-  if (!(std::accumulate(shells.begin(), shells.end(), 0.0) > 0)) {
-    throw std::invalid_argument("encloses no volume");
+  const auto nested = std::ranges::count_if(
+      shells, [](const Shell& shell) { return shell.depth % 2 == 1 && shell.volume > 0; });
+  if (nested > 0) {
+    throw std::invalid_argument(shown(nested) +
+                                "lie within another and face outwards as it does: turn them "
+                                "inwards for a cavity; for bodies of several materials use the "
+                                "level sets of a .vdb");
   }
+  if (!(enclosed_volume(shells) > 0)) throw std::invalid_argument("encloses no volume");
 }
 
 // Peak memory of the conversion. Measured: 28 to 32 bytes per voxel of the band (10 of them
@@ -54,18 +65,41 @@ double estimated_bytes(const TriangleMesh& mesh, double voxel_m) {
   return 32 * band_voxels;
 }
 
-FloatGrid::Ptr level_set_of(const TriangleMesh& mesh, double voxel_m) {
-  std::vector<openvdb::Vec3s> points;
-  for (const glm::dvec3& v : mesh.vertices) points.emplace_back(v.x, v.y, v.z);
-  std::vector<openvdb::Vec3I> triangles;
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+// Of shells that do not lie within one another: OpenVDB keeps the outermost surface alone.
+FloatGrid::Ptr level_set_of(const std::vector<openvdb::Vec3s>& points,
+                            const std::vector<TriangleMesh::Triangle>& triangles,
+                            double voxel_m) {
+  std::vector<openvdb::Vec3I> corners;
+  for (const auto& t : triangles) corners.emplace_back(t[0], t[1], t[2]);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxel_m);
   return openvdb::tools::meshToLevelSet<FloatGrid>(
-      *transform, points, triangles, float(kHalfWidthVoxels));
+      *transform, points, corners, float(kHalfWidthVoxels));
 }
 
-// A level set keeps only the outermost surface: where surfaces cross themselves or lie within one
-// another, its volume differs from that of the triangles.
+// From the outside in: less the cavities, and with the bodies in them.
+FloatGrid::Ptr level_set_of(const TriangleMesh& mesh,
+                            const std::vector<Shell>& shells,
+                            double voxel_m) {
+  std::vector<openvdb::Vec3s> points;
+  for (const glm::dvec3& v : mesh.vertices) points.emplace_back(v.x, v.y, v.z);
+  const int deepest = std::ranges::max(shells, {}, &Shell::depth).depth;
+  if (deepest == 0) return level_set_of(points, mesh.triangles, voxel_m);
+  std::vector<std::vector<TriangleMesh::Triangle>> layers(static_cast<std::size_t>(deepest) + 1);
+  for (const Shell& shell : shells) {
+    auto& layer = layers[static_cast<std::size_t>(shell.depth)];
+    layer.insert(layer.end(), shell.triangles.begin(), shell.triangles.end());
+  }
+  const auto body = level_set_of(points, layers[0], voxel_m);
+  for (std::size_t depth = 1; depth < layers.size(); ++depth) {
+    const auto layer = level_set_of(points, layers[depth], voxel_m);
+    depth % 2 == 1 ? openvdb::tools::csgDifference(*body, *layer)
+                   : openvdb::tools::csgUnion(*body, *layer);
+  }
+  return body;
+}
+
+// Where surfaces cross themselves or each other, the level set's volume differs from that of the
+// triangles.
 void check_enclosed(const FloatGrid& grid, double volume_m3, double area_m2) {
   const double enclosed = openvdb::tools::levelSetVolume(grid);
   const double allowed = 0.1 * grid.voxelSize()[0] * area_m2;
@@ -91,15 +125,16 @@ std::string surface_name(const std::string& file) {
 Phantom import_mesh(const PhantomOptions& options) {
   initialize_openvdb();
   TriangleMesh mesh = welded(read_mesh(options.file));
+  if (edge_faults(mesh).open > 0) mesh = welded_but_for_rounding(mesh);
   if (mesh.triangles.empty()) throw std::invalid_argument("has no triangle of any area");
   center(mesh, options.unit_m);
   check_edges(edge_faults(mesh));
-  const std::vector<double> shells = shell_volumes(mesh);
-  check_volumes(shells);
+  const std::vector<Shell> shells = shells_of(mesh);
+  check_shells(shells);
   check_size(bounds(mesh), options.voxel_m);
   check_bytes(estimated_bytes(mesh, options.voxel_m), ": voxel_mm must be larger");
-  const auto grid = level_set_of(mesh, options.voxel_m);
-  check_enclosed(*grid, std::accumulate(shells.begin(), shells.end(), 0.0), surface_area(mesh));
+  const auto grid = level_set_of(mesh, shells, options.voxel_m);
+  check_enclosed(*grid, enclosed_volume(shells), surface_area(mesh));
   const std::string name = surface_name(options.file);
   grid->setName(name);
   return imported_phantom(options,

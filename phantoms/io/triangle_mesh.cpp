@@ -5,9 +5,13 @@
 #include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 #include "phantoms/io/import_process.h"
@@ -19,13 +23,13 @@ namespace {
 using Triangle = TriangleMesh::Triangle;
 
 std::vector<glm::dvec3> read_vertices(MessageReader& in) {
-  std::vector<glm::dvec3> vertices;
-  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
-    const auto at = in.get<std::array<double, 3>>();
-    if (!std::isfinite(at[0]) || !std::isfinite(at[1]) || !std::isfinite(at[2])) {
+  const std::string_view bytes = in.list<glm::dvec3>();
+  std::vector<glm::dvec3> vertices(bytes.size() / sizeof(glm::dvec3));
+  if (!bytes.empty()) std::memcpy(vertices.data(), bytes.data(), bytes.size());
+  for (const glm::dvec3& at : vertices) {
+    if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z)) {
       throw std::invalid_argument("holds a vertex that is not finite");
     }
-    vertices.emplace_back(at[0], at[1], at[2]);
   }
   return vertices;
 }
@@ -55,9 +59,9 @@ double cone6(const TriangleMesh& mesh, const Triangle& t, const glm::dvec3& apex
 }
 
 // Union-find over the vertices: those of one shell form one set.
-class Shells {
+class Connected {
  public:
-  explicit Shells(std::size_t vertices) : parent_(vertices) {
+  explicit Connected(std::size_t vertices) : parent_(vertices) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
   std::uint32_t root(std::uint32_t vertex) {
@@ -72,6 +76,93 @@ class Shells {
  private:
   std::vector<std::uint32_t> parent_;
 };
+
+// The triangles with new numbers of vertices, without those that have two equal corners.
+std::vector<Triangle> renumbered(const std::vector<Triangle>& triangles,
+                                 const std::vector<std::uint32_t>& number) {
+  std::vector<Triangle> result;
+  for (const Triangle& t : triangles) {
+    const Triangle at{number[t[0]], number[t[1]], number[t[2]]};
+    if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) result.push_back(at);
+  }
+  return result;
+}
+
+// A list of vertices with a grid of cells, as wide as vertices that are merged may lie apart.
+class NearbyVertices {
+ public:
+  NearbyVertices(double apart, std::vector<glm::dvec3>& vertices)
+      : apart_(apart), vertices_(vertices) {}
+
+  std::uint32_t find_or_add(const glm::dvec3& vertex) {
+    const glm::dvec3 cell = glm::floor(vertex / apart_);
+    for (int neighbour = 0; neighbour < 27; ++neighbour) {
+      const glm::dvec3 step(neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1);
+      const auto found = cells_.find(cell + step);
+      if (found == cells_.end()) continue;
+      const glm::dvec3 difference = glm::abs(vertices_[found->second] - vertex);
+      if (std::max({difference.x, difference.y, difference.z}) <= apart_) return found->second;
+    }
+    const auto added = static_cast<std::uint32_t>(vertices_.size());
+    vertices_.push_back(vertex);
+    cells_.emplace(cell, added);
+    return added;
+  }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const glm::dvec3& cell) const {
+      const auto part = [](double axis) { return static_cast<std::uint64_t>(std::int64_t(axis)); };
+      return part(cell.x) * 73856093 ^ part(cell.y) * 19349663 ^ part(cell.z) * 83492791;
+    }
+  };
+  double apart_;
+  std::vector<glm::dvec3>& vertices_;
+  std::unordered_map<glm::dvec3, std::uint32_t, Hash> cells_;
+};
+
+Box bounds_of(const TriangleMesh& mesh, const std::vector<Triangle>& triangles) {
+  const glm::dvec3& first = mesh.vertices.at(triangles.at(0)[0]);
+  Box box{first, first};
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t corner : t) {
+      const glm::dvec3& vertex = mesh.vertices[corner];
+      box = {glm::min(box.low, vertex), glm::max(box.high, vertex)};
+    }
+  }
+  return box;
+}
+
+bool lies_within(const Box& inner, const Box& outer) {
+  return glm::all(glm::lessThan(outer.low, inner.low)) &&
+         glm::all(glm::lessThan(inner.high, outer.high));
+}
+
+// By the solid angle that the shell fills, seen from the point (van Oosterom and Strackee 1983).
+bool encloses(const TriangleMesh& mesh, const Shell& shell, const glm::dvec3& point) {
+  double half_angles = 0;
+  for (const Triangle& t : shell.triangles) {
+    const glm::dvec3 a = mesh.vertices[t[0]] - point, b = mesh.vertices[t[1]] - point,
+                     c = mesh.vertices[t[2]] - point;
+    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+    half_angles +=
+        std::atan2(glm::dot(a, glm::cross(b, c)),
+                   la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+  }
+  return std::abs(half_angles) > std::numbers::pi;
+}
+
+void set_depths(const TriangleMesh& mesh, std::vector<Shell>& shells) {
+  std::vector<Box> boxes;
+  for (const Shell& shell : shells) boxes.push_back(bounds_of(mesh, shell.triangles));
+  for (std::size_t inner = 0; inner < shells.size(); ++inner) {
+    const glm::dvec3& point = mesh.vertices[shells[inner].triangles[0][0]];
+    for (std::size_t outer = 0; outer < shells.size(); ++outer) {
+      if (!lies_within(boxes[inner], boxes[outer])) continue;
+      shells[inner].depth += encloses(mesh, shells[outer], point);
+    }
+  }
+}
 
 }  // namespace
 
@@ -101,10 +192,21 @@ TriangleMesh welded(const TriangleMesh& mesh) {
     }
     merged[vertex] = std::uint32_t(result.vertices.size() - 1);
   }
-  for (const Triangle& t : mesh.triangles) {
-    const Triangle at{merged[t[0]], merged[t[1]], merged[t[2]]};
-    if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) result.triangles.push_back(at);
+  result.triangles = renumbered(mesh.triangles, merged);
+  return result;
+}
+
+TriangleMesh welded_but_for_rounding(const TriangleMesh& mesh) {
+  double largest = std::numeric_limits<float>::min();
+  for (const glm::dvec3& v : mesh.vertices) {
+    largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   }
+  TriangleMesh result;
+  NearbyVertices nearby(2 * double(std::numeric_limits<float>::epsilon()) * largest,
+                        result.vertices);
+  std::vector<std::uint32_t> merged;
+  for (const glm::dvec3& vertex : mesh.vertices) merged.push_back(nearby.find_or_add(vertex));
+  result.triangles = renumbered(mesh.triangles, merged);
   return result;
 }
 
@@ -138,25 +240,28 @@ EdgeFaults edge_faults(const TriangleMesh& mesh) {
   return faults;
 }
 
-std::vector<double> shell_volumes(const TriangleMesh& mesh) {
-  Shells shells(mesh.vertices.size());
+std::vector<Shell> shells_of(const TriangleMesh& mesh) {
+  Connected sets(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    shells.join(t[0], t[1]);
-    shells.join(t[1], t[2]);
+    sets.join(t[0], t[1]);
+    sets.join(t[1], t[2]);
   }
-  std::vector<double> by_root(mesh.vertices.size(), 0.0);
-  std::vector<bool> used(mesh.vertices.size(), false);
+  std::vector<Shell> by_root(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    const std::uint32_t root = shells.root(t[0]);
+    const std::uint32_t root = sets.root(t[0]);
     // The apex is a vertex of the shell: a distant one would cost precision.
-    by_root[root] += cone6(mesh, t, mesh.vertices[root]) / 6;
-    used[root] = true;
+    by_root[root].volume += cone6(mesh, t, mesh.vertices[root]) / 6;
+    by_root[root].triangles.push_back(t);
   }
-  std::vector<double> volumes;
-  for (std::size_t i = 0; i < by_root.size(); ++i) {
-    if (used[i]) volumes.push_back(by_root[i]);
-  }
-  return volumes;
+  std::erase_if(by_root, [](const Shell& shell) { return shell.triangles.empty(); });
+  set_depths(mesh, by_root);
+  return by_root;
+}
+
+double enclosed_volume(const std::vector<Shell>& shells) {
+  double volume = 0;
+  for (const Shell& shell : shells) volume += shell.volume;
+  return volume;
 }
 
 double surface_area(const TriangleMesh& mesh) {
@@ -169,15 +274,7 @@ double surface_area(const TriangleMesh& mesh) {
 }
 
 Box bounds(const TriangleMesh& mesh) {
-  const glm::dvec3& first = mesh.vertices.at(mesh.triangles.at(0)[0]);
-  Box box{first, first};
-  for (const Triangle& t : mesh.triangles) {
-    for (const std::uint32_t corner : t) {
-      const glm::dvec3& vertex = mesh.vertices[corner];
-      box = {glm::min(box.low, vertex), glm::max(box.high, vertex)};
-    }
-  }
-  return box;
+  return bounds_of(mesh, mesh.triangles);
 }
 
 }  // namespace wobblebench::phantoms

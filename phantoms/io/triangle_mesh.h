@@ -34,6 +34,10 @@ struct TriangleMesh {
 /// triangles with two equal corners.
 TriangleMesh welded(const TriangleMesh& mesh);
 
+/// Merges vertices at most two units in the last place of a float apart, at the largest coordinate:
+/// corners that a program computed anew for each triangle. Drops triangles with two equal corners.
+TriangleMesh welded_but_for_rounding(const TriangleMesh& mesh);
+
 /// Edges that keep a welded mesh from being a closed, oriented surface.
 struct EdgeFaults {
   std::size_t open = 0;      ///< edges of only one triangle
@@ -42,8 +46,16 @@ struct EdgeFaults {
 };
 EdgeFaults edge_faults(const TriangleMesh& mesh);
 
-/// Volumes of the connected shells in m^3, negative where a shell's triangles face inwards.
-std::vector<double> shell_volumes(const TriangleMesh& mesh);
+/// A connected part of a welded mesh.
+struct Shell {
+  std::vector<TriangleMesh::Triangle> triangles;
+  double volume = 0;  ///< negative where the triangles face inwards
+  int depth = 0;      ///< number of shells that it lies within
+};
+[[nodiscard]] std::vector<Shell> shells_of(const TriangleMesh& mesh);
+
+/// What the triangles enclose, less what those that face inwards do.
+double enclosed_volume(const std::vector<Shell>& shells);
 
 double surface_area(const TriangleMesh& mesh);
 /// Bounding box of all triangles; vertices of no triangle are ignored.

@@ -1,16 +1,28 @@
 // Files that break their parsers: a flipped bit makes OpenVDB write beyond its buffers.
 #include "phantoms/io/import_process.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <fstream>
+#include <functional>
+#include <iterator>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "phantoms/float_grid.h"
+#include "phantoms/import/confine.h"
 #include "phantoms/io/message.h"
 #include "phantoms/io/vdb_file.h"
 #include "phantoms/phantom.h"
@@ -88,6 +100,96 @@ TEST_F(ImportProcess, AFlippedBitOfAMeshIsALineOrAResult) {
   endings_of_flipped("mesh", file("ball.ply"), 0);
   write_binary_stl(icosphere(20, 1), file("ball.stl"));
   endings_of_flipped("mesh", file("ball.stl"), 0);
+}
+
+/// Forks, and returns the exit status of `body` in the child.
+int status_of(const std::function<int()>& body) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(body());
+  int status = 0;
+  EXPECT_EQ(::waitpid(child, &status, 0), child);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(ImportProcess, ReadsButNeitherWritesNorConnectsNorStartsPrograms) {
+  write(file("there"), "bytes");
+  const std::string there = file("there").string(), fresh = file("new").string();
+  // The exit status is the number of the first attempt that had another result than it should.
+  EXPECT_EQ(status_of([&] {
+              if (!give_up_system_calls()) return 1;
+              char byte = 0;
+              const int in = ::open(there.c_str(), O_RDONLY | O_CLOEXEC);
+              if (in < 0 || ::read(in, &byte, 1) != 1 || byte != 'b') return 2;
+              if (::open(there.c_str(), O_RDWR) >= 0) return 3;
+              if (::open(there.c_str(), O_WRONLY | O_TRUNC) >= 0) return 4;
+              if (::open(fresh.c_str(), O_RDONLY | O_CREAT, 0600) >= 0) return 5;
+              if (::syscall(SYS_openat, AT_FDCWD, fresh.c_str(), O_WRONLY | O_CREAT, 0600) >= 0)
+                return 6;
+              if (::unlink(there.c_str()) == 0 || ::rename(there.c_str(), fresh.c_str()) == 0)
+                return 7;
+              if (::mkdir(fresh.c_str(), 0700) == 0 || ::symlink("/", fresh.c_str()) == 0) return 8;
+              if (::chmod(there.c_str(), 0777) == 0 || ::truncate(there.c_str(), 0) == 0) return 9;
+              for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK}) {
+                if (::socket(family, SOCK_STREAM, 0) >= 0) return 10;
+              }
+              if (::fork() >= 0) return 11;
+              ::execl("/bin/true", "true", nullptr);
+              if (::prctl(PR_GET_NO_NEW_PRIVS, 0, 0, 0, 0) >= 0) return 12;  // nor may it ask
+              if (::kill(::getppid(), SIGTERM) == 0) return 13;
+              return 0;
+            }),
+            0);
+  EXPECT_EQ(bytes_of(file("there")), "bytes");
+}
+
+TEST_F(ImportProcess, GainsNoPrivileges) {
+  EXPECT_EQ(status_of([] {
+              if (!give_up_system_calls()) return 1;
+              std::ifstream status("/proc/self/status");
+              for (std::string line; std::getline(status, line);) {
+                if (line.starts_with("NoNewPrivs:")) return line.ends_with('1') ? 0 : 2;
+              }
+              return 3;
+            }),
+            0);
+}
+
+/// Numbers of the processes that run the reader with this file.
+std::vector<pid_t> readers_of(const std::filesystem::path& path) {
+  std::vector<pid_t> found;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream in(entry.path() / "cmdline", std::ios::binary);
+    const std::string line{std::istreambuf_iterator<char>(in), {}};
+    if (line.find("wobblebench-import") == std::string::npos) continue;
+    if (line.find(path.string()) != std::string::npos) found.push_back(std::stoi(name));
+  }
+  return found;
+}
+
+TEST_F(ImportProcess, EndsWithItsParent) {
+  ASSERT_EQ(::mkfifo(file("never.obj").c_str(), 0600), 0);  // whoever reads it waits
+  const pid_t parent = ::fork();
+  if (parent == 0) {
+    const ImportedBytes never(ImportFormat::mesh, file("never.obj"));
+    ::_exit(0);
+  }
+  const auto wait_for = [&](std::size_t readers) {
+    for (int i = 0; i < 1000 && readers_of(file("never.obj")).size() != readers; ++i)
+      ::usleep(10'000);
+    return readers_of(file("never.obj")).size();
+  };
+  EXPECT_EQ(wait_for(1), 1u);
+  ::kill(parent, SIGKILL);
+  ::waitpid(parent, nullptr, 0);
+  EXPECT_EQ(wait_for(0), 0u);
+}
+
+/// As if the parent had been killed before the reader could ask to end with it.
+TEST_F(ImportProcess, EndsWhereItsParentIsGoneAlready) {
+  EXPECT_EQ(status_of([] { return die_with(::getppid()) ? 0 : 1; }), 0);
+  EXPECT_EQ(status_of([] { return die_with(::getppid() + 1) ? 0 : 1; }), 1);
 }
 
 TEST_F(ImportProcess, LeavesNothingBehind) {

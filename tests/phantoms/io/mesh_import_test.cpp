@@ -4,11 +4,11 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
 #include <random>
 
 #include "base/units.h"
@@ -16,14 +16,14 @@
 #include "phantoms/grids.h"
 #include "phantoms/truth.h"
 #include "tests/phantoms/io/meshes.h"
+#include "tests/support/bytes_of.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::phantoms {
 namespace {
 
 double volume_of(const TriangleMesh& mesh) {
-  const auto shells = shell_volumes(mesh);
-  return std::accumulate(shells.begin(), shells.end(), 0.0);
+  return enclosed_volume(shells_of(mesh));
 }
 
 double volume_of(const Phantom& phantom) {
@@ -178,6 +178,182 @@ TEST_F(MeshImport, TriangulatesPolygons) {
   EXPECT_NEAR(volume_of(import("quads.obj")), 8e-6, edge_loss(20));
 }
 
+/// A prism with a Z for its caps: two rectangles that share a part of an edge.
+TEST_F(MeshImport, ConcaveCapsLeaveNoSurfaceBesideTheBody) {
+  std::ofstream(file("z.obj"))
+      << "v -24 -12 -12\nv 0 -12 -12\nv 0 -4 -12\nv 24 -4 -12\nv 24 12 -12\nv -8 12 -12\n"
+      << "v -8 -4 -12\nv -24 -4 -12\nv -24 -12 12\nv 0 -12 12\nv 0 -4 12\nv 24 -4 12\n"
+      << "v 24 12 12\nv -8 12 12\nv -8 -4 12\nv -24 -4 12\nf 8 7 6 5 4 3 2 1\n"
+      << "f 9 10 11 12 13 14 15 16\nf 1 2 10 9\nf 2 3 11 10\nf 3 4 12 11\nf 4 5 13 12\n"
+      << "f 5 6 14 13\nf 6 7 15 14\nf 7 8 16 15\nf 8 1 9 16\n";
+  const Phantom phantom = import("z.obj");
+  EXPECT_NEAR(volume_of(phantom), 24 * (24 * 8 + 32 * 16) * 1e-9, 2 * edge_loss(30));
+  const SurfaceFinder finder(phantom);
+  const auto distance = [](double at, double low, double high) {  // beyond the ends
+    return std::max({low - at, at - high, 0.0});
+  };
+  for (double x = -30; x <= 30; x += 0.7) {
+    for (double y = -15; y <= 15; y += 0.7) {
+      const double lower = std::hypot(distance(x, -24, 0), distance(y, -12, -4));
+      const double upper = std::hypot(distance(x, -8, 24), distance(y, -4, 12));
+      const double beside = std::min(lower, upper);
+      if (beside > 0 && beside < 1) continue;
+      const auto hit = finder.first_hit({x * 1e-3, y * 1e-3, -0.05}, {0, 0, 1}, 0, 0.1);
+      ASSERT_EQ(hit.has_value(), beside == 0) << x << " " << y;
+    }
+  }
+}
+
+/// Volumes of balls by 4/3 pi r^3.
+TEST_F(MeshImport, AnInnerShellThatFacesInwardsIsACavity) {
+  const auto ball = [](double radius_mm) {
+    return 4 * std::acos(-1.0) / 3 * std::pow(radius_mm * kMillimetre, 3);
+  };
+  const TriangleMesh hollow =
+      joined(icosphere(20, 4), moved(inverted(icosphere(12, 4)), {3, 0, 0}));
+  write_binary_stl(hollow, file("hollow.stl"));
+  const Phantom shell = import("hollow.stl");
+  EXPECT_NEAR(volume_of(shell) / (ball(20) - ball(12)), 1, 5e-3);
+  const auto& grid = *shell.grids().signed_distance[0];
+  const auto at = [&](double x_mm) {
+    const auto index = grid.worldToIndex({x_mm * kMillimetre, 0, 0});
+    return grid.tree().getValue(openvdb::Coord::round(index));
+  };
+  EXPECT_GT(at(3), 0);
+  EXPECT_LT(at(-15), 0);
+  EXPECT_GT(at(21.5), 0);
+
+  write_obj(joined(hollow, moved(icosphere(5, 4), {2, 1, 0})), file("three.obj"));
+  EXPECT_NEAR(volume_of(import("three.obj")) / (ball(20) - ball(12) + ball(5)), 1, 5e-3);
+  // Beside it a body with two cavities.
+  const TriangleMesh cheese =
+      joined(joined(icosphere(15, 4), moved(inverted(icosphere(5, 4)), {-7, 0, 0})),
+             moved(inverted(icosphere(4, 4)), {7, 1, 2}));
+  write_obj(joined(hollow, moved(cheese, {50, 0, 0})), file("several.obj"));
+  EXPECT_NEAR(
+      volume_of(import("several.obj")) / (ball(20) - ball(12) + ball(15) - ball(5) - ball(4)),
+      1,
+      5e-3);
+}
+
+TEST_F(MeshImport, CornersThatDifferInTheirLastBitsAreOne) {
+  const TriangleMesh ball = icosphere(20, 3);
+  std::mt19937 random(3);
+  for (const glm::dvec3 center : {glm::dvec3(0), {3000, -500, 7}}) {
+    TriangleMesh soup;
+    for (const auto& t : ball.triangles) {
+      const auto first = std::uint32_t(soup.vertices.size());
+      for (const std::uint32_t corner : t) {
+        glm::dvec3 at = ball.vertices[corner] + center;
+        for (int axis = 0; axis < 3; ++axis) {
+          const float nearest = float(at[axis]);
+          at[axis] = double(random() % 2 == 0 ? nearest : std::nextafter(nearest, 1e9f));
+        }
+        soup.vertices.push_back(at);
+      }
+      soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    write_binary_stl(soup, file("last_bits.stl"));
+    EXPECT_NEAR(volume_of(import("last_bits.stl")) / volume_of(ball) * 1e9, 1, 2e-3);
+  }
+  // A gap of a micrometre is one.
+  TriangleMesh open = cube_mesh(30);
+  open.vertices.push_back(open.vertices[7] + glm::dvec3(1e-3, 0, 0));
+  open.triangles.back()[1] = 8;
+  expect_refusal(open, "is not a closed surface");
+}
+
+TEST_F(MeshImport, TextureCoordinatesAreNoCorners) {
+  const TriangleMesh ball = icosphere(20, 3);
+  for (const bool first : {false, true}) {
+    std::ofstream out(file("texture.ply"));
+    const std::string corners = "property list uchar int vertex_indices\n";
+    const std::string texture = "property list uchar float texcoord\n";
+    out << "ply\nformat ascii 1.0\nelement vertex " << ball.vertices.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        << ball.triangles.size() << "\n"
+        << (first ? texture + corners : corners + texture) << "end_header\n";
+    for (const auto& v : ball.vertices) out << v.x << " " << v.y << " " << v.z << "\n";
+    for (const auto& t : ball.triangles) {
+      const std::string wrapped = "6 -0.2 1.5 2 0 0.5 9000";
+      const std::string face =
+          "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]);
+      out << (first ? wrapped + " " + face : face + " " + wrapped) << "\n";
+    }
+    out.close();
+    EXPECT_NEAR(volume_of(import("texture.ply")) / volume_of(ball) * 1e9, 1, 2e-3) << first;
+  }
+}
+
+class StlImport : public MeshImport {
+ protected:
+  static std::string binary(const TriangleMesh& mesh, const std::filesystem::path& path) {
+    write_binary_stl(mesh, path);
+    return testing_support::bytes_of(path);
+  }
+  void write(const std::string& bytes) const {
+    std::ofstream(file("a.stl"), std::ios::binary | std::ios::trunc) << bytes;
+  }
+  static std::string with_count(std::string bytes, std::uint32_t count) {
+    std::memcpy(bytes.data() + 80, &count, sizeof count);
+    return bytes;
+  }
+  void expect_ball(const std::string& bytes, const std::string& what) const {
+    write(bytes);
+    EXPECT_NEAR(volume_of(import("a.stl")) / volume_of(ball_) * 1e9, 1, 2e-3) << what;
+  }
+  const TriangleMesh ball_ = icosphere(20, 3);
+};
+
+TEST_F(StlImport, BytesBehindTheLastTriangleAreLeftOut) {
+  const std::string bytes = binary(ball_, file("ball.stl"));
+  for (const std::size_t more : {1, 2, 49}) expect_ball(bytes + std::string(more, 'x'), "trailing");
+  expect_ball(bytes + std::string(50, '\0'), "filled up");
+}
+
+TEST_F(StlImport, ABinaryHeaderMayBeginWithSolid) {
+  std::string bytes = binary(ball_, file("ball.stl"));
+  bytes.replace(0, 11, "solid head ");
+  expect_ball(bytes, "exact");
+  expect_ball(bytes + "\r\n", "trailing");
+  expect_ball(with_count(bytes, 0), "no count");
+}
+
+TEST_F(StlImport, ACountThatWasNotFilledInIsFoundByTheLength) {
+  const std::string bytes = binary(ball_, file("ball.stl"));
+  for (const std::uint32_t count : {0u, 0xffffffffu, 1279u, 1u}) {
+    expect_ball(with_count(bytes, count), std::to_string(count));
+  }
+}
+
+TEST_F(StlImport, RefusesWhatCountAndLengthDoNotExplain) {
+  const std::string bytes = binary(ball_, file("ball.stl"));
+  const auto expect_contradiction = [&](const std::string& contents) {
+    write(contents);
+    expect_refusal(options("a.stl"), "its header counts ");
+    expect_refusal(options("a.stl"), "it is cut off or damaged, or other data follow");
+  };
+  expect_contradiction(with_count(bytes, 1281));
+  expect_contradiction(bytes.substr(0, bytes.size() - 50));
+  expect_contradiction(bytes.substr(0, bytes.size() - 1));
+  expect_contradiction(bytes + bytes);  // two files joined
+  expect_contradiction(bytes + std::string(100, 'x'));
+  write("solid but no more");
+  expect_refusal(options("a.stl"), "STL: it ends too early");
+}
+
+TEST_F(StlImport, TextMayHoldSeveralSolidsWithAnyNames) {
+  write_ascii_stl(ball_, file("a.stl"));
+  const std::string one = testing_support::bytes_of(file("a.stl"));
+  write_ascii_stl(moved(ball_, {50, 0, 0}), file("a.stl"));
+  std::string two = testing_support::bytes_of(file("a.stl"));
+  two.replace(0, 10, "  SOLID facet vertex 7");
+  write(two + one);
+  EXPECT_NEAR(volume_of(import("a.stl")) / volume_of(ball_) * 1e9, 2, 4e-3);
+  write(one.substr(0, one.rfind("endsolid")));
+  expect_refusal(options("a.stl"), "STL: it ends too early");
+}
+
 TEST_F(MeshImport, SameBytesAtAnyThreadCount) {
   write_obj(icosphere(20, 3), file("ball.obj"));
   const auto build = [&](std::size_t threads) {
@@ -253,11 +429,16 @@ TEST_F(MeshImport, RefusesWrongOrientation) {
   TriangleMesh one = cube_mesh(30);
   std::swap(one.triangles[4][0], one.triangles[4][1]);
   expect_refusal(one, "has triangles that face opposite ways at 3 edges");
-  expect_refusal(joined(icosphere(20, 2), inverted(icosphere(10, 2))), "1 of 2 shells");
+  expect_refusal(joined(icosphere(20, 2), moved(inverted(icosphere(10, 2)), {40, 0, 0})),
+                 "is turned inside out: 1 of 2 shells");
 }
 
 TEST_F(MeshImport, RefusesNestedAndIntersectingSurfaces) {
-  expect_refusal(joined(icosphere(20, 3), icosphere(10, 3)), "crosses itself");
+  expect_refusal(joined(icosphere(20, 3), icosphere(10, 3)),
+                 "1 of 2 shells lie within another and face outwards as it does");
+  expect_refusal(
+      joined(joined(icosphere(20, 3), inverted(icosphere(14, 3))), inverted(icosphere(8, 3))),
+      "is turned inside out: 1 of 3 shells");
   expect_refusal(joined(icosphere(20, 3), moved(icosphere(20, 3), {15, 0, 0})), "crosses itself");
 }
 

@@ -5,7 +5,8 @@
 
 #include <cmath>
 #include <numbers>
-#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "tests/phantoms/io/meshes.h"
 
@@ -24,8 +25,7 @@ TriangleMesh unwelded(const TriangleMesh& mesh) {
 }
 
 double volume(const TriangleMesh& mesh) {
-  const auto shells = shell_volumes(mesh);
-  return std::accumulate(shells.begin(), shells.end(), 0.0);
+  return enclosed_volume(shells_of(mesh));
 }
 
 TEST(TriangleMesh, VolumesAndAreas) {
@@ -40,10 +40,20 @@ TEST(TriangleMesh, VolumesAndAreas) {
 }
 
 TEST(TriangleMesh, VolumesAreThoseOfEachShell) {
-  const auto shells = shell_volumes(joined(cube_mesh(2), moved(inverted(cube_mesh(1)), {5, 0, 0})));
+  const auto shells = shells_of(joined(cube_mesh(2), moved(inverted(cube_mesh(1)), {5, 0, 0})));
   ASSERT_EQ(shells.size(), 2u);
-  EXPECT_NEAR(shells[0] + shells[1], 7, 1e-12);
-  EXPECT_NEAR(std::min(shells[0], shells[1]), -1, 1e-12);
+  EXPECT_NEAR(shells[0].volume + shells[1].volume, 7, 1e-12);
+  EXPECT_NEAR(std::min(shells[0].volume, shells[1].volume), -1, 1e-12);
+}
+
+TEST(TriangleMesh, DepthsAreThoseOfNestedShells) {
+  TriangleMesh mesh = joined(joined(cube_mesh(8), cube_mesh(4)), inverted(cube_mesh(2)));
+  mesh = joined(joined(mesh, moved(cube_mesh(1), {3, 3, 3})), moved(cube_mesh(1), {9, 0, 0}));
+  std::vector<std::pair<double, int>> found;
+  for (const Shell& shell : shells_of(mesh))
+    found.emplace_back(std::round(shell.volume), shell.depth);
+  EXPECT_EQ(found,
+            (std::vector<std::pair<double, int>>{{512, 0}, {64, 1}, {-8, 2}, {1, 1}, {1, 0}}));
 }
 
 TEST(TriangleMesh, WeldsVerticesOfEqualPosition) {
