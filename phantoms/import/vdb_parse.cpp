@@ -111,19 +111,27 @@ void write_leaves(const Grid& grid, MessageWriter& out) {
   }
 }
 
-void write_grid(const openvdb::GridBase& grid, MessageWriter& out) {
-  const bool is_float = grid.isType<Grid>() && grid.transform().isLinear();
-  out.put(is_float ? VdbContents::distances : VdbContents::name_alone);
-  out.text(grid.getName());
-  out.text(grid.valueType());
-  out.text(openvdb::GridBase::gridClassToString(grid.getGridClass()));
-  if (!is_float) return;
-  const auto& distances = dynamic_cast<const Grid&>(grid);
-  const openvdb::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+void write_distances(const Grid& distances, MessageWriter& out) {
+  const openvdb::Mat4d matrix = distances.transform().baseMap()->getAffineMap()->getMat4();
   for (int i = 0; i < 16; ++i) out.put(matrix.asPointer()[i]);
   out.put(distances.background());
   write_tiles(distances, out);
   write_leaves(distances, out);
+}
+
+void write_grid(const openvdb::GridBase& grid, MessageWriter& out) {
+  const bool is_float = grid.isType<Grid>(), is_double = grid.isType<openvdb::DoubleGrid>();
+  const bool are_distances = (is_float || is_double) && grid.transform().isLinear();
+  out.put(are_distances ? VdbContents::distances : VdbContents::name_alone);
+  out.text(grid.getName());
+  out.text(grid.valueType());
+  out.text(openvdb::GridBase::gridClassToString(grid.getGridClass()));
+  if (!are_distances) return;
+  if (is_float) {
+    write_distances(dynamic_cast<const Grid&>(grid), out);
+  } else {
+    write_distances(Grid(dynamic_cast<const openvdb::DoubleGrid&>(grid)), out);
+  }
 }
 
 void write_file(const std::filesystem::path& path, MessageWriter& out) {

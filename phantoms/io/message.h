@@ -114,8 +114,8 @@ class MessageReader {
 
 // The message of a .vdb: metadata entries until VdbMetadata::end, each a type, a key and a value;
 // then grids until VdbContents::end, each with name, value type and class, and for a grid of floats
-// on a lattice its matrix (16 doubles, row by row), background, tiles until kNoMoreTiles, and
-// leaves.
+// or doubles on a lattice its matrix (16 doubles, row by row), background, tiles until
+// kNoMoreTiles, and leaves.
 
 enum class VdbMetadata : std::uint32_t { end, text, number, integer, flag, vector };
 enum class VdbContents : std::uint32_t { end, name_alone, distances };

@@ -19,6 +19,7 @@
 #include "phantoms/io/import_process.h"
 #include "phantoms/io/scatterer_file.h"
 #include "phantoms/io/vdb_file.h"
+#include "phantoms/io/vdb_lattice.h"
 
 namespace wobblebench::phantoms {
 namespace {
@@ -248,8 +249,9 @@ FloatGrid::ConstPtr find_level_set(const std::vector<VdbGrid>& grids, const std:
   for (const auto& grid : grids) {
     if (grid.name != name) continue;
     if (!grid.distances) throw std::invalid_argument("grid \"" + name + "\" is not a float grid");
-    check_level_set(name, *grid.distances);
-    return grid.distances;
+    const FloatGrid::Ptr distances = along_axes(grid.distances);
+    check_level_set(name, *distances);
+    return distances;
   }
   throw std::invalid_argument("has no grid \"" + name + "\"");
 }

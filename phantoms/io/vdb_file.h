@@ -20,7 +20,7 @@ struct VdbGrid {
   std::string name;
   std::string value_type;    ///< "float", "int32", …
   std::string grid_class;    ///< "level set", "fog volume", …
-  FloatGrid::Ptr distances;  ///< grid of floats on a lattice; null for any other
+  FloatGrid::Ptr distances;  ///< grid of floats or doubles on a lattice; null for others
 };
 
 struct VdbFile {

@@ -14,6 +14,7 @@
 #include "phantoms/io/import_process.h"
 #include "phantoms/io/message.h"
 #include "phantoms/io/vdb_file.h"
+#include "phantoms/io/vdb_lattice.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {
@@ -39,7 +40,8 @@ std::string grid_word(const std::string& name) {
 }
 
 bool is_level_set(const VdbGrid& grid) {
-  return grid.value_type == "float" && grid.grid_class == "level set";
+  return (grid.value_type == "float" || grid.value_type == "double") &&
+         grid.grid_class == "level set";
 }
 
 std::string contents(const std::vector<VdbGrid>& grids) {
@@ -54,13 +56,15 @@ std::string contents(const std::vector<VdbGrid>& grids) {
 Grid::Ptr level_set_of(const VdbGrid& grid) {
   if (!is_printable_text(grid.name))
     throw std::invalid_argument("a grid's name is not printable UTF-8 text");
-  if (grid.value_type != "float") {
-    throw std::invalid_argument(grid_word(grid.name) + "holds " + grid.value_type + ", not float");
+  if (grid.value_type != "float" && grid.value_type != "double") {
+    throw std::invalid_argument(grid_word(grid.name) + "holds " + grid.value_type +
+                                ", not float or double");
   }
   if (!grid.distances) throw std::invalid_argument(grid_word(grid.name) + kNotCubic);
-  check_level_set(grid.name, *grid.distances);
   if (grid.distances->empty()) throw std::invalid_argument(grid_word(grid.name) + "is empty");
-  return grid.distances;
+  Grid::Ptr distances = along_axes(grid.distances);
+  check_level_set(grid.name, *distances);
+  return distances;
 }
 
 // The grids that the scene names, or all level sets if it names none.
@@ -79,7 +83,7 @@ std::vector<Grid::Ptr> selected(const VdbFile& file, const std::vector<std::stri
     found.push_back(level_set_of(*grid));
   }
   if (!found.empty()) return found;
-  throw std::invalid_argument("holds no float level set, but " + contents(file.grids));
+  throw std::invalid_argument("holds no level set, but " + contents(file.grids));
 }
 
 std::vector<std::string> names_of(const std::vector<Grid::Ptr>& grids) {
@@ -92,15 +96,6 @@ std::vector<std::string> names_of(const std::vector<Grid::Ptr>& grids) {
     names.push_back(name);
   }
   return names;
-}
-
-void check_same_voxels(const std::vector<Grid::Ptr>& grids) {
-  for (const auto& grid : grids) {
-    if (grid->transform() == grids.front()->transform()) continue;
-    throw std::invalid_argument(grid_word(grid->getName()) + "has other voxels than " +
-                                quoted(grids.front()->getName()) +
-                                ": resample them onto one lattice");
-  }
 }
 
 // Mean gradient magnitude over the voxels next to the surface: 1 for distances in the unit of the
@@ -220,10 +215,10 @@ void check_voxel(const Grid& grid, double unit_m) {
 Phantom import_vdb(const PhantomOptions& options) {
   const VdbFile file = read_vdb(options.file);
   check_unit_of_ours(options, file);
-  const std::vector<Grid::Ptr> grids = selected(file, options.grids);
+  std::vector<Grid::Ptr> grids = selected(file, options.grids);
   const std::vector<std::string> names = names_of(grids);
   std::vector<Surface> surfaces = surfaces_of(options, names);
-  check_same_voxels(grids);
+  for (auto& grid : grids) grid = on_lattice_of(*grids.front(), grid);
   double bytes = 0;
   for (const auto& grid : grids) {
     check_voxel(*grid, options.unit_m);

@@ -6,10 +6,13 @@
 #include <openvdb/tools/LevelSetMeasure.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/SignedFloodFill.h>
 
 #include <cmath>
 #include <fstream>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <limits>
 
 #include "base/units.h"
@@ -166,6 +169,107 @@ TEST_F(VdbImport, GridsMayShareATree) {
   }
 }
 
+/// A box of 20 x 30 x 40 in the file's unit, its distances by the closed form, on a lattice with
+/// these steps from a voxel to the next along each of its axes.
+Grid::Ptr box_on_lattice(const glm::dmat3& steps, const glm::dvec3& origin) {
+  const Grid::Ptr grid = create_level_set(1, 1.5);
+  openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int axis = 0; axis < 3; ++axis) matrix(row, axis) = steps[row][axis];
+    matrix(3, row) = origin[row];
+  }
+  grid->setTransform(std::make_shared<openvdb::math::Transform>(
+      openvdb::math::MapBase::Ptr(new openvdb::math::AffineMap(matrix))));
+  grid->setName("box");
+  auto tree = grid->getAccessor();
+  const glm::dvec3 half(10, 15, 20);
+  for (const auto& c : openvdb::CoordBBox::createCube(openvdb::Coord(-60), 121)) {
+    const glm::dvec3 at = origin + steps * glm::dvec3(c.x(), c.y(), c.z());
+    const glm::dvec3 beyond = glm::abs(at) - half;
+    const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0);
+    const double distance = glm::length(glm::max(beyond, glm::dvec3(0))) + inside;
+    if (std::abs(distance) < 1.5) tree.setValue(c, float(distance));
+  }
+  openvdb::tools::signedFloodFill(grid->tree());
+  return grid;
+}
+
+/// Where the phantom's surface lies on the axes, from its centre.
+glm::dvec3 half_sizes(const Phantom& phantom) {
+  const SurfaceFinder finder(phantom);
+  glm::dvec3 half(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 direction(0);
+    direction[axis] = 1;
+    const auto ahead = finder.first_hit(-0.1 * direction, direction, 0, 0.2);
+    const auto back = finder.first_hit(0.1 * direction, -direction, 0, 0.2);
+    if (ahead && back) half[axis] = (0.2 - ahead->distance_m - back->distance_m) / 2;
+  }
+  return half;
+}
+
+TEST_F(VdbImport, SwappedAndMirroredAxesAreTheBodyAsItLies) {
+  const glm::dvec3 right(10e-3, 15e-3, 20e-3);
+  const glm::dvec3 x(0.5, 0, 0), y(0, 0.5, 0), z(0, 0, 0.5);
+  for (const glm::dmat3& steps :
+       {glm::dmat3(x, y, z), {y, x, z}, {z, x, y}, {-x, y, z}, {-z, -y, -x}}) {
+    write({box_on_lattice(steps, {0.1, 0.2, -0.1})});
+    const Phantom phantom = make_phantom(options());
+    EXPECT_LT(glm::distance(half_sizes(phantom), right), 0.02 * kMillimetre)
+        << steps[0].x << " " << steps[0].y << " " << steps[0].z;
+    EXPECT_NEAR(openvdb::tools::levelSetVolume(*phantom.grids().signed_distance[0]), 24e-6, 0.1e-6);
+  }
+}
+
+TEST_F(VdbImport, RefusesTurnedAndShearedAxes) {
+  const double turned = 0.5 * std::sqrt(0.5);
+  write({box_on_lattice({{turned, turned, 0}, {-turned, turned, 0}, {0, 0, 0.5}}, {})});
+  expect_refusal(
+      "grid \"box\" lies on turned axes: the x axis of its voxels points along (0.707, "
+      "0.707, 0); resample it onto axes along x, y and z");
+  write({box_on_lattice({{0.5, 0, 0}, {0, turned, turned}, {0, turned, -turned}}, {})});
+  expect_refusal("the y axis of its voxels points along (0, 0.707, 0.707)");
+  write({box_on_lattice({{0.5, 0, 0}, {0.1, 0.5, 0}, {0, 0, 0.5}}, {})});
+  expect_refusal("grid \"box\" does not have cubic voxels");
+  write({box_on_lattice({{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, -0.6}}, {})});
+  expect_refusal("grid \"box\" does not have cubic voxels");
+}
+
+/// Two balls of radius 8, 20 apart, each with the origin of its lattice in its middle.
+TEST_F(VdbImport, OriginsMayDifferByWholeVoxels) {
+  const auto ball_at = [](const std::string& name, double x) {
+    const Grid::Ptr grid = ball(name, 8);
+    grid->transform().postTranslate({x, 0, 0});
+    return grid;
+  };
+  write({ball_at("left", -10), ball_at("right", 10)});
+  const Phantom phantom = make_phantom(options());
+  const SurfaceFinder finder(phantom);
+  for (const double x_mm : {-10.0, 10.0}) {
+    const auto hit = finder.first_hit({x_mm * kMillimetre, 0, -0.05}, {0, 0, 1}, 0, 0.1);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->distance_m, 42 * kMillimetre, 0.3 * kMillimetre);
+  }
+  EXPECT_FALSE(finder.first_hit({0, 0, -0.05}, {0, 0, 1}, 0, 0.1));
+  const auto& grids = phantom.grids().signed_distance;
+  EXPECT_EQ(grids[0]->transform(), grids[1]->transform());
+  for (const auto& grid : grids) {
+    EXPECT_NEAR(
+        openvdb::tools::levelSetVolume(*grid) / (4 * std::acos(-1.0) / 3 * 512e-9), 1, 1e-2);
+  }
+  write({ball_at("left", -10), ball_at("right", 10.25)});
+  expect_refusal("grid \"right\" has other voxels than \"left\", (-0.5, 0, 0) voxels beside them");
+}
+
+TEST_F(VdbImport, TakesGridsOfDoubles) {
+  auto grid = openvdb::tools::createLevelSetSphere<openvdb::DoubleGrid>(20, {0, 0, 0}, 0.5);
+  grid->setName("ball");
+  write({grid});
+  EXPECT_NEAR(openvdb::tools::levelSetVolume(*make_phantom(options()).grids().signed_distance[0]),
+              4 * std::acos(-1.0) / 3 * 8e-6,
+              0.1e-6);
+}
+
 TEST_F(VdbImport, RestoresTheSignFarInside) {
   const Grid::Ptr grid = ball("ball", 20);
   for (auto tile = grid->beginValueOff(); tile; ++tile) tile.setValue(grid->background());
@@ -265,13 +369,13 @@ TEST_F(VdbImport, RefusesOtherClassesTypesAndVoxels) {
   const auto ids = openvdb::GridBase::createGrid(openvdb::Int32Grid::gridType());
   ids->setName("ids");
   write({fog, ids});
-  expect_refusal("holds no float level set, but fog (float fog volume), ids (int32 unknown)");
+  expect_refusal("holds no level set, but fog (float fog volume), ids (int32 unknown)");
 
   PhantomOptions o = options();
   o.grids = {"fog"};
   EXPECT_NE(refusal(o).find("grid \"fog\" is not of the class level set"), std::string::npos);
   o.grids = {"ids"};
-  EXPECT_NE(refusal(o).find("grid \"ids\" holds int32, not float"), std::string::npos);
+  EXPECT_NE(refusal(o).find("grid \"ids\" holds int32, not float or double"), std::string::npos);
 
   const Grid::Ptr slab = ball("slab", 20);
   slab->setTransform(std::make_shared<openvdb::math::Transform>(
