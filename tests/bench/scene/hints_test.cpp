@@ -74,10 +74,6 @@ TEST(Hints, ACommandLineNamesWhatItDoesNotHave) {
            {{"weather"}, "weather: no such command ("},
            {{"run", "--registr"}, "--registr: no such option; did you mean --register? ("},
            {{"tune", "x.toml", "--limits=1"}, "--limits: no such option; did you mean --limit? ("},
-           {{"run", "--board", "rec.wbst"},
-            "--board = rec.wbst: names no link; did you mean file=rec.wbst?"},
-           {{"run", "--board", "/dev/xdma0_c2h_0"},
-            "--board = /dev/xdma0_c2h_0: names no link; did you mean xdma=/dev/xdma0_c2h_0?"},
            {{"tune", "x.toml", "--limit", "p95_m<=1"}, "--limit = p95_m: must be one of "}}) {
     const auto result = bench(slip.line, folder);
     EXPECT_EQ(result.exit_code, 2) << slip.said;

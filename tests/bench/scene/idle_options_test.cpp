@@ -90,7 +90,7 @@ class Outcomes {
     const Acquisition acquisition = acquire_simulated(scene);
     std::string bytes;
     for (int frame = 0; frame < scene.plan().acquisition().frames_per_volume; ++frame) {
-      add(acquisition.volume.frame(frame), bytes);
+      add(acquisition.volume.frame(frame).samples, bytes);
     }
     const auto duration = scene.plan().volume_duration().count();
     bytes += std::to_string(duration);
