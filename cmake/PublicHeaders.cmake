@@ -11,7 +11,7 @@ set(public_headers
   render/options.h render/renderer.h render/view.h render/gl/context.h render/reference/reference.h)
 set(included_by_public_headers
   base/duration.h base/image.h base/options.h base/units.h
-  hw/probe/clock.h hw/wire/account.h
+  hw/probe/clock.h hw/probe/motor_deviation.h hw/wire/account.h
   render/camera.h render/picture.h render/gl/texels.h)
 if(NOT WOBBLEBENCH_RENDER_ONLY)
   list(APPEND public_headers

@@ -50,7 +50,9 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
     if (const auto warning = acquisitions_warning(arguments_); !warning.empty()) {
       progress.warn(warning);
     }
-    configuration_ = first_configuration(*board_, arguments_.text);
+    const FirstConfiguration first = first_configuration(*board_, arguments_.text);
+    configuration_ = first.configuration;
+    before_configuration_ = first.before;
     scene = with_plan(given, configuration_->plan, name());
     const bool is_known = configuration_->source == hw::StreamOrigin::simulated;
     warn_of_idle_options(
@@ -105,6 +107,7 @@ StreamSource BoardConnection::source(const ResolvedScene& scene) {
           .plan = scene.plan(),
           .name = arguments_.text,
           .configuration = configuration_,
+          .before_configuration = before_configuration_,
           .dynamic_range_db = [options = scene.options()](const hw::DisplayScale& scale) {
             return dynamic_range_db(options, scale);
           }};

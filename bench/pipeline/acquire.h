@@ -86,6 +86,7 @@ class BoardConnection {
   hw::BoardOptions options_;
   std::unique_ptr<hw::Board> board_;
   std::optional<hw::Configuration> configuration_;  ///< of a recording or a card
+  hw::BoardAccount before_configuration_;           ///< sticks lost before it
   hw::HostTime connected_;                          ///< from then on sticks may be made
   std::optional<SimulatedVolume> simulated_;
   std::shared_ptr<sim::SimLinkStatistics> figures_ = std::make_shared<sim::SimLinkStatistics>();

@@ -1,15 +1,41 @@
 #include "hw/board/volume_assembly.h"
 
+#include <stdexcept>
 #include <variant>
 
 namespace wobblebench::hw {
+
+namespace {
+
+std::uint64_t& lost_by(LossCause cause, BoardAccount::Lost& lost) {
+  switch (cause) {
+    case LossCause::ring_full:
+      return lost.ring_full;
+    case LossCause::link:
+      return lost.link;
+    case LossCause::corrupt:
+      return lost.corrupt;
+    case LossCause::out_of_order:
+      return lost.out_of_order;
+  }
+  throw std::logic_error("unknown cause of loss");
+}
+
+}  // namespace
+
+void count_lost(const Gap& gap, BoardAccount& account) {
+  account.emitted += gap.count;
+  lost_by(gap.cause, account.lost) += gap.count;
+}
 
 bool VolumeAssembly::wait_for_configuration(HostTime deadline) {
   while (!configuration_) {
     Event event = board_.next(deadline);
     if (auto* configuration = std::get_if<Configuration>(&event)) {
       configuration_ = *configuration;
-    } else if (!std::holds_alternative<Gap>(event) && !std::holds_alternative<VolumeEnd>(event)) {
+    } else if (const auto* gap = std::get_if<Gap>(&event)) {
+      count_lost(*gap, before_configuration_);
+    } else if (!std::holds_alternative<VolumeEnd>(event)) {
       // No stick comes before the first configuration; the end of its volume may.
       ended_ =
           !std::holds_alternative<TimedOut>(event) && !std::holds_alternative<Cancelled>(event);

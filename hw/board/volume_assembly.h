@@ -43,6 +43,9 @@ class VolumeAssembly {
   /// The plan and source in force; unset before the first configuration.
   const std::optional<Configuration>& configuration() const { return configuration_; }
 
+  /// Sticks that were lost before the first configuration.
+  const BoardAccount& before_configuration() const { return before_configuration_; }
+
   // For programs that take the board's events themselves.
 
   void configure(const Configuration& configuration) { configuration_ = configuration; }
@@ -74,9 +77,13 @@ class VolumeAssembly {
 
   Board& board_;
   std::optional<Configuration> configuration_;
+  BoardAccount before_configuration_;
   std::optional<PolarVolume> volume_;  ///< the one under way
   int finished_frames_ = 0;            ///< of it
   bool ended_ = false;
 };
+
+/// Adds the sticks of a gap: emitted, and lost by its cause.
+void count_lost(const Gap& gap, BoardAccount& account);
 
 }  // namespace wobblebench::hw

@@ -15,20 +15,6 @@ namespace {
 /// A board that is stopped wakes next(): the deadline is for boards whose stop was missed.
 constexpr std::chrono::seconds kLongestWait{1};
 
-std::uint64_t& lost_by(hw::LossCause cause, hw::BoardAccount::Lost& lost) {
-  switch (cause) {
-    case hw::LossCause::ring_full:
-      return lost.ring_full;
-    case hw::LossCause::link:
-      return lost.link;
-    case hw::LossCause::corrupt:
-      return lost.corrupt;
-    case hw::LossCause::out_of_order:
-      return lost.out_of_order;
-  }
-  throw std::logic_error("unknown cause of loss");
-}
-
 constexpr const char* kChoose =
     "; of a recording, file=RECORDING,acquisition=N takes one (`wobblebench inspect` lists them)";
 
@@ -49,6 +35,7 @@ FrameReader::FrameReader(const StreamSource& source,
       keeps_volume_(keep_volume),
       assembly_(source.board) {
   if (source.configuration) assembly_.configure(*source.configuration);
+  statistics_.account = source.before_configuration;
   statistics_.least_free_slots = source.board.ring_slots();
 }
 
@@ -96,14 +83,13 @@ bool FrameReader::take(hw::Event& event) {
 
 /// Those of the gap's sticks that are due before the end of the last wanted volume.
 void FrameReader::count(const hw::Gap& gap) {
-  std::uint64_t sticks = gap.count;
+  hw::Gap wanted = gap;
   if (const auto& volume = assembly_.volume(); volumes_ > 0 && volume) {
     const auto left = static_cast<std::uint32_t>(volumes_ - statistics_.volumes);
     const std::uint64_t end = plan_.first_sequence(volume->volume_index() + left);
-    sticks = std::min(sticks, end - std::min(end, gap.first_sequence));
+    wanted.count = std::min(gap.count, end - std::min(end, gap.first_sequence));
   }
-  statistics_.account.emitted += sticks;
-  lost_by(gap.cause, statistics_.account.lost) += sticks;
+  hw::count_lost(wanted, statistics_.account);
 }
 
 /// The event behind the last volume tells whether the stream went on.

@@ -13,7 +13,7 @@
 
 namespace wobblebench::bench {
 
-hw::Configuration first_configuration(hw::Board& board, const std::string& name) {
+FirstConfiguration first_configuration(hw::Board& board, const std::string& name) {
   hw::VolumeAssembly assembly(board);
   board.start();
   if (!assembly.wait_for_configuration(hw::HostClock::now() + kVolumeTimeout)) {
@@ -26,7 +26,7 @@ hw::Configuration first_configuration(hw::Board& board, const std::string& name)
     throw nothing_came(name, "configuration", std::move(ending));
   }
   board.stop();
-  return *assembly.configuration();
+  return {*assembly.configuration(), assembly.before_configuration()};
 }
 
 std::string ending_of(const hw::Event& event) {

@@ -26,6 +26,7 @@ struct StreamSource {
   std::string name;          ///< --board, for refusals
   /// Where first_configuration() took it from the board; else it is the first event.
   std::optional<hw::Configuration> configuration;
+  hw::BoardAccount before_configuration = {};  ///< sticks that were lost before that was taken
   /// Over which linear envelopes of that scale are log-compressed. Empty: over the one that it
   /// states; where it states none they are refused.
   std::function<double(const hw::DisplayScale&)> dynamic_range_db;
@@ -37,10 +38,14 @@ class NothingCame : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+struct FirstConfiguration {
+  hw::Configuration configuration;
+  hw::BoardAccount before;  ///< sticks that were lost before it
+};
 /// Starts the board, takes its first configuration, and stops it: sticks that a source at its own
 /// pace sends until it is started again are missed, and counted. Throws NothingCame, after
 /// kVolumeTimeout at the latest.
-hw::Configuration first_configuration(hw::Board& board, const std::string& name);
+FirstConfiguration first_configuration(hw::Board& board, const std::string& name);
 
 /// Why nothing more comes, of EndOfStream and DeviceLost; empty: of other events.
 std::string ending_of(const hw::Event& event);

@@ -19,11 +19,12 @@ hw::AcquisitionPlan narrowed(const hw::AcquisitionPlan& plan, int frames) {
 
 hw::PolarVolume take_volume(std::unique_ptr<hw::Link> link, const std::string& board_text) {
   hw::Board board(std::move(link));
-  const hw::Configuration configuration = first_configuration(board, board_text);
+  const auto [configuration, before] = first_configuration(board, board_text);
   const StreamSource source{.board = board,
                             .plan = configuration.plan,
                             .name = board_text,
                             .configuration = configuration,
+                            .before_configuration = before,
                             .dynamic_range_db = {}};
   NoRenderer none;
   const StreamResult result = stream_one_volume(source, none);
