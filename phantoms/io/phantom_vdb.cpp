@@ -248,7 +248,8 @@ PointScatterers read_scatterers(const openvdb::MetaMap& file_meta, const Metadat
 FloatGrid::ConstPtr find_level_set(const std::vector<VdbGrid>& grids, const std::string& name) {
   for (const auto& grid : grids) {
     if (grid.name != name) continue;
-    if (!grid.distances) throw std::invalid_argument("grid \"" + name + "\" is not a float grid");
+    if (!grid.distances)
+      throw std::invalid_argument("grid \"" + name + "\" is no grid of floats or doubles");
     const FloatGrid::Ptr distances = along_axes(grid.distances);
     check_level_set(name, *distances);
     return distances;

@@ -11,7 +11,8 @@ namespace wobblebench::bench {
 
 std::string tune_markdown(const TuneResults& results, const std::string& machine);
 nlohmann::ordered_json tune_json(const TuneResults& results);
-/// "point 3 (KEY = VALUE): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is known.
+/// "point 3 (iso_level 0.5, steps 32): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is
+/// known.
 std::string nearest_text(const TuneResults& results);
 /// The chosen settings as a scene file. `results.chosen()` must be one.
 std::string tuned_scene(const TuneResults& results);

@@ -43,7 +43,8 @@ TEST_F(LiveFaults, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {
   expect_line(stream("bodies.wbst"), 2, "behind 2 volumes the samples are of another subject");
   EXPECT_FALSE(fs::exists(at("out")));
   expect_line(stream("scales.wbst"), 1, "behind 2 volumes the display scale changes");
-  EXPECT_EQ(Json::parse(bytes_of(at("out/report.json")))["latency"]["shown"]["volumes"], 2);
+  EXPECT_EQ(Json::parse(bytes_of(at("out/report.json")))["timing"]["latency"]["shown"]["volumes"],
+            2);
 }
 
 TEST_F(LiveFaults, AFileThatCannotBeReadIsNotAnEmptyOne) {
@@ -109,7 +110,7 @@ TEST_F(LiveFaults, AgesOfSinglePicturesAreThoseOfTheReport) {
   }
   EXPECT_EQ(lines, 5);
   const Json report = Json::parse(bytes_of(at("out/report.json")));
-  EXPECT_NEAR(report["latency"]["age_oldest_ms"]["max"].get<double>(), oldest, 1e-3);
+  EXPECT_NEAR(report["timing"]["latency"]["age_oldest_ms"]["max"].get<double>(), oldest, 1e-3);
 }
 
 TEST_F(LiveFaults, LossesInAStreamFailWhereThatIsAskedFor) {

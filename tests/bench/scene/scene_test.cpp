@@ -315,15 +315,16 @@ TEST_F(SceneFile, MotionThatCannotBeIsRefused) {
 }
 
 TEST_F(SceneFile, AHeadThatIsNotThereDoesNotTurn) {
-  const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10"});
-  const auto phantom = empty_phantom({});
+  const std::string box = "render.volume_of_interest.size_mm=[80, 80, 60]";
+  const Scene scene = load_scene({}, {"phantom.name=sphere", "motion.head_turn_deg=10", box});
+  const auto phantom = empty_phantom({});  // which frames no picture
   try {
     resolve_scene(scene, phantom);
     FAIL() << "accepted";
   } catch (const UserError& error) {
     EXPECT_EQ(std::string(error.what()).find("motion.head_turn_deg = 10: "), 0U) << error.what();
   }
-  EXPECT_TRUE(resolve_scene(load_scene({}, {}), phantom).subject()->motion.still());
+  EXPECT_TRUE(resolve_scene(load_scene({}, {box}), phantom).subject()->motion.still());
 }
 
 TEST_F(SceneFile, APresetGivesTheDefaultsOfTheProbeAndItsSector) {

@@ -235,10 +235,10 @@ TEST_F(VdbFile, RefusesAWrongGridClass) {
 TEST_F(VdbFile, RefusesAWrongGridType) {
   write_phantom(small_phantom(), file());
   rewrite([](auto& grids, auto&) {
-    grids[0] = openvdb::GridBase::createGrid(openvdb::DoubleGrid::gridType());
+    grids[0] = openvdb::GridBase::createGrid(openvdb::Int64Grid::gridType());
     grids[0]->setName("ball");
   });
-  expect_refusal("not a float grid");
+  expect_refusal("no grid of floats or doubles");
 }
 
 TEST_F(VdbFile, RefusesNaN) {
