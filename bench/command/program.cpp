@@ -65,7 +65,7 @@ std::string unknown_option(const CLI::App& command, int argc, char** argv) {
 /// What a line that cannot be parsed holds that the program does not have; empty: it is not that.
 std::string unknown_word(const CLI::App& app, int argc, char** argv) {
   if (argc < 2) return "";
-  const std::string first = unknown_command(app, argv[1]);
+  std::string first = unknown_command(app, argv[1]);
   if (!first.empty()) return first;
   for (const CLI::App* command : app.get_subcommands(nullptr)) {
     if (command->get_name() == argv[1]) return unknown_option(*command, argc, argv);

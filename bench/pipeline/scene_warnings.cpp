@@ -73,8 +73,8 @@ void warn_of_scene(const ResolvedScene& scene, bool board_is_simulated, Progress
 
 std::string motor_text(const hw::MotorDeviation& motor, const hw::AcquisitionPlan& plan) {
   if (!motor.matters(plan)) return "";
-  const std::string text = "angles leave the plan by at most " + degrees(motor.max_rad) +
-                           " deg (RMS " + degrees(motor.rms_rad()) + " deg)";
+  std::string text = "angles leave the plan by at most " + degrees(motor.max_rad) + " deg (RMS " +
+                     degrees(motor.rms_rad()) + " deg)";
   const auto [low_rad, high_rad] = hw::planned_fan_rad(plan);
   const double much_rad = hw::negligible_deviation_rad(plan);
   const bool same = std::abs(motor.low_rad - low_rad) <= much_rad &&

@@ -178,7 +178,7 @@ void refuse_leftovers(const toml::table& table,
 
 /// Of the section's own keys, or else of those with just this name in another section.
 std::string did_you_mean_key(const std::string& key, const std::vector<std::string>& known) {
-  const std::string near = did_you_mean(key, known);
+  std::string near = did_you_mean(key, known);
   if (!near.empty()) return near;
   std::vector<std::string> names, keys;
   const Scene defaults;

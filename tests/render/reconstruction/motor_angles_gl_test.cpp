@@ -142,7 +142,8 @@ const Law kLaws[] = {
 class EachLaw : public ::testing::TestWithParam<std::tuple<Law, hw::MotorMode>> {};
 
 TEST_P(EachLaw, PlacesABallWhereItIs) {
-  const auto& [law, motor] = GetParam();
+  const Law& law = std::get<0>(GetParam());  // clang 14 captures no structured binding
+  const hw::MotorMode motor = std::get<1>(GetParam());
   const hw::AcquisitionPlan plan = plan_of(motor);
   // Backlash: on the way back the motor lags in the other direction.
   const std::uint32_t volumes = motor == hw::MotorMode::alternating ? 2 : 1;
