@@ -13,7 +13,8 @@ set(slow_suites
   Rungs/OnTheSimulator Rungs/PointsOnRung ScattererHdf5 Scatterers Scenes/MemoryOfRun Settings/EachSetting
   SimLink Speckle SpeckleSizeStudy SpeckleStudy Steps StreamCommand SurfaceFinder Tables TablesProgram
   TissueMap Tolerance Trade Truth Tune TurnedMesh VdbFile VdbImport Velocities/TruthOfMovingSphere
-  Weeks/Biometry Weeks/FetalScene WithRecording WithScale Views/DepthPoints DepthToPoints PictureSides Hints Warnings)
+  Weeks/Biometry Weeks/FetalScene WithRecording WithScale Views/DepthPoints DepthToPoints PictureSides Hints
+  Warnings EqualReports IncidenceCorrection Journal LiveFaults MotorAngles MotorAngles/EachLaw RunWarnings StlImport)
 
 set(nightly_suites Bases/IdleSweep)
 

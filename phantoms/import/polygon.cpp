@@ -198,8 +198,8 @@ Triangles cut_polygon(Corners corners) {
   if (glm::length(plane.normal) <= flat) refuse(corners[0]);
   const bool four = corners.size() == 4;
   const glm::dvec3 direction = four ? glm::normalize(plane.normal) : nearest_axis(plane.normal);
-  const Triangles triangles = four ? cut_quadrilateral(corners, direction)
-                                   : cut_by_sweep(corners, direction, kRounding * plane.size);
+  Triangles triangles = four ? cut_quadrilateral(corners, direction)
+                             : cut_by_sweep(corners, direction, kRounding * plane.size);
   if (triangles.empty() || least_area(corners, triangles, direction) < -flat ||
       !has_outline(corners, triangles)) {
     refuse(corners[0]);

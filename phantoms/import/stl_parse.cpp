@@ -102,7 +102,7 @@ struct Facet {
 Facet facet_at(const std::string& bytes, std::size_t index) {
   std::array<float, 12> values{};
   std::memcpy(values.data(), bytes.data() + kHeaderBytes + index * kFacetBytes, sizeof values);
-  const auto vector = [&](int i) {
+  const auto vector = [&](std::size_t i) {
     return glm::dvec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
   };
   return {vector(0), {vector(1), vector(2), vector(3)}};

@@ -89,7 +89,7 @@ FloatGrid::Ptr level_set_of(const TriangleMesh& mesh,
     auto& layer = layers[static_cast<std::size_t>(shell.depth)];
     layer.insert(layer.end(), shell.triangles.begin(), shell.triangles.end());
   }
-  const auto body = level_set_of(points, layers[0], voxel_m);
+  auto body = level_set_of(points, layers[0], voxel_m);
   for (std::size_t depth = 1; depth < layers.size(); ++depth) {
     const auto layer = level_set_of(points, layers[depth], voxel_m);
     depth % 2 == 1 ? openvdb::tools::csgDifference(*body, *layer)

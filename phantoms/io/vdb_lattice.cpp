@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "phantoms/float_grid.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {

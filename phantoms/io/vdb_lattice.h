@@ -1,7 +1,7 @@
 // The lattices of grids of other programs. Heavy: include it from .cpp files only.
 #pragma once
 
-#include "phantoms/grids.h"
+#include "phantoms/float_grid.h"
 
 namespace wobblebench::phantoms {
 
