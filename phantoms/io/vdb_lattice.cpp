@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "phantoms/float_grid.h"
 #include "phantoms/refusal.h"
 
 namespace wobblebench::phantoms {
