@@ -58,8 +58,7 @@ FileDescriptor open_to_read(const std::filesystem::path& path) {
 
 /// Calls body(piece) until the end of the file, or until it returns false.
 template <class Body>
-void read_while(const std::filesystem::path& path, const Body& body) {
-  const FileDescriptor file = open_to_read(path);
+void read_while(const FileDescriptor& file, const std::filesystem::path& path, const Body& body) {
   std::array<char, 1 << 16> bytes{};
   for (;;) {
     const ssize_t count = ::read(file.get(), bytes.data(), bytes.size());
@@ -74,15 +73,21 @@ void read_while(const std::filesystem::path& path, const Body& body) {
 
 void read_pieces(const std::filesystem::path& path,
                  const std::function<void(std::string_view)>& body) {
-  read_while(path, [&](std::string_view piece) {
+  read_while(open_to_read(path), path, [&](std::string_view piece) {
     body(piece);
     return true;
   });
 }
 
 std::string read_file(const std::filesystem::path& path, std::size_t most) {
+  return read_file(open_to_read(path), path, most);
+}
+
+std::string read_file(const FileDescriptor& file,
+                      const std::filesystem::path& path,
+                      std::size_t most) {
   std::string text;
-  read_while(path, [&](std::string_view piece) {
+  read_while(file, path, [&](std::string_view piece) {
     text += piece.substr(0, most - text.size());
     return text.size() < most;
   });
@@ -153,6 +158,22 @@ void occupy_standard_descriptors() {
       throw std::system_error(errno, std::generic_category(), "/dev/null");
     }
   }
+}
+
+void write_new_file(const std::filesystem::path& path, std::string_view bytes, int folder) {
+  const int from = folder < 0 ? AT_FDCWD : folder;
+  const std::filesystem::path name = folder < 0 ? path : path.filename();
+  const auto refuse = [&](int reason) {
+    throw std::runtime_error(path.string() + ": cannot be written: " + std::strerror(reason));
+  };
+  constexpr int kNew = O_CREAT | O_EXCL | O_NOFOLLOW;
+  FileDescriptor file(::openat(from, name.c_str(), kNew | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file.is_open()) refuse(errno);
+  const int write_error = write_all(file.get(), bytes) ? sync_file(file.get()) : errno;
+  const int close_error = file.close();
+  if (write_error == 0 && close_error == 0) return;
+  ::unlinkat(from, name.c_str(), 0);
+  refuse(write_error != 0 ? write_error : close_error);
 }
 
 }  // namespace wobblebench

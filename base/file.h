@@ -45,6 +45,10 @@ void read_pieces(const std::filesystem::path& path,
 /// The content of a file, or its first `most` bytes. Throws as read_pieces().
 std::string read_file(const std::filesystem::path& path,
                       std::size_t most = std::numeric_limits<std::size_t>::max());
+/// The same from where an open file is read on. `path`: its name, for errors.
+std::string read_file(const FileDescriptor& file,
+                      const std::filesystem::path& path,
+                      std::size_t most = std::numeric_limits<std::size_t>::max());
 
 /// write(2) until all of it is written. False, with errno, where it fails.
 bool write_all(int descriptor, std::string_view bytes);
@@ -62,6 +66,11 @@ void sync_folder(const std::filesystem::path& path);
 /// Writes `bytes` as the whole content of `path` and waits for fsync(2): a full disk may be
 /// reported only then. Throws std::runtime_error "PATH: cannot be written: reason".
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// write_file() to a new file: where there is one of that name, be it a link, it is not written. Of
+/// a file that cannot be written whole nothing is left. `folder`: an open descriptor of the path's
+/// folder, through which it is reached whatever has that folder's name now; -1: by the path.
+void write_new_file(const std::filesystem::path& path, std::string_view bytes, int folder = -1);
 
 /// An exclusive lock on a folder: a hidden file `.wobblebench.lock` in it, locked with flock(2), so
 /// that a lock ends with its process however that ends. The file is removed with the lock; one that

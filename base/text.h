@@ -1,7 +1,8 @@
-// Text: UTF-8, control characters, fields of CSV.
+// Text: UTF-8, control characters, fields of CSV, words of a shell's command line.
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -53,6 +54,18 @@ inline std::string csv_field(std::string_view text) {
 /// UTF-8 without ASCII control characters: text that terminals and JSON reports can show.
 inline bool is_printable_text(std::string_view text) {
   return is_utf8(text) && std::none_of(text.begin(), text.end(), is_control);
+}
+
+/// A word that stands for this text in a shell's command line: quoted where it needs it.
+inline std::string shell_word(std::string_view text) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("_-./=,:+@%").find(c) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return std::string(text);
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
 }
 
 }  // namespace wobblebench

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "base/number_text.h"
-#include "base/shell_word.h"
+#include "base/text.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
@@ -315,10 +315,7 @@ CommandResult record_to(OutputFolder& out,
                         const Scene& scene,
                         const Arguments& arguments,
                         Progress& progress) {
-  if (!link) {
-    const std::string idle = idle_options_text(idle_options(scene, scanned_keys(scene)));
-    if (!idle.empty()) progress.warn(idle);
-  }
+  if (!link) progress.warn(idle_options_text(idle_options(scene, scanned_keys(scene))));
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq, progress);
   if (link) out.refuse_input(board.link.value, kRecordingName);
   out.check_space(least_bytes(board, scene, arguments));

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/new_file.h"
+#include "base/file.h"
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/output/camera_matrices.h"

@@ -18,7 +18,6 @@
 #include <utility>
 
 #include "base/file.h"
-#include "base/new_file.h"
 #include "base/number_text.h"
 #include "base/user_error.h"
 

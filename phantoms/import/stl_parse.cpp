@@ -5,15 +5,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/file.h"
 #include "phantoms/import/parsers.h"
 #include "phantoms/import/polygon.h"
 
@@ -149,9 +148,7 @@ TriangleMesh read_binary(const std::string& bytes) {
 }  // namespace
 
 TriangleMesh read_stl(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  if (in.bad() || !in.is_open()) throw std::invalid_argument("cannot be read");
+  const std::string bytes = read_file(path);
   return is_text(bytes) ? TextReader(bytes).read() : read_binary(bytes);
 }
 

@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include "base/shell_word.h"
-
 namespace wobblebench {
 namespace {
 

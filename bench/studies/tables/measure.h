@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "base/median_interval.h"
 #include "base/part_done.h"
 #include "base/statistics.h"
 #include "bench/studies/tables/paper.h"

@@ -62,20 +62,6 @@ Json json_of(const JournalHead& head) {
   return {{"schema", head.schema}, {"plan", head.plan}};
 }
 
-std::string read_text(int file, const std::filesystem::path& path) {
-  std::string text;
-  std::array<char, 65536> part{};
-  for (;;) {
-    const ssize_t count = ::read(file, part.data(), part.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      throw std::runtime_error(path.string() + ": cannot be read: " + std::strerror(errno));
-    }
-    if (count == 0) return text;
-    text.append(part.data(), static_cast<std::size_t>(count));
-  }
-}
-
 struct Content {
   std::set<std::string> machines;
   std::size_t measurements = 0;
@@ -173,7 +159,7 @@ JournalFile::JournalFile(const std::filesystem::path& folder,
   try {
     file_ = open_regular(path_, O_RDWR | O_APPEND | O_NOFOLLOW);
     if (!file_.is_open()) return;
-    Content content = LineReader(head_, take).read(read_text(file_.get(), path_));
+    Content content = LineReader(head_, take).read(read_file(file_, path_));
     machines_ = std::move(content.machines);
     whole_ = content.whole;
     kept_ = content.measurements;
@@ -230,7 +216,7 @@ std::set<std::string> read_journal(const std::filesystem::path& folder,
   try {
     const FileDescriptor file = open_regular(path, O_RDONLY);
     if (!file.is_open()) refuse("has no " + head.file);
-    return LineReader(head, take).read(read_text(file.get(), path)).machines;
+    return LineReader(head, take).read(read_file(file, path)).machines;
   } catch (const Fault& fault) {
     refuse("its " + head.file + " " + fault.reason);
     return {};

@@ -23,10 +23,10 @@ struct JournalHead {
 /// that the line is none.
 using TakeLine = std::function<void(const nlohmann::ordered_json& line)>;
 
-/// Lines of JSON, each with the CRC-32C of its text, so that a line that was
-/// changed is found and never taken for another measurement. The head is first, then come
-/// measurements and the machines that made them. A last line without its end, as a killed command
-/// leaves it, is taken off. A journal without a measurement counts as none, whatever plan it is of.
+/// Lines of JSON, each with the CRC-32C of its text, so that a line that was changed is found and
+/// never taken for another measurement. The head is first, then come measurements and the machines
+/// that made them. A last line without its end, as a killed command leaves it, is taken off. A
+/// journal without a measurement counts as none, whatever plan it is of.
 class JournalFile {
  public:
   /// Reads the file in `folder`, if there is one, and changes nothing. Throws UserError

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "base/shell_word.h"
+#include "base/text.h"
 #include "tests/bench/cli/program_under_test.h"
 
 namespace wobblebench::bench {
