@@ -55,6 +55,12 @@ TEST(IdleOptions, FollowFromTheOtherOptions) {
             Keys{"render.ray_casting.iso_level"});
   EXPECT_EQ(idle_keys({"render.ray_casting.threshold=0.3", "render.ray_casting.detector=paper"}),
             Keys{});
+  EXPECT_EQ(idle_keys({"render.ray_casting.threshold_per_sample=0.04"}),
+            Keys{"render.ray_casting.threshold_per_sample"});
+  EXPECT_EQ(idle_keys({"render.ray_casting.threshold=0.15",
+                       "render.ray_casting.threshold_per_sample=0.04",
+                       "render.ray_casting.detector=paper"}),
+            Keys{"render.ray_casting.threshold"});
 }
 
 TEST(IdleOptions, OfARecordingAreThoseOfTheSimulatorToo) {
