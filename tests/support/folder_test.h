@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 namespace wobblebench::testing_support {
 
@@ -22,6 +25,14 @@ class FolderTest : public testing::Test {
   ~FolderTest() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  /// The new file's path.
+  std::filesystem::path write(const std::vector<std::byte>& bytes,
+                              const std::string& name = "r.wbst") const {
+    std::ofstream stream(file(name), std::ios::binary | std::ios::trunc);
+    stream.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
+    return file(name);
+  }
 
   std::filesystem::path folder_;
 };

@@ -15,15 +15,7 @@
 namespace wobblebench::hw {
 namespace {
 
-class FileLinks : public testing_support::FolderTest {
- protected:
-  std::filesystem::path write(const Bytes& bytes) const {
-    const auto path = file("r.wbst");
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
-    return path;
-  }
-};
+using FileLinks = testing_support::FolderTest;
 
 TEST_F(FileLinks, DeliverTheFilesBytesAtEitherPace) {
   Bytes stream = stream_of(small_plan(2));

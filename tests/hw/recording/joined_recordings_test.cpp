@@ -17,15 +17,7 @@
 namespace wobblebench::hw {
 namespace {
 
-class JoinedRecordings : public testing_support::FolderTest {
- protected:
-  std::filesystem::path write(const Bytes& bytes, const std::string& name = "r.wbst") const {
-    const auto path = file(name);
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
-    return path;
-  }
-};
+using JoinedRecordings = testing_support::FolderTest;
 
 Bytes operator+(Bytes first, const Bytes& second) {
   first.insert(first.end(), second.begin(), second.end());

@@ -17,15 +17,7 @@ namespace {
 
 constexpr std::int64_t kHour_ns = 3'600'000'000'000;
 
-class JumpingTimes : public testing_support::FolderTest {
- protected:
-  std::filesystem::path write(const Bytes& bytes) const {
-    const auto path = file("r.wbst");
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
-    return path;
-  }
-};
+using JumpingTimes = testing_support::FolderTest;
 
 /// The times of all packets from one on are later by `by_ns`, and wrap as 64 bits do.
 void add_to_times(std::vector<Bytes>& packets, std::size_t from, std::int64_t by_ns) {

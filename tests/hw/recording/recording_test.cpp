@@ -21,13 +21,6 @@ namespace {
 
 class Recordings : public testing_support::FolderTest {
  protected:
-  std::filesystem::path write(const Bytes& bytes, const std::string& name = "r.wbst") const {
-    const auto path = file(name);
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
-    return path;
-  }
-
   Bytes salvage(const std::filesystem::path& path) const {
     Bytes kept;
     salvage_recording(path,

@@ -48,12 +48,6 @@ Unreadable later_version() {
 
 class WithRecording : public testing_support::FolderTest {
  protected:
-  std::filesystem::path write(const Bytes& bytes) const {
-    const auto path = file("r.wbst");
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), std::ptrdiff_t(bytes.size()));
-    return path;
-  }
   static Bytes salvaged(const std::filesystem::path& path) {
     Bytes kept;
     salvage_recording(path,

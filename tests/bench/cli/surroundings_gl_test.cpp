@@ -1,0 +1,56 @@
+// Files that cannot be read and drivers of OpenGL that are not there, by running the program.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/cli/program_under_test.h"
+
+namespace wobblebench::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+class Surroundings : public testing::Test {
+ protected:
+  fs::path at(const std::string& name) const { return folder_.path() / name; }
+  ProcessResult run(const Words& arguments, const ProcessLimits& limits = {}) const {
+    return bench(arguments, folder_, limits);
+  }
+  static void expect_line(const ProcessResult& result, int code, const std::string& text) {
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(Surroundings, AFileThatCannotBeReadIsNotAnEmptyOne) {
+  for (const Words& command : {Words{"phantom", "/proc/self/mem"},
+                               Words{"run", "/proc/self/mem"},
+                               Words{"trade", "/proc/self/mem"},
+                               Words{"accuracy", "/proc/self/mem"}}) {
+    expect_line(run(with(command, {{"--out", "out"}})),
+                1,
+                "/proc/self/mem: cannot be read: Input/output error");
+    EXPECT_FALSE(fs::exists(at("out"))) << command.front();
+  }
+}
+
+TEST_F(Surroundings, AnUnknownDriverIsOneLine) {
+  const auto result = run(with({"run", "--out", "out"}, {kSphere, kScan, kPicture}),
+                          {.environment = {{"GALLIUM_DRIVER", "none_such"}}});
+  expect_line(result, 1, "where GALLIUM_DRIVER = none_such");
+}
+
+TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
+  const auto result =
+      run(with({"run", "--gl", "egl-device", "--out", "out"}, {kSphere, kScan, kPicture}));
+  if (result.exit_code != 0) GTEST_SKIP() << "no EGL device: " << result.err;
+  const Json report = Json::parse(bytes_of(at("out/report.json")));
+  const bool cpu = report["provenance"]["gl_renderer"].get<std::string>().find("llvmpipe") == 0;
+  EXPECT_EQ(result.err.find("warning: --gl = egl-device") != std::string::npos, cpu) << result.err;
+  EXPECT_EQ(report["warnings"].size(), cpu ? 1u : 0u);
+}
+
+}  // namespace
+}  // namespace wobblebench::bench
