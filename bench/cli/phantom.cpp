@@ -204,8 +204,7 @@ int write_phantom(const Arguments& arguments) {
       [&](OutputFolder& out, Progress& progress) {
         std::set<std::string> keys = scene.given;
         std::erase_if(keys, [](const auto& key) { return !key.starts_with("phantom."); });
-        const std::string idle = idle_options_text(idle_options(scene, keys));
-        if (!idle.empty()) progress.warn(idle);
+        progress.warn(idle_options_text(idle_options(scene, keys)));
         PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
         const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
         progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });

@@ -101,7 +101,7 @@ std::vector<std::string> picture_warnings(const render::Picture& picture,
   std::vector<std::string> warnings;
   const double near = near_field_share(picture, scene);
   if (near >= kNearFieldShare) {
-    warnings.push_back(significant(100 * near, 2) +
+    warnings.push_back(fixed(100 * near, 0) +
                        " % of the surface in the picture lies within 5 mm of the probe: the near "
                        "field is within render.volume_of_interest and hides what lies behind it");
   }

@@ -204,7 +204,6 @@ int run(const Arguments& arguments) {
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
     refuse_registration(arguments, scene);
     if (correction) check_correction(*correction, scene.options());
-    warn_of_scene(scene, is_simulated(parse_board(arguments.board)), progress);
     render::Renderer renderer(*context, scene.plan(), scene.render());
     auto compiled = renderer.compile_in_background();
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());

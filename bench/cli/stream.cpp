@@ -314,7 +314,6 @@ int stream(const Arguments& arguments) {
     warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const ResolvedScene scene = board.resolve(given, cache, progress);
-    warn_of_scene(scene, is_simulated(parse_board(arguments.board)), progress);
     const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
     StreamSink sink(scene.plan(),
                     make_video(out, codec, scene.render().ray_casting.image_size),

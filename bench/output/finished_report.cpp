@@ -15,34 +15,29 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Paths = std::vector<std::string>;
 
-/// In every report.
-const Paths kOfAll = {"/wall_ms", "/cached"};
+/// In every report that has them.
+const Paths kOfAll = {"/wall_ms",
+                      "/cached",
+                      "/simulation/map_ms",
+                      "/simulation/once_ms",
+                      "/simulation/ms_per_volume",
+                      "/simulation/times_real_time",
+                      "/simulation/late_ms",
+                      "/simulation/packets_dropped"};
 
 /// In the report of a command: measured times, what follows from them, and what depends on how far
 /// a thread had come.
 const std::map<std::string, Paths>& paths_by_command() {
   static const std::map<std::string, Paths> paths = {
       {"run",
-       {"/simulation/map_ms",
-        "/simulation/once_ms",
-        "/simulation/ms_per_volume",
-        "/simulation/times_real_time",
-        "/simulation/late_ms",
-        "/simulation/packets_dropped",
-        "/render/passes",
+       {"/render/passes",
         "/render/frame_ms",
         "/tolerance/predicted_render_ms",
         "/tolerance/render_ms",
         "/tolerance/measured",
         "/tolerance/kept"}},
       {"stream",
-       {"/simulation/map_ms",
-        "/simulation/once_ms",
-        "/simulation/ms_per_volume",
-        "/simulation/times_real_time",
-        "/simulation/late_ms",
-        "/simulation/packets_dropped",
-        "/board/emitted",
+       {"/board/emitted",
         "/board/delivered",
         "/board/lost",
         "/board/duplicates",
@@ -105,7 +100,7 @@ std::string finished_report(const std::string& report, Progress& progress) {
     const MachineUse use = progress.machine_use();
     json["provenance"]["load"] = to_json(use);
     // Not among the report's warnings, which are those of every equal run.
-    if (measures_times(json) && !use.warning().empty()) progress.warn(use.warning());
+    if (measures_times(json)) progress.warn(use.warning());
   }
   return report_text(json);
 }

@@ -85,6 +85,7 @@ void Progress::note(const std::string& text) {
 }
 
 void Progress::warn(const std::string& text) {
+  if (text.empty()) return;
   const std::scoped_lock lock(mutex_);
   if (output_.terminal && line_shown_) std::fputs(kEraseLine, output_.file);
   warnings_.push_back(one_line(text));

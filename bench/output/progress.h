@@ -91,7 +91,8 @@ class Progress {
   void note(const std::string& text);
 
   /// Writes "wobblebench: warning: TEXT" as one line at once, and keeps the text for the report:
-  /// what is true, rare, and no reason to refuse. May be called from any thread.
+  /// what is true, rare, and no reason to refuse; nothing for an empty text. May be called from any
+  /// thread.
   void warn(const std::string& text);
   /// In the order in which they were given.
   std::vector<std::string> warnings();

@@ -6,7 +6,7 @@
 
 #include "base/user_error.h"
 #include "bench/pipeline/acquisitions.h"
-#include "bench/scene/idle_options.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/subject_hash.h"
 
 namespace wobblebench::bench {
@@ -26,9 +26,10 @@ double dynamic_range_db(const Scene& scene, const hw::DisplayScale& scale) {
   return scale.stated() && !is_chosen ? scale.dynamic_range_db : scene.simulation.dynamic_range_db;
 }
 
-void warn_of_idle_options(const Scene& scene, SampleSource source, Progress& progress) {
-  const std::string idle = idle_options_text(idle_options(scene, scene.given, source));
-  if (!idle.empty()) progress.warn(idle);
+/// With the phantom of the scene.
+ResolvedScene with_phantom(Scene scene, PhantomCache& cache, Progress& progress) {
+  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
+  return resolve_scene(std::move(scene), phantom);
 }
 
 }  // namespace
@@ -45,29 +46,22 @@ void BoardConnection::open() {
 ResolvedScene BoardConnection::resolve(const Scene& given,
                                        PhantomCache& cache,
                                        Progress& progress) {
-  Scene scene = given;
-  if (!is_simulated(arguments_)) {
-    if (const auto warning = acquisitions_warning(arguments_); !warning.empty()) {
-      progress.warn(warning);
-    }
-    const FirstConfiguration first = first_configuration(*board_, arguments_.text);
-    configuration_ = first.configuration;
-    before_configuration_ = first.before;
-    scene = with_plan(given, configuration_->plan, name());
-    const bool is_known = configuration_->source == hw::StreamOrigin::simulated;
-    warn_of_idle_options(
-        scene,
-        is_known ? SampleSource::recording_of_scene : SampleSource::unknown_subject,
-        progress);
-    if (!is_known) {
-      return resolve_scene(std::move(scene), std::nullopt);
-    }
-    refuse_other_subject(scene, configuration_->subject, /*placed=*/false, name());
-  } else {
-    warn_of_idle_options(scene, SampleSource::simulator, progress);
+  if (is_simulated(arguments_)) {
+    warn_of_scene(given, SampleSource::simulator, progress);
+    return with_phantom(given, cache, progress);
   }
-  const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
-  return resolve_scene(std::move(scene), phantom);
+  progress.warn(acquisitions_warning(arguments_));
+  const FirstConfiguration first = first_configuration(*board_, arguments_.text);
+  configuration_ = first.configuration;
+  before_configuration_ = first.before;
+  Scene scene = with_plan(given, configuration_->plan, name());
+  if (configuration_->source != hw::StreamOrigin::simulated) {
+    warn_of_scene(scene, SampleSource::unknown_subject, progress);
+    return resolve_scene(std::move(scene), std::nullopt);
+  }
+  refuse_other_subject(scene, configuration_->subject, /*placed=*/false, name());
+  warn_of_scene(scene, SampleSource::recording_of_scene, progress);
+  return with_phantom(std::move(scene), cache, progress);
 }
 
 sim::ProbeSimulator BoardConnection::simulator(const ResolvedScene& scene,

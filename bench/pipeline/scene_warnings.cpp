@@ -23,10 +23,11 @@ bool is_default_receiver(const sim::SimulationOptions& o) {
 }
 
 /// What differs from the scans that the correction was determined on; empty: nothing.
-std::string other_than_determined(const Scene& scene, SamplesFrom from) {
-  if (from == SamplesFrom::elsewhere) return "the samples are not simulated";
+std::string other_than_determined(const Scene& scene, SampleSource source) {
+  if (source == SampleSource::unknown_subject) return "the samples are not simulated";
   const bool is_geometry = scene.simulation.fidelity == sim::Rung::geometry;
-  if (from == SamplesFrom::simulator && is_geometry) return "the rung geometry has no beam width";
+  if (source == SampleSource::simulator && is_geometry)
+    return "the rung geometry has no beam width";
   if (static_cast<const hw::ProbeOptions&>(scene.probe) != hw::ProbeOptions{}) {
     return "the probe is another";
   }
@@ -34,12 +35,12 @@ std::string other_than_determined(const Scene& scene, SamplesFrom from) {
 }
 
 /// Empty: there is nothing to say of it.
-std::string incidence_text(const Scene& scene, SamplesFrom from) {
+std::string incidence_text(const Scene& scene, SampleSource source) {
   const std::string key = "render.ray_casting.incidence_correction_mm";
   const render::RayCastingOptions& o = scene.render.ray_casting;
   const bool acts = o.incidence_correction_m > 0 && o.mode != render::RenderMode::volume;
   if (!acts || scene.given.contains(key)) return "";
-  const std::string other = other_than_determined(scene, from);
+  const std::string other = other_than_determined(scene, source);
   if (other.empty()) return "";
   return key + " = " + significant(o.incidence_correction_m / kMillimetre, 3) +
          " was determined for the default simulated probe, and " + other +
@@ -56,19 +57,17 @@ std::string one_frame_text(const Scene& scene) {
 
 }  // namespace
 
-std::vector<std::string> scene_warnings(const Scene& scene, SamplesFrom from) {
+std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source) {
   std::vector<std::string> warnings;
-  for (std::string text : {incidence_text(scene, from), one_frame_text(scene)}) {
+  for (std::string text : {incidence_text(scene, source), one_frame_text(scene)}) {
     if (!text.empty()) warnings.push_back(std::move(text));
   }
   return warnings;
 }
 
-void warn_of_scene(const ResolvedScene& scene, bool board_is_simulated, Progress& progress) {
-  const SamplesFrom from = board_is_simulated ? SamplesFrom::simulator
-                           : scene.subject()  ? SamplesFrom::recorded_simulation
-                                              : SamplesFrom::elsewhere;
-  for (const std::string& text : scene_warnings(scene.options(), from)) progress.warn(text);
+void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress) {
+  for (const std::string& text : scene_warnings(scene, source)) progress.warn(text);
+  progress.warn(idle_options_text(idle_options(scene, scene.given, source)));
 }
 
 std::string motor_text(const hw::MotorDeviation& motor, const hw::AcquisitionPlan& plan) {

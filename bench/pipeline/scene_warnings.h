@@ -7,18 +7,16 @@
 #include <vector>
 
 #include "bench/output/progress.h"
-#include "bench/scene/resolved_scene.h"
+#include "bench/scene/idle_options.h"
 #include "hw/probe/motor_deviation.h"
 
 namespace wobblebench::bench {
 
-enum class SamplesFrom { simulator, recorded_simulation, elsewhere };
-
 /// A correction for the beam's width that was determined for another probe, receiver or rung, and a
 /// single frame, which fills its fan.
-std::vector<std::string> scene_warnings(const Scene& scene, SamplesFrom from);
-/// Warns of those of a scene whose sticks come from this board.
-void warn_of_scene(const ResolvedScene& scene, bool board_is_simulated, Progress& progress);
+std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source);
+/// Warns of those, and of options that were given and are without effect.
+void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress);
 
 /// "angles leave the plan by at most 5.8 deg (RMS 4.2 deg)", and where the fan of the plan is
 /// not covered, or left; empty: they are the plan's.

@@ -92,7 +92,7 @@ void warn_of_scenes(const std::vector<AccuracyScene>& scenes, Progress& progress
   std::set<std::string> said;
   for (const AccuracyScene& scene : scenes) {
     for (const auto& setting : scene.settings) {
-      for (const std::string& text : scene_warnings(setting.scene, SamplesFrom::simulator)) {
+      for (const std::string& text : scene_warnings(setting.scene, SampleSource::simulator)) {
         if (said.insert(text).second) progress.warn(text);
       }
     }

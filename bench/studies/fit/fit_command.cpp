@@ -96,7 +96,7 @@ FitResults measure(const Scene& scene,
                    render::GlContext& context,
                    Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  for (const auto& text : scene_warnings(scene, SamplesFrom::simulator)) progress.warn(text);
+  warn_of_scene(scene, SampleSource::simulator, progress);
   const LoadedPhantom phantom =
       progress.step("phantom", [&] { return load_phantom(scene.phantom, cache); });
   FitResults results;

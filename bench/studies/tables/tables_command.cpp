@@ -103,8 +103,7 @@ int measure(const Arguments& arguments) {
   return run_in_folder(arguments.output,
                        {{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}},
                        [&](OutputFolder& out, Progress& progress) {
-                         const std::string warning = acquisitions_warning(board);
-                         if (!warning.empty()) progress.warn(warning);
+                         progress.warn(acquisitions_warning(board));
                          warn_of_software(*context, arguments.gl, progress);
                          return measure_and_write(
                              scene, arguments, board, std::move(link), *context, out, progress);

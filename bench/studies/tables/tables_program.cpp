@@ -56,7 +56,7 @@ int measure_recording(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
   const TableRun run = arguments.tables.run();
   const auto measure = [&](OutputFolder& out, Progress& progress) {
-    if (const auto warning = acquisitions_warning(board); !warning.empty()) progress.warn(warning);
+    progress.warn(acquisitions_warning(board));
     warn_of_software(*context, arguments.gl, progress);
     const TableVolumes volumes =
         progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });

@@ -138,8 +138,7 @@ int trade(const Arguments& arguments) {
   OutputFolder out(arguments.output.folder);
   TradeJournal journal(out.directory(), work.hash());
   Progress progress({{"measure", 100}});
-  const std::string idle = idle_settings(work);
-  if (!idle.empty()) progress.warn(idle);
+  progress.warn(idle_settings(work));
   if (!arguments.merged.empty()) {
     merge(arguments, work, journal);
   } else {
@@ -148,8 +147,7 @@ int trade(const Arguments& arguments) {
   const std::size_t all = trade_units(work).size(), here = journal.records().size();
   if (here < all) {
     // A shard has no report to say it.
-    const std::string busy = progress.machine_use().warning();
-    if (!busy.empty()) progress.warn(busy);
+    progress.warn(progress.machine_use().warning());
     std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
               << " measurements are in " << (out.directory() / TradeJournal::kFile).string()
               << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "

@@ -169,8 +169,7 @@ int tune(const Arguments& arguments) {
   const Provenance provenance = machine.provenance(work);
   const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
-    const std::string idle = idle_settings(work);
-    if (!idle.empty()) progress.warn(idle);
+    progress.warn(idle_settings(work));
     Journal journal(out, work, provenance);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
       return bench::tune(work,
