@@ -98,7 +98,7 @@ TEST_F(WithRecording, JoinedToItselfItHoldsTwoAcquisitions) {
   const auto chosen = bench(
       with({"run", "--board", "file=joined.wbst,acquisition=2,start_volume=1"}, {scene}), folder_);
   EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
-  EXPECT_EQ(chosen.err.find("warning"), std::string::npos) << chosen.err;
+  EXPECT_EQ(chosen.err.find("holds several acquisitions"), std::string::npos) << chosen.err;
   const auto copied =
       bench({"record", "--board", "file=joined.wbst,acquisition=2", "--out", "second"}, folder_);
   EXPECT_EQ(copied.exit_code, 0) << copied.err;

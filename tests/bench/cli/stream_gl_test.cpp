@@ -288,7 +288,8 @@ TEST_F(StreamCommand, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {
   folder_.write("bodies.wbst", sphere + record({"--set", "phantom.radius_mm=25"}, "other"));
   folder_.write("scales.wbst", sphere + record({"--set", "simulation.full_scale_db=-6"}, "scaled"));
   const auto stream = [&](const std::string& file) {
-    return bench(with({"stream", "--board", "file=" + file, "--out", "out"}, {kSphere, kPicture}));
+    return bench(with({"stream", "--board", "file=" + file, "--policy", "every", "--out", "out"},
+                      {kSphere, kPicture}));
   };
   expect_line(stream("bodies.wbst"), 2, "behind 2 volumes the samples are of another subject");
   EXPECT_FALSE(fs::exists(at("out")));
