@@ -1,0 +1,95 @@
+// Tables of results: a study fills one in, and it is written as Markdown, CSV, JSON and HTML.
+#pragma once
+
+#include <concepts>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wobblebench::bench {
+
+struct Column {
+  std::string key;         ///< in CSV and JSON, with the unit: "rms_mm"
+  std::string title = {};  ///< for people, without the unit: "RMS"; empty: the key
+  std::string unit = {};   ///< "mm", "%"; empty: none
+  int digits = 2;          ///< after the decimal point, for people; CSV and JSON have nine significant ones
+  bool significant = false;  ///< `digits` counts significant digits: for values of many sizes
+};
+
+/// What stands in one place of a table: nothing, a text, or a number, which may have an interval or
+/// the ends of a spread beside it. A number that is not finite is nothing.
+class Cell {
+ public:
+  Cell() = default;
+  Cell(std::string text) : text_(std::move(text)) {}
+  Cell(const char* text) : text_(text) {}
+  Cell(double number) : number_(number) {}
+  template <std::integral Integer>
+  Cell(Integer number) : number_(static_cast<double>(number)), whole_(true) {}
+
+  /// "1.25 ± 0.10"; without the half where that is not finite.
+  static Cell interval(double middle, double half);
+  /// "1.25 (1.20 to 1.40)".
+  static Cell spread(double middle, double low, double high);
+  /// A name of the command line or of a file, set in type of one width.
+  static Cell code(std::string text);
+
+  /// In brackets, for people: the number is not told from 0.
+  Cell& bracket(bool on = true);
+
+  bool is_number() const;
+  bool is_code() const { return code_; }
+  bool has_range() const;
+  const std::string& text() const { return text_; }
+  double number() const { return number_; }
+  double low() const { return low_; }
+  double high() const { return high_; }
+
+  /// For people; "" of nothing.
+  std::string shown(const Column& column) const;
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  std::string text_;
+  double number_ = kNone;
+  double low_ = kNone;
+  double high_ = kNone;
+  bool is_interval_ = false;  ///< else low and high are those of a spread
+  bool whole_ = false;        ///< shown without digits after the point
+  bool code_ = false;
+  bool bracketed_ = false;
+};
+
+/// Rows of cells below columns.
+///
+/// @code
+/// Table table{.name = "passes", .columns = {{"pass"}, {"median_ms", "time", "ms", 1}}};
+/// table.add({"filter", Cell::spread(4.2, 4.0, 5.1)});
+/// out.write_text("passes.csv", csv(table));
+/// @endcode
+struct Table {
+  std::string name;          ///< short, of [a-z0-9_]: unique in a document
+  std::string caption = {};  ///< one sentence or title above it; empty: none
+  std::vector<Column> columns;
+  std::vector<std::vector<Cell>> rows = {};
+  /// What each row is about, as points of charts name it (Series::ids); empty, or one a row.
+  std::vector<std::string> ids = {};
+
+  /// Throws std::logic_error where the number of cells is not that of the columns.
+  void add(std::vector<Cell> row, std::string id = "");
+};
+
+/// Title with its unit: "RMS, mm".
+std::string heading(const Column& column);
+
+std::string markdown(const Table& table);
+/// A header of keys; a column in which any cell has a range is followed by KEY_low and KEY_high.
+/// RFC 4180, lines end with "\n".
+std::string csv(const Table& table);
+/// A list of objects by keys. A number with a range is {"value", "low", "high"}; nothing is null.
+nlohmann::ordered_json to_json(const Table& table);
+
+}  // namespace wobblebench::bench
