@@ -1,4 +1,4 @@
-# What report.html holds besides its document: page.css and page.js, and charts.js, a bundle of Vega-Lite and its
+# What report.html holds besides its document: page.css, page.js, joined from script/, and charts.js, a bundle of Vega-Lite and its
 # packages. These come from npm by a lock file, once for each state of that file, when CMake configures; a build step
 # neither downloads nor fails for want of them.
 include_guard()
@@ -64,9 +64,24 @@ function(bundle_charts output result)
   set(${result} "${problem}" PARENT_SCOPE)
 endfunction()
 
+# join_page_script(OUTPUT): page.js.
+function(join_page_script output)
+  set(parts dom details colours table comparison map chart start)
+  list(TRANSFORM parts REPLACE "(.+)" "${page_source_dir}/script/\\1.js")
+  set(script "${PROJECT_SOURCE_DIR}/cmake/JoinScripts.cmake")
+  add_custom_command(
+    OUTPUT "${output}"
+    COMMAND "${CMAKE_COMMAND}" "-DOUTPUT=${output}" "-DFILES=${parts}" -P "${script}"
+    DEPENDS ${parts} "${script}"
+    COMMENT "Joining the script of pages"
+    VERBATIM)
+endfunction()
+
 # wobblebench_page_assets(TARGET): adds to the target what bench/output/page/page_assets.h declares.
 function(wobblebench_page_assets target)
-  set(assets "${page_source_dir}/page.css" "${page_source_dir}/page.js")
+  set(page_script "${CMAKE_CURRENT_BINARY_DIR}/page.js")
+  join_page_script("${page_script}")
+  set(assets "${page_source_dir}/page.css" "${page_script}")
   set(charts "${page_packages_dir}/bundle/charts.js")
   file(MAKE_DIRECTORY "${page_packages_dir}/bundle")
   if(NOT WOBBLEBENCH_PAGES STREQUAL "OFF")
