@@ -7,6 +7,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/picture_warnings.h"
+#include "bench/cli/run_pictures.h"
 #include "bench/cli/run_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -146,12 +147,19 @@ std::optional<Comparison> compare(const RunResult& result,
     }
     return TrueView(std::move(surface), scene.view().camera);
   });
-  PictureMeasures error = progress.step(
-      "compare", [&] { return measure_picture(result.picture, truth, scene.render()); });
+  Image<glm::vec3> shaded;
+  const auto measure = [&](const render::Picture& picture) {
+    return measure_picture(picture, truth, scene.render(), {}, &shaded);
+  };
+  PictureMeasures error = progress.step("compare", [&] {
+    shaded = shade_truth(truth.truth, scene.render(), result.picture.volume);
+    return measure(result.picture);
+  });
   std::optional<PictureMeasures> before;
-  if (uncorrected) before = measure_picture(*uncorrected, truth, scene.render());
+  if (uncorrected) before = measure(*uncorrected);
   Comparison comparison{.truth = std::move(truth.truth),
                         .error = std::move(error),
+                        .shaded_truth = std::move(shaded),
                         .before_correction = std::move(before)};
   if (register_it) {
     comparison.registration = progress.step("register", [&] {
@@ -220,7 +228,7 @@ int run(const Arguments& arguments) {
     warn_of_picture(result, scene, progress);
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
-    progress.step("write", [&] { stage_run_images(out, result, scene.view().camera); });
+    progress.step("write", [&] { stage_run_images(out, result, scene); });
     const std::string failure = failure_of(result, tolerance, arguments);
     return CommandResult{run_report(result, scene, progress.times(), tolerance),
                          run_summary(result, scene, out.directory(), tolerance),

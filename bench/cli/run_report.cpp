@@ -9,7 +9,6 @@
 #include "base/number_text.h"
 #include "bench/cli/board_report.h"
 #include "bench/output/camera_matrices.h"
-#include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/scene_warnings.h"
@@ -360,27 +359,6 @@ std::string ending_text(const RunResult& result) {
   return result.acquisition.ending + ": " +
          std::to_string(result.acquisition.volume.missing_sticks()) +
          " sticks of the volume are missing";
-}
-
-void stage_run_images(OutputFolder& out, const RunResult& result, const render::Camera& camera) {
-  const render::Picture& picture = result.picture;
-  write_png(out.stage("surface.png"), picture.surface, Values::light);
-  write_png(out.stage("volume.png"), picture.volume);
-  write_exr_mm(out.stage("depth.exr"),
-               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
-               camera);
-  if (!result.comparison) return;
-  const Truth& truth = result.comparison->truth;
-  Image<float> reason(truth.kind.width, truth.kind.height);
-  std::transform(truth.kind.pixels.begin(),
-                 truth.kind.pixels.end(),
-                 reason.pixels.begin(),
-                 [](TruthKind kind) { return static_cast<float>(kind); });
-  write_exr_mm(
-      out.stage("truth_depth.exr"),
-      {{"Z", &truth.depth_m}, {"Z_crossing", &truth.crossing_m}, {"truth_reason", &reason, 1}},
-      camera);
-  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &result.comparison->error.raw.map_m}}, camera);
 }
 
 std::string loss_text(const RunResult& result) {

@@ -9,7 +9,6 @@
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/registration/registration.h"
 #include "bench/evaluation/truth/truth.h"
-#include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/resolved_scene.h"
@@ -22,6 +21,7 @@ namespace wobblebench::bench {
 struct Comparison {
   Truth truth;
   PictureMeasures error;
+  Image<glm::vec3> shaded_truth = {};                     ///< light, as shade_truth() makes it
   std::optional<Registration> registration = {};          ///< none: not asked for
   std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
 };
@@ -56,9 +56,5 @@ std::string ending_text(const RunResult& result);
 
 /// How many sticks of how many the volume lacks.
 std::string loss_text(const RunResult& result);
-
-/// Stages the surface and volume images and the depth maps, found and true, in mm and with
-/// the camera.
-void stage_run_images(OutputFolder& out, const RunResult& result, const render::Camera& camera);
 
 }  // namespace wobblebench::bench

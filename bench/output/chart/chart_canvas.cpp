@@ -213,7 +213,9 @@ void Canvas::picture(const Box2& box, const Image<glm::vec3>& values) {
   rgb.convertTo(bytes, CV_8U, 255);
   const cv::Rect target = sheet_->rect(box);
   const bool shrinks = target.width < bytes.cols;
-  cv::resize(bytes, bytes, target.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+  const bool whole = target.width % bytes.cols == 0 && target.height % bytes.rows == 0;
+  const int way = shrinks ? cv::INTER_AREA : whole ? cv::INTER_NEAREST : cv::INTER_LINEAR;
+  cv::resize(bytes, bytes, target.size(), 0, 0, way);
   bytes.copyTo(sheet_->whole(target));
 }
 

@@ -58,7 +58,7 @@ class Canvas {
   void fill(const Box2& box, Colour colour);
   void mark(Point2 position, Mark mark, Colour colour, double size);
   void text(Point2 position, const std::string& text, const TextStyle& style = {});
-  /// Values in [0, 1], stretched over the box.
+  /// Values in [0, 1], stretched over the box; by a whole number of times, pixels stay as they are.
   void picture(const Box2& box, const Image<glm::vec3>& values);
   void picture(const Box2& box, const Image<float>& grey);
 

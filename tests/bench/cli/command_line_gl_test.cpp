@@ -17,8 +17,14 @@ namespace {
 
 /// Small enough to run in a second or two.
 const Words kQuick = with(kSphere, {kPicture, {"--set", "acquisition.frames_per_volume=9"}});
-const Words kResults = {
-    "depth.exr", "error_depth.exr", "report.json", "surface.png", "truth_depth.exr", "volume.png"};
+const Words kResults = {"depth.exr",
+                        "error.png",
+                        "error_depth.exr",
+                        "report.json",
+                        "sheet.png",
+                        "surface.png",
+                        "truth_depth.exr",
+                        "volume.png"};
 
 TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
   const ScratchFolder folder;

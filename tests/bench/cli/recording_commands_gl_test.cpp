@@ -65,8 +65,13 @@ TEST_F(WithRecording, RenderedItIsTheLiveRunToTheByte) {
       with({"run", "--register", "--board", "file=rec/recording.wbst", "--out", "played"}, {scene}),
       folder_);
   ASSERT_EQ(played.exit_code, 0) << played.err;
-  for (const char* name :
-       {"surface.png", "volume.png", "depth.exr", "truth_depth.exr", "error_depth.exr"}) {
+  for (const char* name : {"surface.png",
+                           "volume.png",
+                           "error.png",
+                           "sheet.png",
+                           "depth.exr",
+                           "truth_depth.exr",
+                           "error_depth.exr"}) {
     EXPECT_EQ(bytes_of(folder_.path() / "live" / name), bytes_of(folder_.path() / "played" / name))
         << name;
   }
@@ -239,7 +244,9 @@ TEST_F(WithRecording, ARecordingFromHardwareHasNoPhantomAndNoTruth) {
   EXPECT_TRUE(report.at("scene").at("phantom").is_null());
   const auto& box = report.at("scene").at("render").at("volume_of_interest");
   EXPECT_NEAR(box.at("size_mm").at(0).get<double>(), 400 * std::sin(38.5 * kDegree), 1e-6);
-  EXPECT_EQ(folder_.files("out"), (Words{"depth.exr", "report.json", "surface.png", "volume.png"}));
+  EXPECT_EQ(
+      folder_.files("out"),
+      (Words{"depth.exr", "error.png", "report.json", "sheet.png", "surface.png", "volume.png"}));
   const auto summary = bench(with({"run",
                                    "--board",
                                    "file=card.wbst",

@@ -1,0 +1,136 @@
+#include "bench/cli/run_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/units.h"
+#include "bench/output/image_io.h"
+#include "bench/output/picture/error_picture.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kSheetSide = 420;  // pixels of a panel of sheet.png
+constexpr int kLeastSide = 384;  // of error.png's panel, so that its names and numbers have room
+constexpr int kMostSide = 1024;
+constexpr double kFalseShare = 0.05;  // of a picture without a true surface
+
+/// Width of a panel in which pixels stay squares of whole pixels, where they are not too many.
+int panel_side(int size) {
+  return size > kMostSide ? kMostSide : size * ((kLeastSide + size - 1) / size);
+}
+
+bool computes_surface(const ResolvedScene& scene) {
+  return scene.render().ray_casting.mode != render::RenderMode::volume;
+}
+
+bool finds_surface(const RunResult& result) {
+  return std::ranges::any_of(result.picture.depth_m.pixels,
+                             [](float depth_m) { return !std::isnan(depth_m); });
+}
+
+Picture3 displayed(Picture3 light) {
+  for (glm::vec3& pixel : light.pixels) {
+    for (int i = 0; i < 3; ++i) pixel[i] = encoded(pixel[i]);
+  }
+  return light;
+}
+
+Panel surface_panel(const RunResult& result, const ResolvedScene& scene) {
+  const auto why = why_no_surface_picture(result, scene);
+  return {"surface", why.empty() ? displayed(result.picture.surface) : Picture3(), why};
+}
+
+Panel truth_panel(const RunResult& result) {
+  if (!result.comparison) return {"truth", {}, "The truth is not known."};
+  const Picture3& truth = result.comparison->shaded_truth;
+  if (truth.pixels.empty()) return {"truth", {}, "The picture is too small to be shaded."};
+  if (!result.comparison->error.raw.surface_in_view()) {
+    return {
+        "truth", {}, "No surface in view: " + why_no_surface(result.comparison->error.raw) + "."};
+  }
+  return {"truth, shaded alike", displayed(truth)};
+}
+
+Panel run_error_panel(const RunResult& result, const ResolvedScene& scene) {
+  const auto why = why_no_error_picture(result, scene);
+  if (!why.empty()) return {"signed error", {}, why};
+  return error_panel(result.comparison->error.raw.map_m,
+                     pixel_classes(result.picture.depth_m, result.comparison->truth),
+                     kErrorLimit_mm,
+                     scene.view().camera.pixel_m() / kMillimetre);
+}
+
+Panel volume_panel(const RunResult& result, const ResolvedScene& scene) {
+  if (scene.render().ray_casting.mode == render::RenderMode::surface) {
+    return {"volume", {}, "Mode \"surface\" blends no volume picture."};
+  }
+  return {"volume", shown_volume(result.picture.volume)};
+}
+
+void stage_truth(OutputFolder& out, const Comparison& comparison, const render::Camera& camera) {
+  const Truth& truth = comparison.truth;
+  Image<float> reason(truth.kind.width, truth.kind.height);
+  std::ranges::transform(truth.kind.pixels, reason.pixels.begin(), [](TruthKind kind) {
+    return static_cast<float>(kind);
+  });
+  write_exr_mm(
+      out.stage("truth_depth.exr"),
+      {{"Z", &truth.depth_m}, {"Z_crossing", &truth.crossing_m}, {"truth_reason", &reason, 1}},
+      camera);
+  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &comparison.error.raw.map_m}}, camera);
+}
+
+}  // namespace
+
+std::string why_no_surface_picture(const RunResult& result, const ResolvedScene& scene) {
+  if (!computes_surface(scene)) return "Mode \"volume\" computes no surface.";
+  if (!finds_surface(result)) return "No ray met a surface.";
+  if (!result.comparison) return "";
+  const DepthError& error = result.comparison->error.raw;
+  if (error.surface_in_view() || error.outside_field + error.grazing + error.shadowed > 0)
+    return "";
+  if (error.false_surface < kFalseShare * error.pixels) return "";
+  return "No surface in view: what was found is speckle and noise.";
+}
+
+std::string why_no_error_picture(const RunResult& result, const ResolvedScene& scene) {
+  if (!result.comparison) return "No error: the truth is not known.";
+  if (!computes_surface(scene)) return "No error: mode \"volume\" computes no surface.";
+  const DepthError& error = result.comparison->error.raw;
+  if (error.surface_in_view()) return "";
+  return "No error: no surface is in view. Why: " + why_no_surface(error) + ".";
+}
+
+Picture3 shown_volume(const Picture3& volume) {
+  std::vector<float> levels;
+  levels.reserve(volume.pixels.size());
+  for (const glm::vec3& pixel : volume.pixels) levels.push_back(pixel.r);
+  const auto rank = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() * 995 / 1000);
+  std::nth_element(levels.begin(), rank, levels.end());
+  const auto white = std::max(static_cast<double>(*rank), 0.05);
+  Picture3 shown(volume.width, volume.height);
+  std::ranges::transform(volume.pixels, shown.pixels.begin(), [&](const glm::vec3& pixel) {
+    return warm(std::pow(std::min(1.0, static_cast<double>(pixel.r) / white), 1.8));
+  });
+  return shown;
+}
+
+void stage_run_images(OutputFolder& out, const RunResult& result, const ResolvedScene& scene) {
+  const render::Picture& picture = result.picture;
+  const render::Camera& camera = scene.view().camera;
+  write_png(out.stage("surface.png"), picture.surface, Values::light);
+  const Panel error = run_error_panel(result, scene), volume = volume_panel(result, scene);
+  write_png(out.stage("volume.png"), volume.instead.empty() ? volume.picture : picture.volume);
+  write_png(out.stage("error.png"), draw_panels({error}, panel_side(camera.image_size)));
+  write_png(
+      out.stage("sheet.png"),
+      draw_panels({surface_panel(result, scene), truth_panel(result), error, volume}, kSheetSide));
+  write_exr_mm(out.stage("depth.exr"),
+               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
+               camera);
+  if (result.comparison) stage_truth(out, *result.comparison, camera);
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,75 @@
+#include "bench/output/picture/error_picture.h"
+
+#include <array>
+#include <cmath>
+
+#include "base/units.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+PixelClass class_of(bool found, TruthKind kind) {
+  switch (kind) {
+    case TruthKind::none:
+      return found ? PixelClass::false_surface : PixelClass::none;
+    case TruthKind::surface:
+      return found ? PixelClass::none : PixelClass::missed;
+    case TruthKind::outside_field:
+      return PixelClass::outside_field;
+    case TruthKind::grazing:
+      return PixelClass::grazing;
+    case TruthKind::shadowed:
+      return PixelClass::shadowed;
+  }
+  return PixelClass::none;
+}
+
+const PixelClassName* name_of(PixelClass of) {
+  for (const PixelClassName& name : pixel_class_names()) {
+    if (name.of == of) return &name;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::span<const PixelClassName> pixel_class_names() {
+  static constexpr std::array<PixelClassName, 5> names = {
+      {{PixelClass::missed, "missed", 0xf0d000},
+       {PixelClass::false_surface, "false", 0x00b37d},
+       {PixelClass::grazing, "grazing", 0x8f8f8f},
+       {PixelClass::shadowed, "shadowed", 0xa45bb5},
+       {PixelClass::outside_field, "outside the field", 0x6b5a2e}}};
+  return names;
+}
+
+Image<PixelClass> pixel_classes(const Image<float>& depth_m, const Truth& truth) {
+  Image<PixelClass> classes(depth_m.width, depth_m.height);
+  for (std::size_t i = 0; i < classes.pixels.size(); ++i) {
+    classes.pixels[i] = class_of(!std::isnan(depth_m.pixels[i]), truth.kind.pixels[i]);
+  }
+  return classes;
+}
+
+Panel error_panel(const Image<float>& error_m,
+                  const Image<PixelClass>& classes,
+                  double limit_mm,
+                  double mm_per_pixel) {
+  const double limit_m = limit_mm * kMillimetre;
+  Panel panel{.title = "signed error",
+              .picture = coloured(error_m, -limit_m, limit_m, diverging, display_colour(kNothing)),
+              .bar = ColourBar{diverging, -limit_mm, limit_mm, "found minus true (mm)"},
+              .mm_per_pixel = mm_per_pixel};
+  for (std::size_t i = 0; i < classes.pixels.size(); ++i) {
+    const PixelClassName* name = name_of(classes.pixels[i]);
+    if (name != nullptr) panel.picture.pixels[i] = display_colour(name->rgb);
+  }
+  if (classes.pixels.empty()) return panel;
+  for (const PixelClassName& name : pixel_class_names()) {
+    panel.names.push_back({display_colour(name.rgb), name.name});
+  }
+  return panel;
+}
+
+}  // namespace wobblebench::bench
