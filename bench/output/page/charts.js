@@ -1,6 +1,6 @@
-// Draws the charts of report.html: Vega-Lite specifications, as SVG. Bundled by esbuild
-// (cmake/PageAssets.cmake); page.js is the one caller. Expressions are interpreted, so that the page's
-// Content-Security-Policy needs no 'unsafe-eval'.
+// Draws Vega-Lite specifications as SVG, for pages (script/chart.js) and for script/charts. Bundled by esbuild
+// (cmake/PageAssets.cmake). Expressions are interpreted, so that the page's Content-Security-Policy needs no
+// 'unsafe-eval'.
 import * as vega from 'vega';
 import {compile} from 'vega-lite';
 import {expressionInterpreter} from 'vega-interpreter';
@@ -11,24 +11,29 @@ const noLoader = {
   sanitize: () => Promise.reject(new Error('charts link nowhere')),
 };
 
-/**
- * Draws a specification in an element, in place of what is there. Options:
- * `config`: Vega-Lite's, for colours and type; `onPick(id)`: called when a mark whose row has an "id"
- * is clicked; `tooltip(handler, event, item, value)`: as vega.View takes it.
- * Returns the view; call finalize() before the element is drawn again.
- */
-async function draw(element, specification, {config = {}, onPick = () => {}, tooltip} = {}) {
+/** A view of a specification; `config` is Vega-Lite's, for colours and type. */
+function makeView(specification, config, options) {
   const compiled = compile(specification, {config, logger: vega.logger(vega.Error)}).spec;
-  const view = new vega.View(vega.parse(compiled, null, {ast: true}), {
-    expr: expressionInterpreter, renderer: 'svg', container: element, hover: true, loader: noLoader,
-    tooltip, logLevel: vega.Error,
-  });
-  view.addEventListener('click', (event, item) => {
-    const id = item?.datum?.id ?? item?.datum?.datum?.id;
-    if (id !== undefined && id !== null && id !== '') onPick(String(id));
-  });
-  await view.runAsync();
-  return view;
+  return new vega.View(vega.parse(compiled, null, {ast: true}),
+    {expr: expressionInterpreter, loader: noLoader, logLevel: vega.Error, ...options});
 }
 
-globalThis.wobblebenchCharts = {draw};
+/**
+ * Draws in an element, in place of what is there. `onPick(id)` is called when a mark whose row has an
+ * "id" is clicked; `tooltip` is vega.View's. Call finalize() of the result before drawing there again.
+ */
+async function draw(element, specification, {config = {}, onPick = () => {}, tooltip} = {}) {
+  const view = makeView(specification, config, {renderer: 'svg', container: element, hover: true, tooltip});
+  view.addEventListener('click', (event, item) => {
+    const id = item?.datum?.id;
+    if (id !== undefined && id !== null && id !== '') onPick(String(id));
+  });
+  return view.runAsync();
+}
+
+/** The text of an SVG file. */
+async function svg(specification, config = {}) {
+  return makeView(specification, config, {renderer: 'none'}).toSVG();
+}
+
+globalThis.wobblebenchCharts = {draw, svg};

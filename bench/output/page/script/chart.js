@@ -43,7 +43,7 @@ class ChartPanel {
   constructor(panel) {
     this.panel = panel;
     this.specification = dataOf(panel);
-    this.plot = make('div', {class: 'plot'});
+    this.plot = make('div', {class: 'plot', 'aria-hidden': 'true'});  // the panel says what it shows
     panel.append(this.plot);
     whenChosen((id) => this.mark(id));
   }
@@ -71,6 +71,7 @@ async function startCharts() {
   const panels = [...document.querySelectorAll('figure.chart .panel')];
   if (panels.length === 0 || !globalThis.wobblebenchCharts) return;
   document.body.append(tooltip);
+  document.addEventListener('scroll', () => { tooltip.hidden = true; }, {capture: true, passive: true});
   showLicences(wobblebenchCharts.licences);
   const charts = new Map(panels.map((panel) => [panel, new ChartPanel(panel)]));
   // Draws each at once, and again when its width changes.

@@ -26,7 +26,7 @@ function colourTable(kind) {
 }
 
 /** Round numbers from low to high, about `count` of them. */
-function roundTicks(low, high, count = 5) {
+function roundTicks(low, high, count = 6) {
   const raw = (high - low) / count;
   if (!(raw > 0) || !Number.isFinite(raw)) return [];
   const power = 10 ** Math.floor(Math.log10(raw));
