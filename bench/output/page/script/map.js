@@ -29,6 +29,7 @@ class ValueMap {
     this.codes = await Promise.all(this.data.layers.map(async ({codes}) => uint16(await inflate(codes))));
     this.classes = this.data.class_codes ? await inflate(this.data.class_codes) : null;
     this.draw();
+    this.figure.toggleAttribute('data-ready', true);
   }
 
   build() {
