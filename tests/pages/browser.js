@@ -31,7 +31,7 @@ export function scratch(name) {
   return folder;
 }
 
-/** What a program prints, as lines. Exit codes that are no failure may be given. */
+/** What a program prints, as lines. */
 export function linesOf(program, args) {
   return execFileSync(program, args, {encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit']}).trim().split('\n');
 }
@@ -105,14 +105,17 @@ export async function seriousFindings(page) {
     .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' ')}`);
 }
 
-/** Accessibility, and no sideways scrolling, on each kind of screen. */
+/** Accessibility, and no sideways scrolling. */
+export function checkScreen(file, viewport, colorScheme) {
+  return withPage(file, async (page) => {
+    assert.deepEqual(await seriousFindings(page), []);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), viewport.width);
+  }, {viewport, colorScheme});
+}
+
+/** Both, on each kind of screen. */
 export async function checkScreens(file) {
   for (const viewport of [desktop, phone]) {
-    for (const colorScheme of ['light', 'dark']) {
-      await withPage(file, async (page) => {
-        assert.deepEqual(await seriousFindings(page), []);
-        assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), viewport.width);
-      }, {viewport, colorScheme});
-    }
+    for (const colorScheme of ['light', 'dark']) await checkScreen(file, viewport, colorScheme);
   }
 }

@@ -1,0 +1,74 @@
+// The page of each command, on small scenes.
+import assert from 'node:assert/strict';
+import {writeFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {test} from 'node:test';
+
+import {checkScreen, desktop, linesOf, phone, scratch, withPage} from './browser.js';
+
+const folder = scratch('commands');
+const scene = `phantom = { name = "sphere", voxel_mm = 2 }
+acquisition = { frames_per_volume = 9, sticks_per_frame = 16 }
+simulation.fidelity = "geometry"
+render.scan_conversion.slice_size = 64
+render.ray_casting.image_size = 64
+`;
+const plan = `design = "sobol"
+points = 4
+seeds = 2
+repeats = 1
+[scenes.ball]
+${scene}[unseen.ball]
+${scene}[axes]
+"render.ray_casting.steps" = [32, 64]
+"render.ray_casting.iso_level" = { from = 0.5, to = 0.9 }
+`;
+writeFileSync(join(folder, 'scene.toml'), scene);
+writeFileSync(join(folder, 'plan.toml'), plan);
+
+const sceneFile = join(folder, 'scene.toml');
+const planFile = join(folder, 'plan.toml');
+const commands = [
+  ['run', sceneFile],
+  ['stream', sceneFile, '--volumes', '3'],
+  ['record', sceneFile, '--volumes', '2'],
+  ['conformance', sceneFile],
+  ['rehearse', '--seeds', '5'],
+  ['phantom', sceneFile],
+  ['modes', sceneFile],
+  ['validate', '--study', 'shear'],
+  ['accuracy', sceneFile, '--seeds', '2'],
+  ['trade', planFile],
+  ['tune', planFile, '--limit', 'p95_mm<=20', '--evaluations', '2', '--random'],
+];
+
+function make(command) {
+  const out = scratch(join('commands', command[0]));
+  linesOf(process.env.PAGES_PROGRAM, [...command, '--out', out]);
+  return join(out, 'report.html');
+}
+
+for (const command of commands) {
+  test(`the page of ${command[0]} is accessible, fits every screen, and names its command`, async () => {
+    const page = make(command);
+    await checkScreen(page, desktop, 'light');
+    await checkScreen(page, phone, 'dark');
+    await withPage(page, async (shown) => {
+      const line = await shown.locator('main > .command-row pre.command').last().textContent();
+      assert.ok(line.startsWith(`wobblebench ${command[0]}`), line);
+    });
+  });
+}
+
+test('a click on the front of a trade shows the command of its point', () =>
+  withPage(join(folder, 'trade/report.html'), async (page) => {
+    const points = page.locator('figure.chart svg .mark-symbol.role-mark path');
+    for (let i = 0; i < await points.count(); ++i) {
+      const id = await points.nth(i).evaluate((element) => element.__data__.datum.id ?? null);
+      if (id === null) continue;
+      await points.nth(i).click({force: true});
+      assert.match(await page.locator('aside.detail pre.command').textContent(), /^wobblebench /);
+      return;
+    }
+    assert.fail('no point of a chart has an id');
+  }));
