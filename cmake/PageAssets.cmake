@@ -35,7 +35,8 @@ function(npm_packages folder files result)
   if(NOT "${installed}" STREQUAL "${state}")
     message(STATUS "npm ci in ${folder}")
     execute_process(
-      COMMAND "${NPM}" ci --ignore-scripts --no-audit --no-fund --fetch-retries=1 --fetch-timeout=30000
+      COMMAND "${NPM}" ci --ignore-scripts --no-audit --no-fund --fetch-retries=1
+        --fetch-retry-mintimeout=1000 --fetch-timeout=30000
       WORKING_DIRECTORY "${folder}" TIMEOUT 300 RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
     if(failed)
       file(WRITE "${folder}/npm.log" "${said}")

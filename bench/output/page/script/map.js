@@ -40,6 +40,7 @@ class ValueMap {
     this.cross = make('div', {class: 'cross', hidden: true});
     this.reading = make('p', {class: 'reading', 'aria-live': 'polite'}, 'Point at the map to read its values.');
     this.bar = make('div', {class: 'colour-bar'});
+    this.canvas.classList.toggle('coarse', width < 200);
     const stage = make('div', {class: 'stage'}, this.canvas, this.cross, ...this.scaleBar());
     const layerChoice = layers.length > 1
       ? [choice('Layer', layers.map(({name}) => name), (index) => { this.layer = index; this.draw(); })] : [];
