@@ -161,6 +161,7 @@ void add_output_options(CLI::App& command, OutputArguments& output) {
   add_path_option(command, "--out", "FOLDER", output.folder, "Folder for the results")
       .default_str(output.folder.string());
   add_flag(command, "--json", output.json, "Print report.json on stdout");
+  add_flag(command, "--open", output.open, "Open report.html in the desktop's browser (xdg-open)");
 }
 
 void add_board_option(CLI::App& command, std::string& board) {

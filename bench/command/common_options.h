@@ -24,6 +24,7 @@ struct SceneArguments {
 struct OutputArguments {
   std::filesystem::path folder = "out";
   bool json = false;  ///< print report.json on stdout instead of a summary
+  bool open = false;  ///< show report.html when it is written
 };
 
 /// Options of the folder that keeps phantoms and tissue maps between runs.
@@ -87,7 +88,7 @@ void add_scene_options(CLI::App& command, SceneArguments& scene);
 void add_plan_options(CLI::App& command, SceneArguments& plan);
 /// --no-cache and --cache-mb.
 void add_cache_options(CLI::App& command, CacheArguments& cache);
-/// --out and --json.
+/// --out, --json and --open.
 void add_output_options(CLI::App& command, OutputArguments& output);
 void add_board_option(CLI::App& command, std::string& board);
 void add_gl_option(CLI::App& command, std::string& backend);

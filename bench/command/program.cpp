@@ -17,6 +17,7 @@
 #include "base/file.h"
 #include "base/near_name.h"
 #include "base/options.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/command/machine_limits.h"
 #include "bench/output/report_parts.h"
@@ -110,6 +111,11 @@ std::string line_of(const std::system_error& error) {
   return "the system refuses a thread, a lock or memory: " + reason;
 }
 
+std::string& stored_command_line() {
+  static std::string line;
+  return line;
+}
+
 /// Set by a signal handler, which can reach nothing but a global variable.
 volatile std::sig_atomic_t requested = 0;
 
@@ -148,6 +154,8 @@ Refusal refusal_of(const std::exception_ptr& exception) {
 
 int run_program(const Program& program, int argc, char** argv) {
   expect_machine_limits(program.name.c_str());
+  stored_command_line() = program.name;
+  for (int i = 1; i < argc; ++i) stored_command_line() += " " + shell_word(argv[i]);
   try {
     occupy_standard_descriptors();
     const int code = parse_and_run(program, argc, argv);
@@ -157,6 +165,10 @@ int run_program(const Program& program, int argc, char** argv) {
     const Refusal refusal = refusal_of(std::current_exception());
     return report_error(program, refusal.line, refusal.code);
   }
+}
+
+const std::string& command_line() {
+  return stored_command_line();
 }
 
 void stop_in_order() {

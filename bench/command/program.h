@@ -46,6 +46,9 @@ struct Refusal {
 };
 Refusal refusal_of(const std::exception_ptr& exception);
 
+/// The program's command line as words of a shell, by run_program().
+const std::string& command_line();
+
 /// From now on the first SIGINT, SIGTERM or SIGHUP asks the command to stop, and a second one ends
 /// the program. A signal that was ignored stays so.
 void stop_in_order();

@@ -1,19 +1,37 @@
 #include "bench/command/run_in_folder.h"
 
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "bench/command/open_in_browser.h"
 #include "bench/output/finished_report.h"
+#include "bench/output/page/report_page.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// NAME.md, tables and charts as files of their own, and the page that shows all of it.
+void stage_document(OutputFolder& out, const CommandResult& result) {
+  const Document& document = result.document;
+  if (!document.name.empty()) out.write_text(document.name + ".md", markdown(document));
+  for (const DataFile& data : document.data) out.write_text(data.file, csv(data.table));
+  for (const Block& block : document.blocks) {
+    const auto* figure = std::get_if<Figure>(&block);
+    if (figure == nullptr) continue;
+    out.write_text(chart_file(document, *figure), specification(*figure).dump(1) + "\n");
+  }
+  const auto read_picture = [&](const std::string& file) { return out.read_staged(file); };
+  out.write_text("report.html", report_page(document, result.report, command_line(), read_picture));
+}
 
 /// All files get their names, or none does.
 void commit(OutputFolder& out, const CommandResult& result) {
   const auto& adopted = result.adopted;
   try {
     if (adopted) out.adopt(adopted->path, adopted->name);
+    stage_document(out, result);
     out.write_text("report.json", result.report);
     out.commit();
   } catch (const std::exception& error) {
@@ -32,7 +50,11 @@ int run_in_folder(const OutputArguments& output,
   Progress progress(steps);
   CommandResult result = work(out, progress);
   result.report = finished_report(result.report, progress);
+  if (result.document.title.empty()) {
+    result.document = {.title = "wobblebench", .blocks = {Listing{"Summary", result.summary}}};
+  }
   commit(out, result);
+  if (output.open) open_in_browser(output.folder / "report.html");
   std::cout << (output.json ? result.report : result.summary);
   if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";
   return result.exit_code;

@@ -223,6 +223,13 @@ void OutputFolder::write_text(const std::string& name, std::string_view text) {
   write_new_file(stage(name), text, partial_.get());
 }
 
+std::string OutputFolder::read_staged(const std::string& name) const {
+  const FileDescriptor file(
+      ::openat(partial_.get(), name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (file.get() < 0) fail(directory_ / kPartial / name, std::strerror(errno));
+  return read_file(file, directory_ / kPartial / name);
+}
+
 void OutputFolder::adopt(const fs::path& file, const std::string& name) {
   static_cast<void>(stage(name));
   if (::linkat(AT_FDCWD, file.c_str(), partial_.get(), name.c_str(), 0) == 0) {

@@ -86,6 +86,8 @@ class OutputFolder {
   [[nodiscard]] std::filesystem::path stage(const std::string& name);
   /// Stages a text, or any bytes. Throws std::runtime_error when they cannot be written whole.
   void write_text(const std::string& name, std::string_view text);
+  /// The bytes of a file that was staged and written. Throws std::runtime_error.
+  std::string read_staged(const std::string& name) const;
   /// Stages a file that is already in this folder and must survive a kill at any time: it keeps its
   /// own name until it has the final one. Throws std::runtime_error.
   void adopt(const std::filesystem::path& file, const std::string& name);

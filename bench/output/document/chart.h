@@ -89,10 +89,10 @@ struct Figure {
   std::vector<std::variant<Chart, BarChart>> panels;
 };
 
-/// A Vega-Lite 6 specification, data included. A chart without any value that can be shown says
-/// "nothing to show" in its title's place below. `width`, `height`: of the plot, pixels.
-nlohmann::ordered_json specification(const Chart& chart, int width = 420, int height = 300);
-nlohmann::ordered_json specification(const BarChart& chart, int width = 420);
+/// A Vega-Lite 6 specification, data included. A chart without any value that has a place says
+/// "nothing to show".
+nlohmann::ordered_json specification(const Chart& chart);
+nlohmann::ordered_json specification(const BarChart& chart);
 /// All panels, one beside the other.
 nlohmann::ordered_json specification(const Figure& figure);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct Picture {
 };
 
 /// Two pictures of one size that the page lays over each other: swipe, side by side, difference.
-struct Comparison {
+struct PicturePair {
   Picture left, right;
 };
 
@@ -79,8 +80,21 @@ struct Listing {
   std::string text;
 };
 
-using Block =
-    std::variant<Heading, Text, Table, Figure, Picture, Comparison, MapView, Detail, Listing>;
+/// A line of a shell that a reader may copy.
+struct CommandLine {
+  std::string text;
+};
+
+using Block = std::variant<Heading,
+                           Text,
+                           Table,
+                           Figure,
+                           Picture,
+                           PicturePair,
+                           MapView,
+                           Detail,
+                           Listing,
+                           CommandLine>;
 
 /// A table that is a file of its own.
 struct DataFile {

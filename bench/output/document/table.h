@@ -2,6 +2,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -14,7 +15,7 @@ struct Column {
   std::string key;         ///< in CSV and JSON, with the unit: "rms_mm"
   std::string title = {};  ///< for people, without the unit: "RMS"; empty: the key
   std::string unit = {};   ///< "mm", "%"; empty: none
-  int digits = 2;          ///< after the decimal point, for people; CSV and JSON have nine significant ones
+  int digits = 2;  ///< after the decimal point, for people; CSV and JSON have nine significant ones
   bool significant = false;  ///< `digits` counts significant digits: for values of many sizes
 };
 
@@ -84,6 +85,9 @@ struct Table {
 
 /// Title with its unit: "RMS, mm".
 std::string heading(const Column& column);
+
+/// Whether the column's values stand to the right: it has numbers, or nothing at all.
+bool is_numeric(const Table& table, std::size_t column);
 
 std::string markdown(const Table& table);
 /// A header of keys; a column in which any cell has a range is followed by KEY_low and KEY_high.

@@ -12,14 +12,8 @@ namespace wobblebench::bench {
 /// Reads a file of the command: its bytes.
 using ReadPicture = std::function<std::string(const std::string& file)>;
 
-/// The page of a document. Everything from outside (names, paths, texts) is shown as text.
+/// The page of a document. Everything in it is shown as text, never read as markup. Where the build
+/// has no charts (WOBBLEBENCH_PAGES), it names the files of their specifications instead.
 std::string html(const Document& document, const ReadPicture& read_picture);
-
-/// Whether this build can draw charts in pages (WOBBLEBENCH_PAGES). If not, the page says so and
-/// names the files of their specifications.
-bool pages_have_charts();
-
-/// base64 (RFC 4648).
-std::string base64(const std::string& bytes);
 
 }  // namespace wobblebench::bench

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "base/number_text.h"
-#include "bench/output/chart/chart_canvas.h"
+#include "bench/output/picture/canvas.h"
 
 namespace wobblebench::bench {
 
@@ -83,7 +83,7 @@ void draw_bar(Canvas& canvas, const ColourBar& bar, const Box2& box) {
   for (int i = 0; i < ticks; ++i) {
     const double value = (first + i) * step;
     const double y = box.high.y - box.height() * (value - bar.low) / (bar.high - bar.low);
-    canvas.line({{box.high.x, y}, {box.high.x + 4, y}}, kInk, 1, Stroke::solid);
+    canvas.line({{box.high.x, y}, {box.high.x + 4, y}}, kInk, 1);
     canvas.text({box.high.x + 7, y}, fixed(value + 0.0, digits_of(step)), {.size = kSmall});
   }
   canvas.text({box.high.x + 44, 0.5 * (box.low.y + box.high.y)},

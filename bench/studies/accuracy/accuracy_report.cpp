@@ -8,8 +8,8 @@
 
 #include "base/number_text.h"
 #include "base/units.h"
-#include "bench/output/chart/chart_canvas.h"
 #include "bench/output/image_io.h"
+#include "bench/output/picture/canvas.h"
 #include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {

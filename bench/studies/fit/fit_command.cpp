@@ -86,7 +86,10 @@ void stage_results(OutputFolder& out, const FitResults& results, const std::stri
   out.write_text("fit_residuals.csv", residuals_csv(results.model));
   if (results.coverage) out.write_text("fit_coverage.csv", coverage_csv(*results.coverage));
   for (const Figure& figure : fit_figures(results.model)) {
-    write_png(out.stage(figure.name + ".png"), figure.picture);
+    out.write_text("fit_" + figure.name + ".vl.json", specification(figure).dump(1) + "\n");
+  }
+  for (const NamedPicture& picture : residual_pictures(results.model)) {
+    write_png(out.stage(picture.file), picture.picture);
   }
 }
 

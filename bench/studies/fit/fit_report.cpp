@@ -190,7 +190,10 @@ std::string fit_markdown(const FitResults& results, const Provenance& provenance
   write_model(results.model, text);
   text << "\n`correction.json` holds the model; `run --set render.correction=FILE` applies it.\n";
   for (const Figure& figure : fit_figures(results.model)) {
-    text << "\n![" << figure.caption << "](" << figure.name << ".png)\n";
+    text << "\n[Chart: " << figure.caption << "](fit_" << figure.name << ".vl.json)\n";
+  }
+  for (const NamedPicture& picture : residual_pictures(results.model)) {
+    text << "\n![" << picture.caption << "](" << picture.file << ")\n";
   }
   return text.str();
 }

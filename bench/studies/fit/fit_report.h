@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/evaluation/error_model/correction.h"
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/fit/model_study.h"
 #include "bench/studies/fit/planted_errors.h"
@@ -35,5 +35,13 @@ std::string residuals_csv(const ModelStudy& study);
 std::string coverage_csv(const Coverage& coverage);
 /// Mean residuals against incidence, range and contrast; and maps of error, bias and residual.
 std::vector<Figure> fit_figures(const ModelStudy& study);
+
+struct NamedPicture {
+  std::string file;
+  std::string caption;
+  Image<glm::vec3> picture;
+};
+/// Error, modelled bias and what is left of held-out scans.
+std::vector<NamedPicture> residual_pictures(const ModelStudy& study);
 
 }  // namespace wobblebench::bench

@@ -55,7 +55,7 @@ CommandResult study_and_write(const Scene& scene,
   report["latency"] = latency_study_json(study);
   report["wall_ms"] = wall_json(progress.times());
   const std::string markdown = latency_markdown(study, provenance, scene);
-  write_png(out.stage(kCrossoverFigure), crossover_figure(study, scene).picture);
+  out.write_text(kCrossoverFigure, specification(crossover_figure(study, scene)).dump(1) + "\n");
   out.write_text("latency.md", markdown);
   return {.report = report_text(report), .summary = markdown};
 }

@@ -192,7 +192,7 @@ void write_crossovers(const LatencyStudy& study, const Scene& scene, std::ostrea
   }
   text << "\nThe scene has " << scene.acquisition.frames_per_volume << " frames of "
        << scene.acquisition.sticks_per_frame << " lines at " << fixed(depth_mm, 0)
-       << " mm.\n\n![For "
+       << " mm.\n\n[Chart: For "
        << "which depth and number of frames sound takes longer than rendering.]("
        << kCrossoverFigure << ")\n";
 }
@@ -245,7 +245,7 @@ Figure crossover_figure(const LatencyStudy& study, const Scene& scene) {
                           3});
   return {"crossover",
           "For which depth and number of frames sound takes longer than rendering.",
-          draw(chart, {760, 480})};
+          {chart}};
 }
 
 }  // namespace wobblebench::bench

@@ -4,13 +4,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/latency/latency_study.h"
 
 namespace wobblebench::bench {
 
-inline constexpr const char* kCrossoverFigure = "latency_crossover.png";
+inline constexpr const char* kCrossoverFigure = "latency_crossover.vl.json";
 
 /// "latency" of report.json.
 nlohmann::ordered_json latency_study_json(const LatencyStudy& study);

@@ -67,8 +67,9 @@ CommandResult measure_and_write(const Scene& scene,
   out.write_text("rungs.md", markdown);
   out.write_text("rungs.csv", rungs_csv(results));
   for (const Figure& figure : rungs_figures(results)) {
-    write_png(out.stage(rungs_figure_file(figure)), figure.picture);
+    out.write_text(rungs_figure_file(figure), specification(figure).dump(1) + "\n");
   }
+  write_png(out.stage("rungs_frames.png"), frames_picture(results));
   return {.report = report, .summary = markdown};
 }
 

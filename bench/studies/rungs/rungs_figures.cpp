@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/output/picture/panels.h"
 #include "bench/studies/rungs/rungs_report.h"
 #include "sim/fidelity.h"
 
@@ -57,7 +58,7 @@ Figure draw_rungs(const RungsResults& results) {
   return {"rungs",
           "Each rung's time for a volume of a new seed, as a share of the sound's, against how far "
           "its mean image lies from that of the rung above.",
-          draw(chart, {700, 420})};
+          {chart}};
 }
 
 Figure draw_stages(const RungsResults& results) {
@@ -80,10 +81,10 @@ Figure draw_stages(const RungsResults& results) {
     }
     chart.parts.push_back(part);
   }
-  return {"stages", "CPU time of one volume on one thread, by stage.", draw(chart, {700, 260})};
+  return {"stages", "CPU time of one volume on one thread, by stage.", {chart}};
 }
 
-Picture3 draw_sizes(const RungsResults& results, sim::Rung rung) {
+Chart size_chart(const RungsResults& results, sim::Rung rung) {
   Chart chart{"Rung " + sim::to_string(rung),
               {"size / smallest", Scale::logarithmic},
               {"time of a moving volume (ms)", Scale::logarithmic}};
@@ -102,7 +103,7 @@ Picture3 draw_sizes(const RungsResults& results, sim::Rung rung) {
     for (double& x : series.x) x /= smallest;
     chart.series.push_back(series);
   }
-  return draw(chart, {520, 360});
+  return chart;
 }
 
 Figure draw_tissue(const RungsResults& results) {
@@ -121,24 +122,26 @@ Figure draw_tissue(const RungsResults& results) {
     }
     chart.series.push_back(series);
   }
-  return {"tissue", "From fluid alone to tissue alone.", draw(chart, {640, 360})};
+  return {"tissue", "From fluid alone to tissue alone.", {chart}};
 }
 
 }  // namespace
 
 std::vector<Figure> rungs_figures(const RungsResults& results) {
-  std::vector<GreyPanel> frames;
-  for (const RungFrame& frame : results.frames) frames.push_back({frame.rung, frame.picture});
   return {draw_rungs(results),
-          {"frames",
-           "The middle frame of " + results.phantom + " on each rung.",
-           draw(frames, "display range and depth as in the scene", 300)},
           draw_stages(results),
           {"growth",
            "How the time of a volume grows with its sizes; all but one stay the same.",
-           side_by_side({draw_sizes(results, sim::Rung::field),
-                         draw_sizes(results, sim::Rung::scatterers)})},
+           {size_chart(results, sim::Rung::field), size_chart(results, sim::Rung::scatterers)}},
           draw_tissue(results)};
+}
+
+Image<glm::vec3> frames_picture(const RungsResults& results) {
+  std::vector<Panel> frames;
+  for (const RungFrame& frame : results.frames) {
+    frames.push_back({frame.rung, grey(frame.picture)});
+  }
+  return draw_panels(frames, 300);
 }
 
 }  // namespace wobblebench::bench

@@ -200,12 +200,13 @@ std::string rungs_markdown(const RungsResults& results, const Provenance& proven
   const auto show = [&](const std::string& name) {
     for (const Figure& figure : figures) {
       if (figure.name != name) continue;
-      markdown << "\n![" << figure.caption << "](" << rungs_figure_file(figure) << ")\n";
+      markdown << "\n[Chart: " << figure.caption << "](" << rungs_figure_file(figure) << ")\n";
     }
   };
   write_rungs(results, markdown);
   show("rungs");
-  show("frames");
+  markdown << "\n![The middle frame of " << results.phantom
+           << " on each rung: display range and depth as in the scene.](rungs_frames.png)\n";
   write_times(results, markdown);
   write_stages(results, markdown);
   show("stages");
@@ -356,7 +357,7 @@ Json rungs_json(const RungsResults& results) {
 }
 
 std::string rungs_figure_file(const Figure& figure) {
-  return "rungs_" + figure.name + ".png";
+  return "rungs_" + figure.name + ".vl.json";
 }
 
 }  // namespace wobblebench::bench

@@ -5,13 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/rungs/rung_comparison.h"
 
 namespace wobblebench::bench {
 
 std::vector<Figure> rungs_figures(const RungsResults& results);
+
+/// The middle frame of the phantom on each rung.
+Image<glm::vec3> frames_picture(const RungsResults& results);
 
 /// File of a figure.
 std::string rungs_figure_file(const Figure& figure);

@@ -66,7 +66,7 @@ TimedSettings make_settings(const TableVolumes& volumes,
                             render::GlContext& context,
                             const TableRun& run) {
   TimedSettings settings;
-  for (const Table& table : paper_tables()) {
+  for (const PaperTable& table : paper_tables()) {
     for (const TableRow& row : table.rows) {
       for (const PipelineVariant variant : variants_of(table)) {
         TimedSetting& setting = settings[key_of(row, variant)];
@@ -91,7 +91,9 @@ std::size_t count_pictures(const TimedSettings& settings) {
   return pictures;
 }
 
-MeasuredRow measured_row(const TableRow& row, const Table& table, const TimedSettings& settings) {
+MeasuredRow measured_row(const TableRow& row,
+                         const PaperTable& table,
+                         const TimedSettings& settings) {
   MeasuredRow measured{row, row.paper_ms / reference_row().paper_ms, {}};
   for (const PipelineVariant variant : variants_of(table)) {
     Timing timing = settings.at(key_of(row, variant)).timing();
@@ -249,7 +251,7 @@ TableResults measure_tables(const TableVolumes& volumes,
       pictures.finish_one();
     }
   }
-  for (const Table& table : paper_tables()) {
+  for (const PaperTable& table : paper_tables()) {
     MeasuredTable measured{table, {}, {}};
     for (const TableRow& row : table.rows) {
       measured.rows.push_back(measured_row(row, table, settings));

@@ -49,7 +49,7 @@ struct Exponents {
 };
 
 struct MeasuredTable {
-  Table table;
+  PaperTable table;
   std::vector<MeasuredRow> rows;
   std::optional<Exponents> exponents;  ///< where the side varies (Table II)
 };

@@ -20,8 +20,8 @@ const TableRow& reference_row() {
   return row;
 }
 
-const std::vector<Table>& paper_tables() {
-  static const std::vector<Table> tables = {
+const std::vector<PaperTable>& paper_tables() {
+  static const std::vector<PaperTable> tables = {
       {"I",
        "frames per volume",
        {varied("27", 53.7, &TableRow::frames, 27),
@@ -51,7 +51,7 @@ const std::vector<Table>& paper_tables() {
 
 std::vector<int> frame_counts() {
   std::set<int> counts;
-  for (const Table& table : paper_tables()) {
+  for (const PaperTable& table : paper_tables()) {
     for (const TableRow& row : table.rows) counts.insert(row.frames);
   }
   return {counts.begin(), counts.end()};
@@ -82,7 +82,7 @@ std::string to_string(PipelineVariant variant) {
   throw std::logic_error("variant " + std::to_string(static_cast<int>(variant)) + ": has no name");
 }
 
-std::vector<PipelineVariant> variants_of(const Table& table) {
+std::vector<PipelineVariant> variants_of(const PaperTable& table) {
   if (table.id != "III") return {PipelineVariant::plain, PipelineVariant::fast};
   return {PipelineVariant::plain,
           PipelineVariant::plain_slice,

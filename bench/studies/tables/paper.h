@@ -19,14 +19,14 @@ struct TableRow {
   int kernel_2d = 9;
 };
 
-struct Table {
+struct PaperTable {
   std::string id;  ///< "I" to "IV"
   std::string title;
   std::vector<TableRow> rows;
 };
 
 /// The paper's rows. Its Table IV varies the kernel around 9 x 9, which it does not list.
-const std::vector<Table>& paper_tables();
+const std::vector<PaperTable>& paper_tables();
 /// The row that all ratios refer to: 37 frames, 512^3, 3^3, 9 x 9.
 const TableRow& reference_row();
 /// The different numbers of frames per volume of all rows, rising.
@@ -47,7 +47,7 @@ enum class PipelineVariant {
 std::string to_string(PipelineVariant variant);
 
 /// Plain and fast for every table; all four where the 3D kernel is what varies (Table III).
-std::vector<PipelineVariant> variants_of(const Table& table);
+std::vector<PipelineVariant> variants_of(const PaperTable& table);
 
 render::RenderOptions rendered(PipelineVariant variant, render::RenderOptions options);
 

@@ -87,7 +87,7 @@ CommandResult measure_and_write(Scene scene,
   const std::string markdown = to_markdown(results, run, volumes.note, provenance);
   out.write_text("tables.md", markdown);
   out.write_text("tables.csv", to_csv(results, run));
-  write_png(out.stage("tables.png"), draw_tables(results));
+  out.write_text("tables_ratios.vl.json", specification(tables_chart(results)).dump(1) + "\n");
   return {.report = report_text(tables_report(volumes, results, run, provenance, scene)),
           .summary = markdown};
 }

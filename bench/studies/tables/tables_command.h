@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/part_done.h"
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
 #include "bench/studies/tables/measure.h"
@@ -27,6 +27,6 @@ TableVolumes scan_table_volumes(const Scene& scene,
                                 const PartDone& done = {});
 
 /// Four panels, one a table: time relative to the reference row, the paper's, plain and fast.
-Picture3 draw_tables(const TableResults& results);
+Figure tables_chart(const TableResults& results);
 
 }  // namespace wobblebench::bench

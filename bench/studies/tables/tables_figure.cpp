@@ -3,14 +3,10 @@
 #include <algorithm>
 
 #include "base/number_text.h"
-#include "bench/output/chart/chart_frame.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-constexpr PictureSize kPanel{520, 390};
-constexpr int kLegendRoom = 50;  // beside its names
 
 /// What a table varies, on its axis.
 struct Varied {
@@ -19,7 +15,7 @@ struct Varied {
   Scale scale;  ///< of both axes
 };
 
-Varied varied_in(const Table& table) {
+Varied varied_in(const PaperTable& table) {
   if (table.id == "I") return {"frames per volume", &TableRow::frames, Scale::linear};
   if (table.id == "II") return {"side of the volume (voxels)", &TableRow::side, Scale::logarithmic};
   if (table.id == "III") return {"3D kernel (taps)", &TableRow::kernel_3d, Scale::logarithmic};
@@ -55,12 +51,11 @@ std::string reference_text(const std::string& name, double ms) {
   return name + ", 1 = " + fixed(ms, ms < 1 ? 2 : ms < 100 ? 1 : 0) + " ms";
 }
 
-/// The median, with a bar to the farther quartile on either side.
+/// The median and its quartiles.
 void add_ratio(const Quartiles& ratio, Series& series) {
-  constexpr double kMostShare = 0.9;  // a bar that reached 0 has no end on a logarithmic axis
-  const double quartile = std::max(ratio.upper - ratio.median, ratio.median - ratio.lower);
   series.y.push_back(ratio.median);
-  series.error.push_back(std::min(quartile, kMostShare * ratio.median));
+  series.low.push_back(ratio.lower);
+  series.high.push_back(ratio.upper);
 }
 
 std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& reference) {
@@ -82,48 +77,25 @@ std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& ref
   return {paper, plain, fast};
 }
 
-/// With the legend to its right the panel is wider: all plots have one size.
-Picture3 draw_panel(const MeasuredTable& table, const MeasuredRow& reference, bool legend) {
+Chart table_chart(const MeasuredTable& table, const MeasuredRow& reference) {
   const Varied varied = varied_in(table.table);
   Chart chart{"Table " + table.table.id + ": " + table.table.title,
               {varied.label, varied.scale},
               {"time / reference", varied.scale}};
-  for (const MeasuredRow& row : table.rows) {
-    // The chart's font has no superscript: 512 instead of 512^3.
-    const std::string& setting = row.row.setting;
-    chart.x.ticks.push_back({double(row.row.*varied.value), setting.substr(0, setting.find('^'))});
-  }
+  for (const MeasuredRow& row : table.rows) chart.x.ticks.push_back(row.row.*varied.value);
   chart.series = series_of(table, reference);
   widen(chart.y, chart.series);
-  PictureSize size = kPanel;
-  double widest = 0;
-  for (Series& series : chart.series) {
-    widest = std::max(widest, Canvas::text_width(series.name, kTickText));
-    if (!legend) series.name.clear();
-  }
-  if (legend) size.width += static_cast<int>(widest) + kLegendRoom;
-  return draw(chart, size);
-}
-
-/// The two pictures, of one width, one above the other.
-Picture3 stacked(const Picture3& top, const Picture3& bottom) {
-  Picture3 all(top.width, top.height + bottom.height);
-  std::copy(top.pixels.begin(), top.pixels.end(), all.pixels.begin());
-  std::copy(bottom.pixels.begin(),
-            bottom.pixels.end(),
-            all.pixels.begin() + static_cast<std::ptrdiff_t>(top.pixels.size()));
-  return all;
+  return chart;
 }
 
 }  // namespace
 
-Picture3 draw_tables(const TableResults& results) {
-  std::vector<Picture3> panels;
+Figure tables_chart(const TableResults& results) {
+  Figure figure{"ratios", "Times of each table as multiples of the reference row's.", {}};
   for (const MeasuredTable& table : results.tables) {
-    panels.push_back(draw_panel(table, results.reference, panels.size() % 2 == 1));
+    figure.panels.emplace_back(table_chart(table, results.reference));
   }
-  return stacked(side_by_side({panels.at(0), panels.at(1)}),
-                 side_by_side({panels.at(2), panels.at(3)}));
+  return figure;
 }
 
 }  // namespace wobblebench::bench

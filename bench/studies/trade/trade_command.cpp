@@ -121,7 +121,9 @@ int write(const Arguments& arguments,
   out.write_text("trade.csv", trade_csv(results));
   out.write_text("trade.md", markdown);
   for (const TradeResults::Part& part : results.parts) {
-    if (const auto figure = trade_figure(part)) write_png(out.stage(figure->name), figure->picture);
+    if (const auto figure = trade_figure(part)) {
+      out.write_text("trade_" + figure->name + ".vl.json", specification(*figure).dump(1) + "\n");
+    }
   }
   out.write_text("report.json", report);
   out.commit();

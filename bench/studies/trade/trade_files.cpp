@@ -103,11 +103,11 @@ std::optional<Figure> trade_figure(const TradeResults::Part& part) {
   for (const TradeKnee& knee : part.knees) add(part.scores[knee.score], knees);
   chart.series = {all, front};
   if (!knees.x.empty()) chart.series.push_back(knees);
-  std::string name = "trade_" + part.name + ".png";
+  std::string name = part.name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return Figure{name,
                 "Every point on " + part.name + ", and the front of time, P95 and missed or false.",
-                draw(chart, {760, 460})};
+                {chart}};
 }
 
 }  // namespace wobblebench::bench

@@ -136,7 +136,7 @@ void write_part(const TradeResults& results,
            << part.front.size() << " of " << part.scores.size()
            << " points are beaten by no other in time, P95 and missed or false together.\n";
   if (const auto figure = trade_figure(part)) {
-    markdown << "\n![" << figure->caption << "](" << figure->name << ")\n";
+    markdown << "\n[Chart: " << figure->caption << "](trade_" << figure->name << ".vl.json)\n";
   }
   write_front(results, part, markdown);
   if (!part.knees.empty()) write_knees(results, part, markdown);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/trade/trade_analysis.h"
 

@@ -82,7 +82,7 @@ CommandResult run_and_write(const std::vector<NamedStudy>& studies,
   out.write_text("validation.csv", validation_csv(reports));
   for (const auto& study : reports) {
     for (const Figure& figure : study.figures) {
-      write_png(out.stage(figure_file(figure)), figure.picture);
+      out.write_text(figure_file(figure), specification(figure).dump(1) + "\n");
     }
   }
   return {.report = report_text(report_of(reports, provenance, progress.times())),

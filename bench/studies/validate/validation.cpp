@@ -95,8 +95,8 @@ void write_study(const StudyReport& report,
              << (check.passed() ? "passed" : "**failed**") << " |\n";
   }
   for (const Figure& figure : report.figures) {
-    markdown << "\n![" << figure.caption << "](" << figure_path << figure_file(figure) << ")\n\n"
-             << figure.caption << "\n";
+    markdown << "\n[Chart: " << figure.caption << "](" << figure_path << figure_file(figure)
+             << ")\n";
   }
 }
 
@@ -167,7 +167,7 @@ std::string describe(const Check& check) {
 }
 
 std::string figure_file(const Figure& figure) {
-  return "validation_" + figure.name + ".png";
+  return "validation_" + figure.name + ".vl.json";
 }
 
 std::string validation_markdown(const std::vector<StudyReport>& reports,

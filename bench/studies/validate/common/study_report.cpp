@@ -72,14 +72,14 @@ Series width_series(const std::string& name,
   series.name = name;
   for (const auto& one : found) {
     if (one.expected.sector_fraction != fraction) continue;
-    add_to(series, one.expected.range_m * 1e3, (one.*row).*value * 1e3);
+    series.add(one.expected.range_m * 1e3, (one.*row).*value * 1e3);
   }
   return series;
 }
 
-Picture3 draw_widths(const std::string& title,
-                     const BeamWidth& width,
-                     std::span<const ChartedRung> rungs) {
+Chart width_chart(const std::string& title,
+                  const BeamWidth& width,
+                  std::span<const ChartedRung> rungs) {
   Chart chart{title, {"range (mm)"}, {std::string(width.name) + " width (mm)"}};
   chart.y.low = 0.0;
   const auto& table = rungs.front().found;
@@ -103,7 +103,7 @@ Picture3 draw_widths(const std::string& title,
       chart.series.push_back(std::move(series));
     }
   }
-  return draw(chart, {620, 460});
+  return chart;
 }
 
 }  // namespace
@@ -158,11 +158,6 @@ Check& StudyReport::check(const std::string& name) {
 
 void StudyReport::point(const std::string& series, const X& x, const Y& y) {
   points.push_back({series, x.name, x.value, y.name, y.value, y.expected});
-}
-
-void add_to(Series& series, double x, double y) {
-  series.x.push_back(x);
-  series.y.push_back(y);
 }
 
 std::vector<BeamComparison> at_places(std::span<const BeamComparison> found,
@@ -235,8 +230,8 @@ Figure widths_figure(const std::string& study,
   return {study + "_" + name,
           "Widths of " + what + ", preset " + name +
               ": on the axis and towards the edge of the sector. Lines: tables of tests/yardstick.",
-          side_by_side({draw_widths("Across lines", kLateral, rungs),
-                        draw_widths("Across frames", kElevation, rungs)})};
+          {width_chart("Across lines", kLateral, rungs),
+           width_chart("Across frames", kElevation, rungs)}};
 }
 
 }  // namespace wobblebench::bench

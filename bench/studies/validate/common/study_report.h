@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/output/chart/chart.h"
+#include "bench/output/document/chart.h"
 #include "bench/studies/validate/common/yardstick.h"
 #include "sim/options.h"
 
@@ -76,9 +76,6 @@ struct StudyReport {
   /// Adds a point.
   void point(const std::string& series, const X& x, const Y& y);
 };
-
-/// Adds a point to a chart's series.
-void add_to(Series& series, double x, double y);
 
 struct BeamWidth {
   const char* name;

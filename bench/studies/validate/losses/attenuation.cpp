@@ -254,7 +254,7 @@ void add_slope(const std::string& name,
   for (std::size_t i = 0; i < found.range_m.size(); ++i) {
     const double mm = found.range_m[i] * 1e3, level_db = found.level_db[i];
     report.point("slope " + name, {"range_mm", mm}, {"level_db", level_db, found.expected_db[i]});
-    if (i % kBetweenMarks == 0) add_to(series, mm, level_db);
+    if (i % kBetweenMarks == 0) series.add(mm, level_db);
   }
   chart.series.push_back(series);
 }
@@ -277,8 +277,8 @@ void add_body(const std::string& body,
     report.point(
         body + " " + rung, {"range_mm", mm}, {"change_db", found.change_db[i], expected_db});
     if (mm < 20) continue;
-    add_to(expected, mm, expected_db);
-    if (i % 2 == 0 && std::isfinite(expected_db)) add_to(measured, mm, found.change_db[i]);
+    expected.add(mm, expected_db);
+    if (i % 2 == 0 && std::isfinite(expected_db)) measured.add(mm, found.change_db[i]);
   }
   if (first) chart.series.push_back(expected);
   chart.series.push_back(measured);
@@ -302,14 +302,13 @@ StudyReport attenuation_report() {
     const auto behind_cyst = measure_cyst_enhancement(rung, inputs);
     add_body("cyst_enhancement", name, behind_cyst, inputs.seeds, report, enhancement);
   }
-  report.figures.push_back({"attenuation_slope",
-                            "Mean intensity of uniform tissue, no time gain.",
-                            draw(slope, {700, 360})});
+  report.figures.push_back(
+      {"attenuation_slope", "Mean intensity of uniform tissue, no time gain.", {slope}});
   report.figures.push_back(
       {"attenuation_shadow",
        "Left: behind the phantom bone_plate. Right: behind the phantom cyst. Both against the same "
        "tissue without it.",
-       side_by_side({draw(shadow, {560, 360}), draw(enhancement, {560, 360})})});
+       {shadow, enhancement}});
   report.text =
       "Linear envelope, no time gain, no noise, no interface echoes. Slope: uniform soft tissue, "
       "the mean intensity over all sticks at each range, a line through its logarithm from 20 to "

@@ -244,7 +244,7 @@ void add_shadow(StudyReport& report) {
 }
 
 /// The edges of one direction: table and rung over where the axis crosses the plane.
-Picture3 draw_edges(const std::string& title, bool across_lines, const StudyReport& report) {
+Chart edge_chart(const std::string& title, bool across_lines, const StudyReport& report) {
   Chart chart{title, {"axis beside the edge (mm)"}, {"level (dB re no plane)"}};
   const std::string prefix = across_lines ? "shadow lateral " : "shadow elevation ";
   for (const DataPoint& point : report.points) {
@@ -256,10 +256,10 @@ Picture3 draw_edges(const std::string& title, bool across_lines, const StudyRepo
       chart.series.push_back({"field, " + range, {}, {}, Stroke::none, Mark::square, colour});
     }
     Series &table = chart.series[chart.series.size() - 2], &rung = chart.series.back();
-    add_to(table, point.x, *point.expected);
-    add_to(rung, point.x, point.y);
+    table.add(point.x, *point.expected);
+    rung.add(point.x, point.y);
   }
-  return draw(chart, {620, 460});
+  return chart;
 }
 
 constexpr char kText[] =
@@ -281,11 +281,11 @@ StudyReport losses_report() {
   StudyReport report;
   add_attenuation(report);
   add_shadow(report);
-  report.figures.push_back({"losses_shadow",
-                            "Behind a half plane at positive coordinates, across lines and across "
-                            "frames. Lines: shadow.csv.",
-                            side_by_side({draw_edges("Across lines", true, report),
-                                          draw_edges("Across frames", false, report)})});
+  report.figures.push_back(
+      {"losses_shadow",
+       "Behind a half plane at positive coordinates, across lines and across "
+       "frames. Lines: shadow.csv.",
+       {edge_chart("Across lines", true, report), edge_chart("Across frames", false, report)}});
   report.text = kText;
   return report;
 }

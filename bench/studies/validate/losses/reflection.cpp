@@ -235,7 +235,7 @@ Series marks(const std::string& name,
              int colour) {
   Series series{name, {}, {}, Stroke::none, mark, colour};
   for (const AnglePoint& point : points) {
-    add_to(series, point.angle_rad / kDegree, db(point.measured));
+    series.add(point.angle_rad / kDegree, db(point.measured));
   }
   return series;
 }
@@ -245,12 +245,12 @@ Series model(const std::string& name, double to_deg, int colour, const Model& am
   Series series{name, {}, {}, Stroke::solid, Mark::none, colour};
   for (int i = 0; i <= 400; ++i) {
     const double degrees = to_deg * i / 400;
-    add_to(series, degrees, db(amplitude(degrees * kDegree)));
+    series.add(degrees, db(amplitude(degrees * kDegree)));
   }
   return series;
 }
 
-Picture3 draw_lobe(const std::vector<AnglePoint>& points) {
+Chart lobe_chart(const std::vector<AnglePoint>& points) {
   Chart chart{"Smooth plane, specular lobe",
               {"angle of incidence (deg)"},
               {"largest echo (dB against a mirror)"}};
@@ -259,12 +259,12 @@ Picture3 draw_lobe(const std::vector<AnglePoint>& points) {
     return std::abs(from_fluid("soft_tissue", a)) * lobe(a, width);
   };
   chart.series = {model("|R| x lobe", 6, 6, echo), marks("field", points, Mark::disc, 0)};
-  return draw(chart, {560, 360});
+  return chart;
 }
 
-Picture3 draw_wide(const std::vector<AnglePoint>& bone,
-                   const std::vector<AnglePoint>& field,
-                   const std::vector<AnglePoint>& scatterers) {
+Chart wide_chart(const std::vector<AnglePoint>& bone,
+                 const std::vector<AnglePoint>& field,
+                 const std::vector<AnglePoint>& scatterers) {
   Chart chart{"Bone's |R|, and a rough plane",
               {"angle of incidence (deg)"},
               {"amplitude (dB against a mirror)"}};
@@ -275,7 +275,7 @@ Picture3 draw_wide(const std::vector<AnglePoint>& bone,
                   model("|R| cos i, to tissue", 44, 6, rough),
                   marks("field, rough", field, Mark::disc, 0),
                   marks("scatterers, rough", scatterers, Mark::ring, 2)};
-  return draw(chart, {640, 360});
+  return chart;
 }
 
 }  // namespace
@@ -315,7 +315,7 @@ StudyReport reflection_report() {
       {"reflection",
        "Left: fluid to smooth soft tissue, a lobe of 3 degrees. Right: fluid to smooth bone with "
        "the lobe divided out, and fluid to rough soft tissue, the mean of its diffuse echo.",
-       side_by_side({draw_lobe(lobe_points), draw_wide(bone, diffuse[0], diffuse[1])})});
+       {lobe_chart(lobe_points), wide_chart(bone, diffuse[0], diffuse[1])}});
   report.text =
       "The phantom plane with nothing inside, no losses on the path. Specular: its face is smooth, "
       "it is tilted about x and y in turn, and the stick on the axis looks at it; the largest echo "

@@ -118,19 +118,19 @@ std::vector<ShearResult> measure_shear(const ShearInputs& inputs) {
 
 namespace {
 
-Picture3 draw_shear(const ShearResult& result) {
+Chart shear_chart(const ShearResult& result) {
   Chart chart{
       "Front of a moving sphere, middle stick of each frame", {"device time (ms)"}, {"range (mm)"}};
   Series expected{"closed form", {}, {}, Stroke::solid, Mark::none, 6};
   Series still{"were it still", {}, {}, Stroke::dashed, Mark::none, 1};
   Series found{"geometry", {}, {}, Stroke::none, Mark::disc, 0};
   for (const auto& at : result.middle) {
-    add_to(expected, at.time_s * 1e3, at.expected_m * 1e3);
-    add_to(still, at.time_s * 1e3, at.still_m * 1e3);
-    add_to(found, at.time_s * 1e3, at.found_m * 1e3);
+    expected.add(at.time_s * 1e3, at.expected_m * 1e3);
+    still.add(at.time_s * 1e3, at.still_m * 1e3);
+    found.add(at.time_s * 1e3, at.found_m * 1e3);
   }
   chart.series = {still, expected, found};
-  return draw(chart, {680, 360});
+  return chart;
 }
 
 }  // namespace
@@ -155,7 +155,7 @@ StudyReport shear_report() {
       report.figures.push_back(
           {"shear",
            "A sphere that moves by (6, -8, 10) mm/s, found by the rung geometry.",
-           draw_shear(result)});
+           {shear_chart(result)}});
     }
   }
   report.text =

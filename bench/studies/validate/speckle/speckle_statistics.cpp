@@ -133,7 +133,7 @@ Series histogram(const SpeckleRung& variant, const SpeckleResult& result) {
   for (int bin = 0; bin < kBins; ++bin) {
     const double share =
         counts[static_cast<std::size_t>(bin)] / static_cast<double>(result.values.size());
-    add_to(series, (bin + 0.5) * kHighest / kBins, share * kBins / kHighest);
+    series.add((bin + 0.5) * kHighest / kBins, share * kBins / kHighest);
   }
   return series;
 }
@@ -143,7 +143,7 @@ Series rayleigh_density() {
   series.colour = 6;
   for (int i = 0; i <= 120; ++i) {
     const double x = 0.025 * i;
-    add_to(series, x, 2 * x * std::exp(-x * x));
+    series.add(x, 2 * x * std::exp(-x * x));
   }
   return series;
 }
@@ -245,7 +245,7 @@ StudyReport speckle_statistics_report() {
   parts.report.figures.push_back(
       {"speckle",
        "Histogram of the envelope on Rayleigh's density, standard preset, middle of the sector.",
-       draw(parts.chart)});
+       {parts.chart}});
   parts.report.text = introduction(inputs) + parts.table.str();
   return parts.report;
 }
@@ -319,11 +319,13 @@ Chart make_chart(const std::vector<DensityPoint>& found) {
   Series poisson{"1/sqrt(1 + 1/N)", {}, {}, Stroke::solid, Mark::none, 1};
   Series limit{"Rayleigh: 1.913", {}, {}, Stroke::dashed, Mark::none, 6};
   for (const DensityPoint& point : found) {
-    const auto add = [&](Series& series, double y) { add_to(series, point.per_cell, y); };
+    const auto add = [&](Series& series, double y) { series.add(point.per_cell, y); };
     add(envelope, point.envelope_snr);
-    envelope.error.push_back(2 * point.envelope_error);
+    envelope.low.push_back(point.envelope_snr - 2 * point.envelope_error);
+    envelope.high.push_back(point.envelope_snr + 2 * point.envelope_error);
     add(intensity, point.intensity_snr);
-    intensity.error.push_back(2 * point.intensity_error);
+    intensity.low.push_back(point.intensity_snr - 2 * point.intensity_error);
+    intensity.high.push_back(point.intensity_snr + 2 * point.intensity_error);
     add(k_law, envelope_snr(point.effective));
     add(poisson, intensity_snr(point.effective));
     add(limit, rayleigh_snr());
@@ -363,7 +365,7 @@ StudyReport scatterer_density_report() {
   report.figures.push_back(
       {"density",
        "Mean over sigma of envelope and intensity; bars are two standard errors.",
-       draw(make_chart(found))});
+       {make_chart(found)}});
   std::ostringstream text;
   text << "The rung `scatterers`, standard preset, middle stick, " << 1e3 * inputs.speckle.from_m
        << " to " << 1e3 * inputs.speckle.to_m

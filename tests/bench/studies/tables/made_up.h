@@ -42,7 +42,7 @@ inline MeasuredRow made_up_row(const TableRow& row, const std::vector<PipelineVa
 
 inline TableResults made_up_results() {
   TableResults results;
-  for (const Table& table : paper_tables()) {
+  for (const PaperTable& table : paper_tables()) {
     MeasuredTable measured{table, {}, {}};
     for (const TableRow& row : table.rows) {
       measured.rows.push_back(made_up_row(row, variants_of(table)));

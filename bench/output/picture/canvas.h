@@ -1,5 +1,5 @@
-// Drawing of lines, marks, text and pictures on white, supersampled for anti-aliasing. OpenCV
-// stays in the .cpp.
+// Drawing of lines, text and pictures on white, supersampled for anti-aliasing. OpenCV stays in the
+// .cpp.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -15,14 +15,8 @@ namespace wobblebench::bench {
 /// Display values in [0, 1].
 using Colour = glm::vec3;
 
-/// Okabe and Ito's palette, distinguishable with any colour vision; repeats after seven.
-Colour series_colour(int index);
-
 inline const Colour kInk{0.13f, 0.13f, 0.13f};
 inline const Colour kGridInk{0.88f, 0.88f, 0.88f};
-
-enum class Stroke { none, solid, dashed, dotted };
-enum class Mark { none, disc, ring, square, triangle, diamond };
 
 /// Pixels of the finished picture; y grows downwards.
 using Point2 = glm::dvec2;
@@ -53,14 +47,12 @@ class Canvas {
   void clip(const Box2& box);
   void clip_nothing();
 
-  void line(const std::vector<Point2>& points, Colour colour, double width, Stroke stroke);
+  void line(const std::vector<Point2>& points, Colour colour, double width);
   void fill(const std::vector<Point2>& corners, Colour colour);
   void fill(const Box2& box, Colour colour);
-  void mark(Point2 position, Mark mark, Colour colour, double size);
   void text(Point2 position, const std::string& text, const TextStyle& style = {});
   /// Values in [0, 1], stretched over the box; by a whole number of times, pixels stay as they are.
   void picture(const Box2& box, const Image<glm::vec3>& values);
-  void picture(const Box2& box, const Image<float>& grey);
 
   /// Length of a text, pixels.
   static double text_width(const std::string& text, double size);

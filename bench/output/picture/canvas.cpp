@@ -1,13 +1,9 @@
-#include "bench/output/chart/chart_canvas.h"
+#include "bench/output/picture/canvas.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
-
-#include "base/units.h"
 
 namespace wobblebench::bench {
 
@@ -38,51 +34,7 @@ cv::Size text_extent(const std::string& text, double size) {
   return cv::getTextSize(text, kFont, font_scale(size), text_thickness(size), &baseline);
 }
 
-/// The dashes of a polyline.
-std::vector<std::vector<Point2>> dashes(const std::vector<Point2>& points, double on, double off) {
-  std::vector<std::vector<Point2>> parts;
-  double phase = 0;  // within a dash and its gap
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Point2 step = points[i] - points[i - 1];
-    const double length = std::hypot(step.x, step.y);
-    double here = 0;
-    while (here < length) {
-      const bool drawing = phase < on;
-      const double left = std::min((drawing ? on : on + off) - phase, length - here);
-      const Point2 from = points[i - 1] + step * (here / length);
-      if (drawing) {
-        if (phase == 0 || parts.empty()) parts.push_back({from});
-        parts.back().push_back(points[i - 1] + step * ((here + left) / length));
-      }
-      here += left;
-      phase += left;
-      if (phase >= on + off - 1e-9) phase = 0;
-    }
-  }
-  return parts;
-}
-
-std::vector<Point2> ring_of(Point2 center, double radius, int corners, double turn) {
-  std::vector<Point2> ring;
-  for (int i = 0; i < corners; ++i) {
-    const double angle = turn + 2 * kPi * i / corners;
-    ring.push_back(center + radius * Point2(std::sin(angle), -std::cos(angle)));
-  }
-  return ring;
-}
-
 }  // namespace
-
-Colour series_colour(int index) {
-  static const std::array<Colour, 7> colours = {Colour(0, 114, 178),
-                                                Colour(213, 94, 0),
-                                                Colour(0, 158, 115),
-                                                Colour(204, 121, 167),
-                                                Colour(230, 159, 0),
-                                                Colour(86, 180, 233),
-                                                Colour(60, 60, 60)};
-  return colours[static_cast<std::size_t>(index) % colours.size()] / 255.0f;
-}
 
 struct Canvas::Sheet {
   cv::Mat whole;
@@ -124,21 +76,15 @@ void Canvas::clip_nothing() {
   sheet_->origin = Point2(0);
 }
 
-void Canvas::line(const std::vector<Point2>& points, Colour colour, double width, Stroke stroke) {
-  if (stroke == Stroke::none || points.size() < 2) return;
-  const auto parts = stroke == Stroke::solid    ? std::vector<std::vector<Point2>>{points}
-                     : stroke == Stroke::dashed ? dashes(points, 7, 4)
-                                                : dashes(points, 1.6, 3);
+void Canvas::line(const std::vector<Point2>& points, Colour colour, double width) {
   const int thickness = std::max(1, static_cast<int>(std::lround(width * kSupersampling)));
-  for (const auto& part : parts) {
-    cv::polylines(sheet_->part,
-                  sheet_->points(part),
-                  false,
-                  to_scalar(colour),
-                  thickness,
-                  cv::LINE_AA,
-                  kShift);
-  }
+  cv::polylines(sheet_->part,
+                sheet_->points(points),
+                false,
+                to_scalar(colour),
+                thickness,
+                cv::LINE_AA,
+                kShift);
 }
 
 void Canvas::fill(const std::vector<Point2>& corners, Colour colour) {
@@ -148,24 +94,6 @@ void Canvas::fill(const std::vector<Point2>& corners, Colour colour) {
 
 void Canvas::fill(const Box2& box, Colour colour) {
   fill({box.low, {box.high.x, box.low.y}, box.high, {box.low.x, box.high.y}}, colour);
-}
-
-void Canvas::mark(Point2 position, Mark mark, Colour colour, double size) {
-  switch (mark) {
-    case Mark::none:
-      return;
-    case Mark::disc:
-      return fill(ring_of(position, 0.5 * size, 32, 0), colour);
-    case Mark::ring:
-      fill(ring_of(position, 0.55 * size, 32, 0), colour);
-      return fill(ring_of(position, 0.3 * size, 32, 0), Colour(1));
-    case Mark::square:
-      return fill(ring_of(position, 0.64 * size, 4, 0.7853981634), colour);
-    case Mark::triangle:
-      return fill(ring_of(position, 0.66 * size, 3, 0), colour);
-    case Mark::diamond:
-      return fill(ring_of(position, 0.68 * size, 4, 0), colour);
-  }
 }
 
 void Canvas::text(Point2 position, const std::string& text, const TextStyle& style) {
@@ -217,14 +145,6 @@ void Canvas::picture(const Box2& box, const Image<glm::vec3>& values) {
   const int way = shrinks ? cv::INTER_AREA : whole ? cv::INTER_NEAREST : cv::INTER_LINEAR;
   cv::resize(bytes, bytes, target.size(), 0, 0, way);
   bytes.copyTo(sheet_->whole(target));
-}
-
-void Canvas::picture(const Box2& box, const Image<float>& grey) {
-  Image<glm::vec3> rgb(grey.width, grey.height);
-  std::transform(grey.pixels.begin(), grey.pixels.end(), rgb.pixels.begin(), [](float value) {
-    return glm::vec3(value);
-  });
-  picture(box, rgb);
 }
 
 double Canvas::text_width(const std::string& text, double size) {

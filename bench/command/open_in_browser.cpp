@@ -1,0 +1,31 @@
+#include "bench/command/open_in_browser.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <iostream>
+
+namespace wobblebench::bench {
+
+void open_in_browser(const std::filesystem::path& page) {
+  std::string program = "xdg-open", path = std::filesystem::absolute(page).string();
+  const std::array<char*, 3> words = {program.data(), path.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  // A browser's messages are not ours, and it may outlive a pipe that reads our output.
+  for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
+    ::posix_spawn_file_actions_addopen(&actions, descriptor, "/dev/null", O_WRONLY, 0);
+  }
+  pid_t child = 0;
+  const int error =
+      ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error == 0) return;
+  std::cerr << "wobblebench: warning: --open: xdg-open cannot be started: " << std::strerror(error)
+            << "; the page is " << path << "\n";
+}
+
+}  // namespace wobblebench::bench

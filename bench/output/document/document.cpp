@@ -1,0 +1,51 @@
+#include "bench/output/document/document.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// "[text](target)"; a picture's begins with "![".
+std::string link(const char* begin, const std::string& text, const std::string& target) {
+  return std::string(begin).append(text).append("](").append(target).append(")");
+}
+
+struct MarkdownOf {
+  const Document& document;
+
+  std::string operator()(const Heading& heading) const { return "## " + heading.text; }
+  std::string operator()(const Text& text) const {
+    return text.markdown.substr(0, text.markdown.find_last_not_of('\n') + 1);
+  }
+  std::string operator()(const Table& table) const { return (*this)(Text{markdown(table)}); }
+  std::string operator()(const Figure& figure) const {
+    return link("[Chart: ", figure.caption, chart_file(document, figure));
+  }
+  std::string operator()(const Picture& picture) const {
+    return link("![", picture.caption, picture.file);
+  }
+  std::string operator()(const PicturePair& both) const {
+    return (*this)(both.left).append("\n\n").append((*this)(both.right));
+  }
+  std::string operator()(const MapView&) const { return ""; }
+  std::string operator()(const Detail&) const { return ""; }
+  std::string operator()(const Listing&) const { return ""; }
+  std::string operator()(const CommandLine& command) const { return "    " + command.text; }
+};
+
+}  // namespace
+
+std::string chart_file(const Document& document, const Figure& figure) {
+  const std::string prefix = document.name.empty() ? "" : document.name + "_";
+  return prefix + figure.name + ".vl.json";
+}
+
+std::string markdown(const Document& document) {
+  std::string text = "# " + document.title + "\n";
+  for (const Block& block : document.blocks) {
+    const std::string part = std::visit(MarkdownOf{document}, block);
+    if (!part.empty()) text.append("\n").append(part).append("\n");
+  }
+  return text;
+}
+
+}  // namespace wobblebench::bench
