@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/bench/cli/program_under_test.h"
 
@@ -40,6 +41,22 @@ TEST_F(Surroundings, AnUnknownDriverIsOneLine) {
   const auto result = run(with({"run", "--out", "out"}, {kSphere, kScan, kPicture}),
                           {.environment = {{"GALLIUM_DRIVER", "none_such"}}});
   expect_line(result, 1, "where GALLIUM_DRIVER = none_such");
+}
+
+TEST_F(Surroundings, ThePageIsOpenedAndDoesNotFailWhereNothingOpensIt) {
+  folder_.write("xdg-open", "#!/bin/sh\nprintf %s \"$1\" >\"$OPENED\"\n");
+  fs::permissions(at("xdg-open"), fs::perms::owner_all);
+  const Words words = with({"phantom", "--open", "--out", "out"}, {kSphere});
+  const std::string opened = at("opened").string();
+  const auto result = run(
+      words,
+      {.environment = {{"PATH", folder_.path().string() + ":/usr/bin:/bin"}, {"OPENED", opened}}});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  while (!fs::exists(opened) || fs::file_size(opened) == 0) std::this_thread::yield();
+  EXPECT_EQ(fs::path(bytes_of(opened)), fs::weakly_canonical(at("out/report.html")));
+  expect_line(run(words, {.environment = {{"PATH", at("out").string()}}}),
+              0,
+              "warning: --open: xdg-open cannot be started: ");
 }
 
 TEST_F(Surroundings, TheCpuInThePlaceOfADeviceIsSaid) {
