@@ -6,6 +6,7 @@
 #include "base/units.h"
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
+#include "bench/output/picture/scan_plane.h"
 
 namespace wobblebench::bench {
 
@@ -69,6 +70,48 @@ Panel volume_panel(const RunResult& result, const ResolvedScene& scene) {
   return {"volume", shown_volume(result.picture.volume)};
 }
 
+constexpr int kPlaneSide = 480;
+constexpr std::uint32_t kTrueLine = 0x4cc3ff, kFoundLine = 0xffa21f;
+
+/// Echoes in a plane, and where the surfaces of the picture cut it.
+Panel plane_panel(const std::string& title,
+                  const ScanPlane& plane,
+                  const RunResult& result,
+                  const ResolvedScene& scene) {
+  Panel panel{.title = title,
+              .picture = coloured(scan_converted(result.acquisition.volume, plane),
+                                  0,
+                                  1,
+                                  black_to_white,
+                                  display_colour(kNothing)),
+              .mm_per_pixel = plane.pixel_m / kMillimetre};
+  const auto add = [&](const char* name, std::uint32_t rgb, const Image<float>& depth_m, double width) {
+    panel.lines.push_back({{display_colour(rgb), name},
+                           surface_in_plane(depth_m, scene.view().camera, plane),
+                           width});
+  };
+  if (result.comparison) {
+    const Truth& truth = result.comparison->truth;
+    add("true surface", kTrueLine, truth.crossing_m.pixels.empty() ? truth.depth_m : truth.crossing_m, 3);
+  }
+  if (computes_surface(scene)) add("found surface", kFoundLine, result.picture.depth_m, 1.3);
+  return panel;
+}
+
+Picture3 planes_picture(const RunResult& result, const ResolvedScene& scene) {
+  const hw::AcquisitionPlan& plan = scene.plan();
+  const int frame = plan.acquisition().frames_per_volume / 2;
+  return draw_panels({plane_panel("frame " + std::to_string(frame) + ", the middle one",
+                                  frame_plane(plan, frame, kPlaneSide),
+                                  result,
+                                  scene),
+                      plane_panel("plane across the frames, x = 0",
+                                  plane_across_frames(plan, kPlaneSide),
+                                  result,
+                                  scene)},
+                     kPlaneSide);
+}
+
 void stage_truth(OutputFolder& out, const Comparison& comparison, const render::Camera& camera) {
   const Truth& truth = comparison.truth;
   Image<float> reason(truth.kind.width, truth.kind.height);
@@ -127,6 +170,7 @@ void stage_run_images(OutputFolder& out, const RunResult& result, const Resolved
   write_png(
       out.stage("sheet.png"),
       draw_panels({surface_panel(result, scene), truth_panel(result), error, volume}, kSheetSide));
+  write_png(out.stage("planes.png"), planes_picture(result, scene));
   write_exr_mm(out.stage("depth.exr"),
                {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
                camera);

@@ -142,7 +142,8 @@ void Canvas::picture(const Box2& box, const Image<glm::vec3>& values) {
   const cv::Rect target = sheet_->rect(box);
   const bool shrinks = target.width < bytes.cols;
   const bool whole = target.width % bytes.cols == 0 && target.height % bytes.rows == 0;
-  const int way = shrinks ? cv::INTER_AREA : whole ? cv::INTER_NEAREST : cv::INTER_LINEAR;
+  const bool keeps = whole || target.width >= 2 * kSupersampling * bytes.cols;
+  const int way = shrinks ? cv::INTER_AREA : keeps ? cv::INTER_NEAREST : cv::INTER_LINEAR;
   cv::resize(bytes, bytes, target.size(), 0, 0, way);
   bytes.copyTo(sheet_->whole(target));
 }

@@ -51,7 +51,8 @@ class Canvas {
   void fill(const std::vector<Point2>& corners, Colour colour);
   void fill(const Box2& box, Colour colour);
   void text(Point2 position, const std::string& text, const TextStyle& style = {});
-  /// Values in [0, 1], stretched over the box; by a whole number of times, pixels stay as they are.
+  /// Values in [0, 1], stretched over the box. Pixels keep their edges where they
+  /// become a whole number of pixels, or at least twice as wide.
   void picture(const Box2& box, const Image<glm::vec3>& values);
 
   /// Length of a text, pixels.

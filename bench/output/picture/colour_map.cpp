@@ -56,6 +56,10 @@ glm::vec3 warm(double share) {
   return between(anchors, share);
 }
 
+glm::vec3 black_to_white(double share) {
+  return glm::vec3(static_cast<float>(std::clamp(share, 0.0, 1.0)));
+}
+
 Picture3 coloured(
     const Image<float>& values, double low, double high, ColourMap map, const glm::vec3& none) {
   Picture3 picture(values.width, values.height, none);

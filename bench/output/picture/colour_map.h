@@ -22,6 +22,8 @@ glm::vec3 sequential(double share);
 /// Black, brown, cream, rising in lightness: as scanners tint volume pictures.
 glm::vec3 warm(double share);
 
+glm::vec3 black_to_white(double share);
+
 /// 0xRRGGBB as display values, and as HTML writes it, "#rrggbb".
 glm::vec3 display_colour(std::uint32_t rgb);
 std::string html_colour(std::uint32_t rgb);

@@ -31,12 +31,18 @@ double height_of(const Picture3& picture, double side) {
   return std::round(side * picture.height / picture.width);
 }
 
+std::vector<ColourName> names_of(const Panel& panel) {
+  std::vector<ColourName> names = panel.names;
+  for (const PanelLines& lines : panel.lines) names.push_back(lines.of);
+  return names;
+}
+
 /// Names of colours in lines of the panel's width: the number of each line's first name.
-std::vector<std::size_t> lines_of_names(const Panel& panel, double side) {
+std::vector<std::size_t> lines_of_names(const std::vector<ColourName>& names, double side) {
   std::vector<std::size_t> first;
   double used = side;
-  for (std::size_t i = 0; i < panel.names.size(); ++i) {
-    const double room = kSwatch + 5 + Canvas::text_width(panel.names[i].name, kSmall) + kNameGap;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double room = kSwatch + 5 + Canvas::text_width(names[i].name, kSmall) + kNameGap;
     if (used + room - kNameGap > side) {
       first.push_back(i);
       used = 0;
@@ -52,7 +58,7 @@ bool has_scale_bar(const Panel& panel) {
 
 int lines_below(const Panel& panel, double side) {
   if (!panel.instead.empty()) return 0;
-  return (has_scale_bar(panel) ? 1 : 0) + static_cast<int>(lines_of_names(panel, side).size());
+  return (has_scale_bar(panel) ? 1 : 0) + static_cast<int>(lines_of_names(names_of(panel), side).size());
 }
 
 Layout layout_of(const std::vector<Panel>& panels, double side) {
@@ -99,18 +105,31 @@ void draw_scale_bar(Canvas& canvas, double mm_per_pixel, Point2 corner, double s
   canvas.text(corner + Point2(length + 7, 0), "10 mm", {.size = kSmall});
 }
 
-void draw_names(Canvas& canvas, const Panel& panel, Point2 corner, double side) {
-  const auto first = lines_of_names(panel, side);
+void draw_names(Canvas& canvas, const std::vector<ColourName>& names, Point2 corner, double side) {
+  const auto first = lines_of_names(names, side);
   Point2 at = corner;
-  for (std::size_t i = 0; i < panel.names.size(); ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
     if (i > 0 && std::ranges::find(first, i) != first.end()) at = {corner.x, at.y + kLine};
     const double half = 0.5 * kSwatch;
     canvas.fill(Box2{at - Point2(0, half), at + Point2(kSwatch, half)}, kInk);
     canvas.fill(Box2{at - Point2(-1, half - 1), at + Point2(kSwatch - 1, half - 1)},
-                panel.names[i].colour);
-    canvas.text(at + Point2(kSwatch + 5, 0), panel.names[i].name, {.size = kSmall});
-    at.x += kSwatch + 5 + Canvas::text_width(panel.names[i].name, kSmall) + kNameGap;
+                names[i].colour);
+    canvas.text(at + Point2(kSwatch + 5, 0), names[i].name, {.size = kSmall});
+    at.x += kSwatch + 5 + Canvas::text_width(names[i].name, kSmall) + kNameGap;
   }
+}
+
+/// Over a picture of these many columns.
+void draw_lines(Canvas& canvas, const PanelLines& lines, const Box2& box, int columns) {
+  const double scale = box.width() / columns;
+  canvas.clip(box);
+  for (const auto& [from, to] : lines.segments) {
+    canvas.line({box.low + scale * (from + 0.5), box.low + scale * (to + 0.5)},
+                lines.of.colour,
+                lines.width,
+                Stroke::solid);
+  }
+  canvas.clip_nothing();
 }
 
 void draw_words(Canvas& canvas, const std::string& words, const Box2& box) {
@@ -129,6 +148,7 @@ void draw_panel(Canvas& canvas, const Panel& panel, double left, double side) {
   canvas.text({left, kTop - 10}, panel.title, {.size = kTitle, .down = 1});
   if (!panel.instead.empty()) return draw_words(canvas, panel.instead, box);
   canvas.picture(box, panel.picture);
+  for (const PanelLines& lines : panel.lines) draw_lines(canvas, lines, box, panel.picture.width);
   const double bar_left = box.high.x + kBarGap;
   if (panel.bar)
     draw_bar(canvas, *panel.bar, {{bar_left, kTop}, {bar_left + kBarWidth, box.high.y}});
@@ -137,7 +157,7 @@ void draw_panel(Canvas& canvas, const Panel& panel, double left, double side) {
     draw_scale_bar(canvas, panel.mm_per_pixel * panel.picture.width / side, below, side);
     below.y += kLine;
   }
-  draw_names(canvas, panel, below, side);
+  draw_names(canvas, names_of(panel), below, side);
 }
 
 }  // namespace

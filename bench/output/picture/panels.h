@@ -2,6 +2,9 @@
 // names of colours.
 #pragma once
 
+#include <array>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,12 +27,23 @@ struct ColourName {
   std::string name;
 };
 
+/// Ends of a line in pixels of a picture: column and row, 0 at the first pixel's centre.
+using Segment = std::array<glm::dvec2, 2>;
+
+/// Lines over a picture.
+struct PanelLines {
+  ColourName of;
+  std::vector<Segment> segments;
+  double width = 1.4;  ///< pixels of the panel
+};
+
 struct Panel {
   std::string title;
   Picture3 picture;                    ///< display values; square or not
   std::string instead = {};            ///< words in place of the picture; empty: the picture
   std::optional<ColourBar> bar = {};   ///< none: the picture's colours are no numbers
-  std::vector<ColourName> names = {};  ///< below the picture
+  std::vector<ColourName> names = {};   ///< below the picture
+  std::vector<PanelLines> lines = {};   ///< their names come below the picture, too
   double mm_per_pixel = 0;             ///< of `picture`, for a scale bar of 10 mm; 0: none
 };
 
