@@ -34,6 +34,21 @@ std::string losses_text(const hw::BoardAccount& account) {
   return text;
 }
 
+Table board_table(const hw::BoardAccount& account) {
+  Table table{.name = "board",
+              .caption = "Sticks by what became of them",
+              .columns = {{"what"}, {"sticks"}, {"percent", "of those emitted", "%", 3}}};
+  const auto add = [&](const std::string& what, std::uint64_t count) {
+    const double all = static_cast<double>(account.emitted);
+    table.add({what, count, 100 * static_cast<double>(count) / all});
+  };
+  add("emitted", account.emitted);
+  add("delivered", account.delivered);
+  for (const auto& [cause, count] : losses_by_cause(account)) add("lost: " + cause, count);
+  add("duplicates", account.duplicates);
+  return table;
+}
+
 Json account_json(const hw::BoardAccount& account) {
   Json lost;
   for (const auto& [cause, count] : losses_by_cause(account)) lost[cause] = count;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/output/document/table.h"
 #include "bench/pipeline/acquire.h"
 #include "sim/fidelity.h"
 
@@ -13,6 +14,9 @@ namespace wobblebench::bench {
 
 /// ", N lost: CAUSE" for each cause that lost sticks.
 std::string losses_text(const hw::BoardAccount& account);
+
+/// Sticks emitted, delivered and lost by cause, for people.
+Table board_table(const hw::BoardAccount& account);
 
 /// emitted, delivered and lost by cause, to the end of the volume; the samples, and the link.
 nlohmann::ordered_json board_json(const Acquisition& acquisition);

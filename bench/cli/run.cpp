@@ -7,6 +7,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/picture_warnings.h"
+#include "bench/cli/run_page.h"
 #include "bench/cli/run_pictures.h"
 #include "bench/cli/run_report.h"
 #include "bench/command/commands.h"
@@ -230,10 +231,12 @@ int run(const Arguments& arguments) {
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
     progress.step("write", [&] { stage_run_images(out, result, scene); });
     const std::string failure = failure_of(result, tolerance, arguments);
-    return CommandResult{run_report(result, scene, progress.times(), tolerance),
-                         run_summary(result, scene, out.directory(), tolerance),
-                         failure.empty() ? kDone : kFailed,
-                         failure};
+    const std::string summary = run_summary(result, scene, out.directory(), tolerance);
+    return CommandResult{.report = run_report(result, scene, progress.times(), tolerance),
+                         .summary = summary,
+                         .exit_code = failure.empty() ? kDone : kFailed,
+                         .failure = failure,
+                         .document = run_document(result, scene, summary)};
   };
   return run_in_folder(arguments.output, planned_steps(arguments), work);
 }

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
 
+#include "base/file.h"
+#include "base/parallel.h"
 #include "base/units.h"
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
@@ -20,10 +25,6 @@ constexpr double kFalseShare = 0.05;  // of a picture without a true surface
 /// Width of a panel in which pixels stay squares of whole pixels, where they are not too many.
 int panel_side(int size) {
   return size > kMostSide ? kMostSide : size * ((kLeastSide + size - 1) / size);
-}
-
-bool computes_surface(const ResolvedScene& scene) {
-  return scene.render().ray_casting.mode != render::RenderMode::volume;
 }
 
 bool finds_surface(const RunResult& result) {
@@ -85,14 +86,18 @@ Panel plane_panel(const std::string& title,
                                   black_to_white,
                                   display_colour(kNothing)),
               .mm_per_pixel = plane.pixel_m / kMillimetre};
-  const auto add = [&](const char* name, std::uint32_t rgb, const Image<float>& depth_m, double width) {
-    panel.lines.push_back({{display_colour(rgb), name},
-                           surface_in_plane(depth_m, scene.view().camera, plane),
-                           width});
-  };
+  const auto add =
+      [&](const char* name, std::uint32_t rgb, const Image<float>& depth_m, double width) {
+        panel.lines.push_back({{display_colour(rgb), name},
+                               surface_in_plane(depth_m, scene.view().camera, plane),
+                               width});
+      };
   if (result.comparison) {
     const Truth& truth = result.comparison->truth;
-    add("true surface", kTrueLine, truth.crossing_m.pixels.empty() ? truth.depth_m : truth.crossing_m, 3);
+    add("true surface",
+        kTrueLine,
+        truth.crossing_m.pixels.empty() ? truth.depth_m : truth.crossing_m,
+        3);
   }
   if (computes_surface(scene)) add("found surface", kFoundLine, result.picture.depth_m, 1.3);
   return panel;
@@ -101,28 +106,66 @@ Panel plane_panel(const std::string& title,
 Picture3 planes_picture(const RunResult& result, const ResolvedScene& scene) {
   const hw::AcquisitionPlan& plan = scene.plan();
   const int frame = plan.acquisition().frames_per_volume / 2;
-  return draw_panels({plane_panel("frame " + std::to_string(frame) + ", the middle one",
-                                  frame_plane(plan, frame, kPlaneSide),
-                                  result,
-                                  scene),
-                      plane_panel("plane across the frames, x = 0",
-                                  plane_across_frames(plan, kPlaneSide),
-                                  result,
-                                  scene)},
-                     kPlaneSide);
+  return draw_panels(
+      {plane_panel("frame " + std::to_string(frame) + ", the middle one",
+                   frame_plane(plan, frame, kPlaneSide),
+                   result,
+                   scene),
+       plane_panel(
+           "plane across the frames, x = 0", plane_across_frames(plan, kPlaneSide), result, scene)},
+      kPlaneSide);
 }
 
-void stage_truth(OutputFolder& out, const Comparison& comparison, const render::Camera& camera) {
-  const Truth& truth = comparison.truth;
-  Image<float> reason(truth.kind.width, truth.kind.height);
-  std::ranges::transform(truth.kind.pixels, reason.pixels.begin(), [](TruthKind kind) {
-    return static_cast<float>(kind);
-  });
-  write_exr_mm(
-      out.stage("truth_depth.exr"),
-      {{"Z", &truth.depth_m}, {"Z_crossing", &truth.crossing_m}, {"truth_reason", &reason, 1}},
-      camera);
-  write_exr_mm(out.stage("error_depth.exr"), {{"Z", &comparison.error.raw.map_m}}, camera);
+/// A file of a result, and what makes its bytes.
+struct Job {
+  std::string name;
+  std::function<std::vector<char>()> encode;
+};
+
+void add_maps(const RunResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
+  const render::Picture& picture = result.picture;
+  jobs.push_back({"depth.exr", [&] {
+                    return exr_mm(
+                        {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
+                        camera);
+                  }});
+  if (!result.comparison) return;
+  const Comparison& comparison = *result.comparison;
+  jobs.push_back({"truth_depth.exr", [&] {
+                    const Truth& truth = comparison.truth;
+                    Image<float> reason(truth.kind.width, truth.kind.height);
+                    std::ranges::transform(truth.kind.pixels,
+                                           reason.pixels.begin(),
+                                           [](TruthKind kind) { return static_cast<float>(kind); });
+                    return exr_mm({{"Z", &truth.depth_m},
+                                   {"Z_crossing", &truth.crossing_m},
+                                   {"truth_reason", &reason, 1}},
+                                  camera);
+                  }});
+  jobs.push_back({"error_depth.exr", [&] {
+                    return exr_mm({{"Z", &comparison.error.raw.map_m}}, camera);
+                  }});
+}
+
+void add_pictures(const RunResult& result, const ResolvedScene& scene, std::vector<Job>& jobs) {
+  const render::Picture& picture = result.picture;
+  jobs.push_back({"sheet.png", [&] {
+                    return png(draw_panels({surface_panel(result, scene),
+                                            truth_panel(result),
+                                            run_error_panel(result, scene),
+                                            volume_panel(result, scene)},
+                                           kSheetSide));
+                  }});
+  jobs.push_back({"planes.png", [&] { return png(planes_picture(result, scene)); }});
+  jobs.push_back({"error.png", [&] {
+                    const int side = panel_side(scene.view().camera.image_size);
+                    return png(draw_panels({run_error_panel(result, scene)}, side));
+                  }});
+  jobs.push_back({"volume.png", [&] { return png(shown_volume(picture.volume)); }});
+  jobs.push_back({"surface.png", [&] { return png(picture.surface, Values::light); }});
+  if (!has_true_picture(result)) return;
+  jobs.push_back(
+      {"truth.png", [&] { return png(result.comparison->shaded_truth, Values::light); }});
 }
 
 }  // namespace
@@ -160,21 +203,25 @@ Picture3 shown_volume(const Picture3& volume) {
   return shown;
 }
 
+bool has_true_picture(const RunResult& result) {
+  const auto& comparison = result.comparison;
+  return comparison && comparison->error.raw.surface_in_view() &&
+         !comparison->shaded_truth.pixels.empty();
+}
+
 void stage_run_images(OutputFolder& out, const RunResult& result, const ResolvedScene& scene) {
-  const render::Picture& picture = result.picture;
-  const render::Camera& camera = scene.view().camera;
-  write_png(out.stage("surface.png"), picture.surface, Values::light);
-  const Panel error = run_error_panel(result, scene), volume = volume_panel(result, scene);
-  write_png(out.stage("volume.png"), volume.instead.empty() ? volume.picture : picture.volume);
-  write_png(out.stage("error.png"), draw_panels({error}, panel_side(camera.image_size)));
-  write_png(
-      out.stage("sheet.png"),
-      draw_panels({surface_panel(result, scene), truth_panel(result), error, volume}, kSheetSide));
-  write_png(out.stage("planes.png"), planes_picture(result, scene));
-  write_exr_mm(out.stage("depth.exr"),
-               {{"Z", &picture.depth_m}, {"Z_filtered", &picture.filtered_depth_m}},
-               camera);
-  if (result.comparison) stage_truth(out, *result.comparison, camera);
+  std::vector<Job> jobs;
+  add_pictures(result, scene, jobs);
+  add_maps(result, scene.view().camera, jobs);
+  // Encoded on all threads, and written on this one (OutputFolder).
+  std::vector<std::vector<char>> bytes(jobs.size());
+  parallel_rows(static_cast<int>(jobs.size()), [&](int i) {
+    const auto slot = static_cast<std::size_t>(i);
+    bytes[slot] = jobs[slot].encode();
+  });
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    write_new_file(out.stage(jobs[i].name), {bytes[i].data(), bytes[i].size()});
+  }
 }
 
 }  // namespace wobblebench::bench

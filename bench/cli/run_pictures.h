@@ -21,8 +21,11 @@ std::string why_no_error_picture(const RunResult& result, const ResolvedScene& s
 /// contrast among the bright ones, in warm tones. Display values.
 Picture3 shown_volume(const Picture3& volume);
 
-/// Stages surface.png, volume.png, error.png and sheet.png, and the depth maps, found and true, in
-/// mm and with the camera.
+/// Whether there is a true surface to show beside the found one.
+bool has_true_picture(const RunResult& result);
+
+/// Stages surface.png, volume.png, error.png, planes.png and sheet.png, where a true surface is in
+/// view truth.png, and the depth maps, found and true, in mm and with the camera.
 void stage_run_images(OutputFolder& out, const RunResult& result, const ResolvedScene& scene);
 
 }  // namespace wobblebench::bench

@@ -29,11 +29,6 @@ std::string why_not_registered(const RunResult& result) {
   return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
 }
 
-/// In mode "volume" no surface is computed, so that none is missed.
-bool computes_surface(const ResolvedScene& scene) {
-  return scene.render().ray_casting.mode != render::RenderMode::volume;
-}
-
 /// Three significant digits; no decimals from 100 on.
 std::string rounded(double value) {
   if (!std::isfinite(value)) return "none";
@@ -295,6 +290,10 @@ std::string registration_lines(const RunResult& result) {
 }
 
 }  // namespace
+
+bool computes_surface(const ResolvedScene& scene) {
+  return scene.render().ray_casting.mode != render::RenderMode::volume;
+}
 
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
   // A simulated scene has a truth.

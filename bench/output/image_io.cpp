@@ -15,16 +15,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-void write(const std::filesystem::path& path, const Raster& raster) {
-  std::vector<char> bytes;
-  try {
-    bytes = encoders().encode(raster, path.extension().string());
-  } catch (const std::exception& error) {
-    throw std::runtime_error(path.string() + ": " + error.what());
-  }
-  write_new_file(path, {bytes.data(), bytes.size()});
-}
-
 VideoFormat format_of(Codec codec, int width, int height) {
   VideoFormat format{{'M', 'J', 'P', 'G'}, true, kVideoFramesPerSecond, width, height};
   if (codec == Codec::mjpg) return format;
@@ -49,7 +39,7 @@ float encoded(float light) {
   return light <= 0.0031308f ? 12.92f * light : 1.055f * std::pow(light, 1 / 2.4f) - 0.055f;
 }
 
-void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
+std::vector<char> png(const Image<glm::vec3>& image, Values meaning) {
   Raster raster{
       image.width, image.height, {"R", "G", "B"}, true, {}, {{"oiio:ColorSpace", "sRGB"}}};
   raster.values.reserve(image.pixels.size() * 3);
@@ -59,12 +49,20 @@ void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image,
   if (meaning == Values::light) {
     for (float& value : raster.values) value = encoded(value);
   }
-  write(path, raster);
+  return encoders().encode(raster, ".png");
 }
 
-void write_exr_mm(const std::filesystem::path& path,
-                  const std::vector<NamedMap>& maps_m,
-                  const render::Camera& camera) {
+void write_png(const std::filesystem::path& path, const Image<glm::vec3>& image, Values meaning) {
+  std::vector<char> bytes;
+  try {
+    bytes = png(image, meaning);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+  write_new_file(path, {bytes.data(), bytes.size()});
+}
+
+std::vector<char> exr_mm(const std::vector<NamedMap>& maps_m, const render::Camera& camera) {
   const Image<float>& first = *maps_m.at(0).map;
   const bool is_parallel = camera.projection == render::Projection::parallel;
   // The library writes the hour otherwise, and equal results would differ.
@@ -87,7 +85,7 @@ void write_exr_mm(const std::filesystem::path& path,
       raster.values.push_back(named.scale * named.map->pixels.at(i));
     }
   }
-  write(path, raster);
+  return encoders().encode(raster, ".exr");
 }
 
 struct Video::Impl {

@@ -22,8 +22,10 @@ enum class Values { display, light };
 /// sRGB's transfer function (IEC 61966-2-1).
 float encoded(float light);
 
-/// 8-bit RGB PNG in sRGB, which the file says: a new file, as write_new_file(). Throws
-/// std::runtime_error "PATH: reason".
+/// Bytes of an 8-bit RGB PNG in sRGB, which the file says. May be called from several threads.
+/// Throws std::runtime_error.
+std::vector<char> png(const Image<glm::vec3>& image, Values values = Values::display);
+/// The same as a new file, as write_new_file(). Throws std::runtime_error "PATH: reason".
 void write_png(const std::filesystem::path& path,
                const Image<glm::vec3>& image,
                Values values = Values::display);
@@ -34,12 +36,10 @@ struct NamedMap {
   const Image<float>* map;
   float scale = 1000.0f;  ///< 1: plain numbers
 };
-/// Float EXR with one named channel a map, linear; pixels without a value are NaN. The header holds
-/// the camera's matrices, mm per pixel and projection. A new file, too. Throws
-/// std::runtime_error "PATH: reason".
-void write_exr_mm(const std::filesystem::path& path,
-                  const std::vector<NamedMap>& maps_m,
-                  const render::Camera& camera);
+/// Bytes of a float EXR with one named channel a map, linear; pixels without a value are NaN. The
+/// header holds the camera's matrices, mm per pixel and projection. May be called from several
+/// threads. Throws std::runtime_error.
+std::vector<char> exr_mm(const std::vector<NamedMap>& maps_m, const render::Camera& camera);
 
 enum class Codec {
   mjpg,  ///< Motion JPEG in .avi, by FFmpeg or else by OpenCV itself

@@ -58,7 +58,8 @@ bool has_scale_bar(const Panel& panel) {
 
 int lines_below(const Panel& panel, double side) {
   if (!panel.instead.empty()) return 0;
-  return (has_scale_bar(panel) ? 1 : 0) + static_cast<int>(lines_of_names(names_of(panel), side).size());
+  return (has_scale_bar(panel) ? 1 : 0) +
+         static_cast<int>(lines_of_names(names_of(panel), side).size());
 }
 
 Layout layout_of(const std::vector<Panel>& panels, double side) {
@@ -126,8 +127,7 @@ void draw_lines(Canvas& canvas, const PanelLines& lines, const Box2& box, int co
   for (const auto& [from, to] : lines.segments) {
     canvas.line({box.low + scale * (from + 0.5), box.low + scale * (to + 0.5)},
                 lines.of.colour,
-                lines.width,
-                Stroke::solid);
+                lines.width);
   }
   canvas.clip_nothing();
 }

@@ -42,8 +42,8 @@ struct Panel {
   Picture3 picture;                    ///< display values; square or not
   std::string instead = {};            ///< words in place of the picture; empty: the picture
   std::optional<ColourBar> bar = {};   ///< none: the picture's colours are no numbers
-  std::vector<ColourName> names = {};   ///< below the picture
-  std::vector<PanelLines> lines = {};   ///< their names come below the picture, too
+  std::vector<ColourName> names = {};  ///< below the picture
+  std::vector<PanelLines> lines = {};  ///< their names come below the picture, too
   double mm_per_pixel = 0;             ///< of `picture`, for a scale bar of 10 mm; 0: none
 };
 

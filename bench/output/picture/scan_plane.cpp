@@ -12,7 +12,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kEdgeSteps = 32;     // of the field's outline
+constexpr int kEdgeSteps = 32;       // of the field's outline
 constexpr double kTolerance = 1e-6;  // frames and radians that rounding may cost
 constexpr double kJump_m = 3e-3;
 
@@ -29,8 +29,8 @@ ScanPlane plane_around(ScanPlane plane, const std::vector<glm::dvec3>& points_m)
   const glm::dvec2 corner = 0.5 * (low + high) - glm::dvec2(0.5 * (extent_m - plane.pixel_m));
   // The plane's distance from the origin stays.
   const glm::dvec3 normal = glm::cross(plane.right, plane.down);
-  plane.corner_m = corner.x * plane.right + corner.y * plane.down +
-                   glm::dot(points_m.front(), normal) * normal;
+  plane.corner_m =
+      corner.x * plane.right + corner.y * plane.down + glm::dot(points_m.front(), normal) * normal;
   return plane;
 }
 

@@ -20,9 +20,14 @@ const Words kQuick = with(kSphere, {kPicture, {"--set", "acquisition.frames_per_
 const Words kResults = {"depth.exr",
                         "error.png",
                         "error_depth.exr",
+                        "errors.vl.json",
+                        "planes.png",
+                        "regions.vl.json",
+                        "report.html",
                         "report.json",
                         "sheet.png",
                         "surface.png",
+                        "truth.png",
                         "truth_depth.exr",
                         "volume.png"};
 

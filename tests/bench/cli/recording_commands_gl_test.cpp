@@ -244,9 +244,15 @@ TEST_F(WithRecording, ARecordingFromHardwareHasNoPhantomAndNoTruth) {
   EXPECT_TRUE(report.at("scene").at("phantom").is_null());
   const auto& box = report.at("scene").at("render").at("volume_of_interest");
   EXPECT_NEAR(box.at("size_mm").at(0).get<double>(), 400 * std::sin(38.5 * kDegree), 1e-6);
-  EXPECT_EQ(
-      folder_.files("out"),
-      (Words{"depth.exr", "error.png", "report.json", "sheet.png", "surface.png", "volume.png"}));
+  EXPECT_EQ(folder_.files("out"),
+            (Words{"depth.exr",
+                   "error.png",
+                   "planes.png",
+                   "report.html",
+                   "report.json",
+                   "sheet.png",
+                   "surface.png",
+                   "volume.png"}));
   const auto summary = bench(with({"run",
                                    "--board",
                                    "file=card.wbst",

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/file.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/output/image_io.h"
 #include "tests/support/file_limit.h"
@@ -31,6 +32,11 @@ std::filesystem::path temporary(const std::string& name) {
   const auto path = std::filesystem::path(testing::TempDir()) / name;
   std::filesystem::remove(path);  // of a test that was stopped
   return path;
+}
+
+void write_exr(const std::filesystem::path& path, const std::vector<NamedMap>& maps) {
+  const std::vector<char> bytes = exr_mm(maps, render::make_camera({}));
+  write_new_file(path, {bytes.data(), bytes.size()});
 }
 
 TEST(ImageIo, PngKeepsRowsColumnsAndChannels) {
@@ -79,7 +85,7 @@ TEST(ImageIo, ExrHoldsMillimetresInNamedChannelsAndNanForNone) {
   Image<float> depth(3, 2, 0.0625f), other(3, 2, 0.5f);
   depth.at(2, 1) = kNoSurface;
   const auto path = temporary("maps.exr");
-  write_exr_mm(path, {{"Z", &depth}, {"Z_filtered", &other}}, render::make_camera({}));
+  write_exr(path, {{"Z", &depth}, {"Z_filtered", &other}});
   const auto input = OIIO::ImageInput::open(path.string());
   ASSERT_TRUE(input);
   ASSERT_EQ(input->spec().nchannels, 2);
@@ -124,7 +130,7 @@ TEST(ImageIo, AFullDiskIsSaidHoweverLate) {
                              [&](const auto& path) { write_png(path, ramp(size)); });
     const Image<float> depth(size, size, 0.1f);
     expect_full_disk_is_said(scratch.path() / "a.exr", [&](const auto& path) {
-      write_exr_mm(path, {{"Z", &depth}}, render::make_camera({}));
+      write_exr(path, {{"Z", &depth}});
     });
   }
 }

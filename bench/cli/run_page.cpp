@@ -1,0 +1,372 @@
+#include "bench/cli/run_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "base/number_text.h"
+#include "base/units.h"
+#include "bench/cli/board_report.h"
+#include "bench/cli/run_pictures.h"
+#include "bench/output/picture/map_codes.h"
+#include "bench/output/report.h"
+#include "bench/studies/tables/paper.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr int kMostMapSide = 512;  // so that a page of a large picture stays below 3 MB
+constexpr std::size_t kNameColumns = 12;
+
+double mm(double metres) {
+  return metres / kMillimetre;
+}
+
+double degrees(double radians) {
+  return radians / kDegree;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(' ');
+  return first == std::string::npos ? ""
+                                    : text.substr(first, text.find_last_not_of(' ') + 1 - first);
+}
+
+// ---- pictures
+
+void add_surfaces(const RunResult& result, const ResolvedScene& scene, Document& page) {
+  page.add(Heading{"Found and true surface"});
+  const std::string why = why_no_surface_picture(result, scene);
+  if (!why.empty()) {
+    page.add(Text{why});
+    return;
+  }
+  const Picture found{"surface.png", "The surface that was found."};
+  if (!has_true_picture(result)) {
+    page.add(found);
+    return;
+  }
+  page.add(PicturePair{found, {"truth.png", "The true surface, shaded alike."}});
+}
+
+void add_volume(const ResolvedScene& scene, Document& page) {
+  if (scene.render().ray_casting.mode == render::RenderMode::surface) return;
+  page.add(Heading{"Volume"});
+  page.add(Picture{"volume.png", "The echoes, blended along the rays of the same view."});
+}
+
+void add_planes(const RunResult& result, Document& page) {
+  page.add(Heading{"Echoes in two planes"});
+  page.add(Picture{"planes.png",
+                   result.comparison
+                       ? "Samples of the sticks, and where the planes cut the true surface (blue) "
+                         "and the found one (orange), as far as the picture's rays meet them."
+                       : "Samples of the sticks, and where the planes cut the found surface "
+                         "(orange)."});
+}
+
+std::string map_caption(int every, bool perspective) {
+  std::string text = "Values of the pixel under the pointer, or of the one that arrow keys choose.";
+  if (every > 1) {
+    text += " Of the picture every " + std::to_string(every) + "th row and column.";
+  }
+  if (perspective) text += " The bar is 10 mm long at the depth of the box's centre.";
+  return text;
+}
+
+MapView map_of(const RunResult& result, const ResolvedScene& scene) {
+  const Image<float>& found_m = result.picture.depth_m;
+  const render::Camera& camera = scene.view().camera;
+  const int every = (found_m.width + kMostMapSide - 1) / kMostMapSide;
+  MapView map{.name = "depth",
+              .caption = map_caption(every, camera.projection == render::Projection::perspective),
+              .width = (found_m.width + every - 1) / every,
+              .height = (found_m.height + every - 1) / every,
+              .mm_per_pixel = every * mm(camera.pixel_m()),
+              .layers = {}};
+  if (const auto& comparison = result.comparison) {
+    map.layers.push_back(
+        error_layer("signed error", thinned(comparison->error.raw.map_m, every), kErrorLimit_mm));
+    for (const PixelClassName& name : pixel_class_names()) {
+      map.classes.push_back({static_cast<int>(name.of), name.name, html_colour(name.rgb)});
+    }
+    map.class_codes = class_codes(thinned(pixel_classes(found_m, comparison->truth), every));
+  }
+  map.layers.push_back(length_layer("found depth", thinned(found_m, every)));
+  if (const auto& comparison = result.comparison) {
+    map.layers.push_back(length_layer("true depth", thinned(comparison->truth.depth_m, every)));
+  }
+  return map;
+}
+
+void add_map(const RunResult& result, const ResolvedScene& scene, Document& page) {
+  page.add(Heading{result.comparison ? "Depth error" : "Depth"});
+  if (!computes_surface(scene)) {
+    page.add(Text{why_no_error_picture(result, scene)});
+    return;
+  }
+  const std::string why = why_no_error_picture(result, scene);
+  if (!why.empty()) page.add(Text{why});
+  page.add(map_of(result, scene));
+}
+
+// ---- errors
+
+std::vector<double> errors_mm(const Image<float>& error_m) {
+  std::vector<double> errors;
+  for (const float error : error_m.pixels) {
+    if (!std::isnan(error)) errors.push_back(mm(static_cast<double>(error)));
+  }
+  std::ranges::sort(errors);
+  return errors;
+}
+
+double percent_below(const std::vector<double>& sorted, double value) {
+  const auto below = std::ranges::lower_bound(sorted, value) - sorted.begin();
+  return 100.0 * static_cast<double>(below) / static_cast<double>(sorted.size());
+}
+
+Chart histogram(const std::vector<double>& sorted) {
+  constexpr double kBin_mm = 0.1;
+  constexpr int kBins = 60;
+  Chart chart{"Signed error",
+              {.label = "found minus true depth (mm)"},
+              {.label = "pixels in 0.1 mm (%)", .low = 0}};
+  Series bars{.name = ""};
+  for (int i = 0; i < kBins && !sorted.empty(); ++i) {
+    const double low = kBin_mm * (i - 0.5 * kBins), high = kBin_mm * (i + 1 - 0.5 * kBins);
+    const double share = percent_below(sorted, high) - percent_below(sorted, low);
+    bars.add(low, share);
+    bars.add(high, share);
+  }
+  chart.series.push_back(std::move(bars));
+  return chart;
+}
+
+Chart cumulative(std::vector<double> errors) {
+  constexpr double kStep_mm = 0.05;
+  constexpr int kSteps = 100;
+  for (double& error : errors) error = std::abs(error);
+  std::ranges::sort(errors);
+  Chart chart{"Magnitude",
+              {.label = "magnitude of the error (mm)"},
+              {.label = "pixels below it (%)", .low = 0, .high = 100}};
+  Series share{.name = ""};
+  for (int i = 0; i <= kSteps && !errors.empty(); ++i) {
+    share.add(kStep_mm * i, percent_below(errors, kStep_mm * i));
+  }
+  chart.series.push_back(std::move(share));
+  return chart;
+}
+
+Table depth_table(const PictureMeasures& error) {
+  Table table{.name = "depth_error",
+              .caption = "Signed error of depth",
+              .columns = {{"of"},
+                          {"bias_mm", "bias", "mm", 3},
+                          {"rms_mm", "RMS", "mm", 3},
+                          {"median_mm", "median", "mm", 3},
+                          {"p95_mm", "P95 of the magnitude", "mm", 3},
+                          {"max_mm", "greatest", "mm"},
+                          {"normal_median_deg", "normals, median", "°", 1},
+                          {"normal_p95_deg", "normals, P95", "°", 1},
+                          {"pixels"}}};
+  const auto add = [&](const char* name, const DepthError& of) {
+    const DepthStatistics& depth = of.depth;
+    table.add({name,
+               mm(depth.bias_m),
+               mm(depth.rms_m),
+               mm(depth.median_m),
+               mm(depth.p95_m),
+               mm(depth.max_m),
+               degrees(of.normal.median_rad),
+               degrees(of.normal.p95_rad),
+               depth.n});
+  };
+  add("depth, as it was found", error.raw);
+  add("depth, as it is shaded", error.filtered);
+  return table;
+}
+
+Table surface_table(const PictureMeasures& error) {
+  const DepthError& raw = error.raw;
+  const double none = std::nan(""), all = 0.01 * raw.pixels;
+  Table table{.name = "surface",
+              .caption = "Surface by its pixels, and by its area",
+              .columns = {{"surface"},
+                          {"picture_percent", "of the picture", "%"},
+                          {"area_percent", "of the surface's area", "%"}}};
+  table.add({"true, in view", raw.surface / all, none});
+  table.add({"missed", raw.missed_percent(), raw.missed_surface_percent()});
+  table.add({"false", raw.false_percent(), raw.false_surface_percent()});
+  table.add({"unseen: grazing", raw.grazing / all, none});
+  table.add({"unseen: shadowed", raw.shadowed / all, none});
+  table.add({"unseen: outside the field", raw.outside_field / all, none});
+  return table;
+}
+
+/// The measures of the whole picture that need no columns of their own.
+Text other_measures(const PictureMeasures& error) {
+  std::string text;
+  if (std::isfinite(error.shaded.ssim)) {
+    text += "- The shaded picture against the truth shaded alike: SSIM " +
+            fixed(error.shaded.ssim, 3) + ", PSNR " + fixed(error.shaded.psnr_db, 1) + " dB\n";
+  }
+  if (const auto& distance = error.distance; distance && std::isfinite(distance->mean_m)) {
+    text += "- Distance in space between the surfaces, both ways: mean " +
+            fixed(mm(distance->mean_m), 3) + " mm, P95 " + fixed(mm(distance->p95_m), 3) +
+            " mm, Hausdorff 95 " + fixed(mm(distance->hausdorff95_m), 3) + " mm\n";
+  }
+  return {text};
+}
+
+Table region_table(const PictureMeasures& error) {
+  Table table{.name = "regions",
+              .caption = "Errors by region of the picture",
+              .columns = {{"group"},
+                          {"region"},
+                          {"surface_percent", "of the picture", "%"},
+                          {"bias_mm", "bias", "mm"},
+                          {"rms_mm", "RMS", "mm"},
+                          {"median_mm", "median", "mm"},
+                          {"p95_mm", "P95", "mm"},
+                          {"missed_surface_percent", "missed, of its area", "%"},
+                          {"false_percent", "false, of the picture", "%"},
+                          {"normal_median_deg", "normals, median", "°", 1},
+                          {"pixels"}}};
+  const double all = 0.01 * error.raw.pixels;
+  for (const RegionError& region : error.regions) {
+    const bool has_false = region.group == "silhouette";
+    table.add({region.group,
+               region.name,
+               region.surface / all,
+               mm(region.depth.bias_m),
+               mm(region.depth.rms_m),
+               mm(region.depth.median_m),
+               mm(region.depth.p95_m),
+               region.missed_surface_percent(),
+               has_false ? Cell(region.false_surface / all) : Cell(),
+               degrees(region.normal.median_rad),
+               region.depth.n});
+  }
+  return table;
+}
+
+Figure region_figure(const PictureMeasures& error) {
+  Figure figure{.name = "regions",
+                .caption =
+                    "P95 of the magnitude of the error by angle of incidence of the stick, "
+                    "by range along it, and by part of the phantom.",
+                .panels = {}};
+  for (const auto& [group, title] : {std::pair{"incidence", "By incidence, degrees"},
+                                     std::pair{"range", "By range, mm"},
+                                     std::pair{"feature", "By feature"}}) {
+    BarChart chart{.title = title, .label = "P95 of the magnitude (mm)"};
+    BarPart part{.name = "P95"};
+    for (const RegionError& region : error.regions) {
+      if (region.group != group || region.depth.n == 0) continue;
+      chart.rows.push_back(region.name);
+      part.values.push_back(mm(region.depth.p95_m));
+    }
+    chart.parts.push_back(std::move(part));
+    if (!chart.rows.empty()) figure.panels.emplace_back(std::move(chart));
+  }
+  return figure;
+}
+
+void add_errors(const RunResult& result, const ResolvedScene& scene, Document& page) {
+  if (!why_no_error_picture(result, scene).empty()) return;
+  const PictureMeasures& error = result.comparison->error;
+  page.add(error_figure(error.raw.map_m));
+  page.add(depth_table(error));
+  page.add(surface_table(error));
+  page.add(other_measures(error));
+  page.add(Heading{"Where errors are"});
+  Figure regions = region_figure(error);
+  if (!regions.panels.empty()) page.add(std::move(regions));
+  page.add(region_table(error));
+}
+
+// ---- times and board
+
+std::string settings_text(const ResolvedScene& scene) {
+  const render::RenderOptions& render = scene.render();
+  const render::RayCastingOptions& cast = render.ray_casting;
+  const std::string kernel = std::to_string(cast.kernel_3d);
+  return std::to_string(scene.plan().acquisition().frames_per_volume) + " frames, " +
+         std::to_string(cast.image_size) + "² rays of " + std::to_string(cast.steps) +
+         " steps, 3D kernel " + kernel + "³, filter of the picture " +
+         std::to_string(render.smoothing.filter_size) + "²";
+}
+
+void add_times(const RunResult& result, const ResolvedScene& scene, Document& page) {
+  Table table{
+      .name = "passes",
+      .caption = "Time of the passes of this picture",
+      .columns = {{"pass"}, {"time_ms", "time", "ms", 1}, {"gpu_ms", "timer query", "ms", 1}}};
+  const auto& passes = result.picture.passes;
+  for (const render::PassTime& pass : passes) {
+    table.add({pass.name, pass.ms, pass.gpu_ms < 0 ? Cell() : Cell(pass.gpu_ms)});
+  }
+  table.add({"all", frame_ms(passes), Cell()});
+  table.add({"the paper's", reference_row().paper_ms, Cell()});
+  page.add(Heading{"Times"});
+  page.add(Text{"This picture: " + settings_text(scene) + ", on " + result.gl_renderer +
+                ". The paper's time is that of all passes on the paper's GPU, for its " +
+                reference_row().setting +
+                " (its Tables I to IV); one picture is no measurement of speed, which "
+                "`wobblebench tables` makes."});
+  page.add(std::move(table));
+}
+
+void add_board(const RunResult& result, Document& page) {
+  page.add(Heading{"Board"});
+  page.add(board_table(result.acquisition.account));
+}
+
+}  // namespace
+
+std::string summary_list(const std::string& summary) {
+  std::string list;
+  std::istringstream lines(summary);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string text = trimmed(line.size() > kNameColumns ? line.substr(kNameColumns) : "");
+    const std::string name = trimmed(line.substr(0, kNameColumns));
+    if (name == "results") continue;  // where this page is
+    if (name.empty()) {
+      list += "; " + text;
+    } else {
+      list += "- **" + name + "** " + text + "\n";
+    }
+  }
+  return list;
+}
+
+Figure error_figure(const Image<float>& error_m) {
+  const std::vector<double> errors = errors_mm(error_m);
+  return {.name = "errors",
+          .caption =
+              "How the pixels that show both surfaces spread over the error; those beyond "
+              "3 mm are not in the histogram.",
+          .panels = {histogram(errors), cumulative(errors)}};
+}
+
+Document run_document(const RunResult& result,
+                      const ResolvedScene& scene,
+                      const std::string& summary) {
+  const bool known = scene.subject().has_value();
+  Document page{.title = "wobblebench run: " +
+                         (known ? scene.options().phantom.name : std::string("a recording"))};
+  page.add(Text{summary_list(summary)});
+  add_surfaces(result, scene, page);
+  add_map(result, scene, page);
+  add_errors(result, scene, page);
+  add_volume(scene, page);
+  add_planes(result, page);
+  add_times(result, scene, page);
+  add_board(result, page);
+  return page;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,27 @@
+// What report.html of the command `run` shows.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bench/cli/run_report.h"
+#include "bench/output/document/document.h"
+#include "bench/scene/resolved_scene.h"
+
+namespace wobblebench::bench {
+
+/// Pictures, maps, errors, times and the board's account of a result, whose images are staged.
+/// `summary`: as run_summary() has it.
+Document run_document(const RunResult& result,
+                      const ResolvedScene& scene,
+                      const std::string& summary);
+
+/// A list of what a summary says: its lines begin with the name of what they are about, in columns
+/// of 12 characters; a line without a name goes on with the one before.
+std::string summary_list(const std::string& summary);
+
+/// Percentages of the pixels with an error, by its size: the signed error in bins of 0.1 mm, and of
+/// its magnitude those below each length.
+Figure error_figure(const Image<float>& error_m);
+
+}  // namespace wobblebench::bench
