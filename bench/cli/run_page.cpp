@@ -162,12 +162,12 @@ Chart cumulative(std::vector<double> errors) {
 
 Table depth_table(const PictureMeasures& error) {
   Table table{.name = "depth_error",
-              .caption = "Signed error of depth",
-              .columns = {{"of"},
+              .caption = "Signed error of depth; P95 and the greatest of its magnitude",
+              .columns = {{"of", "depth"},
                           {"bias_mm", "bias", "mm", 3},
                           {"rms_mm", "RMS", "mm", 3},
                           {"median_mm", "median", "mm", 3},
-                          {"p95_mm", "P95 of the magnitude", "mm", 3},
+                          {"p95_mm", "P95", "mm", 3},
                           {"max_mm", "greatest", "mm"},
                           {"normal_median_deg", "normals, median", "°", 1},
                           {"normal_p95_deg", "normals, P95", "°", 1},
@@ -184,8 +184,8 @@ Table depth_table(const PictureMeasures& error) {
                degrees(of.normal.p95_rad),
                depth.n});
   };
-  add("depth, as it was found", error.raw);
-  add("depth, as it is shaded", error.filtered);
+  add("found", error.raw);
+  add("filtered for shading", error.filtered);
   return table;
 }
 

@@ -17,7 +17,7 @@ namespace wobblebench::bench {
 
 namespace {
 
-constexpr int kSheetSide = 420;  // pixels of a panel of sheet.png
+constexpr int kSheetSide = 360;  // pixels of a panel of sheet.png
 constexpr int kLeastSide = 384;  // of error.png's panel, so that its names and numbers have room
 constexpr int kMostSide = 1024;
 constexpr double kFalseShare = 0.05;  // of a picture without a true surface
@@ -71,7 +71,7 @@ Panel volume_panel(const RunResult& result, const ResolvedScene& scene) {
   return {"volume", shown_volume(result.picture.volume)};
 }
 
-constexpr int kPlaneSide = 480;
+constexpr int kPlaneSide = 440;
 constexpr std::uint32_t kTrueLine = 0x4cc3ff, kFoundLine = 0xffa21f;
 
 /// Echoes in a plane, and where the surfaces of the picture cut it.

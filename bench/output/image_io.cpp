@@ -40,8 +40,13 @@ float encoded(float light) {
 }
 
 std::vector<char> png(const Image<glm::vec3>& image, Values meaning) {
-  Raster raster{
-      image.width, image.height, {"R", "G", "B"}, true, {}, {{"oiio:ColorSpace", "sRGB"}}};
+  // zlib's level 3 takes half the time of its usual 6, for files that are a tenth larger.
+  Raster raster{image.width,
+                image.height,
+                {"R", "G", "B"},
+                true,
+                {},
+                {{"oiio:ColorSpace", "sRGB"}, {"png:compressionLevel", "3"}}};
   raster.values.reserve(image.pixels.size() * 3);
   for (const glm::vec3& rgb : image.pixels) {
     raster.values.insert(raster.values.end(), {rgb.r, rgb.g, rgb.b});
