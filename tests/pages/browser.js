@@ -1,7 +1,7 @@
 // What the tests of pages share: a browser, pages in it, and what went wrong on them. The environment names the
 // packages (PAGES_PACKAGES), the browser (PAGES_BROWSER) and a folder for files (PAGES_SCRATCH).
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
+import {spawnSync} from 'node:child_process';
 import {mkdirSync, readFileSync, rmSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {join} from 'node:path';
@@ -14,7 +14,7 @@ const axeScript = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 
 export const desktop = {width: 1280, height: 900};
 export const phone = {width: 390, height: 844};
-const patience_ms = 300_000;  // for machines with other work
+const patience_ms = 120_000;  // for machines with other work
 
 let browser;
 before(async () => {
@@ -33,7 +33,9 @@ export function scratch(name) {
 
 /** What a program prints, as lines. */
 export function linesOf(program, args) {
-  return execFileSync(program, args, {encoding: 'utf8', stdio: ['ignore', 'pipe', 'inherit']}).trim().split('\n');
+  const {status, stdout, stderr, error} = spawnSync(program, args, {encoding: 'utf8'});
+  assert.equal(status, 0, `${[program, ...args].join(' ')}\n${error ?? ''}${stderr}`);
+  return stdout.trim().split('\n');
 }
 
 /** Opens a file, calls `use(page)`, and checks that nothing was complained of, loaded or run from the file's texts. */

@@ -32,7 +32,6 @@ const commands = [
   ['run', sceneFile],
   ['stream', sceneFile, '--volumes', '3'],
   ['record', sceneFile, '--volumes', '2'],
-  ['conformance', sceneFile],
   ['rehearse', '--seeds', '5'],
   ['phantom', sceneFile],
   ['modes', sceneFile],

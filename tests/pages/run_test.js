@@ -30,7 +30,7 @@ function pixels(count, width, height) {
 test('millimetres under the pointer are those of the EXR files', () => withPage(report, async (page) => {
   const map = page.locator('figure.map').first();
   const data = JSON.parse(await map.locator('script').textContent());
-  const files = {'signed error': 'error_depth.exr', 'depth': 'depth.exr', 'true depth': 'truth_depth.exr'};
+  const files = {'signed error': 'error_depth.exr', 'found depth': 'depth.exr', 'true depth': 'truth_depth.exr'};
   const chosen = pixels(200, data.width, data.height);
   for (const [layer, {name, step}] of data.layers.entries()) {
     const expected = linesOf(process.env.PAGES_EXR,

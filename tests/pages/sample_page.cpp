@@ -89,7 +89,7 @@ Document sample() {
   Document page{.title = "Sample " + kMarkup};
   page.add(Heading{"Text"})
       .add(Text{"A **strong** word, `code`, " + kMarkup + " and\n\n- one\n- two"});
-  page.add(Heading{"Pictures"}).add(Comparison{{"left.png", "Red"}, {"right.png", "Blue"}});
+  page.add(Heading{"Pictures"}).add(PicturePair{{"left.png", "Red"}, {"right.png", "Blue"}});
   page.add(map_view());
   page.add(Heading{"Charts"})
       .add(front())
