@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -45,9 +46,18 @@ std::string csv_number(double value) {
   return std::isfinite(value) ? significant(value, kFileDigits) : "";
 }
 
+/// Without an exponent up to a million.
+std::string significant_text(double value, int digits) {
+  constexpr double kMost = 1e6;
+  const double size = std::abs(value);
+  const bool is_whole = size >= std::pow(10.0, digits) - 0.5 && size < kMost;
+  return is_whole ? fixed(value, 0) : significant(value, digits);
+}
+
 nlohmann::ordered_json json_of(const Cell& cell) {
   if (!cell.text().empty()) return cell.text();
   if (!cell.is_number()) return nullptr;
+  if (cell.is_whole()) return static_cast<std::int64_t>(cell.number());
   if (!cell.has_range()) return cell.number();
   return {{"value", cell.number()}, {"low", cell.low()}, {"high", cell.high()}};
 }
@@ -89,7 +99,7 @@ bool Cell::has_range() const {
 std::string Cell::shown(const Column& column) const {
   if (!is_number()) return text_;
   const auto text = [&](double value) {
-    if (column.significant) return wobblebench::significant(value, column.digits);
+    if (column.significant) return significant_text(value, column.digits);
     return fixed(value, whole_ ? 0 : column.digits);
   };
   std::string shown = text(number_);
@@ -110,6 +120,21 @@ void Table::add(std::vector<Cell> row, std::string id) {
     ids.push_back(std::move(id));
   }
   rows.push_back(std::move(row));
+}
+
+Table with_columns(const Table& table, const std::vector<std::string>& keys) {
+  Table chosen{.name = table.name, .caption = table.caption, .columns = {}, .ids = table.ids};
+  chosen.rows.resize(table.rows.size());
+  for (const std::string& key : keys) {
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+      if (table.columns[i].key != key) continue;
+      chosen.columns.push_back(table.columns[i]);
+      for (std::size_t r = 0; r < table.rows.size(); ++r) {
+        chosen.rows[r].push_back(table.rows[r][i]);
+      }
+    }
+  }
+  return chosen;
 }
 
 std::string heading(const Column& column) {

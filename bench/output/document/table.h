@@ -41,6 +41,7 @@ class Cell {
   Cell& bracket(bool on = true);
 
   bool is_number() const;
+  bool is_whole() const { return whole_; }
   bool is_code() const { return code_; }
   bool has_range() const;
   const std::string& text() const { return text_; }
@@ -82,6 +83,10 @@ struct Table {
   /// Throws std::logic_error where the number of cells is not that of the columns.
   void add(std::vector<Cell> row, std::string id = "");
 };
+
+/// The same rows with the columns of these keys, in this order; keys that are not there are left
+/// out.
+Table with_columns(const Table& table, const std::vector<std::string>& keys);
 
 /// Title with its unit: "RMS, mm".
 std::string heading(const Column& column);

@@ -56,8 +56,15 @@ TEST(Table, SignificantDigitsSuitValuesOfManySizes) {
   const Column column{"ms", "time", "ms", 3, true};
   EXPECT_EQ(Cell(0.0123456).shown(column), "0.0123");
   EXPECT_EQ(Cell(123.456).shown(column), "123");
+  EXPECT_EQ(Cell(5780.4).shown(column), "5780");
+  EXPECT_EQ(Cell(2.5e8).shown(column), "2.5e+08");
   EXPECT_EQ(Cell::interval(2.0, kNone).shown(column), "2");
   EXPECT_EQ(Cell().shown(column), "");
+}
+
+TEST(Table, ColumnsAreChosenByTheirKeys) {
+  const Table chosen = with_columns(passes(), {"n", "pass", "not there"});
+  EXPECT_EQ(csv(chosen), "n,pass\n12,filter\n1000000,ray|casting\n");
 }
 
 TEST(Table, ARowOfAnotherLengthIsAFault) {
