@@ -58,8 +58,7 @@ TEST(IncludeOrder, WhatTheScannerIsNeedsNothingOfItsLinks) {
 
 /// What `wobblebench tables` has and `wobblebench-tables` has not.
 const std::set<std::string> kTablesOfTheBench = {"bench/studies/tables/tables_command.cpp",
-                                                 "bench/studies/tables/tables_command.h",
-                                                 "bench/studies/tables/tables_figure.cpp"};
+                                                 "bench/studies/tables/tables_command.h"};
 
 TEST(IncludeOrder, TheTablesProgramReachesNoSimulator) {
   for (const auto& file : graph().files_below("bench/studies/tables")) {

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <utility>
 
 #include "base/number_text.h"
-#include "base/text.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
@@ -40,58 +39,88 @@ std::string verdict(const ExtremeOutcome& outcome) {
   return text;
 }
 
-constexpr int kDigits = 4;
-
 std::string joined(const std::vector<std::string>& words) {
   std::string line;
   for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
   return line;
 }
 
+/// "inf" and "nan" as texts.
+Cell number_cell(double value) {
+  return std::isfinite(value) ? Cell(value) : Cell(significant(value, 1));
+}
+
 /// One row a case, preset and pass; a refusal has one row without a pass.
-std::string extremes_csv(const ExtremesResults& results) {
-  std::ostringstream csv;
-  csv << "case,preset,settings,verdict,refusal,finite,changed_out_of_reach,pass,worst,bound,"
-         "compared,outside\n";
+Table all_rows(const ExtremesResults& results) {
+  Table table{.name = "rows",
+              .columns = {{"case"},
+                          {"preset"},
+                          {"settings"},
+                          {"verdict"},
+                          {"refusal"},
+                          {"finite"},
+                          {"changed_out_of_reach"},
+                          {"pass"},
+                          {"worst"},
+                          {"bound"},
+                          {"compared"},
+                          {"outside"}}};
   for (const ExtremeOutcome& outcome : results.cases) {
     const auto& changed = outcome.changed_out_of_reach;
-    std::ostringstream head;
-    head << csv_field(outcome.of.name) << "," << outcome.preset << ","
-         << csv_field(joined(outcome.of.settings)) << "," << csv_field(verdict(outcome)) << ","
-         << csv_field(outcome.refusal) << ","
-         << (outcome.rendered ? (outcome.finite ? "1" : "0") : "") << ","
-         << (changed ? std::to_string(*changed) : "");
-    if (outcome.errors.empty()) csv << head.str() << ",,,,,\n";
+    const std::vector<Cell> head = {outcome.of.name,
+                                    outcome.preset,
+                                    joined(outcome.of.settings),
+                                    verdict(outcome),
+                                    outcome.refusal,
+                                    outcome.rendered ? Cell(outcome.finite ? 1 : 0) : Cell(),
+                                    changed ? Cell(*changed) : Cell()};
+    const auto add = [&](const std::vector<Cell>& pass) {
+      std::vector<Cell> row = head;
+      row.insert(row.end(), pass.begin(), pass.end());
+      table.add(std::move(row));
+    };
+    if (outcome.errors.empty()) add(std::vector<Cell>(5));
     for (const PassError& error : outcome.errors) {
-      csv << head.str() << "," << csv_field(error.pass) << "," << significant(error.worst, kDigits)
-          << "," << significant(error.bound, kDigits) << "," << error.compared << ","
-          << error.outside << "\n";
+      add({error.pass,
+           number_cell(error.worst),
+           number_cell(error.bound),
+           error.compared,
+           error.outside});
     }
   }
   for (const NumberOutcome& number : results.numbers) {
-    csv << csv_field(number.name) << ",,," << (number.passed() ? "passed" : "FAILED") << ",,,,"
-        << csv_field(number.unit) << "," << significant(number.worst, kDigits) << ","
-        << significant(number.bound, kDigits) << ",,\n";
+    const char* outcome = number.passed() ? "passed" : "FAILED";
+    table.add({number.name,
+               "",
+               "",
+               outcome,
+               "",
+               "",
+               "",
+               number.unit,
+               number_cell(number.worst),
+               number_cell(number.bound),
+               "",
+               ""});
   }
-  return csv.str();
+  return table;
 }
 
-void write_head(const ExtremesResults& results,
-                const Provenance& provenance,
-                std::ostream& markdown) {
-  markdown
-      << "# The extremes\n\nMade by `wobblebench extremes`. Commit " << provenance.commit << ", "
-      << provenance.cpu << ", GL: " << provenance.gl_backend << ", " << provenance.gl_renderer
-      << ". " << results.cases.size() + results.numbers.size() << " outcomes, " << results.failed()
-      << " failed. Settings, bounds and the number of pixels are in `extremes.csv`.\n\n"
-         "Sticks, where a case does not name simulated ones, are of a soft-edged ball in noise, in "
-         "closed form. Each cell is the greatest difference of a pass from the same pass in "
-         "double precision on the same input, and behind the slash the greatest that the bounds of "
-         "its pixels allow; of slices and colours in full scales, of z relative to the ray's "
-         "length. "
-         "Bounds follow from the arithmetic, not from measurement (decision 32); inf: no bound, as "
-         "the motor's axis lies among the samples, and only finite numbers are asked for.\n";
+std::string origin_of(const ExtremesResults& results, const Provenance& provenance) {
+  return "Made by `wobblebench extremes`. Commit " + provenance.commit + ", " + provenance.cpu +
+         ", GL: " + provenance.gl_backend + ", " + provenance.gl_renderer + ". " +
+         std::to_string(results.cases.size() + results.numbers.size()) + " outcomes, " +
+         std::to_string(results.failed()) +
+         " failed. Settings, bounds and the number of pixels are in `extremes.csv`.";
 }
+
+constexpr char kMethod[] =
+    "Sticks, where a case does not name simulated ones, are of a soft-edged ball in noise, in "
+    "closed form. Each cell is the greatest difference of a pass from the same pass in double "
+    "precision on the same input, and behind the slash the greatest that the bounds of its pixels "
+    "allow; of slices and colours in full scales, of z relative to the ray's length. Bounds follow "
+    "from the arithmetic, not from measurement (decision 32); inf: no bound, as the motor's axis "
+    "lies among the samples, and only finite numbers are asked for.";
 
 /// "1.2e-05 / 3e-05".
 std::string cell(const PassError& error) {
@@ -100,64 +129,76 @@ std::string cell(const PassError& error) {
          (error.outside > 0 ? " (" + std::to_string(error.outside) + " beyond)" : "");
 }
 
-void write_rendered(const ExtremesResults& results, std::ostream& markdown) {
-  const auto& cases = results.cases;
-  const auto first = std::find_if(
-      cases.begin(), cases.end(), [](const auto& outcome) { return !outcome.errors.empty(); });
-  if (first == cases.end()) return;
-  markdown << "\n## Rendered\n\n| case | preset | outcome |";
-  for (const PassError& error : first->errors) markdown << " " << error.pass << " |";
-  markdown << "\n| --- | --- | --- |";
-  for (std::size_t i = 0; i < first->errors.size(); ++i) markdown << " --- |";
-  markdown << "\n";
+/// A column for each pass.
+Table rendered_table(const std::vector<ExtremeOutcome>& cases) {
+  Table table{.name = "rendered", .columns = {{"case"}, {"preset"}, {"outcome"}}};
+  const std::size_t before = table.columns.size();
+  for (const ExtremeOutcome& outcome : cases) {
+    if (outcome.errors.size() <= table.columns.size() - before) continue;
+    table.columns.resize(before);
+    for (const PassError& error : outcome.errors) table.columns.push_back({error.pass});
+  }
   for (const ExtremeOutcome& outcome : cases) {
     if (!outcome.rendered) continue;
-    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | " << verdict(outcome)
-             << (outcome.passed() ? ", finite" : "") << " |";
-    for (const PassError& error : outcome.errors) markdown << " " << cell(error) << " |";
-    for (std::size_t i = outcome.errors.size(); i < first->errors.size(); ++i) markdown << " |";
-    markdown << "\n";
+    std::vector<Cell> row = {
+        outcome.of.name, outcome.preset, verdict(outcome) + (outcome.passed() ? ", finite" : "")};
+    for (const PassError& error : outcome.errors) row.emplace_back(cell(error));
+    row.resize(table.columns.size());
+    table.add(std::move(row));
   }
+  return table;
 }
 
-void write_refused(const ExtremesResults& results, std::ostream& markdown) {
-  markdown << "\n## Refused\n\n| case | preset | outcome | line |\n| --- | --- | --- | --- |\n";
-  for (const ExtremeOutcome& outcome : results.cases) {
+Table refused_table(const std::vector<ExtremeOutcome>& cases) {
+  Table table{.name = "refused", .columns = {{"case"}, {"preset"}, {"outcome"}, {"line"}}};
+  for (const ExtremeOutcome& outcome : cases) {
     if (outcome.rendered) continue;
-    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | " << verdict(outcome)
-             << " | " << outcome.refusal << " |\n";
+    table.add({outcome.of.name, outcome.preset, verdict(outcome), outcome.refusal});
   }
+  return table;
 }
 
-void write_reach(const ExtremesResults& results, std::ostream& markdown) {
-  markdown << "\n## One bad sample\n\nPixels whose z changed out of the reach of the sample: their "
-              "rays read no other sample in double precision.\n\n| case | preset | pixels |\n| --- "
-              "| --- | ---: |\n";
-  for (const ExtremeOutcome& outcome : results.cases) {
+Table reach_table(const std::vector<ExtremeOutcome>& cases) {
+  Table table{.name = "reach", .columns = {{"case"}, {"preset"}, {"pixels"}}};
+  for (const ExtremeOutcome& outcome : cases) {
     if (!outcome.changed_out_of_reach) continue;
-    markdown << "| " << outcome.of.name << " | " << outcome.preset << " | "
-             << *outcome.changed_out_of_reach << " |\n";
+    table.add({outcome.of.name, outcome.preset, *outcome.changed_out_of_reach});
   }
+  return table;
 }
 
-void write_numbers(const ExtremesResults& results, std::ostream& markdown) {
-  markdown << "\n## Numbers\n\n| case | outcome | error | bound | unit | against |\n| --- | --- | "
-              "---: | ---: | --- | --- |\n";
-  for (const NumberOutcome& number : results.numbers) {
-    markdown << "| " << number.name << " | " << (number.passed() ? "passed" : "FAILED") << " | "
-             << significant(number.worst, 2) << " | " << significant(number.bound, 2) << " | "
-             << number.unit << " | " << number.how << " |\n";
+Table numbers_table(const std::vector<NumberOutcome>& numbers) {
+  constexpr int kDigits = 2;
+  Table table{.name = "numbers",
+              .columns = {{"case"},
+                          {"outcome"},
+                          {"worst", "error", "", kDigits, true},
+                          {"bound", "bound", "", kDigits, true},
+                          {"unit"},
+                          {"against"}}};
+  for (const NumberOutcome& number : numbers) {
+    table.add({number.name,
+               number.passed() ? "passed" : "FAILED",
+               number_cell(number.worst),
+               number_cell(number.bound),
+               number.unit,
+               number.how});
   }
+  return table;
 }
 
-std::string extremes_markdown(const ExtremesResults& results, const Provenance& provenance) {
-  std::ostringstream markdown;
-  write_head(results, provenance, markdown);
-  write_rendered(results, markdown);
-  write_refused(results, markdown);
-  write_reach(results, markdown);
-  write_numbers(results, markdown);
-  return markdown.str();
+Document extremes_document(const ExtremesResults& results, const Provenance& provenance) {
+  Document document{.title = "The extremes", .name = "extremes"};
+  document.add(Text{origin_of(results, provenance)}).add(Text{kMethod});
+  document.add(Heading{"Rendered"}).add(rendered_table(results.cases));
+  document.add(Heading{"Refused"}).add(refused_table(results.cases));
+  document.add(Heading{"One bad sample"})
+      .add(Text{"Pixels whose z changed out of the reach of the sample: their rays read no other "
+                "sample in double precision."})
+      .add(reach_table(results.cases));
+  document.add(Heading{"Numbers"}).add(numbers_table(results.numbers));
+  document.data = {{"extremes.csv", all_rows(results)}};
+  return document;
 }
 
 Json errors_json(const std::vector<PassError>& errors) {
@@ -250,7 +291,6 @@ std::string failures_text(const ExtremesResults& results) {
 
 CommandResult measure_and_write(const Arguments& arguments,
                                 render::GlContext& context,
-                                OutputFolder& out,
                                 Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   ExtremesResults results;
@@ -262,20 +302,18 @@ CommandResult measure_and_write(const Arguments& arguments,
   Json report = report_head("extremes", provenance, load_scene({}, base_settings(), "extremes"));
   report["extremes"] = extremes_json(results);
   report["wall_ms"] = wall_json(progress.times());
-  out.write_text("extremes.md", extremes_markdown(results, provenance));
-  out.write_text("extremes.csv", extremes_csv(results));
   return {.report = report_text(report),
           .summary = failures_text(results),
-          .exit_code = results.failed() == 0 ? kDone : kFailed};
+          .exit_code = results.failed() == 0 ? kDone : kFailed,
+          .document = extremes_document(results, provenance)};
 }
 
 int run_extremes(const Arguments& arguments) {
   const auto context = render::make_context(arguments.gl);
-  return run_in_folder(
-      arguments.output, {{"cases", 1}}, [&](OutputFolder& out, Progress& progress) {
-        warn_of_software(*context, arguments.gl, progress);
-        return measure_and_write(arguments, *context, out, progress);
-      });
+  return run_in_folder(arguments.output, {{"cases", 1}}, [&](OutputFolder&, Progress& progress) {
+    warn_of_software(*context, arguments.gl, progress);
+    return measure_and_write(arguments, *context, progress);
+  });
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Registration with its errors planted, and the detection-error model.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
@@ -78,18 +79,10 @@ void refuse_too_few_points(const Registration& registration) {
                   std::to_string(kLeastPoints) + " to fit");
 }
 
-void stage_results(OutputFolder& out, const FitResults& results, const std::string& markdown) {
-  out.write_text("fit.md", markdown);
+void stage_results(OutputFolder& out, const FitResults& results) {
   out.write_text("correction.json", correction_text(results.correction));
-  out.write_text("fit_terms.csv", terms_csv(results.model.model));
-  out.write_text("fit_held_out.csv", judgements_csv(results.model));
-  out.write_text("fit_residuals.csv", residuals_csv(results.model));
-  if (results.coverage) out.write_text("fit_coverage.csv", coverage_csv(*results.coverage));
-  for (const Figure& figure : fit_figures(results.model)) {
-    out.write_text("fit_" + figure.name + ".vl.json", specification(figure).dump(1) + "\n");
-  }
-  for (const NamedPicture& picture : residual_pictures(results.model)) {
-    write_png(out.stage(picture.file), picture.picture);
+  for (const ResidualPicture& picture : results.model.pictures) {
+    write_png(out.stage(residuals_file(picture)), residuals_picture(picture));
   }
 }
 
@@ -136,9 +129,11 @@ int fit(const Arguments& arguments) {
     report["acquisition"] = acquisition_json(scene.plan());
     report["fit"] = fit_json(results);
     report["wall_ms"] = wall_json(progress.times());
-    const std::string markdown = fit_markdown(results, provenance);
-    stage_results(out, results, markdown);
-    return {.report = report_text(report), .summary = markdown};
+    Document document = fit_document(results, provenance);
+    stage_results(out, results);
+    return {.report = report_text(report),
+            .summary = markdown(document),
+            .document = std::move(document)};
   };
   return run_in_folder(arguments.output, steps, fit_and_write);
 }

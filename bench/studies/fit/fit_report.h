@@ -1,13 +1,14 @@
-// What `fit` writes: report.json, fit.md, CSV, pictures.
+// What `fit` reports: a document, report.json, pictures.
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/evaluation/error_model/correction.h"
-#include "bench/output/document/chart.h"
+#include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/fit/model_study.h"
 #include "bench/studies/fit/planted_errors.h"
@@ -24,24 +25,26 @@ struct FitResults {
 
 /// Sets "fit" of report.json.
 nlohmann::ordered_json fit_json(const FitResults& results);
-std::string fit_markdown(const FitResults& results, const Provenance& provenance);
-/// One row for each term.
-std::string terms_csv(const DetectionModel& model);
-/// One row for each set of scans and rung.
-std::string judgements_csv(const ModelStudy& study);
-/// One row for each bin of held-out residuals.
-std::string residuals_csv(const ModelStudy& study);
-/// One row for each seed and parameter.
-std::string coverage_csv(const Coverage& coverage);
-/// Mean residuals against incidence, range and contrast; and maps of error, bias and residual.
+
+/// What people read, with fit_terms.csv, fit_held_out.csv, fit_residuals.csv, fit_coverage.csv.
+Document fit_document(const FitResults& results, const Provenance& provenance);
+
+/// A figure of a judgement in tables and, the first kReportedFigures, in report.json.
+struct JudgementColumn {
+  Column column;
+  double (*figure)(const Judgement&);
+};
+inline constexpr std::size_t kReportedFigures = 10;
+const std::vector<JudgementColumn>& judgement_columns();
+
+/// Mean residuals against incidence, range and contrast.
 std::vector<Figure> fit_figures(const ModelStudy& study);
 
-struct NamedPicture {
-  std::string file;
-  std::string caption;
-  Image<glm::vec3> picture;
-};
-/// Error, modelled bias and what is left of held-out scans.
-std::vector<NamedPicture> residual_pictures(const ModelStudy& study);
+/// Maps of error, modelled bias and what is left of a held-out scan: file, caption, and the
+/// greatest size that its colours tell apart.
+std::string residuals_file(const ResidualPicture& picture);
+std::string residuals_caption(const ResidualPicture& picture);
+double residuals_limit_mm(const ResidualPicture& picture);
+Image<glm::vec3> residuals_picture(const ResidualPicture& picture);
 
 }  // namespace wobblebench::bench

@@ -1,6 +1,7 @@
 // The detection-error model fitted to some scans and judged on others.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,12 @@ struct PictureEffect {
   double outside_rms_mm = 0;  ///< outside the band at silhouettes
   double missed_percent = 0;
   double false_percent = 0;
+
+  /// NaN: of scans whose pictures are not measured.
+  static PictureEffect none() {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone, kNone, kNone, kNone};
+  }
 };
 
 /// How well the model explains the errors of scans.
@@ -40,7 +47,8 @@ struct Judgement {
   double reproducible_variance = 0;
   double within_one_percent = 0;  ///< of pixels within one spread of the bias; normal: 68.3
   double within_two_percent = 0;  ///< 95.4
-  PictureEffect found, corrected;
+  /// Of one set and rung.
+  PictureEffect found = PictureEffect::none(), corrected = PictureEffect::none();
 
   /// Explained share of the variance that repeats.
   double explained_of_reproducible() const { return explained_variance / reproducible_variance; }

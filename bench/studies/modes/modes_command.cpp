@@ -1,10 +1,9 @@
 // Whether mode fast renders the same picture as mode plain.
 #include <algorithm>
-#include <cmath>
-#include <iomanip>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
@@ -63,63 +62,80 @@ void refuse_compared_settings(const Scene& scene) {
   }
 }
 
-std::string heading(const Scene& scene, const Provenance& provenance) {
-  const auto& o = scene.render.ray_casting;
+std::string origin_of(const Provenance& provenance) {
+  return "Written by `wobblebench modes`. CPU: " + provenance.cpu + ", " +
+         std::to_string(provenance.threads) + " threads. GL: " + provenance.gl_backend + ", " +
+         provenance.gl_renderer + ". Commit: " + provenance.commit +
+         ". Seed: " + std::to_string(provenance.seed) + ". Sticks: simulated.";
+}
+
+std::string method_of(const render::RayCastingOptions& o) {
   std::ostringstream text;
-  text << "# Mode fast against mode plain\n\nWritten by `wobblebench modes`. CPU: "
-       << provenance.cpu << ", " << provenance.threads << " threads. GL: " << provenance.gl_backend
-       << ", " << provenance.gl_renderer << ". Commit: " << provenance.commit
-       << ". Seed: " << provenance.seed << ". Sticks: simulated.\n\nOne volume of each phantom, "
-       << o.image_size << "² rays of " << o.steps << " steps; the " << o.kernel_3d
-       << "³ kernel lies "
+  text << "One volume of each phantom, " << o.image_size << "² rays of " << o.steps
+       << " steps; the " << o.kernel_3d << "³ kernel lies "
        << (o.kernel_space == render::KernelSpace::slice ? "in the slices" : "along the ray")
        << " in both modes. z: ray length at the surface, in steps. Changed: pixels where one mode "
           "alone found a surface, and those where both did, but more than "
        << kSameSurfaceSteps
        << " step apart: there Difference meets the threshold within rounding, and the ray goes on "
-          "to "
-          "another edge. Asked: z within "
+          "to another edge. Asked: z within "
        << kMostRmsSteps << " steps RMS, and " << kMostChangedPercent
-       << " % of the pixels changed at most. The last columns leave nothing out.\n\n";
+       << " % of the pixels changed at most. The last columns leave nothing out.";
   return text.str();
 }
 
-std::string modes_markdown(const Rows& rows, const Scene& scene, const Provenance& provenance) {
-  std::ostringstream text;
-  text << heading(scene, provenance)
-       << "| phantom | from | yaw, pitch (deg) | found by both | by one | elsewhere | changed % | "
-          "RMS steps | | RMS of all | greatest |\n"
-          "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | --- | ---: | ---: |\n"
-       << std::setprecision(2);
+Table modes_table(const Rows& rows) {
+  constexpr int kDigits = 2;
+  Table table{.name = "modes",
+              .columns = {{"phantom"},
+                          {"from"},
+                          {"yaw_deg", "yaw", "deg", 0},
+                          {"pitch_deg", "pitch", "deg", 0},
+                          {"pixels"},
+                          {"both_hit", "found by both"},
+                          {"one_hit", "by one"},
+                          {"elsewhere"},
+                          {"changed_percent", "changed", "%", kDigits, true},
+                          {"rms_steps", "RMS", "steps", kDigits, true},
+                          {"outcome"},
+                          {"rms_all_steps", "RMS of all", "steps", kDigits, true},
+                          {"worst_steps", "greatest", "steps", kDigits, true}}};
   for (const ModeAgreement& row : rows) {
     const DepthAgreement& d = row.depth;
-    text << "| " << row.phantom << " | " << row.direction.name << " | "
-         << std::lround(row.direction.yaw_rad / kDegree) << ", "
-         << std::lround(row.direction.pitch_rad / kDegree) << " | " << d.both_hit << " | "
-         << d.one_hit << " | " << d.elsewhere << " | " << d.changed_percent() << " | "
-         << d.rms_steps << " | " << (d.same() ? "same" : "DIFFERS") << " | " << d.rms_all_steps
-         << " | " << d.worst_steps << " |\n";
+    table.add({row.phantom,
+               row.direction.name,
+               row.direction.yaw_rad / kDegree,
+               row.direction.pitch_rad / kDegree,
+               d.pixels,
+               d.both_hit,
+               d.one_hit,
+               d.elsewhere,
+               d.changed_percent(),
+               d.rms_steps,
+               d.same() ? "same" : "DIFFERS",
+               d.rms_all_steps,
+               d.worst_steps});
   }
-  return text.str();
+  return table;
+}
+
+Document modes_document(const Rows& rows, const Scene& scene, const Provenance& provenance) {
+  Document document{.title = "Mode fast against mode plain", .name = "modes"};
+  const Table table = modes_table(rows);
+  document.add(Text{origin_of(provenance)}).add(Text{method_of(scene.render.ray_casting)});
+  document.add(table);
+  if (std::all_of(rows.begin(), rows.end(), [](const auto& row) {
+        return row.depth.both_hit + row.depth.one_hit == 0;
+      })) {
+    document.add(Text{"No picture shows a surface: there is nothing to compare."});
+  }
+  document.data = {{"modes.csv", table}};
+  return document;
 }
 
 Json rows_json(const Rows& rows) {
-  Json list = Json::array();
-  for (const ModeAgreement& row : rows) {
-    const DepthAgreement& d = row.depth;
-    list.push_back({{"phantom", row.phantom},
-                    {"yaw_deg", row.direction.yaw_rad / kDegree},
-                    {"pitch_deg", row.direction.pitch_rad / kDegree},
-                    {"pixels", d.pixels},
-                    {"both_hit", d.both_hit},
-                    {"one_hit", d.one_hit},
-                    {"elsewhere", d.elsewhere},
-                    {"changed_percent", d.changed_percent()},
-                    {"rms_steps", d.rms_steps},
-                    {"rms_all_steps", d.rms_all_steps},
-                    {"worst_steps", d.worst_steps},
-                    {"same", d.same()}});
-  }
+  Json list = to_json(modes_table(rows));
+  for (std::size_t i = 0; i < rows.size(); ++i) list[i]["same"] = rows[i].depth.same();
   return list;
 }
 
@@ -138,7 +154,7 @@ int compare_modes(const Arguments& arguments) {
   const auto names = phantoms_of(scene);
   std::vector<PlannedStep> steps;
   for (const std::string& name : names) steps.push_back({name, name == "fetal_face" ? 3.0 : 1.0});
-  const auto compare = [&](OutputFolder& out, Progress& progress) -> CommandResult {
+  const auto compare = [&](OutputFolder&, Progress& progress) -> CommandResult {
     warn_of_software(*context, arguments.gl, progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     Rows rows;
@@ -149,11 +165,11 @@ int compare_modes(const Arguments& arguments) {
       rows.insert(rows.end(), more.begin(), more.end());
     }
     const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
-    const std::string markdown = modes_markdown(rows, scene, provenance);
-    out.write_text("modes.md", markdown);
+    Document document = modes_document(rows, scene, provenance);
     return {.report = modes_report(rows, scene, provenance),
-            .summary = markdown,
-            .exit_code = all_same(rows) ? kDone : kFailed};
+            .summary = markdown(document),
+            .exit_code = all_same(rows) ? kDone : kFailed,
+            .document = std::move(document)};
   };
   return run_in_folder(arguments.output, steps, compare);
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -107,13 +108,14 @@ struct StageTimes {
 /// sim/rungs/echo_model.h) one by one; "rest" is what remains of its total time.
 StageTimes measure_stages(const RungScene& scene, sim::Rung rung);
 
-/// Detected ranges of a surface along sticks less the expected ones.
+/// Detected ranges of a surface along sticks less the expected ones; NaN where there are none.
 struct RangeError {
-  double median_mm = 0;      ///< signed
-  double median_abs_mm = 0;  ///< of the absolute differences
-  double p95_abs_mm = 0;
+  double median_mm = std::numeric_limits<double>::quiet_NaN();      ///< signed
+  double median_abs_mm = std::numeric_limits<double>::quiet_NaN();  ///< of absolute differences
+  double p95_abs_mm = std::numeric_limits<double>::quiet_NaN();
   long n = 0;
-  double missed_percent = 0;  ///< of the sticks that meet the surface
+  /// Of the sticks that meet the surface.
+  double missed_percent = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct RungError {

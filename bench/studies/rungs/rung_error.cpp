@@ -101,12 +101,12 @@ RangeError range_error(const std::vector<double>& detected, const std::vector<do
   }
   RangeError result;
   result.n = static_cast<long>(abs_mm.size());
+  const double sticks = static_cast<double>(missed + result.n);
+  if (sticks > 0) result.missed_percent = 100.0 * static_cast<double>(missed) / sticks;
   if (abs_mm.empty()) return result;
   result.median_mm = spread_of(signed_mm).median;
   result.median_abs_mm = spread_of(abs_mm).median;
   result.p95_abs_mm = quantile(abs_mm, 0.95);
-  result.missed_percent =
-      100.0 * static_cast<double>(missed) / static_cast<double>(missed + result.n);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // Speed against accuracy over the rungs of the simulator.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
@@ -63,14 +64,9 @@ CommandResult measure_and_write(const Scene& scene,
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
   const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
-  const std::string markdown = rungs_markdown(results, provenance);
-  out.write_text("rungs.md", markdown);
-  out.write_text("rungs.csv", rungs_csv(results));
-  for (const Figure& figure : rungs_figures(results)) {
-    out.write_text(rungs_figure_file(figure), specification(figure).dump(1) + "\n");
-  }
-  write_png(out.stage("rungs_frames.png"), frames_picture(results));
-  return {.report = report, .summary = markdown};
+  Document document = rungs_document(results, provenance);
+  write_png(out.stage(kFramesFile), frames_picture(results));
+  return {.report = report, .summary = markdown(document), .document = std::move(document)};
 }
 
 int rungs(const Arguments& arguments) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/number_text.h"
 #include "bench/output/picture/panels.h"
 #include "bench/studies/rungs/rungs_report.h"
 #include "sim/fidelity.h"
@@ -19,49 +20,84 @@ std::string spaced(std::string text) {
   return text;
 }
 
-/// Each rung's time against its error against the rung above, one mark a body.
-Figure draw_rungs(const RungsResults& results) {
-  Chart chart{"The rungs: time and error against the rung above",
-              {"first volume of a seed / time of its sound", Scale::logarithmic},
-              {"RMS difference of the mean image (dB)", Scale::logarithmic}};
+constexpr Mark kMarks[] = {Mark::disc, Mark::square, Mark::triangle, Mark::diamond};
+
+std::vector<std::string> bodies_of(const RungsResults& results) {
   std::vector<std::string> bodies;
   for (const RungError& error : results.errors) {
     if (std::find(bodies.begin(), bodies.end(), error.body) == bodies.end()) {
       bodies.push_back(error.body);
     }
   }
-  const Mark marks[] = {Mark::disc, Mark::square, Mark::triangle, Mark::diamond};
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    Series series{spaced(bodies[b]), {}, {}, Stroke::none, marks[b % 4], static_cast<int>(b)};
-    for (const RungError& error : results.errors) {
-      if (error.body != bodies[b] || !error.image_rms_db) continue;
-      for (const RungTime& time : results.times) {
-        if (time.rung != error.rung) continue;
-        series.x.push_back(time.first_ms.median / results.sound_ms);
-        series.y.push_back(*error.image_rms_db);
-      }
+  return bodies;
+}
+
+std::string ms_text(const Spread& ms) {
+  return fixed(ms.median, 0) + " ms (" + fixed(ms.min, 0) + " to " + fixed(ms.max, 0) + ")";
+}
+
+/// A point with the least and the greatest time.
+void add_time(double x, const Spread& ms, double unit_ms, Series& series) {
+  series.add(x, ms.median / unit_ms);
+  series.low.push_back(ms.min / unit_ms);
+  series.high.push_back(ms.max / unit_ms);
+}
+
+/// One mark for each rung, one colour for each body.
+Series rung_series(const RungsResults& results, const RungTime& time, const RungError& error) {
+  const auto bodies = bodies_of(results);
+  const auto body = std::find(bodies.begin(), bodies.end(), error.body) - bodies.begin();
+  const std::string name = spaced(error.body) + ", " + sim::to_string(error.rung);
+  Series series{.name = name,
+                .stroke = Stroke::none,
+                .mark = kMarks[rung_colour(error.rung) % 4],
+                .colour = static_cast<int>(body)};
+  add_time(error.image_rms_db.value(), time.first_ms, results.sound_ms, series);
+  series.notes.push_back(name + ": " + ms_text(time.first_ms));
+  return series;
+}
+
+Chart size_chart(const RungsResults& results, sim::Rung rung) {
+  Chart chart{"Rung " + sim::to_string(rung),
+              {"size / smallest", Scale::logarithmic},
+              {"time of a moving volume (ms)", Scale::logarithmic}};
+  int number = 0;
+  for (const std::string what : {"sticks", "frames", "samples", "scatterers"}) {
+    Series series{.name = what, .mark = kMarks[number], .colour = number};
+    ++number;
+    for (const GrowthPoint& point : results.growth) {
+      if (point.what != what || point.rung != rung) continue;
+      add_time(point.size, point.time.moving_ms, 1, series);
     }
+    if (series.x.empty()) continue;
+    const double smallest = series.x.front();
+    for (double& x : series.x) x /= smallest;
     chart.series.push_back(series);
   }
+  return chart;
+}
+
+}  // namespace
+
+Figure rungs_figure(const RungsResults& results) {
+  Chart chart{
+      .title = "The rungs: time and error against the rung above",
+      .x = {.label = "RMS difference of the mean image (dB)", .scale = Scale::logarithmic},
+      .y = {.label = "first volume of a seed / time of its sound", .scale = Scale::logarithmic}};
   for (const RungTime& time : results.times) {
-    double highest = 0;
     for (const RungError& error : results.errors) {
-      if (error.rung == time.rung && error.image_rms_db) {
-        highest = std::max(highest, *error.image_rms_db);
-      }
-    }
-    if (highest > 0) {
-      chart.labels.push_back(
-          {time.first_ms.median / results.sound_ms, highest, sim::to_string(time.rung)});
+      if (error.rung != time.rung || !error.image_rms_db) continue;
+      chart.series.push_back(rung_series(results, time, error));
     }
   }
   return {"rungs",
-          "Each rung's time for a volume of a new seed, as a share of the sound's, against how far "
-          "its mean image lies from that of the rung above.",
+          "Each rung's time for a volume of a new seed of " + spaced(results.phantom) +
+              ", as a share of the sound's, against how far its mean image of each body lies from "
+              "that of the rung above.",
           {chart}};
 }
 
-Figure draw_stages(const RungsResults& results) {
+Figure stages_figure(const RungsResults& results) {
   BarChart chart{"Where the time of a moving volume goes", "share of CPU time (%)", {}, {}};
   std::vector<std::string> names;
   for (const StageTimes& stages : results.stages) {
@@ -84,56 +120,27 @@ Figure draw_stages(const RungsResults& results) {
   return {"stages", "CPU time of one volume on one thread, by stage.", {chart}};
 }
 
-Chart size_chart(const RungsResults& results, sim::Rung rung) {
-  Chart chart{"Rung " + sim::to_string(rung),
-              {"size / smallest", Scale::logarithmic},
-              {"time of a moving volume (ms)", Scale::logarithmic}};
-  const Mark marks[] = {Mark::disc, Mark::square, Mark::triangle, Mark::diamond};
-  int number = 0;
-  for (const std::string what : {"sticks", "frames", "samples", "scatterers"}) {
-    Series series{what, {}, {}, Stroke::solid, marks[number], number};
-    ++number;
-    for (const GrowthPoint& point : results.growth) {
-      if (point.what != what || point.rung != rung) continue;
-      series.x.push_back(point.size);
-      series.y.push_back(point.time.moving_ms.median);
-    }
-    if (series.x.empty()) continue;
-    const double smallest = series.x.front();
-    for (double& x : series.x) x /= smallest;
-    chart.series.push_back(series);
-  }
-  return chart;
+Figure growth_figure(const RungsResults& results) {
+  return {"growth",
+          "How the time of a volume grows with its sizes; all but one stay the same.",
+          {size_chart(results, sim::Rung::field), size_chart(results, sim::Rung::scatterers)}};
 }
 
-Figure draw_tissue(const RungsResults& results) {
+Figure tissue_figure(const RungsResults& results) {
   Chart chart{"Time against how much of the field is tissue",
               {"share of the samples (%)"},
               {"time of a moving volume (ms)"}};
   chart.y.low = 0.0;
-  const Mark marks[] = {Mark::disc, Mark::square, Mark::triangle};
   for (const sim::Rung rung : volume_rungs()) {
-    const int colour = rung_colour(rung);
-    Series series{sim::to_string(rung), {}, {}, Stroke::solid, marks[colour], colour};
+    const int number = rung_colour(rung);
+    Series series{.name = sim::to_string(rung), .mark = kMarks[number], .colour = number};
     for (const GrowthPoint& point : results.growth) {
       if (point.what != "tissue" || point.rung != rung) continue;
-      series.x.push_back(100 * point.size);
-      series.y.push_back(point.time.moving_ms.median);
+      add_time(100 * point.size, point.time.moving_ms, 1, series);
     }
     chart.series.push_back(series);
   }
   return {"tissue", "From fluid alone to tissue alone.", {chart}};
-}
-
-}  // namespace
-
-std::vector<Figure> rungs_figures(const RungsResults& results) {
-  return {draw_rungs(results),
-          draw_stages(results),
-          {"growth",
-           "How the time of a volume grows with its sizes; all but one stay the same.",
-           {size_chart(results, sim::Rung::field), size_chart(results, sim::Rung::scatterers)}},
-          draw_tissue(results)};
 }
 
 Image<glm::vec3> frames_picture(const RungsResults& results) {

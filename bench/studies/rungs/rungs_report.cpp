@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "base/number_text.h"
 #include "sim/fidelity.h"
@@ -12,15 +11,15 @@ namespace wobblebench::bench {
 
 namespace {
 
+constexpr const char* kSizes[] = {"sticks", "frames", "samples", "scatterers"};
+
 std::string spread_text(const Spread& ms, int digits = 0) {
   return fixed(ms.median, digits) + " (" + fixed(ms.min, digits) + " to " + fixed(ms.max, digits) +
          ")";
 }
 
-/// Duration of the acquisition over that of its simulation.
-std::string times_real_time(double ms, double acquisition_ms) {
-  const double times = acquisition_ms / ms;
-  return fixed(times, times < 9.95 ? 1 : 0);
+Cell spread_cell(const Spread& ms) {
+  return Cell::spread(ms.median, ms.min, ms.max);
 }
 
 const RungTime* time_of(const RungsResults& results, sim::Rung rung) {
@@ -43,279 +42,251 @@ double floor_ms(sim::Rung rung, const RungsResults& results) {
   return 0;
 }
 
-void write_head(const RungsResults& results, const Provenance& provenance, std::ostream& markdown) {
-  markdown
-      << "# Trade of the simulator's rungs\n\n"
-      << "Made by `wobblebench rungs`. Commit " << provenance.commit << ", " << provenance.cpu
-      << ", " << provenance.threads << " threads. Phantom " << results.phantom
-      << "; a volume's sound takes " << fixed(results.sound_ms, 1) << " ms"
-      << ". Seeds " << results.seeds.front() << " to " << results.seeds.back()
-      << ". Times are wall times of all threads, median (least to most) of " << results.repeats
-      << " after one uncounted, the rungs in turn in each repeat. All rows are in `rungs.csv`.\n";
+std::string origin_of(const RungsResults& results, const Provenance& provenance) {
+  return "Made by `wobblebench rungs`. Commit " + provenance.commit + ", " + provenance.cpu + ", " +
+         std::to_string(provenance.threads) + " threads. Phantom " + results.phantom +
+         "; a volume's sound takes " + fixed(results.sound_ms, 1) + " ms. Seeds " +
+         std::to_string(results.seeds.front()) + " to " + std::to_string(results.seeds.back()) +
+         ". Times are wall times of all threads, median (least to most) of " +
+         std::to_string(results.repeats) +
+         " after one uncounted, the rungs in turn in each repeat. \"Times real time\" is the "
+         "duration of the acquisition over that of its simulation. The tables are also in "
+         "`rungs_*.csv`.";
 }
 
-void write_rungs(const RungsResults& results, std::ostream& markdown) {
-  markdown
-      << "\n## Time and error\n\n"
-         "Error against the truth: where a stick first shows tissue (mean of three samples above "
-         "0.3 of the display) less where it meets the surface. Error against the rung above: the "
-         "same between the two, and the difference of what is displayed, averaged over the seeds, "
-         "where either shows anything.\n\n"
-         "| body | rung | first volume, ms | times real time | surface against truth: median, P95, "
-         "mm; missed | surface against the rung above: median, P95, mm | image against the rung "
-         "above: RMS, dB; correlation |\n| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
+constexpr char kErrorMethod[] =
+    "Error against the truth: where a stick first shows tissue (mean of three samples above 0.3 of "
+    "the display) less where it meets the surface. Error against the rung above: the same between "
+    "the two, and the difference of what is displayed, averaged over the seeds, where either shows "
+    "anything; empty where no rung is above.";
+
+void add_range_error(const RangeError& error, std::vector<Cell>& row) {
+  for (const double value :
+       {error.median_mm, error.median_abs_mm, error.p95_abs_mm, error.missed_percent}) {
+    row.emplace_back(value);
+  }
+  row.emplace_back(error.n);
+}
+
+Table errors_table(const RungsResults& results) {
+  Table table{.name = "errors",
+              .columns = {{"body"},
+                          {"rung"},
+                          {"first_ms", "first volume", "ms", 0},
+                          {"times_real_time", "times real time", "", 2, true}}};
+  for (const auto& [key, title] :
+       {std::pair<std::string, std::string>{"truth", "truth"}, {"above", "the rung above"}}) {
+    table.columns.push_back({key + "_median_mm", "surface against " + title + ": median", "mm"});
+    table.columns.push_back({key + "_median_size_mm", "median size", "mm"});
+    table.columns.push_back({key + "_p95_size_mm", "P95 of the size", "mm"});
+    table.columns.push_back({key + "_missed_percent", "missed", "%", 1});
+    table.columns.push_back({key + "_sticks", "sticks"});
+  }
+  table.columns.push_back({"image_rms_db", "image against the rung above: RMS", "dB"});
+  table.columns.push_back({"image_correlation", "correlation", "", 4});
   for (const RungError& error : results.errors) {
     const RungTime* time = time_of(results, error.rung);
     const bool timed = time != nullptr && error.body == results.phantom;
-    markdown << "| " << error.body << " | " << sim::to_string(error.rung) << " | "
-             << (timed ? fixed(time->first_ms.median, 0) : "") << " | "
-             << (timed ? times_real_time(time->first_ms.median, results.sound_ms) : "") << " | "
-             << fixed(error.against_truth.median_mm, 2) << ", "
-             << fixed(error.against_truth.p95_abs_mm, 2) << "; "
-             << fixed(error.against_truth.missed_percent, 1) << " % | "
-             << (error.against_above ? fixed(error.against_above->median_abs_mm, 2) + ", " +
-                                           fixed(error.against_above->p95_abs_mm, 2)
-                                     : "none above")
-             << " | "
-             << (error.image_rms_db
-                     ? fixed(*error.image_rms_db, 2) + "; " + fixed(*error.image_correlation, 4)
-                     : "none above")
-             << " |\n";
+    std::vector<Cell> row = {error.body,
+                             sim::to_string(error.rung),
+                             timed ? spread_cell(time->first_ms) : Cell(),
+                             timed ? Cell(results.sound_ms / time->first_ms.median) : Cell()};
+    add_range_error(error.against_truth, row);
+    if (error.against_above) add_range_error(*error.against_above, row);
+    if (error.image_rms_db) row.emplace_back(*error.image_rms_db);
+    if (error.image_correlation) row.emplace_back(*error.image_correlation);
+    row.resize(table.columns.size());
+    table.add(std::move(row));
   }
-  const Spread& reference = results.small_reference.first_ms;
-  const Spread& scatterers = results.small_scatterers.first_ms;
-  markdown << "\n`reference` sums over the probe's elements and is for small scenes: on the sheet "
-              "above (4 sticks) a volume takes "
-           << spread_text(reference) << " ms, against " << spread_text(scatterers, 1)
-           << " ms by `scatterers`, " << fixed(reference.median / scatterers.median, 0)
-           << " times as long (" << kSmallRepeats << " repeats).\n";
+  return table;
 }
 
-void write_times(const RungsResults& results, std::ostream& markdown) {
-  markdown
-      << "\n## Time of a volume\n\n"
-         "Map: the phantom's surfaces brought onto one lattice, once for a phantom. Once for a "
-         "seed: tables, homogeneous speckle and, as nothing moves, all echoes. Still: a further "
-         "volume, its noise and receive chain. Moving: of "
-      << kVolumesInARow
-      << " volumes in a row of the phantom on a path, each; bending: and its head turning. Behind "
-         "a slash: times real time.\n\n"
-         "| rung | map, ms | once for a seed, ms | first volume, ms | further still volume, ms | "
-         "moving, ms | bending, ms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
-  for (const RungTime& time : results.times) {
-    const auto cell = [&](const Spread& ms) {
-      return spread_text(ms) + " / " + times_real_time(ms.median, results.sound_ms);
-    };
-    markdown << "| " << sim::to_string(time.rung) << " | " << spread_text(time.map_ms) << " | "
-             << spread_text(time.once_ms) << " | " << cell(time.first_ms) << " | "
-             << cell(time.still_ms) << " | " << cell(time.moving_ms) << " | "
-             << cell(time.bending_ms) << " |\n";
+std::string reference_text(const RungsResults& results) {
+  const Spread& reference = results.small_reference.first_ms;
+  const Spread& scatterers = results.small_scatterers.first_ms;
+  return "`reference` sums over the probe's elements and is for small scenes: on the sheet above "
+         "(4 "
+         "sticks) a volume takes " +
+         spread_text(reference) + " ms, against " + spread_text(scatterers, 1) +
+         " ms by `scatterers`, " + fixed(reference.median / scatterers.median, 0) +
+         " times as long (" + std::to_string(kSmallRepeats) + " repeats).";
+}
+
+/// Names of the bodies of which no stick met a surface.
+std::string without_surface(const RungsResults& results) {
+  std::string names;
+  for (const RungError& error : results.errors) {
+    if (error.against_truth.n > 0 || error.against_truth.missed_percent > 0) continue;
+    if (names.find(error.body) == std::string::npos)
+      names += (names.empty() ? "" : ", ") + error.body;
   }
-  markdown << "\nThe floor is the design's estimate for two AVX2 cores: 10 ms for the 1.21 million "
-              "samples of a volume of `field` (50 multiplications and additions a sample, "
-              "look-ups, hashes), 0.2 s for 47 million scatterers' echoes.\n\n"
-              "| rung | floor, ms | moving volume over floor | first volume over floor |\n"
-              "| --- | ---: | ---: | ---: |\n";
+  return names;
+}
+
+void add_errors(const RungsResults& results, Document& document) {
+  document.add(Heading{"Time and error"}).add(Text{kErrorMethod}).add(errors_table(results));
+  const std::string names = without_surface(results);
+  if (!names.empty()) {
+    document.add(Text{"No stick meets a surface of " + names + ": there is no error to show."});
+  }
+  document.add(Text{reference_text(results)});
+}
+
+std::string times_method() {
+  return "Map: the phantom's surfaces brought onto one lattice, once for a phantom. Once for a "
+         "seed: tables, homogeneous speckle and, as nothing moves, all echoes. Still: a further "
+         "volume, its noise and receive chain. Moving: of " +
+         std::to_string(kVolumesInARow) +
+         " volumes in a row of the phantom on a path, each; bending: and its head turning.";
+}
+
+Table times_table(const RungsResults& results) {
+  Table table{
+      .name = "times",
+      .columns = {{"rung"}, {"map_ms", "map", "ms", 0}, {"once_ms", "once for a seed", "ms", 0}}};
+  struct Shown {
+    const char* name;
+    const char* title;
+    Spread RungTime::*ms;
+  };
+  constexpr Shown kShown[] = {{"first", "first volume", &RungTime::first_ms},
+                              {"still", "further still volume", &RungTime::still_ms},
+                              {"moving", "moving", &RungTime::moving_ms},
+                              {"bending", "bending", &RungTime::bending_ms}};
+  for (const Shown& shown : kShown) {
+    const std::string name = shown.name;
+    table.columns.push_back({name + "_ms", shown.title, "ms", 0});
+    table.columns.push_back({name + "_times_real_time", "times real time", "", 2, true});
+  }
+  for (const RungTime& time : results.times) {
+    std::vector<Cell> row = {
+        sim::to_string(time.rung), spread_cell(time.map_ms), spread_cell(time.once_ms)};
+    for (const Shown& shown : kShown) {
+      row.push_back(spread_cell(time.*shown.ms));
+      row.emplace_back(results.sound_ms / (time.*shown.ms).median);
+    }
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+Table floors_table(const RungsResults& results) {
+  Table table{.name = "floors",
+              .columns = {{"rung"},
+                          {"floor_ms", "floor", "ms", 0},
+                          {"moving_over_floor", "moving volume over floor", "", 1},
+                          {"first_over_floor", "first volume over floor", "", 1}}};
   for (const RungTime& time : results.times) {
     const double floor = floor_ms(time.rung, results);
     if (floor == 0) continue;
-    markdown << "| " << sim::to_string(time.rung) << " | " << fixed(floor, 0) << " | "
-             << fixed(time.moving_ms.median / floor, 1) << " | "
-             << fixed(time.first_ms.median / floor, 1) << " |\n";
+    table.add({sim::to_string(time.rung),
+               floor,
+               time.moving_ms.median / floor,
+               time.first_ms.median / floor});
   }
+  return table;
 }
 
-void write_stages(const RungsResults& results, std::ostream& markdown) {
-  markdown << "\n## Where the time goes\n\n"
-              "CPU time of a moving volume on one thread; the simulator's own stages, called one "
-              "by one.\n\n"
-              "| rung | stage | CPU, ms | share |\n| --- | --- | ---: | ---: |\n";
-  for (const StageTimes& stages : results.stages) {
-    for (const auto& [name, ms] : stages.stages) {
-      markdown << "| " << sim::to_string(stages.rung) << " | " << name << " | " << fixed(ms, 1)
-               << " | " << fixed(100 * ms / stages.total_ms(), 0) << " % |\n";
-    }
-  }
+void add_times(const RungsResults& results, Document& document) {
+  document.add(Heading{"Time of a volume"}).add(Text{times_method()}).add(times_table(results));
+  document.add(
+      Text{"The floor is the design's estimate for two AVX2 cores: 10 ms for the 1.21 million "
+           "samples of a volume of `field` (50 multiplications and additions a sample, look-ups, "
+           "hashes), 0.2 s for 47 million scatterers' echoes."});
+  document.add(floors_table(results));
+}
+
+Table stages_table(const RungsResults& results) {
+  Table table{
+      .name = "stages",
+      .columns = {
+          {"rung"}, {"stage"}, {"cpu_ms", "CPU", "ms", 1}, {"share_percent", "share", "%", 0}}};
   for (const StageTimes& stages : results.stages) {
     if (stages.once_ms > 0) {
-      markdown << "\n"
-               << sim::to_string(stages.rung) << ": " << fixed(stages.once_ms, 0)
-               << " ms of CPU time before the first stick (tables, homogeneous speckle).\n";
+      table.add({sim::to_string(stages.rung), "before the first stick", stages.once_ms, Cell()});
     }
-    if (stages.scatterers == 0) continue;
-    const double search_ms = stages.stages.at(2).second;
-    const auto echoes = static_cast<double>(stages.scatterers);
-    markdown << "\n"
-             << sim::to_string(stages.rung) << ": " << fixed(1e-6 * echoes, 1)
-             << " million echoes of scatterers a volume, " << fixed(1e6 * search_ms / echoes, 1)
-             << " ns of CPU time each.\n";
-  }
-}
-
-void write_memory(const RungsResults& results, std::ostream& markdown) {
-  if (results.memory.empty()) return;
-  markdown
-      << "\n## Memory\n\nLargest resident size of a process of its own (getrusage) that builds the "
-         "phantom and scans one volume.\n\n| process | peak, MB | over the phantom's |\n"
-         "| --- | ---: | ---: |\n";
-  for (const MemoryPeak& peak : results.memory) {
-    markdown << "| " << peak.what << " | " << fixed(1e-6 * peak.bytes, 0) << " | "
-             << fixed(1e-6 * (peak.bytes - results.memory.front().bytes), 0) << " |\n";
-  }
-}
-
-void write_growth(const RungsResults& results, std::ostream& markdown) {
-  markdown
-      << "\n## Growth\n\nA block of tissue in fluid, 12 frames of 32 sticks; each size by itself, "
-      << GrowthInputs{}.repeats
-      << " times after one uncounted. Exponent of the median time of a moving volume over the "
-         "number of …; behind a slash that of the first volume of a seed.\n\n"
-         "| rung | sticks | frames | samples | scatterers |\n| --- | ---: | ---: | ---: | ---: |\n";
-  for (const sim::Rung rung : volume_rungs()) {
-    markdown << "| " << sim::to_string(rung);
-    for (const char* what : {"sticks", "frames", "samples", "scatterers"}) {
-      const double moving = growth_exponent(results.growth, what, rung, &VolumeTime::moving_ms);
-      const double first = growth_exponent(results.growth, what, rung, &VolumeTime::first_ms);
-      markdown << " | "
-               << (std::isfinite(moving) ? fixed(moving, 2) + " / " + fixed(first, 2) : "");
-    }
-    markdown << " |\n";
-  }
-  markdown << "\n| tissue, share of the samples | rung | moving volume, ms | first volume, ms |\n"
-              "| ---: | --- | ---: | ---: |\n";
-  for (const GrowthPoint& point : results.growth) {
-    if (point.what != "tissue") continue;
-    markdown << "| " << fixed(100 * point.size, 0) << " %"
-             << " | " << sim::to_string(point.rung) << " | " << spread_text(point.time.moving_ms, 1)
-             << " | " << spread_text(point.time.first_ms, 1) << " |\n";
-  }
-}
-
-}  // namespace
-
-std::string rungs_markdown(const RungsResults& results, const Provenance& provenance) {
-  std::ostringstream markdown;
-  write_head(results, provenance, markdown);
-  const auto figures = rungs_figures(results);
-  const auto show = [&](const std::string& name) {
-    for (const Figure& figure : figures) {
-      if (figure.name != name) continue;
-      markdown << "\n[Chart: " << figure.caption << "](" << rungs_figure_file(figure) << ")\n";
-    }
-  };
-  write_rungs(results, markdown);
-  show("rungs");
-  markdown << "\n![The middle frame of " << results.phantom
-           << " on each rung: display range and depth as in the scene.](rungs_frames.png)\n";
-  write_times(results, markdown);
-  write_stages(results, markdown);
-  show("stages");
-  write_memory(results, markdown);
-  write_growth(results, markdown);
-  show("growth");
-  show("tissue");
-  return markdown.str();
-}
-
-namespace {
-
-constexpr int kDigits = 9;
-
-/// Lines of the file.
-class Rows {
- public:
-  void add(const std::string& table,
-           const std::string& body,
-           const std::string& rung,
-           std::string what,
-           double value,
-           const std::string& unit) {
-    for (char& c : what) c = c == ',' ? ' ' : c;
-    text_ << table << "," << body << "," << rung << "," << what << ","
-          << significant(value, kDigits) << "," << unit << "\n";
-  }
-  void add(const std::string& table,
-           const std::string& body,
-           const std::string& rung,
-           const std::string& what,
-           const Spread& ms) {
-    add(table, body, rung, what + "_median", ms.median, "ms");
-    add(table, body, rung, what + "_min", ms.min, "ms");
-    add(table, body, rung, what + "_max", ms.max, "ms");
-  }
-  std::string text() const { return "table,body,rung,what,value,unit\n" + text_.str(); }
-
- private:
-  std::ostringstream text_;
-};
-
-void add_times(const RungsResults& results, Rows& rows) {
-  for (const RungTime& time : results.times) {
-    const std::string rung = sim::to_string(time.rung);
-    rows.add("time", results.phantom, rung, "map", time.map_ms);
-    rows.add("time", results.phantom, rung, "once", time.once_ms);
-    rows.add("time", results.phantom, rung, "first", time.first_ms);
-    rows.add("time", results.phantom, rung, "still", time.still_ms);
-    rows.add("time", results.phantom, rung, "moving", time.moving_ms);
-    rows.add("time", results.phantom, rung, "bending", time.bending_ms);
-  }
-  for (const StageTimes& stages : results.stages) {
-    const std::string rung = sim::to_string(stages.rung);
-    rows.add("stage", results.phantom, rung, "once", stages.once_ms, "ms");
     for (const auto& [name, ms] : stages.stages) {
-      rows.add("stage", results.phantom, rung, name, ms, "ms");
+      table.add({sim::to_string(stages.rung), name, ms, 100 * ms / stages.total_ms()});
     }
-    rows.add("stage",
-             results.phantom,
-             rung,
-             "echoes of scatterers",
-             static_cast<double>(stages.scatterers),
-             "1");
+  }
+  return table;
+}
+
+void add_stages(const RungsResults& results, Document& document) {
+  document.add(Heading{"Where the time goes"});
+  document.add(
+      Text{"CPU time of a moving volume on one thread; the simulator's own stages, called "
+           "one by one."});
+  document.add(stages_table(results));
+  for (const StageTimes& stages : results.stages) {
+    if (stages.scatterers == 0) continue;
+    const auto echoes = static_cast<double>(stages.scatterers);
+    document.add(Text{sim::to_string(stages.rung) + ": " + fixed(1e-6 * echoes, 1) +
+                      " million echoes of scatterers a volume, " +
+                      fixed(1e6 * stages.stages.at(2).second / echoes, 1) +
+                      " ns of CPU time each."});
   }
 }
 
-void add_depth(const RungError& error,
-               const std::string& against,
-               const RangeError& spread,
-               Rows& rows) {
-  const std::string rung = sim::to_string(error.rung);
-  rows.add("error", error.body, rung, against + " median", spread.median_mm, "mm");
-  rows.add("error", error.body, rung, against + " median size", spread.median_abs_mm, "mm");
-  rows.add("error", error.body, rung, against + " p95 size", spread.p95_abs_mm, "mm");
-  rows.add("error", error.body, rung, against + " missed", spread.missed_percent, "%");
-  rows.add("error", error.body, rung, against + " sticks", static_cast<double>(spread.n), "1");
-}
-
-void add_errors(const RungsResults& results, Rows& rows) {
-  for (const RungError& error : results.errors) {
-    const std::string rung = sim::to_string(error.rung);
-    add_depth(error, "truth", error.against_truth, rows);
-    if (error.against_above) add_depth(error, "above", *error.against_above, rows);
-    if (!error.image_rms_db) continue;
-    rows.add("error", error.body, rung, "above image rms", *error.image_rms_db, "dB");
-    rows.add("error", error.body, rung, "above image correlation", *error.image_correlation, "1");
-  }
-}
-
-}  // namespace
-
-std::string rungs_csv(const RungsResults& results) {
-  Rows rows;
-  add_times(results, rows);
-  for (const GrowthPoint& point : results.growth) {
-    const std::string rung = sim::to_string(point.rung),
-                      what = point.what + "=" + significant(point.size, kDigits);
-    rows.add("growth", "block", rung, what + " first", point.time.first_ms);
-    rows.add("growth", "block", rung, what + " moving", point.time.moving_ms);
-  }
-  add_errors(results, rows);
+void add_memory(const RungsResults& results, Document& document) {
+  if (results.memory.empty()) return;
+  Table table{.name = "memory",
+              .columns = {{"process"},
+                          {"peak_mb", "peak", "MB", 0},
+                          {"over_phantom_mb", "over the phantom's", "MB", 0}}};
   for (const MemoryPeak& peak : results.memory) {
-    rows.add("memory", results.phantom, "", peak.what, peak.bytes, "bytes");
+    table.add({peak.what, 1e-6 * peak.bytes, 1e-6 * (peak.bytes - results.memory.front().bytes)});
   }
-  return rows.text();
+  document.add(Heading{"Memory"});
+  document.add(
+      Text{"Largest resident size of a process of its own (getrusage) that builds the "
+           "phantom and scans one volume."});
+  document.add(std::move(table));
 }
 
-namespace {
+Table exponents_table(const RungsResults& results) {
+  Table table{.name = "exponents", .columns = {{"rung"}}};
+  for (const std::string what : kSizes) {
+    table.columns.push_back({what + "_moving", what + ", moving"});
+    table.columns.push_back({what + "_first", what + ", first"});
+  }
+  for (const sim::Rung rung : volume_rungs()) {
+    std::vector<Cell> row = {sim::to_string(rung)};
+    for (const char* what : kSizes) {
+      row.emplace_back(growth_exponent(results.growth, what, rung, &VolumeTime::moving_ms));
+      row.emplace_back(growth_exponent(results.growth, what, rung, &VolumeTime::first_ms));
+    }
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+Table growth_table(const RungsResults& results) {
+  Table table{.name = "growth",
+              .columns = {{"what"},
+                          {"size", "size (of tissue: share of the samples)", "", 3, true},
+                          {"rung"},
+                          {"moving_ms", "moving volume", "ms", 1},
+                          {"first_ms", "first volume", "ms", 1}}};
+  for (const GrowthPoint& point : results.growth) {
+    table.add({point.what,
+               point.size,
+               sim::to_string(point.rung),
+               spread_cell(point.time.moving_ms),
+               spread_cell(point.time.first_ms)});
+  }
+  return table;
+}
+
+void add_growth(const RungsResults& results, Document& document) {
+  document.add(Heading{"Growth"});
+  document.add(Text{
+      "A block of tissue in fluid, 12 frames of 32 sticks; each size by itself, " +
+      std::to_string(GrowthInputs{}.repeats) +
+      " times after one uncounted. Exponents of the median time over the number of sticks, frames, "
+      "samples and scatterers: of a moving volume, and of the first volume of a seed."});
+  document.add(exponents_table(results)).add(growth_table(results));
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -328,6 +299,27 @@ const RungError* error_of(const RungsResults& results, sim::Rung rung) {
 
 }  // namespace
 
+Document rungs_document(const RungsResults& results, const Provenance& provenance) {
+  Document document{.title = "Trade of the simulator's rungs", .name = "rungs"};
+  document.add(Text{origin_of(results, provenance)});
+  add_errors(results, document);
+  document.add(rungs_figure(results));
+  document.add(Picture{kFramesFile,
+                       "The middle frame of " + results.phantom +
+                           " on each rung: display range and depth as in the scene."});
+  add_times(results, document);
+  add_stages(results, document);
+  document.add(stages_figure(results));
+  add_memory(results, document);
+  add_growth(results, document);
+  document.add(growth_figure(results)).add(tissue_figure(results));
+  for (const Block& block : document.blocks) {
+    const auto* table = std::get_if<Table>(&block);
+    if (table != nullptr) document.data.push_back({"rungs_" + table->name + ".csv", *table});
+  }
+  return document;
+}
+
 Json rungs_json(const RungsResults& results) {
   Json points = Json::array(), front = Json::array();
   struct Point {
@@ -338,7 +330,7 @@ Json rungs_json(const RungsResults& results) {
   std::vector<Point> all;
   for (const RungTime& time : results.times) {
     const RungError* error = error_of(results, time.rung);
-    if (error == nullptr) continue;
+    if (error == nullptr || error->against_truth.n == 0) continue;
     all.push_back({sim::to_string(time.rung),
                    time.first_ms.median / results.sound_ms,
                    error->against_truth.p95_abs_mm});
@@ -354,10 +346,6 @@ Json rungs_json(const RungsResults& results) {
     if (!beaten) front.push_back(point.rung);
   }
   return {{"points", points}, {"front", front}};
-}
-
-std::string rungs_figure_file(const Figure& figure) {
-  return "rungs_" + figure.name + ".vl.json";
 }
 
 }  // namespace wobblebench::bench

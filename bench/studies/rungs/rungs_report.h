@@ -1,26 +1,27 @@
-// Speed against accuracy of the simulator's rungs, as rungs.md, rungs.csv, report.json and figures.
+// Speed against accuracy of the simulator's rungs, as a document and as report.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <string>
-#include <vector>
 
-#include "bench/output/document/chart.h"
+#include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/rungs/rung_comparison.h"
 
 namespace wobblebench::bench {
 
-std::vector<Figure> rungs_figures(const RungsResults& results);
+/// File of frames_picture().
+inline constexpr const char* kFramesFile = "rungs_frames.png";
 
 /// The middle frame of the phantom on each rung.
 Image<glm::vec3> frames_picture(const RungsResults& results);
 
-/// File of a figure.
-std::string rungs_figure_file(const Figure& figure);
+/// Each rung's time against its error against the rung above.
+Figure rungs_figure(const RungsResults& results);
+Figure stages_figure(const RungsResults& results);
+Figure growth_figure(const RungsResults& results);
+Figure tissue_figure(const RungsResults& results);
 
-std::string rungs_markdown(const RungsResults& results, const Provenance& provenance);
-std::string rungs_csv(const RungsResults& results);
+Document rungs_document(const RungsResults& results, const Provenance& provenance);
 
 /// "rungs": points with settings, time and error, and which of them lie on the Pareto front.
 nlohmann::ordered_json rungs_json(const RungsResults& results);

@@ -11,7 +11,6 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
-#include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/acquisitions.h"
@@ -73,7 +72,6 @@ CommandResult measure_and_write(Scene scene,
                                 const BoardArguments& board,
                                 std::unique_ptr<hw::Link> link,
                                 render::GlContext& context,
-                                OutputFolder& out,
                                 Progress& progress) {
   const TableRun run = arguments.tables.run();
   const TableVolumes volumes =
@@ -84,12 +82,10 @@ CommandResult measure_and_write(Scene scene,
   });
   Provenance provenance = provenance_of(context, volumes);
   provenance.seed = scene.simulation.seed;
-  const std::string markdown = to_markdown(results, run, volumes.note, provenance);
-  out.write_text("tables.md", markdown);
-  out.write_text("tables.csv", to_csv(results, run));
-  out.write_text("tables_ratios.vl.json", specification(tables_chart(results)).dump(1) + "\n");
+  Document document = tables_document(results, run, volumes.note, provenance);
   return {.report = report_text(tables_report(volumes, results, run, provenance, scene)),
-          .summary = markdown};
+          .summary = markdown(document),
+          .document = std::move(document)};
 }
 
 int measure(const Arguments& arguments) {
@@ -102,11 +98,11 @@ int measure(const Arguments& arguments) {
   auto link = is_simulated(board) ? nullptr : open_outside_link(board);
   return run_in_folder(arguments.output,
                        {{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}},
-                       [&](OutputFolder& out, Progress& progress) {
+                       [&](OutputFolder&, Progress& progress) {
                          progress.warn(acquisitions_warning(board));
                          warn_of_software(*context, arguments.gl, progress);
                          return measure_and_write(
-                             scene, arguments, board, std::move(link), *context, out, progress);
+                             scene, arguments, board, std::move(link), *context, progress);
                        });
 }
 

@@ -1,11 +1,7 @@
-// What `wobblebench tables` has beyond wobblebench-tables: volumes from the simulated probe, and
-// the tables as one picture.
+// What `wobblebench tables` has beyond wobblebench-tables: volumes from the simulated probe.
 #pragma once
 
-#include <string>
-
 #include "base/part_done.h"
-#include "bench/output/document/chart.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/scene/scene.h"
 #include "bench/studies/tables/measure.h"
@@ -25,8 +21,5 @@ TableVolumes scan_table_volumes(const Scene& scene,
                                 const BoardArguments& board,
                                 const sim::TissueMapSource& maps = {},
                                 const PartDone& done = {});
-
-/// Four panels, one a table: time relative to the reference row, the paper's, plain and fast.
-Figure tables_chart(const TableResults& results);
 
 }  // namespace wobblebench::bench

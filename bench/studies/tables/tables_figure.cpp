@@ -1,4 +1,4 @@
-#include "bench/studies/tables/tables_command.h"
+#include "bench/studies/tables/tables_report.h"
 
 #include <algorithm>
 
@@ -51,51 +51,68 @@ std::string reference_text(const std::string& name, double ms) {
   return name + ", 1 = " + fixed(ms, ms < 1 ? 2 : ms < 100 ? 1 : 0) + " ms";
 }
 
-/// The median and its quartiles.
-void add_ratio(const Quartiles& ratio, Series& series) {
-  series.y.push_back(ratio.median);
-  series.low.push_back(ratio.lower);
-  series.high.push_back(ratio.upper);
+/// The median ratio, its quartiles, and the time that it is of.
+void add_point(double x, const Timing& timing, Series& series) {
+  constexpr int kDigits = 3;
+  series.add(x, timing.ratio.median);
+  series.low.push_back(timing.ratio.lower);
+  series.high.push_back(timing.ratio.upper);
+  series.notes.push_back(significant(timing.frame_ms.median, kDigits) + " ms");
 }
 
-std::vector<Series> series_of(const MeasuredTable& table, const MeasuredRow& reference) {
+/// Axis as the setting was run: sides are the paper's over the divisor.
+double as_run(const TableRow& row, int TableRow::*value, const TableRun& run) {
+  return value == &TableRow::side ? static_cast<double>(row.side) / run.divisor : row.*value;
+}
+
+std::vector<Series> series_of(const MeasuredTable& table,
+                              const MeasuredRow& reference,
+                              const TableRun& run) {
   const auto value = varied_in(table.table).value;
-  const std::string paper_text = reference_text("paper", reference.row.paper_ms);
-  Series paper{paper_text, {}, {}, Stroke::dashed, Mark::diamond, 6};
-  Series plain{reference_text("plain", reference.ms(PipelineVariant::plain)), {}, {}};
-  plain.mark = Mark::square;
-  plain.colour = 0;
-  Series fast{reference_text("fast", reference.ms(PipelineVariant::fast)), {}, {}};
-  fast.mark = Mark::disc;
-  fast.colour = 2;
+  Series paper{.name = reference_text("paper", reference.row.paper_ms),
+               .stroke = Stroke::dashed,
+               .mark = Mark::diamond,
+               .colour = 6};
+  Series plain{.name = reference_text("plain", reference.ms(PipelineVariant::plain)),
+               .mark = Mark::square,
+               .colour = 0};
+  Series fast{.name = reference_text("fast", reference.ms(PipelineVariant::fast)),
+              .mark = Mark::disc,
+              .colour = 2};
   for (const MeasuredRow& row : in_order(table, value)) {
-    for (Series* series : {&paper, &plain, &fast}) series->x.push_back(row.row.*value);
-    paper.y.push_back(row.paper_ratio);
-    add_ratio(row.timings.at(PipelineVariant::plain).ratio, plain);
-    add_ratio(row.timings.at(PipelineVariant::fast).ratio, fast);
+    const double x = as_run(row.row, value, run);
+    paper.add(x, row.paper_ratio);
+    paper.notes.push_back(fixed(row.row.paper_ms, 1) + " ms");
+    add_point(x, row.timings.at(PipelineVariant::plain), plain);
+    add_point(x, row.timings.at(PipelineVariant::fast), fast);
   }
   return {paper, plain, fast};
 }
 
-Chart table_chart(const MeasuredTable& table, const MeasuredRow& reference) {
+Chart table_chart(const MeasuredTable& table, const MeasuredRow& reference, const TableRun& run) {
   const Varied varied = varied_in(table.table);
-  Chart chart{"Table " + table.table.id + ": " + table.table.title,
-              {varied.label, varied.scale},
-              {"time / reference", varied.scale}};
-  for (const MeasuredRow& row : table.rows) chart.x.ticks.push_back(row.row.*varied.value);
-  chart.series = series_of(table, reference);
+  Chart chart{.title = "Table " + table.table.id + ": " + table.table.title,
+              .x = {.label = varied.label, .scale = varied.scale},
+              .y = {.label = "time / reference", .scale = varied.scale}};
+  for (const MeasuredRow& row : table.rows) {
+    chart.x.ticks.push_back(as_run(row.row, varied.value, run));
+  }
+  chart.series = series_of(table, reference, run);
   widen(chart.y, chart.series);
   return chart;
 }
 
 }  // namespace
 
-Figure tables_chart(const TableResults& results) {
-  Figure figure{"ratios", "Times of each table as multiples of the reference row's.", {}};
+std::vector<Figure> tables_figures(const TableResults& results, const TableRun& run) {
+  std::vector<Figure> figures = {
+      {"frames_size", "Times over frames and size, as multiples of the reference row's.", {}},
+      {"kernels", "Times over both kernels, as multiples of the reference row's.", {}}};
   for (const MeasuredTable& table : results.tables) {
-    figure.panels.emplace_back(table_chart(table, results.reference));
+    const bool of_kernel = table.table.id == "III" || table.table.id == "IV";
+    figures[of_kernel ? 1 : 0].panels.emplace_back(table_chart(table, results.reference, run));
   }
-  return figure;
+  return figures;
 }
 
 }  // namespace wobblebench::bench

@@ -55,7 +55,7 @@ int measure_recording(const Arguments& arguments) {
   auto link = open_outside_link(board);
   const auto context = render::make_context(arguments.gl);
   const TableRun run = arguments.tables.run();
-  const auto measure = [&](OutputFolder& out, Progress& progress) {
+  const auto measure = [&](OutputFolder&, Progress& progress) {
     progress.warn(acquisitions_warning(board));
     warn_of_software(*context, arguments.gl, progress);
     const TableVolumes volumes =
@@ -64,11 +64,10 @@ int measure_recording(const Arguments& arguments) {
       return measure_tables(volumes, {}, *context, run, done);
     });
     const Provenance provenance = provenance_of(*context, volumes);
-    const std::string markdown = to_markdown(results, run, volumes.note, provenance);
-    out.write_text("tables.md", markdown);
-    out.write_text("tables.csv", to_csv(results, run));
+    Document document = tables_document(results, run, volumes.note, provenance);
     return CommandResult{.report = report_text(report_of(provenance, volumes, results, run)),
-                         .summary = markdown};
+                         .summary = markdown(document),
+                         .document = std::move(document)};
   };
   return run_in_folder(arguments.output, {{"volume", 1}, {"tables", 60}}, measure);
 }

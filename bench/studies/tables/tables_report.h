@@ -1,9 +1,11 @@
-// The measured tables as tables.md, tables.csv and report.json.
+// The measured tables as a document and as report.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
+#include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/volumes.h"
@@ -17,14 +19,14 @@ Provenance provenance_of(const render::GlContext& context, const TableVolumes& v
 /// A few sentences: how the run differs from the paper's, and what was measured.
 std::string describe_run(const TableRun& run);
 
-/// tables.md. `note`: a sentence about the volumes; may be empty.
-std::string to_markdown(const TableResults& results,
-                        const TableRun& run,
-                        const std::string& note,
-                        const Provenance& provenance);
+/// What people read, with tables.csv. `note`: a sentence about the volumes; may be empty.
+Document tables_document(const TableResults& results,
+                         const TableRun& run,
+                         const std::string& note,
+                         const Provenance& provenance);
 
-/// tables.csv: one line a row of a table, then the lines of table "arrival".
-std::string to_csv(const TableResults& results, const TableRun& run);
+/// A panel for each table: time relative to the reference row, the paper's, plain and fast.
+std::vector<Figure> tables_figures(const TableResults& results, const TableRun& run);
 
 /// Adds run, reference, tables and arrival to the head of report.json.
 void add_tables(nlohmann::ordered_json& report,

@@ -108,9 +108,12 @@ std::string hexadecimal(std::uint32_t value) {
 StudyReport repeatability_report() {
   const RepeatabilityInputs inputs;
   StudyReport report;
-  std::ostringstream table;
-  table << "| rung | phantom | samples | CRC-32C | samples that another seed changes |\n"
-           "| --- | --- | ---: | --- | ---: |\n";
+  Table table{.name = "repeatability",
+              .columns = {{"rung"},
+                          {"phantom"},
+                          {"samples"},
+                          {"crc32c", "CRC-32C"},
+                          {"changed_percent", "samples that another seed changes", "%", 4}}};
   for (const RepeatabilityResult& found : measure_repeatability(inputs)) {
     const sim::Rung rung = found.rung;
     const bool moving = found.moving, is_small = rung == sim::Rung::reference;
@@ -134,9 +137,11 @@ StudyReport repeatability_report() {
         .from(random ? "another seed means other speckle and noise"
                      : "nothing in this rung is random")
         .over(found.samples, "samples", {inputs.seed, inputs.seed + 1});
-    table << "| " << sim::to_string(rung) << " | " << (is_small ? "block" : inputs.phantom) << ", "
-          << state << " | " << found.samples << " | " << hexadecimal(found.crc32c) << " | "
-          << 100 * found.other_seed << " % |\n";
+    table.add({sim::to_string(rung),
+               (is_small ? "block" : inputs.phantom) + ", " + state,
+               found.samples,
+               hexadecimal(found.crc32c),
+               100 * found.other_seed});
     report.point(name,
                  {"seed", static_cast<double>(inputs.seed)},
                  {"share_changed_by_other_seed", found.other_seed});
@@ -145,8 +150,8 @@ StudyReport repeatability_report() {
       "A coarse scan of the phantom, and for `reference` a few sticks of a small block: made anew "
       "by 1, 2 and 4 threads, by 4 once more, and with another seed. Linear output with the "
       "default noise, so that nothing hides below the display. Moving: on a path, breathing, and "
-      "with its head turning.\n\n" +
-      table.str();
+      "with its head turning.";
+  report.tables = {table};
   return report;
 }
 

@@ -9,7 +9,6 @@
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
-#include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/studies/validate/validation.h"
 
@@ -20,7 +19,6 @@ namespace {
 struct Arguments {
   OutputArguments output;
   std::vector<std::string> studies;  ///< none: all
-  std::string figure_path;           ///< before the figures' names in the links of validation.md
 };
 
 std::string study_names() {
@@ -68,34 +66,25 @@ Json report_of(const std::vector<StudyReport>& reports,
   return report;
 }
 
-CommandResult run_and_write(const std::vector<NamedStudy>& studies,
-                            const Arguments& arguments,
-                            OutputFolder& out,
-                            Progress& progress) {
+CommandResult run_studies(const std::vector<NamedStudy>& studies, Progress& progress) {
   std::vector<StudyReport> reports;
   for (const auto& study : studies) {
     reports.push_back(progress.step(study.id, [&] { return run_study(study); }));
   }
   Provenance provenance = provenance_of_this_machine();
   provenance.board = "simulated";
-  out.write_text("validation.md", validation_markdown(reports, provenance, arguments.figure_path));
-  out.write_text("validation.csv", validation_csv(reports));
-  for (const auto& study : reports) {
-    for (const Figure& figure : study.figures) {
-      out.write_text(figure_file(figure), specification(figure).dump(1) + "\n");
-    }
-  }
   return {.report = report_text(report_of(reports, provenance, progress.times())),
           .summary = outcomes_text(reports),
-          .exit_code = failed_checks(reports) == 0 ? kDone : kFailed};
+          .exit_code = failed_checks(reports) == 0 ? kDone : kFailed,
+          .document = validation_document(reports, provenance)};
 }
 
 int validate(const Arguments& arguments) {
   const auto studies = chosen(arguments.studies);
   std::vector<PlannedStep> steps;
   for (const auto& study : studies) steps.push_back({study.id, study.usual_s});
-  return run_in_folder(arguments.output, steps, [&](OutputFolder& out, Progress& progress) {
-    return run_and_write(studies, arguments, out, progress);
+  return run_in_folder(arguments.output, steps, [&](OutputFolder&, Progress& progress) {
+    return run_studies(studies, progress);
   });
 }
 
@@ -112,10 +101,6 @@ Command add_validate_command(CLI::App& app) {
            "--study",
            arguments->studies,
            "One study instead of all (repeatable): " + study_names());
-  add_text(command,
-           "--figure-path",
-           arguments->figure_path,
-           "What stands before the figures' file names in validation.md's links");
   return {&command, [arguments] { return validate(*arguments); }};
 }
 

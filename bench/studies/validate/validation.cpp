@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -54,56 +53,83 @@ const char* outcome(const Check& check) {
   return check.passed() ? "passed" : "failed";
 }
 
-void write_summary(const std::vector<StudyReport>& reports,
-                   const Provenance& provenance,
-                   std::ostream& markdown) {
+std::string summary_of(const Provenance& provenance) {
+  return "Made by `wobblebench validate`; nothing on this page is written by hand. Commit " +
+         provenance.commit + ", " + provenance.cpu + ", " + std::to_string(provenance.threads) +
+         " threads. Every point is in `validation.csv`, every check in `report.json`. Of the beam "
+         "and of speckle, expected values are the tables of `tests/yardstick`: a sum over the "
+         "probe's elements in Python and NumPy, frequency by frequency, written apart from the "
+         "simulator, with which it shares no code; its own tests hold it against closed forms. It "
+         "is linear acoustics, as the simulator is: what both leave out is at the end. Other "
+         "expected values are closed forms or published ones. Numbers in brackets are those of "
+         "`docs/references.md`.";
+}
+
+std::string outcomes_of(const std::vector<StudyReport>& reports) {
   std::size_t count = 0;
   for (const auto& report : reports) count += report.checks.size();
   const int failed = failed_checks(reports);
-  markdown << "# Validation of the simulated probe\n\n"
-           << "Made by `wobblebench validate`; nothing on this page is written by hand. Commit "
-           << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads
-           << " threads. Every point is in `validation.csv`, every check in `report.json`. Of the "
-              "beam and of speckle, expected values are the tables of `tests/yardstick`: a sum "
-              "over the probe's elements in Python and NumPy, frequency by frequency, written "
-              "apart from the simulator, with which it shares no code; its own tests hold it "
-              "against closed forms. It is linear acoustics, as the simulator is: what both leave "
-              "out is at the end. Other expected values are closed forms or published ones. "
-              "Numbers in brackets are those of `docs/references.md`.\n\n"
-           << count << " checks, " << count - static_cast<std::size_t>(failed) << " passed, "
-           << failed << " failed.\n";
-  if (failed > 0) markdown << "\nFailed:\n\n";
+  std::string text = std::to_string(count) + " checks, " +
+                     std::to_string(count - static_cast<std::size_t>(failed)) + " passed, " +
+                     std::to_string(failed) + " failed.";
+  if (failed > 0) text += "\n\nFailed:\n\n";
   for (const auto& report : reports) {
     for (const Check& check : report.checks) {
-      if (!check.passed()) markdown << "- `" << check.name << "`: " << describe(check) << "\n";
+      if (!check.passed()) text += "- `" + check.name + "`: " + describe(check) + "\n";
     }
   }
+  return text;
 }
 
-void write_study(const StudyReport& report,
-                 const std::string& figure_path,
-                 std::ostream& markdown) {
-  markdown << "\n## " << report.title << "\n\n" << report.text << "\n";
-  if (!report.checks.empty()) {
-    markdown << "\n| check | measured | expected | n | seeds | outcome |\n"
-                "| --- | ---: | ---: | ---: | --- | --- |\n";
-  }
+Table checks_table(const StudyReport& report) {
+  Table table{.name = report.id + "_checks",
+              .columns = {{"check"},
+                          {"expected_from", "expected from"},
+                          {"measured"},
+                          {"expected"},
+                          {"n"},
+                          {"seeds"},
+                          {"outcome"}}};
   for (const Check& check : report.checks) {
-    markdown << "| `" << check.name << "`: " << check.source << " | " << four_digits(check.measured)
-             << unit_text(check) << " | " << expected_text(check) << " | " << check.n << " "
-             << check.of << " | " << seeds_text(check.seeds) << " | "
-             << (check.passed() ? "passed" : "**failed**") << " |\n";
+    table.add({Cell::code(check.name),
+               check.source,
+               four_digits(check.measured) + unit_text(check),
+               expected_text(check),
+               std::to_string(check.n) + " " + check.of,
+               seeds_text(check.seeds),
+               outcome(check)});
   }
-  for (const Figure& figure : report.figures) {
-    markdown << "\n[Chart: " << figure.caption << "](" << figure_path << figure_file(figure)
-             << ")\n";
-  }
+  return table;
 }
 
-constexpr char kNotModelled[] = R"(
-## Not modelled
+void add_study(const StudyReport& report, Document& document) {
+  document.add(Heading{report.title}).add(Text{report.text});
+  for (const Table& table : report.tables) document.add(table);
+  if (!report.checks.empty()) document.add(checks_table(report));
+  for (const Figure& figure : report.figures) document.add(figure);
+}
 
-Neither the simulator nor the yardstick has these. What leaving each out does to the picture:
+/// Every point of every study.
+Table points_table(const std::vector<StudyReport>& reports) {
+  Table table{
+      .name = "points",
+      .columns = {{"study"}, {"series"}, {"x_name"}, {"x"}, {"y_name"}, {"y"}, {"expected"}}};
+  for (const auto& report : reports) {
+    for (const DataPoint& point : report.points) {
+      table.add({report.id,
+                 point.series,
+                 point.x_name,
+                 point.x,
+                 point.y_name,
+                 point.y,
+                 point.expected ? Cell(*point.expected) : Cell()});
+    }
+  }
+  return table;
+}
+
+constexpr char kNotModelled[] =
+    R"(Neither the simulator nor the yardstick has these. What leaving each out does to the picture:
 
 - Refraction: sound goes straight on at interfaces. Bodies behind a lens of other sound speed, as fat beside muscle or a curved skull, are neither shifted nor doubled sideways, and the edge shadows of cysts and skulls are missing (Robinson, Wilson, Kossoff, J. Clin. Ultrasound 9, 181 (1981)).
 - Reverberation between strong reflectors: no repeated lines behind bone, gas or the probe's face, and fluid stays free of clutter (Pinton, Trahey, Dahl, IEEE Trans. UFFC 58, 754 (2011)).
@@ -113,10 +139,6 @@ Neither the simulator nor the yardstick has these. What leaving each out does to
 - Shear waves in bone: beyond the critical angle of longitudinal waves nothing passes, where in truth a part passes as shear waves, so that shadows of slanted bone are too dark (Clement, White, Hynynen, J. Acoust. Soc. Am. 115, 1356 (2004)).
 - Cross-talk between elements, and the obliquity factor of a baffle: elements are as directive as their width makes them; off an element's axis real ones are weaker (Selfridge, Kino, Khuri-Yakub, Appl. Phys. Lett. 37, 35 (1980)).
 )";
-
-std::string exact(double value) {
-  return significant(value, 9);
-}
 
 }  // namespace
 
@@ -166,31 +188,14 @@ std::string describe(const Check& check) {
          check.of + "; seeds " + seeds_text(check.seeds);
 }
 
-std::string figure_file(const Figure& figure) {
-  return "validation_" + figure.name + ".vl.json";
-}
-
-std::string validation_markdown(const std::vector<StudyReport>& reports,
-                                const Provenance& provenance,
-                                const std::string& figure_path) {
-  std::ostringstream markdown;
-  write_summary(reports, provenance, markdown);
-  for (const auto& report : reports) write_study(report, figure_path, markdown);
-  markdown << kNotModelled;
-  return markdown.str();
-}
-
-std::string validation_csv(const std::vector<StudyReport>& reports) {
-  std::ostringstream text;
-  text << "study,series,x_name,x,y_name,y,expected\n";
-  for (const auto& report : reports) {
-    for (const DataPoint& point : report.points) {
-      text << report.id << "," << csv_field(point.series) << "," << point.x_name << ","
-           << exact(point.x) << "," << point.y_name << "," << exact(point.y) << ","
-           << (point.expected ? exact(*point.expected) : "") << "\n";
-    }
-  }
-  return text.str();
+Document validation_document(const std::vector<StudyReport>& reports,
+                             const Provenance& provenance) {
+  Document document{.title = "Validation of the simulated probe", .name = "validation"};
+  document.add(Text{summary_of(provenance)}).add(Text{outcomes_of(reports)});
+  for (const auto& report : reports) add_study(report, document);
+  document.add(Heading{"Not modelled"}).add(Text{kNotModelled});
+  document.data = {{"validation.csv", points_table(reports)}};
+  return document;
 }
 
 nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports) {

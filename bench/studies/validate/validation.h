@@ -1,4 +1,4 @@
-// All studies of the simulator's physics, and the documents that they make: Markdown, CSV, JSON.
+// All studies of the simulator's physics, and what they report.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/output/document/document.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/validate/common/study_report.h"
 
@@ -29,16 +30,9 @@ StudyReport run_study(const NamedStudy& study);
 /// "1.869; 1.913 +- 0.02 expected (…); n = …; seeds …"
 std::string describe(const Check& check);
 
-/// validation.md. `figure_path`: prefix of the figures' file names in its links.
-std::string validation_markdown(const std::vector<StudyReport>& reports,
-                                const Provenance& provenance,
-                                const std::string& figure_path);
-/// validation.csv: every point of every study.
-std::string validation_csv(const std::vector<StudyReport>& reports);
+/// Checks and charts, with every point of every study as validation.csv.
+Document validation_document(const std::vector<StudyReport>& reports, const Provenance& provenance);
 /// "checks" of report.json.
 nlohmann::ordered_json checks_json(const std::vector<StudyReport>& reports);
-
-/// File of a figure.
-std::string figure_file(const Figure& figure);
 
 }  // namespace wobblebench::bench

@@ -186,7 +186,7 @@ TEST(CommandLine, ModesFindsTheSamePictureFromEachDirection) {
   const ScratchFolder folder;
   const auto result = bench(with({"modes", "--json"}, {kQuick}), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"), (Words{"modes.md", "report.json"}));
+  EXPECT_EQ(folder.files("out"), (Words{"modes.csv", "modes.md", "report.html", "report.json"}));
   const auto report = nlohmann::json::parse(result.out);
   ASSERT_EQ(report.at("modes").size(), 5u);
   for (const auto& row : report.at("modes")) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/output/document/chart.h"
+#include "bench/output/document/table.h"
 #include "bench/studies/validate/common/yardstick.h"
 #include "sim/options.h"
 
@@ -60,6 +61,7 @@ struct StudyReport {
   std::vector<Check> checks;
   std::vector<DataPoint> points;
   std::vector<Figure> figures;
+  std::vector<Table> tables = {};  ///< below the text
 
   /// Adds a check, whose parts follow in the same statement.
   Check& check(const std::string& name);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <stdexcept>
 
 #include "base/number_text.h"
 #include "base/parallel.h"
@@ -147,18 +148,29 @@ void add_checks(const Variant& variant,
       .over(n, "places");
 }
 
-/// Correlations by depth and angle.
-void write_table(const Variant& variant,
-                 const std::vector<EchoAgreement>& found,
-                 std::ostream& text) {
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const bool first = i == 0 || found[i].sector_fraction != found[i - 1].sector_fraction;
-    if (first) text << "\n| " << variant.name << " | " << significant(found[i].sector_fraction, 3);
-    text << " | " << fixed(found[i].correlation, 3) << " (" << fixed(found[i].level_db, 1) << ")";
-    const bool last =
-        i + 1 == found.size() || found[i].sector_fraction != found[i + 1].sector_fraction;
-    if (last) text << " |";
+/// Correlations by angle, a row each, and depth, a column each.
+Table empty_table(const std::vector<EchoPlace>& places) {
+  Table table{.name = "agreement", .columns = {{"rung"}, {"angle", "angle", "", 3, true}}};
+  for (const EchoPlace& place : places) {
+    if (place.sector_fraction != places.front().sector_fraction) continue;
+    const std::string mm = std::to_string(std::lround(place.range_m * 1e3));
+    table.columns.push_back({"at_" + mm + "_mm", mm + " mm"});
   }
+  return table;
+}
+
+void add_rows(const Variant& variant, const std::vector<EchoAgreement>& found, Table& table) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (i == 0 || found[i].sector_fraction != found[i - 1].sector_fraction) {
+      table.rows.push_back({variant.name, found[i].sector_fraction});
+    }
+    table.rows.back().emplace_back(fixed(found[i].correlation, 3) + " (" +
+                                   fixed(found[i].level_db, 1) + ")");
+    if (table.rows.back().size() > table.columns.size()) {
+      throw std::logic_error("agreement: places differ from angle to angle");
+    }
+  }
+  for (auto& row : table.rows) row.resize(table.columns.size());
 }
 
 void add_points(const Variant& variant,
@@ -193,13 +205,9 @@ StudyReport rung_agreement_report() {
           "to 0.92 where it is lowest (decision 27), so that no model of the main lobe can reach "
           "0.95. The level checked is that of all places of a range together, as for tissue: the "
           "points of one place sample few parts of the beam. In the table: correlation and, in "
-          "brackets, level in dB, by part of the half sector and depth.\n\n| rung | angle";
-  for (const EchoPlace& place : places) {
-    if (place.sector_fraction == places.front().sector_fraction) {
-      text << " | " << std::lround(place.range_m * 1e3) << " mm";
-    }
-  }
-  text << " |\n| --- | --- | --- | --- | --- | --- | --- |";
+          "brackets, level in dB, by part of the half sector and depth.";
+  report.text = text.str();
+  report.tables = {empty_table(places)};
   for (const Variant& variant : kVariants) {
     const auto found = measure_agreement(variant.rung, variant.places());
     if (variant.checked) {
@@ -207,9 +215,8 @@ StudyReport rung_agreement_report() {
       add_checks(variant, found, false, report);
     }
     add_points(variant, found, report);
-    write_table(variant, found, text);
+    add_rows(variant, found, report.tables.front());
   }
-  report.text = text.str();
   return report;
 }
 

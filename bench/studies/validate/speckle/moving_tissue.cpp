@@ -6,7 +6,6 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <optional>
-#include <sstream>
 
 #include "base/duration.h"
 #include "base/statistics.h"
@@ -297,14 +296,16 @@ constexpr double kLeast = 0.95;
 StudyReport speckle_motion_report() {
   const SpeckleMotionInputs inputs;
   StudyReport report;
-  std::ostringstream table;
-  table << "| rung | motion | shift at 75 mm | correlation at the place it moved to | at the place "
-           "it was |\n| --- | --- | ---: | ---: | ---: |\n";
+  Table table{.name = "speckle_motion",
+              .columns = {{"rung"},
+                          {"motion"},
+                          {"shift_mm", "shift at 75 mm", "mm", 3},
+                          {"followed", "correlation at the place it moved to", "", 4},
+                          {"stayed", "at the place it was", "", 4}}};
   for (const sim::Rung rung : {sim::Rung::scatterers, sim::Rung::field}) {
     for (const MotionResult& found : measure_speckle_motion(rung, inputs)) {
       const std::string series = sim::to_string(rung) + ", " + found.motion;
-      table << "| " << sim::to_string(rung) << " | " << found.motion << " | " << found.shift_mm
-            << " mm | " << found.followed << " | " << found.stayed << " |\n";
+      table.add({sim::to_string(rung), found.motion, found.shift_mm, found.followed, found.stayed});
       report.point(series, {"shift_mm", found.shift_mm}, {"correlation_followed", found.followed});
       report.point(series, {"shift_mm", found.shift_mm}, {"correlation_stayed", found.stayed});
       if (rung == sim::Rung::field) continue;
@@ -321,8 +322,8 @@ StudyReport speckle_motion_report() {
       "neighbour, saw in the first: along the axis by whole samples; in the image plane by one "
       "stick; across image planes by one frame. The time from one look to the other is that of the "
       "sticks themselves. `field`'s speckle belongs to the probe's grid and stays where it is: it "
-      "is here for contrast, and is why `auto` takes `scatterers` for a phantom that moves.\n\n" +
-      table.str();
+      "is here for contrast, and is why `auto` takes `scatterers` for a phantom that moves.";
+  report.tables = {table};
   return report;
 }
 

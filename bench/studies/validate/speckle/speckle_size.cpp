@@ -198,8 +198,7 @@ void add_places(const std::string& name,
     if (widths_checked) {
       report.checks.push_back(check);
     } else {
-      report.text += "| `" + check.name + "` | " + significant(check.measured, 3) + " % | " +
-                     check.source + " |\n";
+      report.tables.front().add({Cell::code(check.name), check.measured, check.source});
     }
   }
   report.checks.push_back(worst_level(name + ".level" + where, here, kLevelBar_db, over));
@@ -244,9 +243,7 @@ constexpr char kText[] =
     "`scatterers` without it has echoes from within the search edge of decision 10 alone. Speckle "
     "is then finer, most at the foci: the share of the aperture's spatial frequencies that only "
     "far scatterers tell apart is missing. Its levels are checked; its widths, of which there is "
-    "no independent table, are shown without a bar, as what switching side lobes off costs:\n\n"
-    "| size, main lobe alone | farthest from the table of the whole beam | |\n"
-    "| --- | ---: | --- |\n";
+    "no independent table, are shown without a bar, as what switching side lobes off costs.";
 
 void add_sizes(hw::ProbePreset preset, StudyReport& report) {
   const std::string preset_name(table_name(preset));
@@ -300,6 +297,11 @@ void add_neighbours(const SpeckleRung& variant, StudyReport& report) {
 StudyReport speckle_size_report() {
   StudyReport report;
   report.text = kText;
+  report.tables = {
+      {.name = "main_lobe_sizes",
+       .columns = {{"size", "size, main lobe alone"},
+                   {"error_percent", "farthest from the table of the whole beam", "%", 3, true},
+                   {"at"}}}};
   for (const hw::ProbePreset preset : kPresets) add_sizes(preset, report);
   for (const SpeckleRung& variant : kSpeckleRungs) add_neighbours(variant, report);
   return report;

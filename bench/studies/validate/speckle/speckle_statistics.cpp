@@ -5,7 +5,6 @@
 #include <limits>
 #include <sstream>
 
-#include "base/number_text.h"
 #include "base/units.h"
 #include "bench/studies/validate/common/scan.h"
 #include "bench/studies/validate/common/study_report.h"
@@ -173,13 +172,14 @@ void add_distances(const std::string& series,
   }
 }
 
-void add_row(const std::string& series, const SpeckleResult& result, std::ostream& table) {
+void add_row(const std::string& series, const SpeckleResult& result, Table& table) {
   double distance = 0;
   for (const auto& seed : result.seeds) distance = std::max(distance, seed.distance);
-  table << "| " << series << " | " << fixed(result.envelope.snr(), 3) << " | " << fixed(distance, 4)
-        << " | "
-        << fixed(rayleigh_critical_distance(static_cast<double>(result.seeds.front().n)), 4)
-        << " | " << result.rejected() << " of " << result.seeds.size() << " |\n";
+  table.add({series,
+             result.envelope.snr(),
+             distance,
+             rayleigh_critical_distance(static_cast<double>(result.seeds.front().n)),
+             std::to_string(result.rejected()) + " of " + std::to_string(result.seeds.size())});
 }
 
 std::string introduction(const SpeckleInputs& inputs) {
@@ -197,9 +197,7 @@ std::string introduction(const SpeckleInputs& inputs) {
           "effective volume the distribution departs from Rayleigh's by 0.115/N (the first term of "
           "its Laguerre series), so that enough samples tell any density from it. Critical "
           "distances at 1 % are those of an exponential of unknown mean (the envelope's square), "
-          "Stephens, J. Am. Stat. Assoc. 69, 730 (1974).\n\n"
-          "| rung, preset, place | mean / sigma | largest distance | critical | seeds beyond it |\n"
-          "| --- | ---: | ---: | ---: | ---: |\n";
+          "Stephens, J. Am. Stat. Assoc. 69, 730 (1974).";
   return text.str();
 }
 
@@ -207,7 +205,12 @@ std::string introduction(const SpeckleInputs& inputs) {
 struct Parts {
   StudyReport report;
   Chart chart;
-  std::ostringstream table;
+  Table table = {.name = "speckle",
+                 .columns = {{"series", "rung, preset, place"},
+                             {"snr", "mean / sigma", "", 3},
+                             {"distance", "largest distance", "", 4},
+                             {"critical", "critical", "", 4},
+                             {"rejected", "seeds beyond it"}}};
 };
 
 void add_place(const SpeckleRung& variant, SpeckleInputs inputs, Parts& parts) {
@@ -246,7 +249,8 @@ StudyReport speckle_statistics_report() {
       {"speckle",
        "Histogram of the envelope on Rayleigh's density, standard preset, middle of the sector.",
        {parts.chart}});
-  parts.report.text = introduction(inputs) + parts.table.str();
+  parts.report.text = introduction(inputs);
+  parts.report.tables = {parts.table};
   return parts.report;
 }
 

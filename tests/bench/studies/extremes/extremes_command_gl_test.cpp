@@ -20,7 +20,8 @@ TEST(ExtremesCommand, EveryCaseDoesWhatItMust) {
     EXPECT_TRUE(outcome.at("passed")) << outcome.dump();
   }
   EXPECT_EQ(extremes.at("failed"), 0);
-  EXPECT_EQ(folder.files("out"), (Words{"extremes.csv", "extremes.md", "report.json"}));
+  EXPECT_EQ(folder.files("out"),
+            (Words{"extremes.csv", "extremes.md", "report.html", "report.json"}));
 }
 
 TEST(ExtremesCommand, RefusesABadSeedBeforeAnyWork) {

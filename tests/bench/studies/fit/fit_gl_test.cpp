@@ -38,7 +38,7 @@ TEST(Fit, WritesACorrectionThatRunApplies) {
                            "fit_held_out.csv",
                            "fit_residuals.csv",
                            "fit_coverage.csv",
-                           "fit_residuals.png",
+                           "fit_residuals.vl.json",
                            "correction.json"}) {
     EXPECT_TRUE(fs::exists(folder.path() / "fit" / file)) << file;
   }

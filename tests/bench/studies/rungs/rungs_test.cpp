@@ -111,6 +111,7 @@ TEST(Rungs, FrontHoldsWhatNothingBeats) {
     error.body = "ball";
     error.rung = rung;
     error.against_truth.p95_abs_mm = error_mm;
+    error.against_truth.n = 1;
     results.errors.push_back(error);
   };
   add(Rung::geometry, 10, 3);

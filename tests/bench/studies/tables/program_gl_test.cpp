@@ -76,7 +76,13 @@ TEST(TablesProgram, WritesWhatItMeasuredOnARecording) {
   const ProcessResult result =
       tables({"--board", "file=a.wbst", "--divisor", "8", "--repeats", "1", "--json"}, folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"), (Words{"report.json", "tables.csv", "tables.md"}));
+  EXPECT_EQ(folder.files("out"),
+            (Words{"report.html",
+                   "report.json",
+                   "tables.csv",
+                   "tables.md",
+                   "tables_frames_size.vl.json",
+                   "tables_kernels.vl.json"}));
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("command"), "tables");
   EXPECT_EQ(report.at("provenance").at("board"), "recording");

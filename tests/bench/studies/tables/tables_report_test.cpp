@@ -1,12 +1,12 @@
-// Tables as Markdown, CSV and JSON.
+// Tables as a document and as report.json.
 #include "bench/studies/tables/tables_report.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <stdexcept>
 
+#include "bench/studies/tables/tables_rows.h"
 #include "tests/bench/studies/tables/made_up.h"
 
 namespace wobblebench::bench {
@@ -37,16 +37,36 @@ TEST(Tables, PowersAreFoundExactly) {
   EXPECT_NEAR(power_of({128, 256, 384, 512}, {13.2, 15.8, 35.0, 54.6}), 1.05, 0.1);
 }
 
-TEST(Tables, EveryLineOfTheCsvHasItsCells) {
-  std::istringstream lines(to_csv(results(), kRun));
-  std::string line;
-  std::getline(lines, line);
-  const auto commas = std::count(line.begin(), line.end(), ',');
-  int count = 0;
-  for (; std::getline(lines, line); ++count) {
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
+/// The cell of a row, by the key of its column.
+const Cell& cell(const Table& table, std::size_t row, const std::string& key) {
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.columns[i].key == key) return table.rows.at(row).at(i);
   }
-  EXPECT_EQ(count, 15 + 3);
+  throw std::logic_error("no column " + key);
+}
+
+TEST(Tables, EveryRowHasItsTimesAndTheSideThatWasRun) {
+  const Table rows = all_rows(results(), kRun);
+  ASSERT_EQ(rows.rows.size(), 15u + 3);
+  // Row 4 is 512^3 of Table II: with 37 frames and 3x3x3, plain takes 200 + 620 * 9 ms.
+  EXPECT_EQ(cell(rows, 4, "setting").text(), "512^3");
+  EXPECT_EQ(cell(rows, 4, "side").number(), 64);
+  EXPECT_DOUBLE_EQ(cell(rows, 4, "plain_ms").number(), 5780);
+  EXPECT_DOUBLE_EQ(cell(rows, 4, "plain_ms").high(), 1.03 * 5780);
+  EXPECT_DOUBLE_EQ(cell(rows, 4, "plain_ray_casting_ms").number(), 0.7 * 5780);
+  EXPECT_FALSE(cell(rows, 4, "fast_ray_ms").is_number());
+  EXPECT_TRUE(cell(rows, 8, "fast_ray_ms").is_number());
+  EXPECT_EQ(cell(rows, 15, "setting").text(), "one frame");
+  EXPECT_DOUBLE_EQ(cell(rows, 15, "fast_times_acquisition").number(), 13.3 / 1.25);
+}
+
+TEST(Tables, ChartsShowTheSidesThatWereRun) {
+  const auto figures = tables_figures(results(), kRun);
+  ASSERT_EQ(figures.size(), 2u);
+  const auto& chart = std::get<Chart>(figures[0].panels.at(1));
+  ASSERT_EQ(chart.series.size(), 3u);
+  EXPECT_EQ(chart.series[0].x, (std::vector<double>{16, 32, 48, 64}));
+  EXPECT_EQ(chart.x.ticks, (std::vector<double>{64, 48, 32, 16}));
 }
 
 TEST(Tables, TheReportHasTheNamesThatOthersRead) {
@@ -72,20 +92,20 @@ TEST(Tables, TheReportHasTheNamesThatOthersRead) {
   EXPECT_EQ(report.at("run").at("note"), "a note");
 }
 
-TEST(Tables, TheMarkdownSaysWhatWasRun) {
+TEST(Tables, TheDocumentSaysWhatWasRun) {
   Provenance provenance;
   provenance.gl_backend = "egl";
-  const auto markdown = to_markdown(results(), kRun, "A note.", provenance);
-  for (const char* text : {"REDUCED",
+  const auto text = markdown(tables_document(results(), kRun, "A note.", provenance));
+  for (const char* part : {"REDUCED",
                            "median of 1 (plain) and 2 (fast)",
-                           "### Table IV",
-                           "to the power",
-                           "### What arrives",
-                           "| fast | ray_casting | 9.00 | 30.0 |",
+                           "## Table IV",
+                           "to the power 1.05 (paper), 2.80 (plain), 1.40 (fast)",
+                           "## What arrives",
+                           "| fast | ray_casting | 9.00 | 30 |",
                            "| sampler2DArray rg16 linear | 300 | 900.00 | 9.00 |",
                            "A note.",
                            "GL: egl"}) {
-    EXPECT_NE(markdown.find(text), std::string::npos) << text;
+    EXPECT_NE(text.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(describe_run({.divisor = 1}).find("The paper's sizes."), 0u);
 }

@@ -39,30 +39,31 @@ TEST(Validation, WhatAStudyThrowsIsACheckThatFailed) {
   EXPECT_FALSE(report.checks.front().passed());
   EXPECT_EQ(report.checks.front().name, "broken.ran");
   EXPECT_EQ(failed_checks({report}), 1);
-  EXPECT_NE(validation_markdown({report}, {}, "").find("a\\nb"), std::string::npos);
+  EXPECT_NE(markdown(validation_document({report}, {})).find("a\\nb"), std::string::npos);
 }
 
 StudyReport example() {
   StudyReport report{"study", "A study", "What was done.", {}, {}, {}};
   report.checks = {check(Check::Kind::within, 1.05, 1, 0.1), check(Check::Kind::at_most, 3, 2, 0)};
   report.points = {{"a, b", "x_mm", 1.5, "y_db", -2, {}}, {"c", "x_mm", 2, "y_db", -3, 4.0}};
-  report.figures = {{"picture", "A caption.", Picture3(4, 4, Colour(1))}};
+  report.figures = {{"chart", "A caption.", {Chart{.title = "A chart"}}}};
   return report;
 }
 
-TEST(Validation, MarkdownNamesFailuresAndLinksFigures) {
-  const auto markdown = validation_markdown({example()}, {.commit = "abc"}, "figures/");
-  EXPECT_NE(markdown.find("2 checks, 1 passed, 1 failed"), std::string::npos) << markdown;
-  EXPECT_NE(markdown.find("](figures/validation_picture.png)"), std::string::npos);
-  EXPECT_NE(markdown.find("Commit abc"), std::string::npos);
-  EXPECT_NE(markdown.find("1.05 mm | 1 ± 0.1"), std::string::npos);
-  EXPECT_NE(markdown.find("**failed**"), std::string::npos);
-  EXPECT_NE(markdown.find("tests/yardstick"), std::string::npos);
-  EXPECT_NE(markdown.find("## Not modelled"), std::string::npos);
-}
-
-TEST(Validation, CsvHasEveryPoint) {
-  EXPECT_EQ(validation_csv({example()}),
+TEST(Validation, DocumentNamesFailuresAndHasEveryPoint) {
+  const auto document = validation_document({example()}, {.commit = "abc"});
+  const auto text = markdown(document);
+  for (const char* part : {"2 checks, 1 passed, 1 failed",
+                           "- `study.what`: 3 mm; expected",
+                           "](validation_chart.vl.json)",
+                           "Commit abc",
+                           "1.05 mm | 1 ± 0.1",
+                           "tests/yardstick",
+                           "## Not modelled"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+  }
+  ASSERT_EQ(document.data.size(), 1u);
+  EXPECT_EQ(csv(document.data.front().table),
             "study,series,x_name,x,y_name,y,expected\n"
             "study,\"a, b\",x_mm,1.5,y_db,-2,\n"
             "study,c,x_mm,2,y_db,-3,4\n");
@@ -84,7 +85,11 @@ TEST(ValidateCommand, WritesMarkdownPointsFiguresAndReport) {
       run_process(WOBBLEBENCH_PROGRAM, {"validate", "--study", "shear", "--json"}, folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.files("out"),
-            (Words{"report.json", "validation.csv", "validation.md", "validation_shear.png"}));
+            (Words{"report.html",
+                   "report.json",
+                   "validation.csv",
+                   "validation.md",
+                   "validation_shear.vl.json"}));
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("command"), "validate");
   EXPECT_EQ(report.at("checks").size(), 3u);

@@ -1,0 +1,333 @@
+#include "bench/studies/fit/fit_report.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/number_text.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+/// Larger ratios are rounding.
+constexpr double kMostRatio = 1000;
+
+/// A parameter's unit in reports, and its number in one SI unit.
+struct ShownUnit {
+  const char* name;
+  const char* unit;
+  double per_si;
+};
+
+/// By RegistrationParameter.
+constexpr ShownUnit kShown[kRegistrationParameters] = {
+    {"rotation x", "deg", 1 / kDegree},
+    {"rotation y", "deg", 1 / kDegree},
+    {"rotation z", "deg", 1 / kDegree},
+    {"translation x", "mm", 1e3},
+    {"translation y", "mm", 1e3},
+    {"translation z", "mm", 1e3},
+    {"speed of sound, true over assumed less 1", "%", 100},
+    {"bias along the ray", "mm", 1e3},
+    {"motor angle offset", "deg", 1 / kDegree},
+    {"wobble radius", "mm", 1e3}};
+
+double in_unit(int parameter, double value) {
+  return value * kShown[parameter].per_si;
+}
+
+std::string parameter_name(int parameter) {
+  return std::string(kShown[parameter].name) + ", " + kShown[parameter].unit;
+}
+
+const char* term_name(int term) {
+  return error_terms().at(static_cast<std::size_t>(term)).name;
+}
+
+Table parameters_table(const Registration& fit, const std::string& name) {
+  Table table{.name = name, .columns = {{"parameter"}, {"value", "value (95 % interval)", "", 3}}};
+  for (int i = 0; i < kRegistrationParameters; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    if (fit.low[slot] == fit.high[slot]) continue;  // held
+    table.add(
+        {parameter_name(i),
+         Cell::spread(
+             in_unit(i, fit.value[slot]), in_unit(i, fit.low[slot]), in_unit(i, fit.high[slot]))});
+  }
+  return table;
+}
+
+/// Parameters that the scene does not tell apart, or hardly.
+std::string weaknesses_of(const Registration& fit) {
+  std::string text;
+  for (const auto& [parameters, ratio] : fit.unseen) {
+    text += "- Not told apart by this scene:";
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      text.append(i > 0 ? ", " : " ").append(kShown[parameters[i]].name);
+    }
+    text += " (deviation of the combination from the data alone: " +
+            (ratio < kMostRatio ? fixed(ratio, 1) : std::string("more than 1000")) +
+            " times its prior's).\n";
+  }
+  for (const auto& [one, other] : fit.correlated) {
+    text += "- Correlated by " + fixed(fit.correlation(one, other), 3) + ": " + kShown[one].name +
+            " and " + kShown[other].name + ".\n";
+  }
+  return text;
+}
+
+void add_registration(const Registration& fit,
+                      const std::string& title,
+                      const std::string& name,
+                      Document& document) {
+  document.add(Heading{title});
+  document.add(Text{std::to_string(fit.points) + " points in " + std::to_string(fit.blocks) +
+                    " blocks of " + fixed(kErrorBlock_m / kMillimetre, 0) + " mm; RMS distance " +
+                    fixed(fit.rms_before_m / kMillimetre, 2) + " mm before, " +
+                    fixed(fit.rms_after_m / kMillimetre, 2) +
+                    " mm after. By blocks a variance is on average " +
+                    fixed(fit.variance_inflation, 1) + " times what it would be by points."});
+  document.add(parameters_table(fit, name));
+  const std::string weaknesses = weaknesses_of(fit);
+  if (!weaknesses.empty()) document.add(Text{weaknesses});
+}
+
+Table coverage_table(const Coverage& coverage) {
+  const std::string planted_seeds = " of " + std::to_string(coverage.seeds.size());
+  const std::string reference_seeds = " of " + std::to_string(coverage.reference.size());
+  Table table{
+      .name = "coverage",
+      .columns = {{"parameter"},
+                  {"planted", "", "", 3},
+                  {"mean_recovered", "recovered, mean", "", 3},
+                  {"standard_deviation", "deviation over seeds", "", 3},
+                  {"mean_half_width", "half width of the 95 % interval, mean", "", 3},
+                  {"covered", "in the interval," + planted_seeds},
+                  {"held_nothing", "nothing planted: 0 in the interval," + reference_seeds}}};
+  for (const PlantedParameter& row : coverage.parameters) {
+    const int p = row.parameter;
+    table.add({parameter_name(p),
+               in_unit(p, row.planted),
+               in_unit(p, row.mean),
+               in_unit(p, row.deviation),
+               in_unit(p, row.half_width),
+               row.covered,
+               row.held_nothing});
+  }
+  return table;
+}
+
+/// A row for each seed and parameter, in SI units.
+Table planted_table(const Coverage& coverage) {
+  Table table{.name = "planted",
+              .columns = {{"scan"}, {"seed"}, {"parameter"}, {"planted"}, {"value"}}};
+  const auto add = [&](const char* scan, const PlantedSeed& fitted, bool planted) {
+    for (const PlantedParameter& row : coverage.parameters) {
+      const auto slot = static_cast<std::size_t>(row.parameter);
+      table.add(
+          {scan,
+           fitted.seed,
+           registration_names()[slot],
+           planted ? row.planted : 0.0,
+           Cell::spread(fitted.fit.value[slot], fitted.fit.low[slot], fitted.fit.high[slot])});
+    }
+  };
+  for (const PlantedSeed& fitted : coverage.reference) add("reference", fitted, false);
+  for (const PlantedSeed& fitted : coverage.seeds) add("planted", fitted, true);
+  return table;
+}
+
+void add_coverage(const Coverage& coverage, Document& document) {
+  document.add(Heading{"Planted errors"});
+  document.add(Text{
+      "All four at once in the true probe of each of " + std::to_string(coverage.seeds.size()) +
+      " seeds, registered with the assumed one, the pose known. What is fitted is what differs, "
+      "pixel by pixel, from the mean of " +
+      std::to_string(coverage.reference.size()) +
+      " other seeds without planted errors: of their distances to the surface, " +
+      fixed(coverage.repeatable_rms_m / kMillimetre, 3) +
+      " mm (RMS) is the same in every seed and cancels, " +
+      fixed(coverage.random_rms_m / kMillimetre, 3) +
+      " mm is not. Nothing planted: each of those seeds against the mean of the others."});
+  document.add(coverage_table(coverage));
+  document.data.push_back({"fit_coverage.csv", planted_table(coverage)});
+}
+
+template <std::size_t N>
+void add_terms(const char* part,
+               const std::array<FittedTerm, N>& terms,
+               const std::array<TermDescription, N>& descriptions,
+               Table& table) {
+  for (std::size_t i = 0; i < N; ++i) {
+    const FittedTerm& term = terms[i];
+    table.add({part,
+               descriptions[i].name,
+               descriptions[i].unit,
+               term.fitted ? Cell::spread(term.value, term.low, term.high) : Cell(),
+               descriptions[i].meaning});
+  }
+}
+
+Table terms_table(const DetectionModel& model) {
+  Table table{
+      .name = "terms",
+      .caption =
+          "Terms of the bias and of the logarithm of the spread in mm; without a "
+          "value: not taken",
+      .columns = {
+          {"part"}, {"term"}, {"unit"}, {"value", "value (95 % interval)", "", 4}, {"meaning"}}};
+  add_terms("bias", model.bias, error_terms(), table);
+  add_terms("spread", model.spread, spread_term_descriptions(), table);
+  return table;
+}
+
+/// Means of the held-out residuals, a row for each bin.
+Table residuals_table(const ModelStudy& study) {
+  Table table{
+      .name = "residuals",
+      .columns = {
+          {"quantity"}, {"at"}, {"pixels"}, {"mean_error_before_mm"}, {"mean_error_after_mm"}}};
+  for (const ResidualBin& bin : study.bins) {
+    table.add({bin.quantity, bin.at, bin.pixels, bin.before_mm, bin.after_mm});
+  }
+  return table;
+}
+
+std::vector<Judgement> all_judgements(const ModelStudy& study) {
+  std::vector<Judgement> all = {study.training};
+  all.insert(all.end(), study.held_out.begin(), study.held_out.end());
+  all.push_back(study.all_held_out);
+  return all;
+}
+
+/// All that is known of each set of scans and rung.
+Table judgements_table(const std::vector<Judgement>& judgements) {
+  Table table{.name = "held_out",
+              .columns = {{"scans"}, {"held_out", "held out"}, {"rung"}, {"pixels"}}};
+  for (const JudgementColumn& of : judgement_columns()) table.columns.push_back(of.column);
+  for (const Judgement& judged : judgements) {
+    std::vector<Cell> row = {judged.name, judged.of, judged.rung, judged.pixels};
+    for (const JudgementColumn& of : judgement_columns()) row.emplace_back(of.figure(judged));
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+std::string choice_text(const TermChoice& choice) {
+  std::string text = "Terms taken by cross-validation over " + std::to_string(choice.folds) +
+                     " folds of the training scans (each set, and each phantom with several sets, "
+                     "held out in turn), with the mean square that is left, mean over folds:";
+  for (const ChosenTerm& chosen : choice.order) {
+    text.append(&chosen == &choice.order.front() ? " " : ", ");
+    text.append(error_terms().at(chosen.term).name).append(" ");
+    text.append(fixed(100 * chosen.left, 1)).append(" %");
+  }
+  return text + (choice.order.empty() ? " none; nothing is better than no correction." : ".");
+}
+
+std::string model_text(const ModelStudy& study) {
+  return "Mean and spread of the error along the pixel's ray, found less true, from " +
+         std::to_string(study.model.rows) + " pixels of " + std::to_string(study.training_scans) +
+         " scans; intervals by bootstrap of " + std::to_string(study.model.blocks) +
+         " blocks, one for all seeds at a place. Pixels more than " +
+         fixed(kOtherSurface_m / kMillimetre, 0) + " mm off show another surface and are left out.";
+}
+
+void add_model(const ModelStudy& study, Document& document) {
+  document.add(Heading{"Detection error"});
+  document.add(Text{model_text(study)}).add(Text{choice_text(study.choice)});
+  const Table terms = terms_table(study.model);
+  document.add(terms);
+  for (const auto& [one, other] : study.model.correlated) {
+    document.add(Text{std::string("Correlated by more than 0.95: ") + term_name(one) + " and " +
+                      term_name(other) + "."});
+  }
+  const Table judgements = judgements_table(all_judgements(study));
+  document.add(with_columns(judgements,
+                            {"scans",
+                             "rung",
+                             "pixels",
+                             "mean_before_mm",
+                             "mean_after_mm",
+                             "rms_before_mm",
+                             "rms_after_mm",
+                             "explained_variance",
+                             "reproducible_variance",
+                             "explained_of_reproducible",
+                             "within_one_spread_percent",
+                             "within_two_spreads_percent"}));
+  document.data.push_back({"fit_terms.csv", terms});
+  document.data.push_back({"fit_held_out.csv", judgements});
+  document.data.push_back({"fit_residuals.csv", residuals_table(study)});
+  Table effects = with_columns(judgements_table(study.held_out),
+                               {"scans",
+                                "rung",
+                                "median_before_mm",
+                                "median_after_mm",
+                                "p95_before_mm",
+                                "p95_after_mm",
+                                "outside_rms_before_mm",
+                                "outside_rms_after_mm",
+                                "missed_percent",
+                                "false_percent"});
+  effects.name = "effects";
+  document.add(Heading{"Correction of held-out pictures"});
+  document.add(
+      Text{"Means over seeds; RMS outside the band at silhouettes; missed and false do not "
+           "change."});
+  document.add(std::move(effects));
+}
+
+}  // namespace
+
+const std::vector<JudgementColumn>& judgement_columns() {
+  using J = const Judgement&;
+  static const std::vector<JudgementColumn> columns = {
+      {{"other_surface_percent", "other surface", "%", 1},
+       [](J j) { return j.other_surface_percent; }},
+      {{"mean_before_mm", "mean error, found", "mm"}, [](J j) { return j.mean_before_mm; }},
+      {{"mean_after_mm", "mean error, corrected", "mm"}, [](J j) { return j.mean_after_mm; }},
+      {{"rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.rms_before_mm; }},
+      {{"rms_after_mm", "RMS, corrected", "mm"}, [](J j) { return j.rms_after_mm; }},
+      {{"explained_variance", "share of the variance explained", "", 3},
+       [](J j) { return j.explained_variance; }},
+      {{"removed_mean_square", "share of the mean square removed", "", 3},
+       [](J j) { return j.removed_mean_square; }},
+      {{"reproducible_variance", "the same in two seeds", "", 3},
+       [](J j) { return j.reproducible_variance; }},
+      {{"within_one_spread_percent", "within one spread (normal: 68.3)", "%", 1},
+       [](J j) { return j.within_one_percent; }},
+      {{"within_two_spreads_percent", "within two (95.4)", "%", 1},
+       [](J j) { return j.within_two_percent; }},
+      {{"explained_of_reproducible", "explained of that", "", 3},
+       [](J j) { return j.explained_of_reproducible(); }},
+      {{"median_before_mm", "median, found", "mm"}, [](J j) { return j.found.median_mm; }},
+      {{"median_after_mm", "median, corrected", "mm"}, [](J j) { return j.corrected.median_mm; }},
+      {{"p95_before_mm", "P95, found", "mm"}, [](J j) { return j.found.p95_mm; }},
+      {{"p95_after_mm", "P95, corrected", "mm"}, [](J j) { return j.corrected.p95_mm; }},
+      {{"outside_rms_before_mm", "RMS, found", "mm"}, [](J j) { return j.found.outside_rms_mm; }},
+      {{"outside_rms_after_mm", "RMS, corrected", "mm"},
+       [](J j) { return j.corrected.outside_rms_mm; }},
+      {{"missed_percent", "missed", "%"}, [](J j) { return j.found.missed_percent; }},
+      {{"false_percent", "false", "%"}, [](J j) { return j.found.false_percent; }}};
+  return columns;
+}
+
+Document fit_document(const FitResults& results, const Provenance& provenance) {
+  Document document{.title = "Fit", .name = "fit"};
+  document.add(Text{"Made by `wobblebench fit`. Commit " + provenance.commit + ", " +
+                    provenance.cpu + ", " + provenance.gl_renderer + "."});
+  add_registration(results.known_pose, "Registration, the pose known", "known_pose", document);
+  add_registration(results.nothing_known, "Registration, nothing known", "nothing_known", document);
+  if (results.coverage) add_coverage(*results.coverage, document);
+  add_model(results.model, document);
+  document.add(
+      Text{"`correction.json` holds the model; `run --set render.correction=FILE` applies it."});
+  for (const Figure& figure : fit_figures(results.model)) document.add(figure);
+  for (const ResidualPicture& picture : results.model.pictures) {
+    document.add(Picture{residuals_file(picture), residuals_caption(picture)});
+  }
+  return document;
+}
+
+}  // namespace wobblebench::bench
