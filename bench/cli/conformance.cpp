@@ -62,56 +62,60 @@ std::vector<const SuiteRun*> bare_runs(const ConformanceFindings& findings) {
   return bare;
 }
 
+std::string outcome_text(const CheckOutcome& outcome) {
+  switch (outcome.kind) {
+    case CheckOutcome::Kind::passed:
+      return "passed";
+    case CheckOutcome::Kind::failed:
+      return "FAILED: " + outcome.detail;
+    case CheckOutcome::Kind::skipped:
+      break;
+  }
+  return "skipped: " + outcome.detail;
+}
+
 /// A row for each check, a column for each board.
-void check_table(std::ostream& text, const std::vector<const SuiteRun*>& runs) {
-  text << "| check | rule |";
-  for (const SuiteRun* run : runs) text << " `" << run->board << "` |";
-  text << "\n| --- | --- |";
-  for (std::size_t i = 0; i < runs.size(); ++i) text << " --- |";
-  text << "\n";
+Table check_table(const std::vector<const SuiteRun*>& runs) {
+  Table table{.name = "checks", .columns = {{"check"}, {"rule"}}};
+  for (const SuiteRun* run : runs) table.columns.push_back({run->board});
   for (std::size_t row = 0; row < runs.front()->outcomes.size(); ++row) {
     const CheckOutcome& first = runs.front()->outcomes[row];
-    text << "| `" << first.name << "` | " << first.rule << " |";
-    for (const SuiteRun* run : runs) {
-      const CheckOutcome& outcome = run->outcomes[row];
-      text << (outcome.kind == CheckOutcome::Kind::passed   ? " passed"
-               : outcome.kind == CheckOutcome::Kind::failed ? " **FAILED**: " + outcome.detail
-                                                            : " skipped: " + outcome.detail)
-           << " |";
-    }
-    text << "\n";
+    std::vector<Cell> cells = {Cell::code(first.name), first.rule};
+    for (const SuiteRun* run : runs) cells.emplace_back(outcome_text(run->outcomes[row]));
+    table.add(std::move(cells));
   }
+  return table;
 }
 
 /// A row for each fault, a column for each board: passed, failed and skipped checks.
-void fault_table(std::ostream& text, const ConformanceFindings& findings) {
-  const auto bare = bare_runs(findings);
-  text << "\n## With each fault\n\nChecks that passed, failed and were skipped; what each skip "
-          "waits for stands in the report.\n\n| faults |";
-  for (const SuiteRun* run : bare) text << " `" << run->board << "` |";
-  text << "\n| --- |";
-  for (std::size_t i = 0; i < bare.size(); ++i) text << " ---: |";
-  text << "\n";
+Table fault_table(const ConformanceFindings& findings) {
+  Table table{.name = "faults", .columns = {{"faults"}}};
+  for (const SuiteRun* run : bare_runs(findings)) table.columns.push_back({run->board});
   for (const std::string& faults : each_fault()) {
-    text << "| `" << faults << "` |";
+    std::vector<Cell> cells = {Cell::code(faults)};
     for (const SuiteRun& run : findings.runs) {
       if (run.faults != faults) continue;
-      text << " " << count(run.outcomes, CheckOutcome::Kind::passed) << " / "
-           << count(run.outcomes, CheckOutcome::Kind::failed) << " / "
-           << count(run.outcomes, CheckOutcome::Kind::skipped) << " |";
+      const auto number = [&](CheckOutcome::Kind kind) {
+        return std::to_string(count(run.outcomes, kind));
+      };
+      cells.emplace_back(number(CheckOutcome::Kind::passed) + " / " +
+                         number(CheckOutcome::Kind::failed) + " / " +
+                         number(CheckOutcome::Kind::skipped));
     }
-    text << "\n";
+    table.add(std::move(cells));
   }
+  return table;
 }
 
-void defect_table(std::ostream& text, const std::vector<DefectOutcome>& defects) {
-  text
-      << "\n## Deliberately broken boards\n\nEach is broken in one way, and the check meant for it "
-         "has to fail.\n\n| check | what is wrong | what the check saw |\n| --- | --- | --- |\n";
+Table defect_table(const std::vector<DefectOutcome>& defects) {
+  Table table{.name = "defects",
+              .columns = {{"check"}, {"what", "what is wrong"}, {"saw", "what the check saw"}}};
   for (const DefectOutcome& defect : defects) {
-    text << "| `" << defect.defect.check << "` | " << defect.defect.what << " | "
-         << (defect.detected() ? "" : "**MISSED** ") << defect.outcome.detail << " |\n";
+    table.add({Cell::code(defect.defect.check),
+               defect.defect.what,
+               (defect.detected() ? "" : "MISSED ") + defect.outcome.detail});
   }
+  return table;
 }
 
 /// What a check saw may differ between two equal runs; its outcome does not.
@@ -143,19 +147,27 @@ std::string conformance_report(const ConformanceFindings& findings,
   return report_text(report);
 }
 
-/// Markdown: checks against boards, then faults against boards, then the seeded defects.
-std::string conformance_markdown(const ConformanceFindings& findings,
-                                 const Provenance& provenance) {
-  std::ostringstream text;
-  text
-      << "# Conformance\n\nWritten by `wobblebench conformance`. CPU: " << provenance.cpu << ", "
-      << provenance.threads << " threads. Commit: " << provenance.commit
-      << ". Each check opens the board anew. No card was there: `stand-in` behaves like its driver "
-         "(hw/emulator), `fifo-stand-in` is a FIFO.\n\n";
-  check_table(text, bare_runs(findings));
-  if (bare_runs(findings).size() < findings.runs.size()) fault_table(text, findings);
-  if (!findings.defects.empty()) defect_table(text, findings.defects);
-  return text.str();
+/// Checks against boards, then faults against boards, then the seeded defects.
+Document conformance_document(const ConformanceFindings& findings, const Provenance& provenance) {
+  Document document{.title = "Conformance", .name = "conformance"};
+  document
+      .add(Text{"Written by `wobblebench conformance`. CPU: " + provenance.cpu + ", " +
+                std::to_string(provenance.threads) + " threads. Commit: " + provenance.commit +
+                ". Each check opens the board anew. No card was there: `stand-in` behaves like its "
+                "driver (hw/emulator), `fifo-stand-in` is a FIFO."})
+      .add(check_table(bare_runs(findings)));
+  if (bare_runs(findings).size() < findings.runs.size()) {
+    document.add(Heading{"With each fault"})
+        .add(Text{"Checks that passed, failed and were skipped; what each skip waits for stands in "
+                  "the report."})
+        .add(fault_table(findings));
+  }
+  if (!findings.defects.empty()) {
+    document.add(Heading{"Deliberately broken boards"})
+        .add(Text{"Each is broken in one way, and the check meant for it has to fail."})
+        .add(defect_table(findings.defects));
+  }
+  return document;
 }
 
 /// A line a check, for a terminal.
@@ -238,7 +250,7 @@ std::vector<BoardArguments> boards_of(const Arguments& arguments) {
 int check_boards(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const std::vector<BoardArguments> boards = boards_of(arguments);
-  const auto work = [&](OutputFolder& out, Progress& progress) {
+  const auto work = [&](OutputFolder&, Progress& progress) {
     ConformanceFindings findings;
     for (const BoardArguments& board : boards) {
       const auto runs = check_board(board, scene, arguments.each_fault, progress);
@@ -248,10 +260,10 @@ int check_boards(const Arguments& arguments) {
       findings.defects =
           progress.step(kBroken, [](const PartDone& done) { return check_defects(done); });
     }
-    out.write_text("conformance.md", conformance_markdown(findings, provenance_of_this_machine()));
-    return CommandResult{conformance_report(findings, scene, progress.steps()),
-                         conformance_summary(findings),
-                         findings.passed() ? kDone : kFailed};
+    return CommandResult{.report = conformance_report(findings, scene, progress.steps()),
+                         .summary = conformance_summary(findings),
+                         .exit_code = findings.passed() ? kDone : kFailed,
+                         .document = conformance_document(findings, provenance_of_this_machine())};
   };
   return run_in_folder(arguments.output, planned_steps(boards, arguments), work);
 }

@@ -63,11 +63,15 @@ Json material_json(const phantoms::Material& material) {
 }
 
 /// Those of the material table that occur in the phantom.
-Json materials_json(const phantoms::Phantom& phantom) {
+std::set<phantoms::MaterialIndex> used_materials(const phantoms::Phantom& phantom) {
   std::set<phantoms::MaterialIndex> used = {phantom.background()};
   for (const auto& surface : phantom.surfaces()) used.insert(surface.inside);
+  return used;
+}
+
+Json materials_json(const phantoms::Phantom& phantom) {
   Json rows = Json::array();
-  for (const auto row : used) {
+  for (const auto row : used_materials(phantom)) {
     rows.push_back(material_json(phantom.materials().at(static_cast<std::size_t>(row))));
   }
   return rows;
@@ -180,6 +184,59 @@ std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesys
   return text.str();
 }
 
+Table surface_table(const phantoms::Phantom& phantom) {
+  Table table{.name = "surfaces",
+              .caption = "Surfaces and the grids that hold them",
+              .columns = {{"name", "surface"},
+                          {"inside"},
+                          {"target"},
+                          {"voxel_mm", "voxel", "mm", 3},
+                          {"voxels"},
+                          {"memory_mb", "memory", "MB"}}};
+  for (std::size_t i = 0; i < phantom.surfaces().size(); ++i) {
+    const auto& surface = phantom.surfaces()[i];
+    const auto grid = phantoms::grid_memory(phantom, i);
+    table.add({surface.name,
+               material_name(phantom, surface.inside),
+               surface.is_target ? "yes" : "no",
+               in_mm(grid.voxel_m),
+               grid.voxels,
+               in_mb(grid.bytes)});
+  }
+  return table;
+}
+
+Table material_table(const phantoms::Phantom& phantom) {
+  Table table{.name = "materials",
+              .caption = "Materials",
+              .columns = {{"name", "material"},
+                          {"sound_speed_m_s", "speed of sound", "m/s", 0},
+                          {"impedance_mrayl", "impedance", "MRayl", 3},
+                          {"attenuation_db_per_cm_mhz", "attenuation", "dB/cm/MHz"},
+                          {"backscatter_db", "backscatter", "dB", 1},
+                          {"roughness"},
+                          {"source"}}};
+  for (const auto index : used_materials(phantom)) {
+    const auto& material = phantom.materials().at(static_cast<std::size_t>(index));
+    table.add({material.name,
+               material.sound_speed_m_s,
+               material.impedance_rayl / 1e6,
+               material.attenuation_db_per_cm_mhz,
+               material.backscatter_db,
+               material.roughness,
+               material.source});
+  }
+  return table;
+}
+
+Document phantom_document(const phantoms::Phantom& phantom, const std::string& summary) {
+  Document document{.title = "Phantom " + phantom.name()};
+  document.add(surface_table(phantom))
+      .add(material_table(phantom))
+      .add(Listing{"Summary", summary});
+  return document;
+}
+
 struct Arguments {
   SceneArguments scene;
   CacheArguments cache;
@@ -208,8 +265,10 @@ int write_phantom(const Arguments& arguments) {
         PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
         const auto phantom = progress.step("phantom", [&] { return cache.phantom(scene.phantom); });
         progress.step("write", [&] { phantoms::write_phantom(phantom, out.stage("phantom.vdb")); });
-        return CommandResult{phantom_report(phantom, placed_scene(scene, phantom)),
-                             phantom_summary(phantom, out.directory() / "phantom.vdb")};
+        const std::string summary = phantom_summary(phantom, out.directory() / "phantom.vdb");
+        return CommandResult{.report = phantom_report(phantom, placed_scene(scene, phantom)),
+                             .summary = summary,
+                             .document = phantom_document(phantom, summary)};
       });
 }
 

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "base/number_text.h"
 #include "base/text.h"
@@ -185,6 +186,38 @@ std::string record_summary(const RecordResult& result, const std::filesystem::pa
   return text.str();
 }
 
+Document record_document(const RecordResult& result) {
+  const hw::RecordingProgress& progress = result.progress;
+  const hw::BoardAccount& account = progress.account;
+  const hw::DisplayScale& scale = progress.configuration.value().display_scale;
+  Table table{.name = "account", .columns = {{"what"}, {"value"}}};
+  const auto add = [&](const char* what, const Cell& value) { table.add({what, value}); };
+  add("volumes", progress.volumes);
+  add("bytes", progress.bytes);
+  add("sticks emitted", account.emitted);
+  add("sticks delivered", account.delivered);
+  add("lost: ring_full", account.lost.ring_full);
+  add("lost: link", account.lost.link);
+  add("lost: corrupt", account.lost.corrupt);
+  add("lost: out_of_order", account.lost.out_of_order);
+  add("duplicates", account.duplicates);
+  add("damaged places", progress.damage.regions);
+  add("bytes skipped", progress.damage.bytes_skipped);
+  Document document{.title = "Recording"};
+  document
+      .add(Text{"`" + std::string(kRecordingName) + "`" +
+                (result.with_iq ? " with IQ samples, `" + std::string(kIqName) + "`" : "") +
+                "; ended because: " + to_string(result.end) +
+                ". Sticks from: " + std::string(hw::to_string(result.link.origin)) +
+                ". Display: " + display_scale_text(scale) + "."})
+      .add(std::move(table));
+  if (result.fidelity) {
+    document.add(Text{"Rung " + sim::to_string(result.fidelity->rung) + ": " +
+                      result.fidelity->reason + "."});
+  }
+  return document;
+}
+
 struct Arguments {
   SceneArguments scene;
   CacheArguments cache;
@@ -348,11 +381,12 @@ CommandResult record_to(OutputFolder& out,
   const std::string report = record_report(result, scene);
   // The other commands write their report.json into any folder.
   out.write_text(kReportName, report);
-  return {report,
-          record_summary(result, out.directory()),
-          failure.empty() ? kDone : kFailed,
-          failure,
-          AdoptedFile{partial, kRecordingName, "the recording"}};
+  return {.report = report,
+          .summary = record_summary(result, out.directory()),
+          .exit_code = failure.empty() ? kDone : kFailed,
+          .failure = failure,
+          .adopted = AdoptedFile{partial, kRecordingName, "the recording"},
+          .document = record_document(result)};
 }
 
 int record_board(const Arguments& arguments) {

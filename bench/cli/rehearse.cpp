@@ -1,11 +1,13 @@
 // The path from probe to volume under seeded faults, in virtual time.
 #include <cstdint>
+#include <initializer_list>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "bench/board_checks/fault_simulation/fault_simulation.h"
 #include "bench/cli/board_report.h"
@@ -86,6 +88,46 @@ std::string fault_simulation_summary(const SeedRangeResult& all) {
   return text.str();
 }
 
+Table failure_table(const SeedRangeResult& all) {
+  Table table{.name = "failures", .columns = {{"seed"}, {"rule"}, {"replay"}}};
+  for (const auto& failed : all.failed) {
+    table.add(
+        {std::to_string(failed.seed), failed.failure, Cell::code(replay_command(failed.seed))});
+  }
+  return table;
+}
+
+/// Without a name: what was rehearsed has no file beside report.json and the page.
+Document fault_simulation_document(const SeedRangeResult& all) {
+  const auto& lost = all.account.lost;
+  Table counts{
+      .name = "counts",
+      .caption = "Seeds " + std::to_string(all.first_seed) + " to " +
+                 std::to_string(all.first_seed + static_cast<std::uint64_t>(all.seeds) - 1),
+      .columns = {{"what"}, {"value", "value", "", 1}}};
+  const std::initializer_list<std::pair<const char*, Cell>> rows = {
+      {"steps", all.steps},
+      {"sticks", all.sticks},
+      {"sticks emitted", all.account.emitted},
+      {"sticks delivered", all.account.delivered},
+      {"lost: ring_full", lost.ring_full},
+      {"lost: link", lost.link},
+      {"lost: corrupt", lost.corrupt},
+      {"lost: out_of_order", lost.out_of_order},
+      {"bytes recorded, killed anywhere", all.bytes_recorded},
+      {"sticks salvaged", all.sticks_salvaged},
+      {"device time, s", all.device_time_s},
+      {"wall time, s", all.wall_s},
+      {"times real time", all.device_time_s / all.wall_s},
+      {"times the sticks' own acquisition", all.acquired_s / all.wall_s},
+      {"failures", all.failed.size()}};
+  for (const auto& [what, value] : rows) counts.add({what, value});
+  Document document{.title = "Rehearsal of faults in virtual time"};
+  document.add(Text{"Hash of every event: `" + hex(all.hash) + "`."}).add(std::move(counts));
+  if (!all.failed.empty()) document.add(Heading{"Failures"}).add(failure_table(all));
+  return document;
+}
+
 struct Arguments {
   OutputArguments output;
   int seeds = 1000;
@@ -106,9 +148,10 @@ int simulate(const Arguments& arguments) {
     const SeedRangeResult all = progress.step("rehearse", [&](const PartDone& done) {
       return simulate_seeds(arguments.first_seed, arguments.seeds, done);
     });
-    return CommandResult{fault_simulation_report(all),
-                         fault_simulation_summary(all),
-                         all.failed.empty() ? kDone : kFailed};
+    return CommandResult{.report = fault_simulation_report(all),
+                         .summary = fault_simulation_summary(all),
+                         .exit_code = all.failed.empty() ? kDone : kFailed,
+                         .document = fault_simulation_document(all)};
   });
 }
 

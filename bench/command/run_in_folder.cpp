@@ -49,6 +49,12 @@ int run_in_folder(const OutputArguments& output,
   OutputFolder out(output.folder);
   Progress progress(steps);
   CommandResult result = work(out, progress);
+  if (result.report.empty()) {
+    // There is no report to say it.
+    progress.warn(progress.machine_use().warning());
+    std::cout << result.summary;
+    return result.exit_code;
+  }
   result.report = finished_report(result.report, progress);
   if (result.document.title.empty()) {
     result.document = {.title = "wobblebench", .blocks = {Listing{"Summary", result.summary}}};

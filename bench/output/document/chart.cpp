@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -65,6 +66,12 @@ std::vector<std::string> keys_of(const std::vector<Series>& all) {
   return keys;
 }
 
+/// Of the whole number next to `value`.
+std::string name_at(const std::vector<std::string>& names, double value) {
+  const long index = std::lround(value);
+  return index < 0 || index >= std::ssize(names) ? "" : names[static_cast<std::size_t>(index)];
+}
+
 Json point_json(const Chart& chart, const Series& series, const std::string& key, std::size_t i) {
   Json point = {{"series", key},
                 {"i", i},
@@ -76,6 +83,7 @@ Json point_json(const Chart& chart, const Series& series, const std::string& key
   }
   if (!series.ids.empty()) point["id"] = series.ids.at(i);
   if (!series.notes.empty()) point["note"] = series.notes.at(i);
+  if (!chart.x.names.empty()) point["at"] = name_at(chart.x.names, series.x[i]);
   return point;
 }
 
@@ -94,7 +102,18 @@ Json points_of(const Chart& chart, const Wanted& wanted) {
   return points;
 }
 
+/// Room for the names 0 to n - 1.
+Json names_scale_json(const Axis& axis) {
+  constexpr double kMargin = 0.6;
+  const double last = static_cast<double>(axis.names.size()) - 1;
+  return {{"type", "linear"},
+          {"zero", false},
+          {"nice", false},
+          {"domain", Json::array({-kMargin, last + kMargin})}};
+}
+
 Json scale_json(const Axis& axis) {
+  if (!axis.names.empty()) return names_scale_json(axis);
   Json scale = {{"type", axis.scale == Scale::logarithmic ? "log" : "linear"}, {"zero", false}};
   if (axis.scale == Scale::logarithmic) scale.erase("zero");
   if (axis.low) scale["domainMin"] = *axis.low;
@@ -103,9 +122,23 @@ Json scale_json(const Axis& axis) {
   return scale;
 }
 
+/// Long names stand aslant below a horizontal axis.
+Json names_axis_json(const std::vector<std::string>& names) {
+  constexpr int kDegrees = -30;
+  Json numbers = Json::array();
+  for (std::size_t i = 0; i < names.size(); ++i) numbers.push_back(i);
+  return {{"values", numbers},
+          {"labelExpr", Json(names).dump() + "[datum.value]"},
+          {"labelAngle", kDegrees},
+          {"labelOverlap", false},
+          {"labelLimit", 0},
+          {"grid", false}};
+}
+
 Json position_json(const char* field, const Axis& axis) {
   Json look = Json::object();
   if (!axis.ticks.empty()) look["values"] = axis.ticks;
+  if (!axis.names.empty()) look = names_axis_json(axis.names);
   return {{"field", field},
           {"type", "quantitative"},
           {"title", axis.label},
@@ -165,8 +198,9 @@ Json tooltip(const Chart& chart) {
   const auto any = [&](const auto& has) {
     return std::any_of(chart.series.begin(), chart.series.end(), has);
   };
+  const bool named = !chart.x.names.empty();
   Json fields = Json::array({tooltip_field("series", "series", false),
-                             tooltip_field("x", chart.x.label, true),
+                             tooltip_field(named ? "at" : "x", chart.x.label, !named),
                              tooltip_field("y", chart.y.label, true)});
   if (any([](const Series& series) { return !series.low.empty(); })) {
     fields.push_back(tooltip_field("low", "from", true));
@@ -322,7 +356,7 @@ Json panel_json(const BarChart& chart, int width, int /*height*/, const std::str
                      {"type", "nominal"},
                      {"title", nullptr},
                      {"scale", {{"domain", names}, {"range", colours}}},
-                     {"legend", {{"labelLimit", 0}}}};
+                     {"legend", {{"labelLimit", 0}, {"orient", "bottom"}, {"columns", 3}}}};
   return {{"title", chart.title},
           {"width", width},
           {"height", {{"step", 28}}},
@@ -369,7 +403,8 @@ Json specification(const Figure& figure) {
     panels.push_back(std::visit(
         [&](const auto& chart) { return panel_json(chart, kWidth, kHeight, selection); }, panel));
   }
-  Json all = {{"hconcat", panels}};
+  constexpr int kColumns = 2;
+  Json all = {{"concat", panels}, {"columns", kColumns}};
   all["resolve"]["scale"] = {
       {"color", "independent"}, {"shape", "independent"}, {"strokeDash", "independent"}};
   return with_schema(all);

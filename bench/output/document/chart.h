@@ -21,6 +21,8 @@ struct Axis {
   std::optional<double> low = {};
   std::optional<double> high = {};
   std::vector<double> ticks = {};  ///< round numbers unless given
+  /// Names shown at 0, 1, … in place of numbers, as of settings.
+  std::vector<std::string> names = {};
 };
 
 /// One line or one kind of mark. A value that is not finite, or not positive on a logarithmic axis,
@@ -82,7 +84,7 @@ struct BarChart {
   std::vector<BarPart> parts = {};
 };
 
-/// Charts side by side under one caption; on a narrow page, one below the other.
+/// Charts under one caption, two in a row; on a narrow page, one below the other.
 struct Figure {
   std::string name;     ///< of [a-z0-9_]: of its file, without prefix and extension
   std::string caption;  ///< one sentence
@@ -93,7 +95,7 @@ struct Figure {
 /// "nothing to show".
 nlohmann::ordered_json specification(const Chart& chart);
 nlohmann::ordered_json specification(const BarChart& chart);
-/// All panels, one beside the other.
+/// All panels.
 nlohmann::ordered_json specification(const Figure& figure);
 
 }  // namespace wobblebench::bench

@@ -54,6 +54,11 @@ std::string significant_text(double value, int digits) {
   return is_whole ? fixed(value, 0) : significant(value, digits);
 }
 
+std::string csv_cell(const Cell& cell) {
+  if (!cell.is_number()) return csv_field(cell.text());
+  return cell.is_whole() ? fixed(cell.number(), 0) : csv_number(cell.number());
+}
+
 nlohmann::ordered_json json_of(const Cell& cell) {
   if (!cell.text().empty()) return cell.text();
   if (!cell.is_number()) return nullptr;
@@ -179,7 +184,7 @@ std::string csv(const Table& table) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Cell& cell = row[i];
       if (i > 0) text += ",";
-      text += cell.is_number() ? csv_number(cell.number()) : csv_field(cell.text());
+      text += csv_cell(cell);
       if (!ranged[i]) continue;
       text.append(",").append(csv_number(cell.low())).append(",").append(csv_number(cell.high()));
     }

@@ -111,17 +111,16 @@ CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
         scenes, context, cache, done, [&](const std::string& what) { progress.note(what); });
   });
   const Provenance provenance = provenance_of_simulation(context, results.seeds.front());
-  const std::string markdown = accuracy_markdown(results, provenance);
   progress.step("write", [&] {
-    out.write_text("accuracy.csv", accuracy_csv(results));
-    out.write_text("accuracy.md", markdown);
     write_png(out.stage(kAccuracySheet), accuracy_sheet(results));
     for (const AccuracyPicture& picture : results.pictures) {
       write_png(out.stage(accuracy_picture_file(picture)), picture.surface, Values::light);
     }
   });
+  const Document document = accuracy_document(results, provenance);
   return {.report = report_text(report_of(results, scenes, provenance, progress.times())),
-          .summary = markdown};
+          .summary = markdown(document),
+          .document = document};
 }
 
 int accuracy(const Arguments& arguments) {

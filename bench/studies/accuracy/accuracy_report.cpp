@@ -1,15 +1,12 @@
 #include "bench/studies/accuracy/accuracy_report.h"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <utility>
 
-#include "base/number_text.h"
 #include "base/units.h"
-#include "bench/output/image_io.h"
-#include "bench/output/picture/canvas.h"
 #include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
@@ -48,37 +45,40 @@ Json render_times_json(const AccuracyResults& results) {
   return list;
 }
 
-/// A column: which measure, its heading, and its digits after the decimal point.
-struct Column {
-  std::string measure;
-  std::string heading;
-  int digits;
-};
-
+/// Of whole pictures; the keys are names of measures.
 const std::vector<Column>& picture_columns() {
-  static const std::vector<Column> columns = {{"median_mm", "median, mm", 2},
-                                              {"rms_mm", "RMS, mm", 2},
-                                              {"p95_mm", "P95, mm", 2},
-                                              {"missed_percent", "missed, %", 2},
-                                              {"missed_surface_percent", "of the surface, %", 2},
-                                              {"false_percent", "false, %", 2},
-                                              {"false_surface_percent", "of what is found, %", 2},
-                                              {"normal_median_deg", "normal, median, deg", 1},
-                                              {"distance_mean_mm", "distance, mean, mm", 2},
-                                              {"hausdorff95_mm", "Hausdorff 95, mm", 2},
-                                              {"ssim", "SSIM", 3}};
+  static const std::vector<Column> columns = {{"median_mm", "median", "mm"},
+                                              {"rms_mm", "RMS", "mm"},
+                                              {"p95_mm", "P95", "mm"},
+                                              {"missed_percent", "missed", "%"},
+                                              {"missed_surface_percent", "of the surface", "%"},
+                                              {"false_percent", "false", "%"},
+                                              {"false_surface_percent", "of what is found", "%"},
+                                              {"normal_median_deg", "normal, median", "deg", 1},
+                                              {"distance_mean_mm", "distance, mean", "mm"},
+                                              {"hausdorff95_mm", "Hausdorff 95", "mm"},
+                                              {"ssim", "SSIM", "", 3}};
   return columns;
 }
 
 const std::vector<Column>& region_columns() {
-  static const std::vector<Column> columns = {{"surface_percent", "of the picture, %", 1},
-                                              {"median_mm", "median, mm", 2},
-                                              {"rms_mm", "RMS, mm", 2},
-                                              {"p95_mm", "P95, mm", 2},
-                                              {"missed_percent", "missed, %", 2},
-                                              {"missed_surface_percent", "of the surface, %", 2},
-                                              {"false_percent", "false, %", 2},
-                                              {"normal_median_deg", "normal, median, deg", 1}};
+  static const std::vector<Column> columns = {{"surface_percent", "of the picture", "%", 1},
+                                              {"median_mm", "median", "mm"},
+                                              {"rms_mm", "RMS", "mm"},
+                                              {"p95_mm", "P95", "mm"},
+                                              {"missed_percent", "missed", "%"},
+                                              {"missed_surface_percent", "of the surface", "%"},
+                                              {"false_percent", "false", "%"},
+                                              {"normal_median_deg", "normal, median", "deg", 1}};
+  return columns;
+}
+
+std::vector<Column> name_columns() {
+  return {{"scene"}, {"rung"}, {"setting"}};
+}
+
+std::vector<Column> joined(std::vector<Column> columns, const std::vector<Column>& more) {
+  columns.insert(columns.end(), more.begin(), more.end());
   return columns;
 }
 
@@ -87,71 +87,74 @@ std::size_t index_of(const std::string& measure) {
   return static_cast<std::size_t>(std::find(names.begin(), names.end(), measure) - names.begin());
 }
 
-void write_heading(const std::vector<std::string>& first,
-                   const std::vector<Column>& columns,
-                   std::ostream& markdown) {
-  for (const std::string& name : first) markdown << "| " << name << " ";
-  for (const Column& column : columns) markdown << "| " << column.heading << " ";
-  markdown << "|\n";
-  for (std::size_t i = 0; i < first.size(); ++i) markdown << "| --- ";
-  for (std::size_t i = 0; i < columns.size(); ++i) markdown << "| ---: ";
-  markdown << "|\n";
+/// A summary's scene, rung and setting.
+std::vector<Cell> names_of(const AccuracySummary& s) {
+  return {s.scene, s.rung, s.setting};
 }
 
-template <class Text>
-void write_cells(const std::vector<MeanInterval>& intervals,
-                 const std::vector<Column>& columns,
-                 const Text& text,
-                 std::ostream& markdown) {
-  for (const Column& column : columns) {
-    markdown << "| " << text(intervals[index_of(column.measure)], column.digits) << " ";
-  }
-  markdown << "|\n";
+/// Appends a cell for each of the columns.
+void append(const std::vector<MeanInterval>& intervals,
+            const std::vector<Column>& columns,
+            Cell (*cell)(const MeanInterval&),
+            std::vector<Cell>& row) {
+  for (const Column& column : columns) row.push_back(cell(intervals[index_of(column.key)]));
 }
 
-void write_pictures(const AccuracyResults& results, std::ostream& markdown) {
-  markdown << "\n## Whole pictures\n\nms: of a new volume, all passes, each setting in turn for "
-              "each seed; and over that of the first setting, seed by seed.\n\n";
-  write_heading({"scene", "rung", "setting", "ms", "times the first"}, picture_columns(), markdown);
+/// Names a summary of a whole picture in charts and tables.
+std::string id_of(const AccuracySummary& s) {
+  return s.scene + "-" + s.rung + "-" + s.setting;
+}
+
+Table picture_table(const AccuracyResults& results) {
+  Table table{.name = "pictures",
+              .columns = joined(
+                  joined(name_columns(),
+                         {{"render_ms", "time", "ms", 0}, {"times_the_first", "times the first"}}),
+                  picture_columns())};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture") continue;
-    markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " | "
-             << interval_text(s.render_ms, 0) << " | " << interval_text(s.render_ratio, 2) << " ";
-    write_cells(s.means, picture_columns(), interval_text, markdown);
+    std::vector<Cell> row = names_of(s);
+    row.push_back(interval_cell(s.render_ms));
+    row.push_back(interval_cell(s.render_ratio));
+    append(s.means, picture_columns(), interval_cell, row);
+    table.add(std::move(row), id_of(s));
   }
+  return table;
 }
 
-void write_differences(const AccuracyResults& results, std::ostream& markdown) {
-  const bool compared = std::any_of(results.summaries.begin(),
-                                    results.summaries.end(),
-                                    [](const auto& s) { return !s.differences.empty(); });
-  if (!compared) return;
-  markdown << "\n## Differences to " << results.rows.front().setting
-           << "\n\nOf the same seeds, pair by pair. In brackets: no larger than its interval.\n\n";
-  write_heading({"scene", "rung", "setting"}, picture_columns(), markdown);
+Table difference_table(const AccuracyResults& results) {
+  Table table{.name = "differences", .columns = joined(name_columns(), picture_columns())};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture" || s.differences.empty()) continue;
-    markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " ";
-    write_cells(s.differences, picture_columns(), difference_text, markdown);
+    std::vector<Cell> row = names_of(s);
+    append(s.differences, picture_columns(), difference_cell, row);
+    table.add(std::move(row), id_of(s));
   }
+  return table;
 }
 
-void write_regions(const AccuracyResults& results,
-                   const std::string& group,
-                   const std::string& title,
-                   std::ostream& markdown) {
-  const bool any = std::any_of(results.summaries.begin(),
-                               results.summaries.end(),
-                               [&](const auto& s) { return s.group == group; });
-  if (!any) return;
-  markdown << "\n## " << title << "\n\n";
-  write_heading({"scene", "rung", "setting", group}, region_columns(), markdown);
+void add_differences(const AccuracyResults& results, Document& document) {
+  Table table = difference_table(results);
+  if (table.rows.empty()) return;
+  document.add(Heading{"Differences to " + results.rows.front().setting})
+      .add(Text{"Of the same seeds, pair by pair. In brackets: no larger than its interval."})
+      .add(std::move(table));
+}
+
+void add_regions(const AccuracyResults& results,
+                 const std::string& group,
+                 const std::string& title,
+                 Document& document) {
+  Table table{.name = group,
+              .columns = joined(joined(name_columns(), {{group}}), region_columns())};
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != group) continue;
-    markdown << "| " << s.scene << " | " << s.rung << " | " << s.setting << " | " << s.region
-             << " ";
-    write_cells(s.means, region_columns(), interval_text, markdown);
+    std::vector<Cell> row = names_of(s);
+    row.emplace_back(s.region);
+    append(s.means, region_columns(), interval_cell, row);
+    table.add(std::move(row));
   }
+  if (!table.rows.empty()) document.add(Heading{title}).add(std::move(table));
 }
 
 const AccuracySummary* outside_band(const AccuracyResults& results,
@@ -165,25 +168,21 @@ const AccuracySummary* outside_band(const AccuracyResults& results,
   return nullptr;
 }
 
-std::string left_out(const SpacingError& spacing) {
-  return std::to_string(spacing.hidden) + ", " + std::to_string(spacing.outside) + ", " +
-         std::to_string(spacing.parted);
-}
-
 /// RMS errors outside the band over what a perfect detector could reach.
-void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
-  if (results.bounds.empty()) return;
-  markdown
-      << "\n## Against the bound\n\nRMS outside the band over the yardstick of decision 30: a "
-         "perfect "
-         "detector on each stick, straight lines between them. Left out of the yardstick, but not "
-         "of the RMS: pixels whose point lies behind what its stick meets (hidden), that are "
-         "not between four sticks that meet a surface (outside), or whose surface does not "
-         "run on to all four (parted).\n\n"
-         "| scene | sticks, mm | spacing, mm | yardstick, mm | pixels | hidden, outside, parted | "
-         "rung | "
-         "setting | RMS, mm | "
-         "ratio |\n| --- | ---: | ---: | ---: | ---: | ---: | --- | --- | ---: | ---: |\n";
+Table bound_table(const AccuracyResults& results) {
+  Table table{.name = "bound",
+              .columns = {{"scene"},
+                          {"sticks_mm", "sticks", "mm", 3},
+                          {"spacing_mm", "spacing", "mm", 3},
+                          {"yardstick_mm", "yardstick", "mm", 3},
+                          {"pixels"},
+                          {"hidden"},
+                          {"outside"},
+                          {"parted"},
+                          {"rung"},
+                          {"setting"},
+                          {"rms_mm", "RMS", "mm"},
+                          {"ratio"}}};
   for (const AccuracyBound& bound : results.bounds) {
     for (const AccuracySummary& s : results.summaries) {
       if (s.group != "picture" || s.scene != bound.scene) continue;
@@ -191,94 +190,181 @@ void write_bounds(const AccuracyResults& results, std::ostream& markdown) {
       if (outside == nullptr) continue;
       const MeanInterval rms = outside->means[index_of("rms_mm")];
       const double yardstick_mm = bound.yardstick_m() / kMillimetre;
-      markdown << "| " << s.scene << " | " << fixed(bound.sticks_m / kMillimetre, 3) << " | "
-               << fixed(bound.spacing.rms_m / kMillimetre, 3) << " | " << fixed(yardstick_mm, 3)
-               << " | " << bound.spacing.n << " | " << left_out(bound.spacing) << " | " << s.rung
-               << " | " << s.setting << " | " << interval_text(rms, 2) << " | "
-               << fixed(rms.mean / yardstick_mm, 2) << " |\n";
+      table.add({s.scene,
+                 bound.sticks_m / kMillimetre,
+                 bound.spacing.rms_m / kMillimetre,
+                 yardstick_mm,
+                 bound.spacing.n,
+                 bound.spacing.hidden,
+                 bound.spacing.outside,
+                 bound.spacing.parted,
+                 s.rung,
+                 s.setting,
+                 interval_cell(rms),
+                 rms.mean / yardstick_mm});
     }
   }
+  return table;
 }
 
-void write_sheet(const AccuracyResults& results, std::ostream& markdown) {
-  markdown << "\n## Pictures of seed " << results.seeds.front()
-           << "\n\nEach also as a file of its own, `accuracy_SCENE_RUNG_SETTING.png`.\n\n"
-           << "![Every scene and rung, by each setting, and the true surface shaded alike.]("
-           << kAccuracySheet << ")\n";
+void add_bounds(const AccuracyResults& results, Document& document) {
+  if (results.bounds.empty()) return;
+  document.add(Heading{"Against the bound"})
+      .add(
+          Text{"RMS outside the band over the yardstick of decision 30: a perfect detector on each "
+               "stick, straight lines between them. Left out of the yardstick, but not of the RMS: "
+               "pixels whose point lies behind what its stick meets (hidden), that are not between "
+               "four sticks that meet a surface (outside), or whose surface does not run on to all "
+               "four (parted)."})
+      .add(bound_table(results));
 }
 
-constexpr int kSide = 150, kGap = 6, kTop = 26, kLeft = 120;
-constexpr double kText = 13;
+/// Each value once, in the order of the summaries.
+std::vector<std::string> different(const AccuracyResults& results,
+                                   std::string AccuracySummary::*name) {
+  std::vector<std::string> values;
+  for (const AccuracySummary& s : results.summaries) {
+    if (std::find(values.begin(), values.end(), s.*name) == values.end()) values.push_back(s.*name);
+  }
+  return values;
+}
 
-/// In the order of their first picture, the truth last.
-std::vector<std::string> columns_of(const AccuracyResults& results) {
-  std::vector<std::string> names;
-  for (const AccuracyPicture& picture : results.pictures) {
-    if (picture.setting == "truth") continue;
-    if (std::find(names.begin(), names.end(), picture.setting) == names.end()) {
-      names.push_back(picture.setting);
+/// Charts of one rung: settings along the axis and a series for each scene, or the other way round
+/// where there is one setting alone.
+class RungCharts {
+ public:
+  RungCharts(const AccuracyResults& results, std::string rung)
+      : results_(results), rung_(std::move(rung)) {
+    if (different(results, &AccuracySummary::setting).size() < 2) std::swap(along_, apart_);
+    names_ = different(results, along_);
+  }
+
+  Figure figure() const {
+    const int seeds = static_cast<int>(results_.seeds.size());
+    const bool of_settings = along_ == &AccuracySummary::setting;
+    Figure figure{.name = "errors_" + rung_,
+                  .caption = std::string("Errors by ") +
+                             (of_settings ? "setting and scene" : "scene") + ", rung " + rung_ +
+                             ": means over " + std::to_string(seeds) +
+                             " seeds with 95 % intervals."};
+    for (const char* measure : {"median_mm", "p95_mm", "missed_percent", "false_percent"}) {
+      figure.panels.emplace_back(chart(measure));
     }
+    return figure;
   }
-  names.emplace_back("truth");
-  return names;
+
+ private:
+  Chart chart(const std::string& measure) const {
+    const auto& column = *std::find_if(picture_columns().begin(),
+                                       picture_columns().end(),
+                                       [&](const auto& other) { return other.key == measure; });
+    const bool of_depth = column.unit == "mm";
+    Chart chart{
+        .title = of_depth ? "Depth error, " + column.title : "Surface that is " + column.title,
+        .x = {.label = along_ == &AccuracySummary::setting ? "setting" : "scene", .names = names_},
+        .y = {.label = column.title + (of_depth ? " (mm)" : " (% of the picture)")}};
+    const double least = of_depth ? -std::numeric_limits<double>::infinity() : 0;
+    if (!of_depth) chart.y.low = least;
+    const auto all = different(results_, apart_);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double apart = std::min(kMostApart, kRoom / static_cast<double>(all.size()));
+      const double offset = apart * (static_cast<double>(i) - 0.5 * (double(all.size()) - 1));
+      chart.series.push_back(series(all[i], index_of(measure), offset, least));
+      chart.series.back().mark = kMarks[i % std::size(kMarks)];
+    }
+    if (!of_depth && shows_zeros_alone(chart)) chart.y.high = 1;
+    return chart;
+  }
+
+  static bool shows_zeros_alone(const Chart& chart) {
+    return std::all_of(chart.series.begin(), chart.series.end(), [](const Series& series) {
+      return std::none_of(series.y.begin(), series.y.end(), [](double y) { return y > 0; });
+    });
+  }
+
+  /// No end of an interval is less than `least`.
+  Series series(const std::string& name, std::size_t measure, double offset, double least) const {
+    Series series{.name = name, .stroke = Stroke::none};
+    for (const AccuracySummary& s : results_.summaries) {
+      if (s.group != "picture" || s.rung != rung_ || s.*apart_ != name) continue;
+      const auto at = std::find(names_.begin(), names_.end(), s.*along_) - names_.begin();
+      const MeanInterval& value = s.means[measure];
+      series.add(static_cast<double>(at) + offset, value.mean);
+      series.low.push_back(std::max(least, value.mean - value.half));
+      series.high.push_back(value.mean + value.half);
+      series.ids.push_back(id_of(s));
+    }
+    return series;
+  }
+
+  static constexpr double kMostApart = 0.12, kRoom = 0.8;
+  static constexpr Mark kMarks[] = {Mark::disc, Mark::square, Mark::triangle, Mark::diamond};
+
+  const AccuracyResults& results_;
+  std::string rung_;
+  std::string AccuracySummary::*along_ = &AccuracySummary::setting;
+  std::string AccuracySummary::*apart_ = &AccuracySummary::scene;
+  std::vector<std::string> names_;
+};
+
+/// More pictures than these are on the sheet alone, or the page would have many megabytes.
+constexpr std::size_t kMostPictures = 40;
+
+/// What a click on a summary of a whole picture shows.
+void add_details(const AccuracyResults& results, Document& document) {
+  for (const AccuracySummary& s : results.summaries) {
+    if (s.group != "picture") continue;
+    Detail detail{.id = id_of(s), .title = s.scene + ", " + s.rung + ", " + s.setting};
+    for (const Column& column : picture_columns()) {
+      const std::string shown = interval_cell(s.means[index_of(column.key)]).shown(column);
+      if (!shown.empty()) detail.text += "- " + heading(column) + ": " + shown + "\n";
+    }
+    if (results.pictures.size() <= kMostPictures) {
+      detail.picture_file = accuracy_picture_file({s.scene, s.rung, s.setting, {}});
+    }
+    document.add(std::move(detail));
+  }
 }
 
-std::vector<std::pair<std::string, std::string>> rows_of(const AccuracyResults& results) {
-  std::vector<std::pair<std::string, std::string>> rows;
-  for (const AccuracyPicture& picture : results.pictures) {
-    const std::pair row{picture.scene, picture.rung};
-    if (std::find(rows.begin(), rows.end(), row) == rows.end()) rows.push_back(row);
+Table rows_table(const AccuracyResults& results) {
+  Table table{.name = "rows",
+              .columns = {{"scene"}, {"rung"}, {"setting"}, {"seed"}, {"group"}, {"region"}}};
+  for (const std::string& name : measure_names()) table.columns.push_back({name});
+  table.columns.push_back({"render_ms"});
+  for (const AccuracyRow& row : results.rows) {
+    std::vector<Cell> cells = {row.scene,
+                               row.rung,
+                               row.setting,
+                               std::to_string(row.seed),
+                               row.measures.group,
+                               row.measures.region};
+    cells.insert(cells.end(), row.measures.values.begin(), row.measures.values.end());
+    cells.emplace_back(row.render_ms);
+    table.add(std::move(cells));
   }
-  return rows;
+  return table;
 }
 
-template <class Values, class Value>
-int number_of(const Values& values, const Value& value) {
-  return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
+std::string head_text(const AccuracyResults& results, const Provenance& provenance) {
+  std::string text = "Made by `wobblebench accuracy`. Commit " + provenance.commit + ", " +
+                     provenance.cpu + ", " + provenance.gl_renderer + ". Seeds " +
+                     std::to_string(results.seeds.front()) + " to " +
+                     std::to_string(results.seeds.back()) +
+                     "; mean ± half of the 95 % interval (Student's t). What is measured, and how: "
+                     "decision 28. All rows are in `accuracy.csv`.\n";
+  for (const std::string& note : results.notes) text += "\n" + note + ".\n";
+  return text;
 }
 
-Image<glm::vec3> displayed(Image<glm::vec3> light) {
-  for (glm::vec3& pixel : light.pixels) {
-    pixel = {encoded(pixel.r), encoded(pixel.g), encoded(pixel.b)};
-  }
-  return light;
+void add_pictures(const AccuracyResults& results, Document& document) {
+  document.add(Heading{"Pictures of seed " + std::to_string(results.seeds.front())})
+      .add(Text{"Each also as a file of its own, `accuracy_SCENE_RUNG_SETTING.png`."})
+      .add(Picture{kAccuracySheet,
+                   "Every scene and rung, by each setting, and the true surface shaded alike."});
+  add_details(results, document);
 }
 
 }  // namespace
-
-std::string interval_text(const MeanInterval& interval, int digits) {
-  if (interval.n == 0) return "";
-  const std::string mean = fixed(interval.mean, digits);
-  return std::isfinite(interval.half) ? mean + " ± " + fixed(interval.half, digits) : mean;
-}
-
-std::string difference_text(const MeanInterval& interval, int digits) {
-  const std::string text = interval_text(interval, digits);
-  return text.empty() || interval.differs_from_zero() ? text : "(" + text + ")";
-}
-
-std::string csv_number(double value) {
-  constexpr int kDigits = 7;
-  return std::isfinite(value) ? significant(value, kDigits) : "";
-}
-
-std::string accuracy_csv(const AccuracyResults& results) {
-  std::ostringstream csv;
-  csv << "scene,rung,setting,seed,group,region";
-  for (const std::string& name : measure_names()) csv << "," << name;
-  csv << ",render_ms\n";
-  for (const AccuracyRow& row : results.rows) {
-    csv << row.scene << "," << row.rung << "," << row.setting << "," << row.seed << ","
-        << row.measures.group << "," << row.measures.region;
-    for (const double value : row.measures.values) csv << "," << csv_number(value);
-    csv << "," << csv_number(row.render_ms) << "\n";
-  }
-  return csv.str();
-}
-
-std::string accuracy_picture_file(const AccuracyPicture& picture) {
-  return "accuracy_" + picture.scene + "_" + picture.rung + "_" + picture.setting + ".png";
-}
 
 Json accuracy_json(const AccuracyResults& results) {
   Json summaries = Json::array();
@@ -307,47 +393,27 @@ Json accuracy_json(const AccuracyResults& results) {
           {"summaries", summaries}};
 }
 
-std::string accuracy_markdown(const AccuracyResults& results, const Provenance& provenance) {
-  std::ostringstream markdown;
-  markdown << "# Accuracy\n\nMade by `wobblebench accuracy`. Commit " << provenance.commit << ", "
-           << provenance.cpu << ", " << provenance.gl_renderer << ". Seeds "
-           << results.seeds.front() << " to " << results.seeds.back()
-           << "; mean ± half of the 95 % interval (Student's t). What is measured, and how: "
-              "decision 28. All rows are in `accuracy.csv`.\n";
-  for (const std::string& note : results.notes) markdown << "\n" << note << ".\n";
-  write_pictures(results, markdown);
-  write_differences(results, markdown);
-  write_regions(results, "silhouette", "Outside and within the band at silhouettes", markdown);
-  write_bounds(results, markdown);
-  write_regions(results, "incidence", "By incidence, degrees", markdown);
-  write_regions(results, "range", "By range, mm", markdown);
-  write_regions(results, "feature", "By feature", markdown);
-  write_regions(results, "unseen", "What the probe cannot see", markdown);
-  write_sheet(results, markdown);
-  return markdown.str();
-}
-
-Image<glm::vec3> accuracy_sheet(const AccuracyResults& results) {
-  const auto columns = columns_of(results);
-  const auto rows = rows_of(results);
-  const auto at = [](int number) { return number * (kSide + kGap); };
-  Canvas canvas(kLeft + at(static_cast<int>(columns.size())),
-                kTop + at(static_cast<int>(rows.size())));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const double middle = kLeft + at(static_cast<int>(i)) + 0.5 * kSide;
-    canvas.text({middle, 0.5 * kTop}, columns[i], {.size = kText, .across = 0.5});
+Document accuracy_document(const AccuracyResults& results, const Provenance& provenance) {
+  Document document{
+      .title = "Accuracy", .name = "accuracy", .data = {{"accuracy.csv", rows_table(results)}}};
+  document.add(Text{head_text(results, provenance)})
+      .add(Heading{"Whole pictures"})
+      .add(Text{
+          "Time: of a new volume, all passes, each setting in turn for each seed; and over that "
+          "of the first setting, seed by seed."});
+  for (const std::string& rung : different(results, &AccuracySummary::rung)) {
+    document.add(RungCharts(results, rung).figure());
   }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double middle = kTop + at(static_cast<int>(i)) + 0.5 * kSide;
-    canvas.text({kGap, middle - 10}, rows[i].first, {.size = kText});
-    canvas.text({kGap, middle + 10}, rows[i].second, {.size = kText});
-  }
-  for (const AccuracyPicture& picture : results.pictures) {
-    const Point2 corner(kLeft + at(number_of(columns, picture.setting)),
-                        kTop + at(number_of(rows, std::pair(picture.scene, picture.rung))));
-    canvas.picture({corner, corner + Point2(kSide, kSide)}, displayed(picture.surface));
-  }
-  return canvas.finish();
+  document.add(picture_table(results));
+  add_differences(results, document);
+  add_regions(results, "silhouette", "Outside and within the band at silhouettes", document);
+  add_bounds(results, document);
+  add_regions(results, "incidence", "By incidence, degrees", document);
+  add_regions(results, "range", "By range, mm", document);
+  add_regions(results, "feature", "By feature", document);
+  add_regions(results, "unseen", "What the probe cannot see", document);
+  add_pictures(results, document);
+  return document;
 }
 
 }  // namespace wobblebench::bench

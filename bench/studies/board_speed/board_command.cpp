@@ -2,8 +2,8 @@
 // waiting thread returns.
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
+#include <utility>
 
 #include "base/number_text.h"
 #include "bench/command/commands.h"
@@ -29,25 +29,51 @@ struct Arguments {
   int repeats = 3;
 };
 
-std::string report_of(const Throughput& throughput,
-                      const std::vector<CancelTimes>& cancels,
-                      Provenance provenance) {
+/// A throughput with its range, and what follows from it.
+Table stage_table(const Throughput& throughput) {
+  const double stick_bytes = double(throughput.bytes) / double(throughput.sticks);
+  Table table{.name = "stages",
+              .columns = {{"stage"},
+                          {"mb_s", "throughput, median (range)", "MB/s", 0},
+                          {"ns_a_stick", "a stick", "ns", 0},
+                          {"times_the_stream", "times the paper's stream", "", 0}}};
+  for (const StageSpeed& stage : throughput.stages) {
+    table.add({stage.stage,
+               Cell::spread(stage.mb_s.median, stage.mb_s.min, stage.mb_s.max),
+               stick_bytes / stage.mb_s.median * 1e3,
+               stage.mb_s.median / throughput.stream_mb_s});
+  }
+  return table;
+}
+
+Table cancel_table(const std::vector<CancelTimes>& cancels) {
+  Table table{.name = "cancels",
+              .columns = {{"cancels"},
+                          {"load_threads", "load threads"},
+                          {"p50_ms", "P50", "ms", 3},
+                          {"p99_ms", "P99", "ms", 3},
+                          {"p999_ms", "P99.9", "ms", 3},
+                          {"max_ms", "max", "ms", 3}}};
+  for (const CancelTimes& times : cancels) {
+    table.add({times.cancels,
+               times.load_threads,
+               times.p50_ms,
+               times.p99_ms,
+               times.p999_ms,
+               times.max_ms});
+  }
+  return table;
+}
+
+std::string report_of(const Throughput& throughput, const Table& cancels, Provenance provenance) {
   provenance.board = "recording";
   provenance.seed = 1;
-  Json stages = Json::array(), waits = Json::array();
+  Json stages = Json::array();
   for (const StageSpeed& stage : throughput.stages) {
     stages.push_back({{"stage", stage.stage},
                       {"median_mb_s", stage.mb_s.median},
                       {"min_mb_s", stage.mb_s.min},
                       {"max_mb_s", stage.mb_s.max}});
-  }
-  for (const CancelTimes& times : cancels) {
-    waits.push_back({{"cancels", times.cancels},
-                     {"load_threads", times.load_threads},
-                     {"p50_ms", times.p50_ms},
-                     {"p99_ms", times.p99_ms},
-                     {"p999_ms", times.p999_ms},
-                     {"max_ms", times.max_ms}});
   }
   const Json report = {{"schema", kReportSchema},
                        {"command", "board"},
@@ -57,44 +83,50 @@ std::string report_of(const Throughput& throughput,
                          {"sticks", throughput.sticks},
                          {"repeats", throughput.repeats},
                          {"stages", stages}}},
-                       {"cancel", waits}};
+                       {"cancel", to_json(cancels)}};
   return report_text(report);
 }
 
-std::string markdown_of(const Throughput& throughput,
-                        const std::vector<CancelTimes>& cancels,
-                        const Provenance& provenance) {
-  std::ostringstream text;
-  text << "# What the board costs\n\nWritten by `wobblebench board`. CPU: " << provenance.cpu
-       << ", " << provenance.threads << " threads. Commit: " << provenance.commit
-       << ". Sticks of noise, seed 1; simulated, no card.\n\n## Throughput\n\nA recording of "
-       << throughput.sticks << " sticks of the paper (" << fixed(double(throughput.bytes) / 1e6, 0)
-       << " MB, in the page cache), all threads on one core; median of " << throughput.repeats
-       << " runs, and range. The paper's stream is " << fixed(throughput.stream_mb_s, 1)
-       << " MB/s; one lane of PCIe 3.0 carries about " << fixed(kLane_mb_s, 0)
-       << " MB/s of payload.\n\n| stage | MB/s | range | ns a stick | times the paper's stream |\n"
-          "| --- | ---: | ---: | ---: | ---: |\n";
-  const double stick_bytes = double(throughput.bytes) / double(throughput.sticks);
+BarChart stage_chart(const Throughput& throughput) {
+  BarChart chart{.title = "Throughput from a file to the program, one core",
+                 .label = "median throughput (MB/s)"};
+  BarPart speed{.name = "median of " + std::to_string(throughput.repeats) + " runs"};
   for (const StageSpeed& stage : throughput.stages) {
-    text << "| " << stage.stage << " | " << fixed(stage.mb_s.median, 0) << " | "
-         << fixed(stage.mb_s.min, 0) << " to " << fixed(stage.mb_s.max, 0) << " | "
-         << fixed(stick_bytes / stage.mb_s.median * 1e3, 0) << " | "
-         << fixed(stage.mb_s.median / throughput.stream_mb_s, 0) << " |\n";
+    chart.rows.push_back(stage.stage);
+    speed.values.push_back(stage.mb_s.median);
   }
-  text << "\n## Cancelling\n\nFrom the call of `cancel()` until the thread that waits in `next()` "
-          "has "
-          "returned, while a card sends in real time; the load are threads that do nothing but "
-          "count.\n\n| cancels | load threads | P50 ms | P99 ms | P99.9 ms | max ms |\n"
-          "| ---: | ---: | ---: | ---: | ---: | ---: |\n";
-  for (const CancelTimes& times : cancels) {
-    text << "| " << times.cancels << " | " << times.load_threads << " | " << fixed(times.p50_ms, 3)
-         << " | " << fixed(times.p99_ms, 3) << " | " << fixed(times.p999_ms, 3) << " | "
-         << fixed(times.max_ms, 3) << " |\n";
-  }
-  return text.str();
+  chart.parts = {std::move(speed)};
+  return chart;
 }
 
-CommandResult measure_and_write(int repeats, OutputFolder& out, Progress& progress) {
+Document document_of(const Throughput& throughput,
+                     const Table& cancels,
+                     const Provenance& provenance) {
+  Document document{.title = "What the board costs", .name = "board"};
+  document
+      .add(Text{"Written by `wobblebench board`. CPU: " + provenance.cpu + ", " +
+                std::to_string(provenance.threads) + " threads. Commit: " + provenance.commit +
+                ". Sticks of noise, seed 1; simulated, no card."})
+      .add(Heading{"Throughput"})
+      .add(Text{"A recording of " + std::to_string(throughput.sticks) + " sticks of the paper (" +
+                fixed(double(throughput.bytes) / 1e6, 0) +
+                " MB, in the page cache), all threads on one core; median of " +
+                std::to_string(throughput.repeats) + " runs, and range. The paper's stream is " +
+                fixed(throughput.stream_mb_s, 1) + " MB/s; one lane of PCIe 3.0 carries about " +
+                fixed(kLane_mb_s, 0) + " MB/s of payload."})
+      .add(Figure{.name = "throughput",
+                  .caption = "Each part of a recording's path does what the one above it does, and "
+                             "more.",
+                  .panels = {stage_chart(throughput)}})
+      .add(stage_table(throughput))
+      .add(Heading{"Cancelling"})
+      .add(Text{"From the call of `cancel()` until the thread that waits in `next()` has returned, "
+                "while a card sends in real time; the load are threads that do nothing but count."})
+      .add(cancels);
+  return document;
+}
+
+CommandResult measure(int repeats, Progress& progress) {
   const auto throughput = progress.step("throughput", [&](const PartDone& done) {
     return measure_throughput(kVolumes, repeats, done);
   });
@@ -103,20 +135,19 @@ CommandResult measure_and_write(int repeats, OutputFolder& out, Progress& progre
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const auto loaded = progress.step(
       "cancels", [&](const PartDone& done) { return measure_cancels(kCancels, cores, done); });
-  const std::vector<CancelTimes> cancels = {idle, loaded};
+  const Table cancels = cancel_table({idle, loaded});
   const Provenance provenance = provenance_of_this_machine();
-  const std::string markdown = markdown_of(throughput, cancels, provenance);
-  out.write_text("board.md", markdown);
-  return {.report = report_of(throughput, cancels, provenance), .summary = markdown};
+  const Document document = document_of(throughput, cancels, provenance);
+  return {.report = report_of(throughput, cancels, provenance),
+          .summary = markdown(document),
+          .document = document};
 }
 
 int measure_board(const Arguments& arguments) {
   return run_in_folder(
       arguments.output,
       {{"throughput", 2.0 + arguments.repeats}, {"idle cancels", 20}, {"cancels", 30}},
-      [&](OutputFolder& out, Progress& progress) {
-        return measure_and_write(arguments.repeats, out, progress);
-      });
+      [&](OutputFolder&, Progress& progress) { return measure(arguments.repeats, progress); });
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
-#include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/latency/latency_report.h"
@@ -38,11 +37,10 @@ Scene scene_of(const Arguments& arguments) {
   return scene;
 }
 
-CommandResult study_and_write(const Scene& scene,
-                              const Arguments& arguments,
-                              render::GlContext& context,
-                              OutputFolder& out,
-                              Progress& progress) {
+CommandResult study_of(const Scene& scene,
+                       const Arguments& arguments,
+                       render::GlContext& context,
+                       Progress& progress) {
   const bool is_every = arguments.policy == to_string(StreamPolicy::every);
   const auto policy = is_every ? StreamPolicy::every : StreamPolicy::newest;
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
@@ -54,10 +52,8 @@ CommandResult study_and_write(const Scene& scene,
   report["acquisition"] = acquisition_json(scene.plan());
   report["latency"] = latency_study_json(study);
   report["wall_ms"] = wall_json(progress.times());
-  const std::string markdown = latency_markdown(study, provenance, scene);
-  out.write_text(kCrossoverFigure, specification(crossover_figure(study, scene)).dump(1) + "\n");
-  out.write_text("latency.md", markdown);
-  return {.report = report_text(report), .summary = markdown};
+  const Document document = latency_document(study, provenance, scene);
+  return {.report = report_text(report), .summary = markdown(document), .document = document};
 }
 
 int latency(const Arguments& arguments) {
@@ -65,9 +61,9 @@ int latency(const Arguments& arguments) {
   check_memory_of_run(scene, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
   return run_in_folder(
-      arguments.output, {{"streams", 100}}, [&](OutputFolder& out, Progress& progress) {
+      arguments.output, {{"streams", 100}}, [&](OutputFolder&, Progress& progress) {
         warn_of_software(*context, arguments.gl, progress);
-        return study_and_write(scene, arguments, *context, out, progress);
+        return study_of(scene, arguments, *context, progress);
       });
 }
 

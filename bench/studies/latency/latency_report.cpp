@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -93,22 +94,12 @@ std::string ms(double value) {
   return std::isfinite(value) ? fixed(value, value < 10 ? 2 : 0) : "none";
 }
 
-std::string drawn(const Drawn& of) {
-  return ms(of.median) + " (" + ms(of.low) + " to " + ms(of.high) + ")";
-}
-
-std::string off_by(double predicted, double wall) {
-  return std::isfinite(predicted / wall) ? fixed(100 * (predicted / wall - 1), 1) + " %" : "none";
-}
-
-void write_head(const LatencyStudy& study,
-                const Provenance& provenance,
-                const Scene& scene,
-                std::ostream& text) {
+std::string head_text(const LatencyStudy& study, const Provenance& provenance, const Scene& scene) {
+  std::ostringstream text;
   const auto& acquisition = scene.acquisition;
-  text << "# Latency: acquisition against rendering\n\nMade by `wobblebench latency`. Commit "
-       << provenance.commit << ", " << provenance.cpu << ", " << provenance.threads << " threads, "
-       << provenance.gl_renderer << ". Scene: " << acquisition.frames_per_volume << " frames of "
+  text << "Made by `wobblebench latency`. Commit " << provenance.commit << ", " << provenance.cpu
+       << ", " << provenance.threads << " threads, " << provenance.gl_renderer
+       << ". Scene: " << acquisition.frames_per_volume << " frames of "
        << acquisition.sticks_per_frame << " lines, " << fixed(acquisition.depth_m / kMillimetre, 0)
        << " mm; pictures of " << scene.render.ray_casting.image_size
        << "² pixels; simulated sticks, seed " << scene.simulation.seed
@@ -121,131 +112,244 @@ void write_head(const LatencyStudy& study,
   for (const StageLoad& load : study.summary.loads) {
     text << " " << load.stage << " " << ms(load.ms_per_volume) << " ms";
   }
-  text << " a volume.\n";
+  text << " a volume.";
+  return text.str();
 }
 
-void write_spans(const LatencyStudy& study, std::ostream& text) {
-  text
-      << "\n## From the echo to the picture\n\nThe scene's first stream on the wall clock. "
-         "Emission is as scheduled, of a volume's first and last stick. Until the interrupt by the "
-         "model of the card, on the device's clock; from there on by the host's clock, on which "
-         "the link's epoch lays the interrupt. From the last pass to ready: reading back.\n\n"
-      << latency_spans_markdown(study.summary.spans);
+void add_spans(const LatencyStudy& study, Document& document) {
+  document.add(Heading{"From the echo to the picture"})
+      .add(Text{
+          "The scene's first stream on the wall clock. Emission is as scheduled, of a volume's "
+          "first and last stick. Until the interrupt by the model of the card, on the device's "
+          "clock; from there on by the host's clock, on which the link's epoch lays the "
+          "interrupt. From the last pass to ready: reading back."})
+      .add(Figure{.name = "spans",
+                  .caption = "The scene's first stream on the wall clock.",
+                  .panels = {latency_spans_chart(study.summary.spans)}})
+      .add(latency_spans_table(study.summary.spans));
 }
 
-void write_checks(const LatencyStudy& study, std::ostream& text) {
-  text << "\n## Virtual time against the wall clock\n\nAge of the newest echo, from its scheduled "
-          "emission until the picture is ready. Service times are those of the settings marked "
-          "with *, drawn in runs of 16 volumes; they depend on the number of frames linearly "
-          "between them. Virtual: median of 200 streams as long as those on the wall, and in "
-          "brackets what 95 % of them lie between: P99 of n pictures is one of their largest. Pass "
-          "1 of a shallower scan makes more pixels, which the model does not know: slices have as "
-          "many over less depth.\n\n"
-          "| setting | sound, ms | n | P50 wall, ms | virtual | off by | P99 wall, ms | virtual | "
-          "off by | volumes/s wall | virtual | rendering a volume, ms wall | virtual |\n"
-          "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | "
-          "---: |\n";
+Cell drawn_cell(const Drawn& of) {
+  return Cell::spread(of.median, of.low, of.high);
+}
+
+double off_by_percent(double predicted, double wall) {
+  return 100 * (predicted / wall - 1);
+}
+
+Table check_table(const LatencyStudy& study) {
+  Table table{.name = "checks",
+              .columns = {{"setting"},
+                          {"sound_ms", "sound", "ms", 1},
+                          {"n"},
+                          {"p50_wall_ms", "P50 wall", "ms", 1},
+                          {"p50_virtual_ms", "P50 virtual", "ms", 1},
+                          {"p50_off_percent", "off by", "%", 1},
+                          {"p99_wall_ms", "P99 wall", "ms", 1},
+                          {"p99_virtual_ms", "P99 virtual", "ms", 1},
+                          {"p99_off_percent", "off by", "%", 1},
+                          {"volumes_per_s_wall", "volumes/s wall"},
+                          {"volumes_per_s_virtual", "volumes/s virtual"},
+                          {"rendering_wall_ms", "rendering a volume, wall", "ms", 1},
+                          {"rendering_virtual_ms", "rendering a volume, virtual", "ms", 1}}};
   for (const LatencyCheck& check : study.checks) {
-    text << "| " << check.name << (check.calibrated_on ? " *" : "") << " | " << ms(check.sound_ms)
-         << " | " << check.wall.n << " | " << ms(check.wall.p50) << " | "
-         << drawn(check.predicted_p50_ms) << " | "
-         << off_by(check.predicted_p50_ms.median, check.wall.p50) << " | " << ms(check.wall.p99)
-         << " | " << drawn(check.predicted_p99_ms) << " | "
-         << off_by(check.predicted_p99_ms.median, check.wall.p99) << " | "
-         << fixed(check.wall_volumes_per_s, 2) << " | " << fixed(check.predicted_volumes_per_s, 2)
-         << " | " << ms(check.wall_renderer_ms) << " | " << ms(check.predicted_renderer_ms)
-         << " |\n";
+    table.add({check.name + (check.calibrated_on ? " *" : ""),
+               check.sound_ms,
+               check.wall.n,
+               check.wall.p50,
+               drawn_cell(check.predicted_p50_ms),
+               off_by_percent(check.predicted_p50_ms.median, check.wall.p50),
+               check.wall.p99,
+               drawn_cell(check.predicted_p99_ms),
+               off_by_percent(check.predicted_p99_ms.median, check.wall.p99),
+               check.wall_volumes_per_s,
+               check.predicted_volumes_per_s,
+               check.wall_renderer_ms,
+               check.predicted_renderer_ms});
   }
+  return table;
 }
 
-void write_stalls(const LatencyStudy& study, std::ostream& text) {
-  text << "\n## Recovery from stalls\n\nThe link sends nothing for so long, from the first stick "
-          "of the middle volume on. Recovered: the first picture whose newest echo is no older "
-          "than 90 % of those before the stall; the time counts from the stall's end.\n\n"
-          "| stall, ms | recovered after, wall, ms | virtual | oldest newest echo, wall, ms | "
-          "virtual |\n| ---: | ---: | ---: | ---: | ---: |\n";
+/// Side by side at each setting: what the wall clock showed, and virtual time with its interval.
+Chart age_chart(const LatencyStudy& study,
+                const std::string& percentile,
+                double Percentiles::*wall,
+                Drawn LatencyCheck::*predicted) {
+  constexpr double kApart = 0.1;
+  Chart chart{.title = "Age of the newest echo, " + percentile,
+              .x = {.label = "setting"},
+              .y = {.label = percentile + " (ms)"}};
+  Series on_wall{.name = "wall clock", .stroke = Stroke::none, .mark = Mark::square};
+  Series in_virtual{.name = "virtual time", .stroke = Stroke::none, .mark = Mark::disc};
+  for (const LatencyCheck& check : study.checks) {
+    const auto at = static_cast<double>(chart.x.names.size());
+    chart.x.names.push_back(check.name);
+    on_wall.add(at - kApart, check.wall.*wall);
+    const Drawn& drawn = check.*predicted;
+    in_virtual.add(at + kApart, drawn.median);
+    in_virtual.low.push_back(drawn.low);
+    in_virtual.high.push_back(drawn.high);
+  }
+  chart.series = {std::move(on_wall), std::move(in_virtual)};
+  return chart;
+}
+
+void add_checks(const LatencyStudy& study, Document& document) {
+  Figure figure{.name = "ages",
+                .caption =
+                    "Age of the newest echo on both clocks; virtual time with what 95 % of "
+                    "200 streams lie between."};
+  figure.panels = {age_chart(study, "P50", &Percentiles::p50, &LatencyCheck::predicted_p50_ms),
+                   age_chart(study, "P99", &Percentiles::p99, &LatencyCheck::predicted_p99_ms)};
+  document.add(Heading{"Virtual time against the wall clock"})
+      .add(Text{
+          "Age of the newest echo, from its scheduled emission until the picture is ready. "
+          "Service times are those of the settings marked with *, drawn in runs of 16 volumes; "
+          "they depend on the number of frames linearly between them. Virtual: median of 200 "
+          "streams as long as those on the wall, and in brackets what 95 % of them lie "
+          "between: P99 of n pictures is one of their largest. Pass 1 of a shallower scan "
+          "makes more pixels, which the model does not know: slices have as many over less "
+          "depth."})
+      .add(std::move(figure))
+      .add(check_table(study));
+}
+
+Table stall_table(const LatencyStudy& study) {
+  Table table{.name = "stalls",
+              .columns = {{"stall_ms", "stall", "ms", 0},
+                          {"recovered_wall_ms", "recovered after, wall", "ms", 1},
+                          {"recovered_virtual_ms", "recovered after, virtual", "ms", 1},
+                          {"worst_wall_ms", "oldest newest echo, wall", "ms", 1},
+                          {"worst_virtual_ms", "oldest newest echo, virtual", "ms", 1}}};
+  const auto or_none = [](double value) { return std::isfinite(value) ? Cell(value) : "none"; };
   for (const StallRecovery& stall : study.stalls) {
-    text << "| " << ms(stall.stall_ms) << " | " << ms(stall.wall_ms) << " | "
-         << ms(stall.predicted_ms) << " | " << ms(stall.wall_worst_ms) << " | "
-         << ms(stall.predicted_worst_ms) << " |\n";
+    table.add({stall.stall_ms,
+               or_none(stall.wall_ms),
+               or_none(stall.predicted_ms),
+               or_none(stall.wall_worst_ms),
+               or_none(stall.predicted_worst_ms)});
   }
+  return table;
 }
 
-void write_crossovers(const LatencyStudy& study, const Scene& scene, std::ostream& text) {
-  text << "\n## Where sound becomes the limit\n\nThe least number of frames a volume from which on "
-          "the sound of a volume takes longer than its rendering (`2 d / c` a stick). Virtual "
-          "time; paper: Table I, on its GPU.\n\n| times of | lines |";
-  const double depth_mm = scene.acquisition.depth_m / kMillimetre;
-  const std::vector<double> depths = {60, 80, 120, 160, 240};
-  for (const double depth : depths) text << " " << fixed(depth, 0) << " mm |";
-  text << "\n| --- | ---: |";
-  for (std::size_t i = 0; i < depths.size(); ++i) text << " ---: |";
-  text << "\n";
+Chart stall_chart(const LatencyStudy& study,
+                  const std::string& title,
+                  double StallRecovery::*wall,
+                  double StallRecovery::*predicted) {
+  Chart chart{.title = title,
+              .x = {.label = "stall (ms)", .scale = Scale::logarithmic},
+              .y = {.label = "time (ms)", .low = 0}};
+  Series on_wall{.name = "wall clock", .mark = Mark::square};
+  Series in_virtual{.name = "virtual time", .stroke = Stroke::dashed, .mark = Mark::disc};
+  for (const StallRecovery& stall : study.stalls) {
+    chart.x.ticks.push_back(stall.stall_ms);
+    on_wall.add(stall.stall_ms, stall.*wall);
+    in_virtual.add(stall.stall_ms, stall.*predicted);
+  }
+  chart.series = {std::move(on_wall), std::move(in_virtual)};
+  return chart;
+}
+
+void add_stalls(const LatencyStudy& study, Document& document) {
+  Figure figure{.name = "stalls",
+                .caption =
+                    "Recovery from stalls on both clocks; a point that is missing had not "
+                    "recovered before the stream's end."};
+  figure.panels = {stall_chart(study,
+                               "From the stall's end to recovery",
+                               &StallRecovery::wall_ms,
+                               &StallRecovery::predicted_ms),
+                   stall_chart(study,
+                               "Greatest age of the newest echo",
+                               &StallRecovery::wall_worst_ms,
+                               &StallRecovery::predicted_worst_ms)};
+  document.add(Heading{"Recovery from stalls"})
+      .add(Text{"The link sends nothing for so long, from the first stick of the middle volume on. "
+                "Recovered: the first picture whose newest echo is no older than 90 % of those "
+                "before the stall; the time counts from the stall's end."})
+      .add(std::move(figure))
+      .add(stall_table(study));
+}
+
+Table crossover_table(const LatencyStudy& study) {
+  constexpr double kDepths_mm[] = {60, 80, 120, 160, 240};
+  Table table{.name = "crossovers", .columns = {{"times", "times of"}, {"lines"}}};
+  for (const double depth : kDepths_mm) {
+    table.columns.push_back({"frames_" + fixed(depth, 0) + "_mm", fixed(depth, 0) + " mm"});
+  }
   for (const CrossoverCurve& curve : study.crossovers) {
-    text << "| " << curve.times << " | " << curve.lines << " |";
+    std::vector<Cell> row = {curve.times, curve.lines};
     for (std::size_t i = 0; i < curve.depth_mm.size(); ++i) {
-      if (std::find(depths.begin(), depths.end(), curve.depth_mm[i]) == depths.end()) continue;
+      if (std::ranges::find(kDepths_mm, curve.depth_mm[i]) == std::end(kDepths_mm)) continue;
       const double frames = curve.frames[i];
-      text << " " << (std::isfinite(frames) ? fixed(std::ceil(frames), 0) : "never") << " |";
+      row.push_back(std::isfinite(frames) ? Cell(std::lround(std::ceil(frames))) : "never");
     }
-    text << "\n";
+    table.add(std::move(row));
   }
-  text << "\nThe scene has " << scene.acquisition.frames_per_volume << " frames of "
-       << scene.acquisition.sticks_per_frame << " lines at " << fixed(depth_mm, 0)
-       << " mm.\n\n[Chart: For "
-       << "which depth and number of frames sound takes longer than rendering.]("
-       << kCrossoverFigure << ")\n";
+  return table;
 }
 
-void write_line_rates(const LatencyStudy& study, std::ostream& text) {
-  text << "\n## Highest line rate before the first loss\n\nBy bisection of the depth in virtual "
-          "time, 300 volumes, 9 draws of service times: median (least to most). The scene sends "
-       << fixed(study.scene_line_rate_per_s, 0) << " sticks a second.\n\n"
-       << "| first loss | sticks a second |\n| --- | ---: |\n";
-  for (const LineRate& rate : study.line_rates) {
-    text << "| " << rate.loss << " | " << fixed(rate.per_s.median, 0) << " ("
-         << fixed(rate.per_s.min, 0) << " to " << fixed(rate.per_s.max, 0) << ") |\n";
+/// For which depth and number of frames sound takes longer than rendering; the scene is a point.
+Chart crossover_chart(const LatencyStudy& study, const Scene& scene) {
+  Chart chart{.title = "Above its line sound takes longer than rendering, below it rendering does",
+              .x = {.label = "depth (mm)"},
+              .y = {.label = "frames a volume", .scale = Scale::logarithmic}};
+  int colour = 0;
+  for (const CrossoverCurve& curve : study.crossovers) {
+    chart.series.push_back({.name = curve.times + ", " + std::to_string(curve.lines) + " lines",
+                            .x = curve.depth_mm,
+                            .y = curve.frames,
+                            .stroke = curve.times == "paper" ? Stroke::dashed : Stroke::solid,
+                            .colour = colour++ % 3});
   }
+  Series here{.name = "this scene", .stroke = Stroke::none, .mark = Mark::disc, .colour = 3};
+  here.add(scene.acquisition.depth_m / kMillimetre, scene.acquisition.frames_per_volume);
+  chart.series.push_back(std::move(here));
+  return chart;
+}
+
+void add_crossovers(const LatencyStudy& study, const Scene& scene, Document& document) {
+  document.add(Heading{"Where sound becomes the limit"})
+      .add(Text{
+          "The least number of frames a volume from which on the sound of a volume takes "
+          "longer than its rendering (`2 d / c` a stick). Virtual time; paper: Table I, on its "
+          "GPU. The scene has " +
+          std::to_string(scene.acquisition.frames_per_volume) + " frames of " +
+          std::to_string(scene.acquisition.sticks_per_frame) + " lines at " +
+          fixed(scene.acquisition.depth_m / kMillimetre, 0) + " mm."})
+      .add(crossover_table(study))
+      .add(Figure{
+          .name = "crossover",
+          .caption = "For which depth and number of frames sound takes longer than rendering.",
+          .panels = {crossover_chart(study, scene)}});
+}
+
+void add_line_rates(const LatencyStudy& study, Document& document) {
+  Table table{.name = "line_rates",
+              .columns = {{"first_loss", "first loss"}, {"per_s", "sticks a second", "", 0}}};
+  for (const LineRate& rate : study.line_rates) {
+    table.add({rate.loss, Cell::spread(rate.per_s.median, rate.per_s.min, rate.per_s.max)});
+  }
+  document.add(Heading{"Highest line rate before the first loss"})
+      .add(Text{"By bisection of the depth in virtual time, 300 volumes, 9 draws of service times: "
+                "median (least to most). The scene sends " +
+                fixed(study.scene_line_rate_per_s, 0) + " sticks a second."})
+      .add(std::move(table));
 }
 
 }  // namespace
 
-std::string latency_markdown(const LatencyStudy& study,
-                             const Provenance& provenance,
-                             const Scene& scene) {
-  std::ostringstream text;
-  write_head(study, provenance, scene, text);
-  write_spans(study, text);
-  write_checks(study, text);
-  write_stalls(study, text);
-  write_crossovers(study, scene, text);
-  write_line_rates(study, text);
-  return text.str();
-}
-
-Figure crossover_figure(const LatencyStudy& study, const Scene& scene) {
-  Chart chart{"Above its line sound takes longer than rendering, below it rendering does",
-              {"depth (mm)"},
-              {"frames a volume", Scale::logarithmic}};
-  int colour = 0;
-  for (const CrossoverCurve& curve : study.crossovers) {
-    const bool is_paper = curve.times == "paper";
-    chart.series.push_back({curve.times + ", " + std::to_string(curve.lines) + " lines",
-                            curve.depth_mm,
-                            curve.frames,
-                            is_paper ? Stroke::dashed : Stroke::solid,
-                            Mark::none,
-                            colour++ % 3});
-  }
-  chart.series.push_back({"this scene",
-                          {scene.acquisition.depth_m / kMillimetre},
-                          {static_cast<double>(scene.acquisition.frames_per_volume)},
-                          Stroke::none,
-                          Mark::disc,
-                          3});
-  return {"crossover",
-          "For which depth and number of frames sound takes longer than rendering.",
-          {chart}};
+Document latency_document(const LatencyStudy& study,
+                          const Provenance& provenance,
+                          const Scene& scene) {
+  Document document{.title = "Latency: acquisition against rendering", .name = "latency"};
+  document.add(Text{head_text(study, provenance, scene)});
+  add_spans(study, document);
+  add_checks(study, document);
+  add_stalls(study, document);
+  add_crossovers(study, scene, document);
+  add_line_rates(study, document);
+  return document;
 }
 
 }  // namespace wobblebench::bench

@@ -1,8 +1,11 @@
 #include "bench/studies/latency/latency_spans_report.h"
 
+#include <algorithm>
 #include <iomanip>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "base/number_text.h"
 #include "bench/output/report_parts.h"
@@ -28,19 +31,31 @@ Json spans_json(const std::vector<LatencySpan>& spans) {
   return json;
 }
 
-std::string rows(const std::string& echo, const std::vector<LatencySpan>& spans) {
-  std::ostringstream text;
+void add_rows(const std::string& echo, const std::vector<LatencySpan>& spans, Table& table) {
   for (const LatencySpan& span : spans) {
-    text << "| " << echo << " | " << span.from << " | " << span.to << " | " << clock_name(span)
-         << " | ";
+    std::vector<Cell> row = {echo, span.from, span.to, clock_name(span)};
     if (span.ms) {
-      text << fixed(span.ms->p50, 3) << " | " << fixed(span.ms->p99, 3) << " | "
-           << fixed(span.ms->max, 3) << " | " << span.ms->n << " |\n";
+      for (const double value : {span.ms->p50, span.ms->p99, span.ms->max}) row.emplace_back(value);
+      row.emplace_back(span.ms->n);
     } else {
-      text << "not known | | | |\n";
+      row.insert(row.end(), {"not known", {}, {}, {}});
     }
+    table.add(std::move(row));
   }
-  return text.str();
+}
+
+std::string part_name(const LatencySpan& span, bool uploaded) {
+  if (span.on_device_clock) return "card (modelled)";
+  if (!uploaded) return "board, queue and upload";
+  return span.to == "ready" ? "reading back" : span.to;
+}
+
+BarPart& part_of(BarChart& chart, const std::string& name) {
+  for (BarPart& part : chart.parts) {
+    if (part.name == name) return part;
+  }
+  chart.parts.push_back({name, std::vector<double>(chart.rows.size(), 0)});
+  return chart.parts.back();
 }
 
 }  // namespace
@@ -77,10 +92,35 @@ std::string latency_spans_text(const LatencySpans& spans) {
   return text.str();
 }
 
-std::string latency_spans_markdown(const LatencySpans& spans) {
-  return "| echo | from | to | clock | P50, ms | P99, ms | max, ms | n |\n| --- | --- | --- | --- "
-         "| ---: | ---: | ---: | ---: |\n" +
-         rows("oldest", spans.oldest) + rows("newest", spans.newest);
+Table latency_spans_table(const LatencySpans& spans) {
+  Table table{.name = "spans",
+              .columns = {{"echo"},
+                          {"from"},
+                          {"to"},
+                          {"clock"},
+                          {"p50_ms", "P50", "ms", 3},
+                          {"p99_ms", "P99", "ms", 3},
+                          {"max_ms", "max", "ms", 3},
+                          {"n"}}};
+  add_rows("oldest", spans.oldest, table);
+  add_rows("newest", spans.newest, table);
+  return table;
+}
+
+BarChart latency_spans_chart(const LatencySpans& spans) {
+  BarChart chart{.title = "From the echo to the picture",
+                 .label = "time (ms): medians of the spans, added",
+                 .rows = {"oldest echo", "newest echo"}};
+  const std::vector<LatencySpan>* echoes[] = {&spans.oldest, &spans.newest};
+  for (std::size_t row = 0; row < std::size(echoes); ++row) {
+    bool uploaded = false;
+    for (const LatencySpan& span : *echoes[row]) {
+      BarPart& part = part_of(chart, part_name(span, uploaded));
+      if (span.ms) part.values[row] += std::max(0.0, span.ms->p50);
+      uploaded = uploaded || span.to == "uploaded";
+    }
+  }
+  return chart;
 }
 
 }  // namespace wobblebench::bench

@@ -4,6 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "bench/output/document/chart.h"
+#include "bench/output/document/table.h"
 #include "bench/pipeline/stream/stream_summary.h"
 
 namespace wobblebench::bench {
@@ -17,6 +19,9 @@ nlohmann::ordered_json latency_spans_json(const LatencySpans& spans);
 /// A line a span of the newest echo.
 std::string latency_spans_text(const LatencySpans& spans);
 /// A table of both echoes.
-std::string latency_spans_markdown(const LatencySpans& spans);
+Table latency_spans_table(const LatencySpans& spans);
+/// A bar for each echo, of the medians of its spans: those of the card together, those from there
+/// to the upload together, and each pass.
+BarChart latency_spans_chart(const LatencySpans& spans);
 
 }  // namespace wobblebench::bench

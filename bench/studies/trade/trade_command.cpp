@@ -1,19 +1,16 @@
 // Time against error over a plan's settings.
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
-#include "base/number_text.h"
 #include "base/user_error.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
-#include "bench/output/finished_report.h"
 #include "bench/output/image_io.h"
-#include "bench/output/output_folder.h"
-#include "bench/output/progress.h"
 #include "bench/output/report.h"
 #include "bench/studies/trade/trade_report.h"
 
@@ -81,20 +78,52 @@ void merge(const Arguments& arguments, const TradeWork& work, TradeJournal& jour
   }
 }
 
-void measure(const Arguments& arguments,
-             const TradeWork& work,
-             const Shard& shard,
-             TradeJournal& journal,
-             Progress& progress) {
+constexpr std::size_t kMostPictures = 12;
+
+/// Pictures of points of the first front, on the first scene and seed.
+TradePictures write_pictures(const TradeResults& results,
+                             render::GlContext& context,
+                             PhantomCache& cache,
+                             OutputFolder& out,
+                             const PartDone& done) {
+  const TradeResults::Part& part = results.parts.front();
+  const std::size_t count = std::min(part.front.size(), kMostPictures);
+  TradeMeasurement measurement(results.work, context, cache);
+  TradePictures files;
+  PartCount parts(count, done);
+  for (std::size_t i = 0; i < count; ++i) {
+    // From all of the front, which goes from fast to slow.
+    const std::size_t point = part.scores[part.front[i * part.front.size() / count]].point;
+    const std::string file = "trade_point_" + std::to_string(point) + ".png";
+    write_png(out.stage(file), measurement.picture({0, point, 0}), Values::light);
+    files[point] = file;
+    parts.finish_one();
+  }
+  return files;
+}
+
+/// What measures.
+struct Machine {
+  std::unique_ptr<render::GlContext> context;
+  PhantomCache cache;
+};
+
+Machine measure(const Arguments& arguments,
+                const TradeWork& work,
+                const Shard& shard,
+                TradeJournal& journal,
+                Progress& progress) {
   journal.file().say_kept();
-  const auto context = render::make_context(arguments.gl);
-  warn_of_software(*context, arguments.gl, progress);
-  journal.append_machine(measured_by(provenance_of_simulation(*context, work.plan.seeds.front())));
-  PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+  Machine machine{render::make_context(arguments.gl),
+                  open_phantom_cache(arguments.cache.most_megabytes())};
+  warn_of_software(*machine.context, arguments.gl, progress);
+  journal.append_machine(
+      measured_by(provenance_of_simulation(*machine.context, work.plan.seeds.front())));
   const auto units = trade_shard(trade_units(work), shard.index, shard.count);
   progress.step("measure", [&](const PartDone& done) {
-    measure_trade(work, units, journal, *context, cache, done);
+    measure_trade(work, units, journal, *machine.context, machine.cache, done);
   });
+  return machine;
 }
 
 /// `kept`: measurements of an interrupted command.
@@ -110,25 +139,42 @@ Json report_of(const TradeResults& results, std::size_t kept, const StepTimes& t
   return report;
 }
 
-int write(const Arguments& arguments,
-          const TradeResults& results,
-          std::size_t kept,
-          OutputFolder& out,
-          Progress& progress) {
-  const std::string report =
-      finished_report(report_text(report_of(results, kept, progress.times())), progress);
-  const std::string markdown = trade_markdown(results);
-  out.write_text("trade.csv", trade_csv(results));
-  out.write_text("trade.md", markdown);
-  for (const TradeResults::Part& part : results.parts) {
-    if (const auto figure = trade_figure(part)) {
-      out.write_text("trade_" + figure->name + ".vl.json", specification(*figure).dump(1) + "\n");
-    }
+std::string shard_text(const Arguments& arguments,
+                       std::size_t here,
+                       std::size_t all,
+                       const OutputFolder& out) {
+  return "Shard " + arguments.shard + " is finished: " + std::to_string(here) + " of " +
+         std::to_string(all) + " measurements are in " +
+         (out.directory() / TradeJournal::kFile).string() +
+         ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all shards.\n";
+}
+
+CommandResult measure_and_write(const Arguments& arguments,
+                                const Shard& shard,
+                                const TradeWork& work,
+                                OutputFolder& out,
+                                Progress& progress) {
+  TradeJournal journal(out.directory(), work.hash());
+  progress.warn(idle_settings(work));
+  std::optional<Machine> machine;
+  if (!arguments.merged.empty()) {
+    merge(arguments, work, journal);
+  } else {
+    machine.emplace(measure(arguments, work, shard, journal, progress));
   }
-  out.write_text("report.json", report);
-  out.commit();
-  std::cout << (arguments.output.json ? report : markdown);
-  return 0;
+  const std::size_t all = trade_units(work).size(), here = journal.records().size();
+  if (here < all) return {.summary = shard_text(arguments, here, all, out)};
+  const TradeResults results = trade_results(work, {journal.records(), journal.file().machines()});
+  TradePictures pictures;
+  if (machine) {
+    pictures = progress.step("pictures", [&](const PartDone& done) {
+      return write_pictures(results, *machine->context, machine->cache, out, done);
+    });
+  }
+  const Document document = trade_document(results, pictures);
+  return {.report = report_text(report_of(results, journal.file().kept(), progress.times())),
+          .summary = markdown(document),
+          .document = document};
 }
 
 int trade(const Arguments& arguments) {
@@ -136,29 +182,12 @@ int trade(const Arguments& arguments) {
   if (!arguments.merged.empty() && shard.count > 1) {
     throw UserError("--merge: measures nothing, and takes no --shard");
   }
-  TradeWork work = work_of(arguments);
-  OutputFolder out(arguments.output.folder);
-  TradeJournal journal(out.directory(), work.hash());
-  Progress progress({{"measure", 100}});
-  progress.warn(idle_settings(work));
-  if (!arguments.merged.empty()) {
-    merge(arguments, work, journal);
-  } else {
-    measure(arguments, work, shard, journal, progress);
-  }
-  const std::size_t all = trade_units(work).size(), here = journal.records().size();
-  if (here < all) {
-    // A shard has no report to say it.
-    progress.warn(progress.machine_use().warning());
-    std::cout << "Shard " << arguments.shard << " is finished: " << here << " of " << all
-              << " measurements are in " << (out.directory() / TradeJournal::kFile).string()
-              << ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all "
-                 "shards.\n";
-    return 0;
-  }
-  const TradeResults results =
-      trade_results(std::move(work), {journal.records(), journal.file().machines()});
-  return write(arguments, results, journal.file().kept(), out, progress);
+  const TradeWork work = work_of(arguments);
+  return run_in_folder(arguments.output,
+                       {{"measure", 98}, {"pictures", 2}},
+                       [&](OutputFolder& out, Progress& progress) {
+                         return measure_and_write(arguments, shard, work, out, progress);
+                       });
 }
 
 }  // namespace

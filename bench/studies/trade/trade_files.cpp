@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <utility>
 
-#include "base/text.h"
 #include "bench/output/report_parts.h"
-#include "bench/studies/accuracy/accuracy_report.h"
 #include "bench/studies/trade/trade_report.h"
 
 namespace wobblebench::bench {
@@ -21,38 +18,32 @@ Json settings_json(const TradeWork& work, std::size_t point) {
   return json;
 }
 
-void add(const TradeScore& score, Series& series) {
-  series.x.push_back(score.volume_ratio);
-  series.y.push_back(score.p95_mm());
-}
-
 }  // namespace
 
-std::string trade_csv(const TradeResults& results) {
+Table trade_rows(const TradeResults& results) {
   const TradePlan& plan = results.work.plan;
-  std::ostringstream csv;
-  csv << "scene,point,seed";
-  for (const TradeAxis& axis : plan.axes) csv << "," << axis.key;
-  for (const std::string& name : trade_measure_names()) csv << "," << name;
-  csv << ",refused";
-  for (const auto& [name, time] : kTradeTimes) csv << "," << name;
-  csv << "\n";
+  Table table{.name = "rows", .columns = {{"scene"}, {"point"}, {"seed"}}};
+  for (const TradeAxis& axis : plan.axes) table.columns.push_back({axis.key});
+  for (const std::string& name : trade_measure_names()) table.columns.push_back({name});
+  table.columns.push_back({"refused"});
+  for (const auto& [name, time] : kTradeTimes) table.columns.push_back({name});
   for (const auto& [unit, record] : results.records) {
-    csv << plan.scenes[unit.scene].name << "," << unit.point << "," << plan.seeds[unit.seed];
+    std::vector<Cell> row = {
+        plan.scenes[unit.scene].name, unit.point, std::to_string(plan.seeds[unit.seed])};
     for (const std::string& value : results.work.points[unit.point].values) {
-      csv << "," << csv_field(plain_value(value));
+      row.emplace_back(plain_value(value));
     }
-    if (!record.refused.empty()) {
-      csv << std::string(trade_measure_names().size(), ',') << "," << csv_field(record.refused)
-          << ",,,,\n";
-      continue;
+    const bool measured = record.refused.empty();
+    for (std::size_t i = 0; i < trade_measure_names().size(); ++i) {
+      row.push_back(measured ? Cell(record.measures[i]) : Cell());
     }
-    for (const double value : record.measures) csv << "," << csv_number(value);
-    csv << ",";
-    for (const auto& [name, time] : kTradeTimes) csv << "," << csv_number(record.*time);
-    csv << "\n";
+    row.emplace_back(record.refused);
+    for (const auto& [name, time] : kTradeTimes) {
+      row.push_back(measured ? Cell(record.*time) : Cell());
+    }
+    table.add(std::move(row));
   }
-  return csv.str();
+  return table;
 }
 
 Json trade_score_json(const TradeWork& work, const TradeScore& score) {
@@ -88,26 +79,6 @@ Json trade_json(const TradeResults& results) {
           {"measurements", results.records.size()},
           {"refused_points", results.refused},
           {"parts", parts}};
-}
-
-std::optional<Figure> trade_figure(const TradeResults::Part& part) {
-  if (part.front.empty()) return std::nullopt;
-  Chart chart{"Time and error: " + part.name,
-              {"picture of a new volume / the reference's", Scale::logarithmic},
-              {"depth error, P95 (mm)", Scale::logarithmic}};
-  Series all{"points", {}, {}, Stroke::none, Mark::disc, 4};
-  Series front{"front: time, P95, missed or false", {}, {}, Stroke::none, Mark::square, 0};
-  Series knees{"knees", {}, {}, Stroke::solid, Mark::diamond, 1};
-  for (const TradeScore& score : part.scores) add(score, all);
-  for (const std::size_t i : part.front) add(part.scores[i], front);
-  for (const TradeKnee& knee : part.knees) add(part.scores[knee.score], knees);
-  chart.series = {all, front};
-  if (!knees.x.empty()) chart.series.push_back(knees);
-  std::string name = part.name;
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return Figure{name,
-                "Every point on " + part.name + ", and the front of time, P95 and missed or false.",
-                {chart}};
 }
 
 }  // namespace wobblebench::bench

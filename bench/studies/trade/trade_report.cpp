@@ -1,22 +1,23 @@
 #include "bench/studies/trade/trade_report.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "base/number_text.h"
 #include "base/statistics.h"
-#include "bench/studies/accuracy/accuracy_report.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-TradeResults::Part part_of(const TradeResults& results,
-                           const std::string& name,
-                           const std::vector<std::size_t>& scenes) {
-  TradeResults::Part part{name, trade_scores(results.work, results.records, scenes), {}, {}};
+using Part = TradeResults::Part;
+
+Part part_of(const TradeResults& results,
+             const std::string& name,
+             const std::vector<std::size_t>& scenes) {
+  Part part{name, scenes, trade_scores(results.work, results.records, scenes), {}, {}};
   part.front = trade_front(part.scores);
   part.knees = trade_knees(part.scores, part.front);
   return part;
@@ -24,43 +25,44 @@ TradeResults::Part part_of(const TradeResults& results,
 
 constexpr std::ptrdiff_t kMostInteractions = 10;
 
-const char* name_of(TradeResponse response) {
+Column column_of(TradeResponse response) {
   switch (response) {
     case TradeResponse::log2_volume_ratio:
-      return "time, doublings";
+      return {"time_doublings", "time", "doublings"};
     case TradeResponse::p95_mm:
-      return "P95, mm";
+      return {"p95_mm", "P95", "mm"};
     case TradeResponse::missed_or_false_percent:
       break;
   }
-  return "missed or false, %";
+  return {"missed_or_false_percent", "missed or false", "%"};
 }
 
-void write_head(const TradeResults& results, std::ostream& markdown) {
+std::string head_text(const TradeResults& results) {
   const TradePlan& plan = results.work.plan;
-  markdown << "# Trade of time against error\n\n"
-           << "Made by `wobblebench trade`. " << results.work.points.size() << " points on "
-           << plan.scenes.size() << " scenes and " << plan.seeds.size() << " seeds ("
-           << plan.seeds.front() << " to " << plan.seeds.back() << "): " << results.records.size()
-           << " measurements. All sticks are simulated. Measured by:\n\n";
-  for (const std::string& machine : results.machines) markdown << "- " << machine << "\n";
-  markdown
-      << "\nTimes are those of the picture of a new volume (pass 1 with the reconstruction before "
-         "it, to pass 4; of all threads), as ratios to the reference's, which was rendered in "
-         "turn with each, median of "
-      << plan.repeats
-      << " a measurement, geometric mean over scenes and seeds. Errors: mean over scenes and "
-         "seeds ± 95 % interval. All measurements are in `trade.csv`.\n";
+  std::string text =
+      "Made by `wobblebench trade`. " + std::to_string(results.work.points.size()) + " points on " +
+      std::to_string(plan.scenes.size()) + " scenes and " + std::to_string(plan.seeds.size()) +
+      " seeds (" + std::to_string(plan.seeds.front()) + " to " + std::to_string(plan.seeds.back()) +
+      "): " + std::to_string(results.records.size()) +
+      " measurements. All sticks are simulated. Measured by:\n\n";
+  for (const std::string& machine : results.machines) text += "- " + machine + "\n";
+  text +=
+      "\nTimes are those of the picture of a new volume (pass 1 with the reconstruction before it, "
+      "to pass 4; of all threads), as ratios to the reference's, which was rendered in turn with "
+      "each, median of " +
+      std::to_string(plan.repeats) +
+      " a measurement, geometric mean over scenes and seeds. Errors: mean over scenes and seeds ± "
+      "95 % interval. All measurements are in `trade.csv`.\n";
   if (results.refused > 0) {
-    markdown << "\n"
-             << results.refused
-             << " points are combinations that were refused, the first: " << results.first_refusal
-             << "\n";
+    text += "\n" + std::to_string(results.refused) +
+            " points are combinations that were refused, the first: " + results.first_refusal +
+            "\n";
   }
+  return text;
 }
 
-/// How long an evaluation takes, and its parts.
-void write_evaluation(const TradeResults& results, std::ostream& markdown) {
+/// How long an evaluation takes, and its parts; empty: not known.
+std::string evaluation_text(const TradeResults& results) {
   std::vector<double> all, renderer, render, measure;
   for (const auto& [unit, record] : results.records) {
     const EvaluationTimes& times = record.evaluation;
@@ -71,101 +73,92 @@ void write_evaluation(const TradeResults& results, std::ostream& markdown) {
     render.push_back(times.render_ms);
     measure.push_back(times.measure_ms);
   }
-  if (all.empty()) return;
+  if (all.empty()) return "";
   const Quartiles quartiles = quartiles_of(all);
   const auto median = [](const std::vector<double>& times) {
     return fixed(quantile(times, 0.5), 0) + " ms";
   };
-  markdown << "\nAn evaluation (a setting's first picture and its measures, without the timing in "
-              "turn) took "
-           << fixed(quartiles.median, 0) << " ms (quartiles " << fixed(quartiles.lower, 0) << " to "
-           << fixed(quartiles.upper, 0) << "), that is " << fixed(1000 / quartiles.median, 1)
-           << " a second: medians " << median(renderer) << " for the renderer, " << median(render)
-           << " for the picture with its shaders and pass 1, " << median(measure)
-           << " for the measures.\n";
+  return "An evaluation (a setting's first picture and its measures, without the timing in turn) "
+         "took " +
+         fixed(quartiles.median, 0) + " ms (quartiles " + fixed(quartiles.lower, 0) + " to " +
+         fixed(quartiles.upper, 0) + "), that is " + fixed(1000 / quartiles.median, 1) +
+         " a second: medians " + median(renderer) + " for the renderer, " + median(render) +
+         " for the picture with its shaders and pass 1, " + median(measure) + " for the measures.";
 }
 
-void write_row(const TradeResults& results, const TradeScore& score, std::ostream& markdown) {
-  const auto cell = [&](const char* name, int digits) {
-    markdown << " | " << interval_text(score.measures[trade_measure(name)], digits);
-  };
-  markdown << "| " << score.point << " | " << fixed(score.volume_ratio, 2) << " | "
-           << fixed(score.view_ratio, 2) << " | " << fixed(score.volume_ms, 0);
-  cell("median_mm", 2);
-  cell("p95_mm", 2);
-  cell("outside_p95_mm", 2);
-  cell("missed_percent", 2);
-  cell("false_percent", 2);
-  markdown << " | " << point_text(results.work, score.point) << " |\n";
-}
-
-void write_front(const TradeResults& results,
-                 const TradeResults::Part& part,
-                 std::ostream& markdown) {
-  markdown
-      << "\n| point | time | of a new view | ms | median, mm | P95, mm | outside silhouettes, mm "
-         "| missed, % | false, % | setting |\n"
-         "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n";
-  for (const std::size_t i : part.front) write_row(results, part.scores[i], markdown);
+Table front_table(const TradeResults& results, const Part& part) {
+  const std::vector<Column> measures = {{"median_mm", "median", "mm"},
+                                        {"p95_mm", "P95", "mm"},
+                                        {"outside_p95_mm", "P95 outside silhouettes", "mm"},
+                                        {"missed_percent", "missed", "%"},
+                                        {"false_percent", "false", "%"}};
+  Table table{.name = "front_" + part.file(),
+              .columns = {{"point"},
+                          {"volume_ratio", "time"},
+                          {"view_ratio", "time of a new view"},
+                          {"volume_ms", "time", "ms", 0}}};
+  table.columns.insert(table.columns.end(), measures.begin(), measures.end());
+  table.columns.push_back({"setting"});
+  for (const std::size_t i : part.front) {
+    const TradeScore& score = part.scores[i];
+    std::vector<Cell> row = {score.point, score.volume_ratio, score.view_ratio, score.volume_ms};
+    for (const Column& column : measures) {
+      row.push_back(interval_cell(score.measures[trade_measure(column.key)]));
+    }
+    row.emplace_back(point_text(results.work, score.point));
+    table.add(std::move(row), point_id(score.point));
+  }
+  return table;
 }
 
 /// A sentence for each knee, with what changed since the one before.
-void write_knees(const TradeResults& results,
-                 const TradeResults::Part& part,
-                 std::ostream& markdown) {
+std::string knees_text(const TradeResults& results, const Part& part) {
   const TradeScore* before = nullptr;
-  markdown << "\nKnees, of the points with at most " << fixed(kMostWrongPercent, 0)
-           << " % missed or false:\n\n";
+  std::string text = "Knees, of the points with at most " + fixed(kMostWrongPercent, 0) +
+                     " % missed or false:\n\n";
   for (const TradeKnee& knee : part.knees) {
     const TradeScore& score = part.scores[knee.score];
-    markdown << "- At " << fixed(score.volume_ratio, 2) << " of the reference's time (point "
-             << score.point << ": "
-             << point_text(results.work, score.point, before ? &before->point : nullptr)
-             << ") P95 is " << fixed(score.p95_mm(), 2) << " mm, missed or false "
-             << fixed(score.wrong_percent(), 2) << " %. Each per cent of time took "
-             << fixed(knee.gain_before, 2) << " % off P95 up to here and takes "
-             << fixed(knee.gain_after, 2) << " % beyond.\n";
+    text += "- At " + fixed(score.volume_ratio, 2) + " of the reference's time (point " +
+            std::to_string(score.point) + ": " +
+            point_text(results.work, score.point, before ? &before->point : nullptr) + ") P95 is " +
+            fixed(score.p95_mm(), 2) + " mm, missed or false " + fixed(score.wrong_percent(), 2) +
+            " %. Each per cent of time took " + fixed(knee.gain_before, 2) +
+            " % off P95 up to here and takes " + fixed(knee.gain_after, 2) + " % beyond.\n";
     before = &score;
   }
+  return text;
 }
 
-void write_part(const TradeResults& results,
-                const TradeResults::Part& part,
-                std::ostream& markdown) {
-  markdown << "\n## Front: " << part.name << "\n\n"
-           << part.front.size() << " of " << part.scores.size()
-           << " points are beaten by no other in time, P95 and missed or false together.\n";
-  if (const auto figure = trade_figure(part)) {
-    markdown << "\n[Chart: " << figure->caption << "](trade_" << figure->name << ".vl.json)\n";
-  }
-  write_front(results, part, markdown);
-  if (!part.knees.empty()) write_knees(results, part, markdown);
+void add_part(const TradeResults& results, const Part& part, Document& document) {
+  document.add(Heading{"Front: " + part.name})
+      .add(Text{std::to_string(part.front.size()) + " of " + std::to_string(part.scores.size()) +
+                " points are beaten by no other in time, P95 and missed or false together."});
+  if (!part.front.empty()) document.add(trade_figure(results, part));
+  document.add(front_table(results, part));
+  if (!part.knees.empty()) document.add(Text{knees_text(results, part)});
 }
 
-void write_effects(const TradeResults& results,
-                   const std::vector<TradeScore>& scores,
-                   std::ostream& markdown) {
+void add_effects(const TradeResults& results,
+                 const std::vector<TradeScore>& scores,
+                 Document& document) {
   const auto& axes = results.work.plan.axes;
-  markdown
-      << "\n## Effects of single settings\n\n"
-         "The mean over the points with a value less that over all others, ± 95 %. In brackets: "
-         "not told from 0.\n\n| setting | value ";
+  Table table{.name = "effects", .columns = {{"setting"}, {"value"}}};
   std::vector<std::vector<LevelEffect>> effects;
   for (const TradeResponse response : kTradeResponses) {
-    markdown << "| " << name_of(response) << " ";
+    table.columns.push_back(column_of(response));
     effects.push_back(level_effects(results.work, scores, response));
   }
-  markdown << "|\n| --- | --- | ---: | ---: | ---: |\n";
   for (std::size_t i = 0; i < effects.front().size(); ++i) {
     const LevelEffect& first = effects.front()[i];
-    markdown << "| `" << axes[first.axis].key << "` | " << axes[first.axis].levels[first.level];
-    for (const auto& of_response : effects) {
-      const MeanInterval& effect = of_response[i].effect;
-      const std::string text = interval_text(effect, 2);
-      markdown << " | " << (effect.differs_from_zero() ? text : "(" + text + ")");
-    }
-    markdown << " |\n";
+    std::vector<Cell> row = {Cell::code(axes[first.axis].key),
+                             axes[first.axis].levels[first.level]};
+    for (const auto& of_response : effects) row.push_back(difference_cell(of_response[i].effect));
+    table.add(std::move(row));
   }
+  document.add(Heading{"Effects of single settings"})
+      .add(Text{"The mean over the points with a value less that over all others, ± 95 %. In "
+                "brackets: not told from 0."})
+      .add(std::move(table));
 }
 
 /// Numbers `from` to `to`, by their largest share of a response.
@@ -185,35 +178,39 @@ std::vector<std::size_t> by_share(const std::vector<std::vector<VarianceShare>>&
   return order;
 }
 
-void write_shares(const TradeResults& results,
-                  const std::vector<TradeScore>& scores,
-                  std::ostream& markdown) {
-  const auto& axes = results.work.plan.axes;
+std::string name_of(const TradeWork& work, const VarianceShare& share) {
+  const auto& axes = work.plan.axes;
+  if (share.other == share.axis) return axes[share.axis].key;
+  return axes[share.axis].key + " × " + axes[share.other].key;
+}
+
+void add_shares(const TradeResults& results,
+                const std::vector<TradeScore>& scores,
+                Document& document) {
+  const std::size_t axes = results.work.plan.axes.size();
+  Table table{.name = "shares", .columns = {{"setting"}}};
   std::vector<std::vector<VarianceShare>> shares;
-  markdown
-      << "\n## Which settings matter\n\n"
-         "Share of the variance over the points (omega squared, %) ± 95 %: of single settings, "
-         "then of the pairs that matter most, beyond what each does alone.\n\n| setting";
   for (const TradeResponse response : kTradeResponses) {
-    markdown << " | " << name_of(response);
+    const Column column = column_of(response);
+    table.columns.push_back({"share_" + column.key, column.title, "%", 1});
     shares.push_back(variance_shares(results.work, scores, response));
   }
-  markdown << " |\n| --- | ---: | ---: | ---: |\n";
-  std::vector<std::size_t> order = by_share(shares, 0, axes.size());
-  const auto pairs = by_share(shares, axes.size(), shares.front().size());
+  std::vector<std::size_t> order = by_share(shares, 0, axes);
+  const auto pairs = by_share(shares, axes, shares.front().size());
   order.insert(order.end(),
                pairs.begin(),
                pairs.begin() + std::min<std::ptrdiff_t>(kMostInteractions, std::ssize(pairs)));
   for (const std::size_t i : order) {
-    const VarianceShare& first = shares.front()[i];
-    markdown << "| `" << axes[first.axis].key << "`";
-    if (first.other != first.axis) markdown << " × `" << axes[first.other].key << "`";
+    std::vector<Cell> row = {Cell::code(name_of(results.work, shares.front()[i]))};
     for (const auto& of_response : shares) {
-      const VarianceShare& share = of_response[i];
-      markdown << " | " << fixed(100 * share.share, 1) << " ± " << fixed(100 * share.half, 1);
+      row.push_back(Cell::interval(100 * of_response[i].share, 100 * of_response[i].half));
     }
-    markdown << " |\n";
+    table.add(std::move(row));
   }
+  document.add(Heading{"Which settings matter"})
+      .add(Text{"Share of the variance over the points (omega squared) ± 95 %: of single settings, "
+                "then of the pairs that matter most, beyond what each does alone."})
+      .add(std::move(table));
 }
 
 }  // namespace
@@ -238,6 +235,12 @@ TradeResults trade_results(TradeWork work, TradeContent content) {
   return results;
 }
 
+std::string TradeResults::Part::file() const {
+  std::string file = name;
+  std::replace(file.begin(), file.end(), ' ', '_');
+  return file;
+}
+
 std::string measured_by(const Provenance& provenance) {
   return "commit " + provenance.commit + ", " + machine_text(provenance);
 }
@@ -253,17 +256,21 @@ std::string point_text(const TradeWork& work, std::size_t point, const std::size
   return text.empty() ? "the same setting" : text;
 }
 
-std::string trade_markdown(const TradeResults& results) {
-  std::ostringstream markdown;
-  write_head(results, markdown);
-  write_evaluation(results, markdown);
-  for (const TradeResults::Part& part : results.parts) write_part(results, part, markdown);
+Document trade_document(const TradeResults& results, const TradePictures& pictures) {
+  Document document{.title = "Trade of time against error",
+                    .name = "trade",
+                    .data = {{"trade.csv", trade_rows(results)}}};
+  document.add(Text{head_text(results)});
+  const std::string evaluation = evaluation_text(results);
+  if (!evaluation.empty()) document.add(Text{evaluation});
+  for (const Part& part : results.parts) add_part(results, part, document);
   const auto& scores = results.parts.front().scores;
   if (scores.size() > results.work.plan.axes.size()) {
-    write_effects(results, scores, markdown);
-    write_shares(results, scores, markdown);
+    add_effects(results, scores, document);
+    add_shares(results, scores, document);
   }
-  return markdown.str();
+  for (Detail& detail : trade_details(results, pictures)) document.add(std::move(detail));
+  return document;
 }
 
 }  // namespace wobblebench::bench

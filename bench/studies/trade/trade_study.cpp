@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/statistics.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/cache/sha256.h"
 #include "bench/scene/idle_options.h"
@@ -110,12 +111,25 @@ Scene TradeWork::reference(std::size_t scene) const {
   return load(plan, plan.scenes[scene], plan.reference.settings, more);
 }
 
-std::optional<Scene> TradeWork::plain(std::size_t scene) const {
+std::optional<Scene> TradeWork::without_point(std::size_t scene,
+                                              const std::vector<std::string>& settings) const {
   try {
-    return load(plan, plan.scenes[scene], {}, more);
+    return load(plan, plan.scenes[scene], settings, more);
   } catch (const UserError&) {
     return std::nullopt;
   }
+}
+
+std::string TradeWork::run_command(std::size_t scene, std::size_t point) const {
+  const NamedOptions& options = plan.scenes[scene];
+  std::string command = "wobblebench run";
+  if (!options.file.empty()) command += " " + shell_word(options.file.string());
+  const auto add = [&](const std::string& setting) { command += " --set " + shell_word(setting); };
+  for (const std::string& setting : options.settings) add(setting);
+  for (const std::string& setting : settings_of(plan, points[point])) add(setting);
+  for (const std::string& setting : more) add(setting);
+  add("simulation.seed=" + std::to_string(plan.seeds.front()));
+  return command;
 }
 
 std::vector<fs::path> TradeWork::files() const {
@@ -124,7 +138,7 @@ std::vector<fs::path> TradeWork::files() const {
     const NamedOptions& scene = plan.scenes[i];
     if (!scene.file.empty()) files.push_back(scene.file);
     add_files(reference(i), files);
-    if (const auto of_points = plain(i)) add_files(*of_points, files);
+    if (const auto of_points = without_point(i)) add_files(*of_points, files);
     for (const TradeAxis& axis : plan.axes) {
       if (!axis.is_of_files()) continue;
       for (const std::string& level : axis.levels) {
@@ -143,7 +157,7 @@ std::string TradeWork::hash() const {
   add(plan.canonical());
   for (std::size_t i = 0; i < plan.scenes.size(); ++i) {
     add(text_without_names(reference(i)));
-    if (const auto of_points = plain(i)) add(text_without_names(*of_points));
+    if (const auto of_points = without_point(i)) add(text_without_names(*of_points));
   }
   for (const fs::path& file : files()) add(sha256_of_file(file));
   return hex(hash.digest());
@@ -326,6 +340,13 @@ void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeR
     for (const TradeTimes& times : repeats) values.push_back(times.*time);
     record.*time = spread_of(values).median;
   }
+}
+
+Image<glm::vec3> TradeMeasurement::picture(const TradeUnit& unit) {
+  const Scene scene = work_.scene(unit.scene, work_.points[unit.point]);
+  Evaluator& evaluator = scan_of(unit, scene).evaluator;
+  const EvaluationChoice choice{{.shaded = false, .distance = false}, false};
+  return evaluator.evaluate(evaluator.render_options(scene), choice).picture.surface;
 }
 
 /// What was read of a file that changed may be of one body or of the other.

@@ -26,15 +26,16 @@ struct TradeWork {
   /// The scene as a point sets it. Throws UserError.
   Scene scene(std::size_t scene, const TradePoint& point) const;
   Scene reference(std::size_t scene) const;
+  /// The scene with these settings in place of a point's; none where it is refused.
+  std::optional<Scene> without_point(std::size_t scene,
+                                     const std::vector<std::string>& settings = {}) const;
+  /// The command that makes the picture of a point on a scene, with the plan's first seed.
+  std::string run_command(std::size_t scene, std::size_t point) const;
   /// The files that scenes and axes name, in the order of the plan.
   std::vector<std::filesystem::path> files() const;
   /// A hash of all that the records follow from: of files the content, and not the name. Throws as
   /// read_pieces().
   std::string hash() const;
-
- private:
-  /// The scene without a point; none where it is refused without one.
-  std::optional<Scene> plain(std::size_t scene) const;
 };
 
 /// Reads each scene with its reference, and with each level of each axis alone. Throws UserError.
@@ -73,6 +74,8 @@ class TradeMeasurement {
   /// A combination that is refused makes a record that says so. Throws std::runtime_error, and
   /// UserError where a file of the plan has changed since this was made.
   TradeRecord measure(const TradeUnit& unit);
+  /// The surface as it is shown, in linear light. Throws as Evaluator does.
+  Image<glm::vec3> picture(const TradeUnit& unit);
 
  private:
   struct Scan;

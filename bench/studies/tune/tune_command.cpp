@@ -144,11 +144,11 @@ int study(const Arguments& arguments) {
                             machine.cache,
                             done);
     });
-    const std::string markdown = requests_markdown(study, journal.machines());
-    out.write_text("requests.md", markdown);
+    const Document document = requests_document(study, journal.machines());
     return {.report = report_of(
                 work, "requests", requests_json(study), provenance, journal, progress.times()),
-            .summary = markdown};
+            .summary = markdown(document),
+            .document = document};
   };
   return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
 }
@@ -180,15 +180,15 @@ int tune(const Arguments& arguments) {
                          machine.cache,
                          done);
     });
-    const std::string markdown = tune_markdown(results, journal.machines());
-    out.write_text("tune.md", markdown);
+    const Document document = tune_document(results, journal.machines());
     const bool found = results.chosen() != nullptr;
     if (found) out.write_text("tuned.toml", tuned_scene(results));
     return {.report =
                 report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
-            .summary = markdown,
+            .summary = markdown(document),
             .exit_code = found ? kDone : kFailed,
-            .failure = found ? "" : failure_of(results)};
+            .failure = found ? "" : failure_of(results),
+            .document = document};
   };
   return run_in_folder(arguments.output, {{"search", 100}}, search_and_write);
 }

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "base/statistics.h"
 #include "bench/output/report_parts.h"
 #include "bench/studies/trade/trade_report.h"
 
@@ -16,14 +15,6 @@ namespace wobblebench::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kPredicted = 0.2;  // a time is, if the measured one is less than that off
-
-Json limits_json(const TuneRequest& request) {
-  Json limits = Json::object();
-  for (const TuneLimit& limit : request.limits) limits[limit.name] = limit.most;
-  return limits;
-}
 
 Json score_or_null(const TradeWork& work, const std::optional<TradeScore>& score) {
   return score ? trade_score_json(work, *score) : Json(nullptr);
@@ -40,48 +31,115 @@ std::vector<std::string> columns_of(const TuneRequest& request) {
   return columns;
 }
 
-std::string cell(const std::optional<TradeScore>& score, const std::string& name) {
+constexpr int kDigits = 3;
+
+/// Their unit is in their name.
+std::vector<Column> columns_for(const std::vector<std::string>& quantities) {
+  std::vector<Column> columns;
+  for (const std::string& name : quantities) {
+    columns.push_back({.key = name, .digits = kDigits, .significant = true});
+  }
+  return columns;
+}
+
+Cell cell(const std::optional<TradeScore>& score, const std::string& name) {
   if (!score) return "refused";
   const double value = quantity_of(*score, name);
-  return std::isfinite(value) ? significant(value, 3) : "none";
+  return std::isfinite(value) ? Cell(value) : "none";
 }
 
-void write_head(const TuneResults& results, const std::string& machine, std::ostream& markdown) {
+std::string head_text(const TuneResults& results, const std::string& machine) {
   const TradePlan& plan = results.work.plan;
-  markdown << "# " << request_text(results.options.request)
-           << "\n\nMade by `wobblebench tune`: " << machine << ". " << plan.axes.size()
-           << " settings, " << plan.scenes.size() << " scenes, seeds " << plan.seeds.front()
-           << " to " << plan.seeds.back() << "; " << results.evaluated << " points measured ("
-           << results.refused << " were refused)";
-  if (results.known > 0) markdown << " beside the " << results.known << " of the trade";
-  markdown << ", search seed " << results.options.search.seed << ". Confirmed on the fresh seeds "
-           << results.fresh_seeds.front() << " to " << results.fresh_seeds.back()
-           << ". All sticks are simulated. Errors are means over the scenes.\n";
+  std::ostringstream text;
+  text << "Made by `wobblebench tune`: " << machine << ". " << plan.axes.size() << " settings, "
+       << plan.scenes.size() << " scenes, seeds " << plan.seeds.front() << " to "
+       << plan.seeds.back() << "; " << results.evaluated << " points measured (" << results.refused
+       << " were refused)";
+  if (results.known > 0) text << " beside the " << results.known << " of the trade";
+  text << ", search seed " << results.options.search.seed << ". Confirmed on the fresh seeds "
+       << results.fresh_seeds.front() << " to " << results.fresh_seeds.back()
+       << ". All sticks are simulated. Errors are means over the scenes.";
+  return text.str();
 }
 
-void write_candidates(const TuneResults& results, std::ostream& markdown) {
-  const auto columns = columns_of(results.options.request);
-  markdown
-      << "\n## Candidates\n\nIn the order in which they were tried. A limit holds if a further "
-         "seed exceeds it with a probability of 5 % or less (in brackets: that bound); times "
-         "are compared as measured.\n\n| point | measured on |";
-  for (const std::string& name : columns) markdown << " " << name << " |";
-  markdown << " holds |\n| ---: | --- |";
-  for (std::size_t i = 0; i < columns.size(); ++i) markdown << " ---: |";
-  markdown << " --- |\n";
+/// Two rows a candidate: on the seeds of the search, and on fresh ones, where a quantity has a
+/// bound of a further seed beside it.
+Table candidate_table(const TuneResults& results) {
+  const auto quantities = columns_of(results.options.request);
+  Table table{.name = "candidates", .columns = {{"point"}, {"seeds", "measured on"}}};
+  for (const Column& column : columns_for(quantities)) {
+    table.columns.push_back(column);
+    table.columns.push_back(
+        {.key = "bound_" + column.key, .title = "bound", .digits = kDigits, .significant = true});
+  }
+  table.columns.push_back({"holds"});
   for (const TuneCandidate& candidate : results.candidates) {
-    markdown << "| " << candidate.point << " | searched seeds |";
-    for (const std::string& name : columns)
-      markdown << " " << cell(candidate.searched, name) << " |";
-    markdown << " |\n| | fresh seeds |";
-    for (const std::string& name : columns) {
-      markdown << " " << cell(candidate.fresh, name);
-      if (candidate.fresh && std::isfinite(upper_quantity(*candidate.fresh, name))) {
-        markdown << " (" << significant(upper_quantity(*candidate.fresh, name), 3) << ")";
-      }
-      markdown << " |";
+    std::vector<Cell> searched = {candidate.point, "searched seeds"};
+    std::vector<Cell> fresh = {candidate.point, "fresh seeds"};
+    for (const std::string& name : quantities) {
+      searched.push_back(cell(candidate.searched, name));
+      searched.emplace_back();
+      fresh.push_back(cell(candidate.fresh, name));
+      fresh.push_back(candidate.fresh ? Cell(upper_quantity(*candidate.fresh, name)) : Cell());
     }
-    markdown << (candidate.holds ? " yes |\n" : " no |\n");
+    searched.emplace_back();
+    fresh.emplace_back(candidate.holds ? "yes" : "no");
+    table.add(std::move(searched), point_id(candidate.point));
+    table.add(std::move(fresh), point_id(candidate.point));
+  }
+  return table;
+}
+
+/// The least quantity against one limit: each candidate on the seeds of the search and on fresh
+/// ones, with the bound of a further seed, and the limit as the edge of what is not allowed.
+Chart candidate_chart(const TuneResults& results, const TuneLimit& limit) {
+  const std::string& least = results.options.request.least;
+  Chart chart{.title = limit.name + " at most " + significant(limit.most, kDigits),
+              .x = {.label = least},
+              .y = {.label = limit.name}};
+  Series searched{.name = "searched seeds", .stroke = Stroke::none, .mark = Mark::ring};
+  Series fresh{.name = "fresh seeds, to the bound", .stroke = Stroke::none, .mark = Mark::disc};
+  Series edge{.name = "limit", .stroke = Stroke::dashed, .colour = 6};
+  const auto add = [&](const TuneCandidate& candidate, const TradeScore& score, Series& series) {
+    series.add(quantity_of(score, least), quantity_of(score, limit.name));
+    series.ids.push_back(point_id(candidate.point));
+    series.notes.push_back("point " + std::to_string(candidate.point) + ": " +
+                           point_text(results.work, candidate.point));
+    edge.add(series.x.back(), limit.most);
+  };
+  for (const TuneCandidate& candidate : results.candidates) {
+    add(candidate, candidate.searched, searched);
+    if (!candidate.fresh) continue;
+    add(candidate, *candidate.fresh, fresh);
+    fresh.low.push_back(fresh.y.back());
+    fresh.high.push_back(upper_quantity(*candidate.fresh, limit.name));
+  }
+  chart.series = {std::move(searched), std::move(fresh), std::move(edge)};
+  return chart;
+}
+
+void add_candidates(const TuneResults& results, Document& document) {
+  Figure figure{.name = "candidates",
+                .caption =
+                    "Candidates by what is to be least and by each limit; a click shows a "
+                    "candidate's setting and command."};
+  for (const TuneLimit& limit : results.options.request.limits) {
+    figure.panels.emplace_back(candidate_chart(results, limit));
+  }
+  document.add(Heading{"Candidates"})
+      .add(Text{
+          "In the order in which they were tried. A limit holds if a further seed exceeds it "
+          "with a probability of 5 % or less (the bound beside a quantity); times are compared "
+          "as measured."});
+  if (!figure.panels.empty()) document.add(std::move(figure));
+  document.add(candidate_table(results));
+  for (const TuneCandidate& candidate : results.candidates) {
+    document.add(Detail{.id = point_id(candidate.point),
+                        .title = "Point " + std::to_string(candidate.point),
+                        .command = results.work.run_command(0, candidate.point),
+                        .text = "The command makes its picture on scene " +
+                                results.work.plan.scenes.front().name + ".\n\n" +
+                                point_text(results.work, candidate.point)});
   }
 }
 
@@ -105,109 +163,54 @@ Json nearest_json(const TuneResults& results) {
           {"limits", limits}};
 }
 
-void write_chosen(const TuneResults& results, std::ostream& markdown) {
+std::string nothing_chosen_text(const TuneResults& results) {
+  const std::string nearest = nearest_text(results);
+  return (results.candidates.empty() ? "No setting met the limits on the searched seeds.\n"
+                                     : "No candidate held on fresh seeds.\n") +
+         (nearest.empty() ? "" : "\nNearest: " + nearest + ".\n");
+}
+
+std::string chosen_text(const TuneResults& results, std::size_t point) {
+  std::string text = "Point " + std::to_string(point) + ": " + point_text(results.work, point) +
+                     ". As a scene file: `tuned.toml`.\n";
+  for (const std::string& key : results.at_an_end) {
+    text += "\n- `" + key +
+            "` is at an end of what the plan allows; beyond it may lie something better.";
+  }
+  return text;
+}
+
+Table unseen_table(const TuneResults& results) {
+  const auto quantities = columns_of(results.options.request);
+  Table table{.name = "unseen", .columns = {{"scene"}}};
+  for (const Column& column : columns_for(quantities)) table.columns.push_back(column);
+  for (const UnseenScore& unseen : results.unseen) {
+    std::vector<Cell> row = {unseen.scene};
+    for (const std::string& name : quantities) row.push_back(cell(unseen.score, name));
+    table.add(std::move(row));
+  }
+  return table;
+}
+
+void add_chosen(const TuneResults& results, Document& document) {
   const TuneCandidate* chosen = results.chosen();
-  markdown << "\n## Chosen\n\n";
+  document.add(Heading{"Chosen"});
   if (chosen == nullptr) {
-    markdown << (results.candidates.empty() ? "No setting met the limits on the searched seeds.\n"
-                                            : "No candidate held on fresh seeds.\n");
-    const std::string nearest = nearest_text(results);
-    if (!nearest.empty()) markdown << "\nNearest: " << nearest << ".\n";
+    document.add(Text{nothing_chosen_text(results)});
     return;
   }
-  markdown << "Point " << chosen->point << ": " << point_text(results.work, chosen->point)
-           << ". As a scene file: `tuned.toml`.\n";
-  for (const std::string& key : results.at_an_end) {
-    markdown << "\n- `" << key
-             << "` is at an end of what the plan allows; beyond it may lie something better.";
-  }
-  if (!results.at_an_end.empty()) markdown << "\n";
+  document.add(Text{chosen_text(results, chosen->point)});
   if (results.unseen.empty()) return;
-  const auto columns = columns_of(results.options.request);
-  markdown << "\n## On scenes that the search did not see\n\n| scene |";
-  for (const std::string& name : columns) markdown << " " << name << " |";
-  markdown << "\n| --- |";
-  for (std::size_t i = 0; i < columns.size(); ++i) markdown << " ---: |";
-  for (const UnseenScore& unseen : results.unseen) {
-    markdown << "\n| " << unseen.scene << " |";
-    for (const std::string& name : columns) markdown << " " << cell(unseen.score, name) << " |";
-  }
-  markdown << "\n";
-}
-
-/// Statistics of the requests that one method answered.
-struct MethodSummary {
-  std::size_t answered = 0, held = 0;
-  std::vector<double> time;               ///< judged volume_ratio
-  std::vector<double> of_ratio, of_time;  ///< judged time over the predicted one
-
-  explicit MethodSummary(const RequestStudy& study, std::size_t method) {
-    for (const RequestOutcome& outcome : study.outcomes) {
-      const RequestAnswer& answer = outcome.answers[method];
-      if (!answer.judged) continue;
-      ++answered;
-      held += answer.held ? 1 : 0;
-      time.push_back(answer.judged->volume_ratio);
-      of_ratio.push_back(answer.judged->volume_ratio / answer.confirmed->volume_ratio);
-      of_time.push_back(answer.judged->volume_ms / answer.confirmed->volume_ms);
-    }
-  }
-  static std::size_t within(const std::vector<double>& ratios) {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        ratios, [](double ratio) { return std::abs(ratio - 1) <= kPredicted; }));
-  }
-};
-
-std::string of(std::size_t count, std::size_t all) {
-  return std::to_string(count) + " of " + std::to_string(all);
-}
-
-/// Ratio of the judged times of two methods, over the requests that both answered.
-std::string against(const RequestStudy& study, std::size_t method, std::size_t other) {
-  std::vector<double> ratios;
-  for (const RequestOutcome& outcome : study.outcomes) {
-    const auto &a = outcome.answers[method].judged, &b = outcome.answers[other].judged;
-    if (a && b) ratios.push_back(a->volume_ratio / b->volume_ratio);
-  }
-  if (ratios.empty()) return "none";
-  const Quartiles quartiles = quartiles_of(ratios);
-  return significant(quartiles.median, 3) + " (" + significant(quartiles.lower, 3) + " to " +
-         significant(quartiles.upper, 3) + "), n = " + std::to_string(ratios.size());
-}
-
-void write_summary(const RequestStudy& study, std::ostream& markdown) {
-  markdown
-      << "\n| method | answered | held on judging seeds | time of volume, ratio, median | over "
-         "that of the trade alone, median (quartiles) | time predicted within 20 %: ratio | in "
-         "ms |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n";
-  for (std::size_t method = 0; method < std::size(kRequestMethods); ++method) {
-    const MethodSummary summary(study, method);
-    markdown << "| " << kRequestMethods[method].name << " | "
-             << of(summary.answered, study.outcomes.size()) << " | "
-             << of(summary.held, summary.answered) << " | "
-             << significant(quantile(summary.time, 0.5), 3) << " | "
-             << against(study, method, std::size(kRequestMethods) - 1) << " | "
-             << of(MethodSummary::within(summary.of_ratio), summary.answered) << " | "
-             << of(MethodSummary::within(summary.of_time), summary.answered) << " |\n";
-  }
-}
-
-Json answer_json(const RequestAnswer& answer) {
-  const auto score = [](const std::optional<TradeScore>& value) {
-    if (!value) return Json(nullptr);
-    return Json{{"volume_ratio", value->volume_ratio},
-                {"volume_ms", value->volume_ms},
-                {"p95_mm", number(value->p95_mm())},
-                {"missed_or_false_percent", number(value->wrong_percent())}};
-  };
-  return {{"measured_points", answer.evaluated},
-          {"candidates", answer.candidates},
-          {"confirmed", score(answer.confirmed)},
-          {"judged", score(answer.judged)},
-          {"held", answer.held}};
+  document.add(Heading{"On scenes that the search did not see"}).add(unseen_table(results));
 }
 
 }  // namespace
+
+Json limits_json(const TuneRequest& request) {
+  Json limits = Json::object();
+  for (const TuneLimit& limit : request.limits) limits[limit.name] = limit.most;
+  return limits;
+}
 
 Json tune_json(const TuneResults& results) {
   const TuneRequest& request = results.options.request;
@@ -235,12 +238,12 @@ Json tune_json(const TuneResults& results) {
           {"unseen", unseen}};
 }
 
-std::string tune_markdown(const TuneResults& results, const std::string& machine) {
-  std::ostringstream markdown;
-  write_head(results, machine, markdown);
-  if (!results.candidates.empty()) write_candidates(results, markdown);
-  write_chosen(results, markdown);
-  return markdown.str();
+Document tune_document(const TuneResults& results, const std::string& machine) {
+  Document document{.title = request_text(results.options.request), .name = "tune"};
+  document.add(Text{head_text(results, machine)});
+  if (!results.candidates.empty()) add_candidates(results, document);
+  add_chosen(results, document);
+  return document;
 }
 
 std::string nearest_text(const TuneResults& results) {
@@ -287,42 +290,6 @@ std::string tuned_scene(const TuneResults& results) {
     for (const std::string& line : lines) toml << line << "\n";
   }
   return toml.str();
-}
-
-std::string requests_markdown(const RequestStudy& study, const std::string& machine) {
-  const TuneOptions& options = study.options;
-  std::ostringstream markdown;
-  markdown
-      << "# " << study.outcomes.size()
-      << " requests\n\nMade by `wobblebench tune --requests`: " << machine
-      << ". Each asks for the least time of a volume of one scene with limits on P95 and on what "
-         "is "
-      << "missed or false, drawn 0 to 30 % above those of a random point of that scene's front in "
-         "the trade (request seed "
-      << options.search.seed << "). Answered by NSGA-II and by a random search with "
-      << options.search.evaluations
-      << " evaluations each, and by the trade's points alone; confirmed on " << options.fresh_seeds
-      << " fresh seeds, then judged on " << options.judging_seeds
-      << " further ones that chose nothing. A request is held if the means over the judging seeds "
-         "are within its limits; a time is predicted by the confirming seeds. All sticks are "
-         "simulated. Each request and its answers are in `report.json`.\n";
-  write_summary(study, markdown);
-  return markdown.str();
-}
-
-Json requests_json(const RequestStudy& study) {
-  Json requests = Json::array();
-  for (const RequestOutcome& outcome : study.outcomes) {
-    Json answers = Json::object();
-    for (std::size_t i = 0; i < std::size(kRequestMethods); ++i) {
-      answers[kRequestMethods[i].name] = answer_json(outcome.answers.at(i));
-    }
-    requests.push_back({{"scene", study.work.plan.scenes[outcome.scene].name},
-                        {"least", outcome.request.least},
-                        {"limits", limits_json(outcome.request)},
-                        {"answers", answers}});
-  }
-  return requests;
 }
 
 }  // namespace wobblebench::bench

@@ -1,15 +1,17 @@
-// What `tune` found, as tune.md, report.json and the scene file tuned.toml.
+// What `tune` found, as a document, report.json and the scene file tuned.toml.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "bench/output/document/document.h"
 #include "bench/studies/tune/request_study.h"
 #include "bench/studies/tune/tune_study.h"
 
 namespace wobblebench::bench {
 
-std::string tune_markdown(const TuneResults& results, const std::string& machine);
+/// `machine`: what measured.
+Document tune_document(const TuneResults& results, const std::string& machine);
 nlohmann::ordered_json tune_json(const TuneResults& results);
 /// "point 3 (iso_level 0.5, steps 32): p95_mm 2.4 of at most 2 (20 % above), …"; empty: none is
 /// known.
@@ -20,8 +22,11 @@ std::string tuned_scene(const TuneResults& results);
 /// "least volume_ms with p95_mm <= 2 and missed_percent <= 5".
 std::string request_text(const TuneRequest& request);
 
-/// Many requests: requests.md, and "requests" of report.json.
-std::string requests_markdown(const RequestStudy& study, const std::string& machine);
+/// The greatest values that are allowed, by name.
+nlohmann::ordered_json limits_json(const TuneRequest& request);
+
+/// Many requests: document, and "requests" of report.json.
+Document requests_document(const RequestStudy& study, const std::string& machine);
 nlohmann::ordered_json requests_json(const RequestStudy& study);
 
 }  // namespace wobblebench::bench

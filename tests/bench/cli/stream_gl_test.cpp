@@ -280,7 +280,9 @@ TEST_F(StreamCommand, LatencyHoldsVirtualTimeAgainstTheWallClock) {
   EXPECT_EQ(latency["crossovers"].size(), 6u);
   for (const Json& check : latency["checks"])
     EXPECT_GT(double{check["age_newest_ms"]["wall"]["n"]}, 0);
-  EXPECT_TRUE(fs::exists(at("out/latency_crossover.png")));
+  for (const char* file : {"latency.md", "latency_crossover.vl.json", "report.html"}) {
+    EXPECT_TRUE(fs::exists(at("out") / file)) << file;
+  }
 }
 
 TEST_F(StreamCommand, AnotherBodyInTheStreamIsRefusedAndAnotherScaleEndsIt) {

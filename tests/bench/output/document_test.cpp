@@ -128,6 +128,16 @@ TEST(Chart, WithoutAValueItSaysSo) {
   EXPECT_EQ(specification(chart)["layer"].size(), 1U);
 }
 
+TEST(Chart, NamesStandAtTheWholeNumbersOfAnAxis) {
+  Chart chart{"", {.label = "setting", .names = {"fast", "plain"}}, {"ms"}};
+  chart.series.push_back({.name = "a", .x = {0.1, 0.9}, .y = {1, 2}, .mark = Mark::disc});
+  const Json json = specification(chart);
+  EXPECT_EQ(values_of(json, "point")[1]["at"], "plain");
+  const Json x = json["layer"][0]["encoding"]["x"];
+  EXPECT_EQ(x["axis"]["labelExpr"], "[\"fast\",\"plain\"][datum.value]");
+  EXPECT_EQ(x["axis"]["values"], (Json{0, 1}));
+}
+
 TEST(Chart, BarsAreStackedInTheOrderOfTheirParts) {
   const BarChart chart{"", "ms", {"fast", "plain"}, {{"pass 1", {1, 2}}, {"pass 2", {3, kNone}}}};
   const Json values = specification(chart)["data"]["values"];
@@ -140,9 +150,9 @@ TEST(Chart, PanelsOfAFigureHaveSelectionsOfTheirOwn) {
   Chart chart{"", {"x"}, {"y"}};
   chart.series.push_back({"a", {1}, {1}});
   const Json json = specification(Figure{"both", "Two.", {chart, chart}});
-  ASSERT_EQ(json["hconcat"].size(), 2U);
+  ASSERT_EQ(json["concat"].size(), 2U);
   const auto selection = [&](int panel) {
-    return json["hconcat"][panel]["layer"][0]["params"][0]["name"];
+    return json["concat"][panel]["layer"][0]["params"][0]["name"];
   };
   EXPECT_NE(selection(0), selection(1));
 }

@@ -35,6 +35,8 @@ TEST(AccuracyCommand, ScoresEverySettingOfEverySeed) {
   EXPECT_GT(summaries.at(0).at("means").at("p95_mm").at("half_interval"), 0);
   for (const char* file : {"accuracy.csv",
                            "accuracy.md",
+                           "accuracy_errors_field.vl.json",
+                           "report.html",
                            "accuracy_ball_field_long.png",
                            "accuracy_ball_field_truth.png",
                            "report.json"}) {

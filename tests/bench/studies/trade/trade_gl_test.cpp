@@ -1,11 +1,13 @@
 // The command `trade`, by running the program.
 #include <gtest/gtest.h>
+#include <wordexp.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "tests/bench/cli/program_under_test.h"
 
@@ -37,6 +39,22 @@ std::string without_times(const std::string& csv) {
   return result;
 }
 
+/// The words of a shell's line that stands in HTML.
+Words shell_words(std::string html) {
+  const std::pair<std::string, std::string> references[] = {
+      {"&#39;", "'"}, {"&quot;", "\""}, {"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}};
+  for (const auto& [reference, character] : references) {
+    for (auto at = html.find(reference); at != std::string::npos; at = html.find(reference)) {
+      html.replace(at, reference.size(), character);
+    }
+  }
+  wordexp_t words{};
+  EXPECT_EQ(wordexp(html.c_str(), &words, WRDE_NOCMD), 0) << html;
+  Words result(words.we_wordv, words.we_wordv + words.we_wordc);
+  wordfree(&words);
+  return result;
+}
+
 class Trade : public ::testing::Test {
  protected:
   Trade() { folder_.write("plan.toml", kPlan); }
@@ -58,7 +76,8 @@ TEST_F(Trade, MeasuresEveryPointAndSaysWhatItFound) {
   for (const char* part : {"all scenes", "ball", "flat"}) {
     EXPECT_FALSE(report.at("timing").at("trade").at("parts").at(part).at("front").empty()) << part;
   }
-  for (const char* name : {"trade.csv", "trade.md", "trade_ball.png", "points.jsonl"}) {
+  for (const char* name :
+       {"trade.csv", "trade.md", "trade_ball.vl.json", "points.jsonl", "report.html"}) {
     EXPECT_TRUE(fs::exists(folder_.path() / "out" / name)) << name;
   }
 }
@@ -69,6 +88,7 @@ TEST_F(Trade, ShardsMergedAreOneRun) {
     const auto part = trade({"--shard", shard + "/3", "--out", "s" + shard});
     ASSERT_EQ(part.exit_code, 0) << part.err;
     EXPECT_FALSE(fs::exists(folder_.path() / ("s" + shard) / "trade.csv"));
+    EXPECT_FALSE(fs::exists(folder_.path() / ("s" + shard) / "report.html"));
   }
   const auto early = trade({"--merge", "s1", "--merge", "s3", "--out", "early"});
   EXPECT_EQ(early.exit_code, 2);
@@ -117,6 +137,35 @@ TEST_F(Trade, KilledAtAnyMomentItGoesOn) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(last.begin(), last.end(), '\n')),
             kMeasurements + 2);  // the plan, the machine
   EXPECT_EQ(without_times(file("killed/trade.csv")), without_times(file("whole/trade.csv")));
+}
+
+/// The command that the page shows of a point makes the picture that was measured.
+TEST_F(Trade, ThePageNamesTheCommandOfAPoint) {
+  ASSERT_EQ(trade({"--out", "whole"}).exit_code, 0);
+  const std::string page = file("whole/report.html");
+  const auto detail = page.find("<template class=\"detail\" data-id=\"point-0\">");
+  ASSERT_NE(detail, std::string::npos);
+  const std::string begin = "<pre class=\"command\">wobblebench ";
+  const auto at = page.find(begin, detail) + begin.size();
+  const Words words = shell_words(page.substr(at, page.find('<', at) - at));
+  const auto run = bench(with(words, {{"--json"}}), folder_, {});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::istringstream csv(file("whole/trade.csv"));
+  std::string names, first;
+  std::getline(csv, names);
+  std::getline(csv, first);
+  EXPECT_EQ(first.substr(0, 9), "ball,0,1,");
+  const auto cells = [](const std::string& line) {
+    Words fields;
+    std::istringstream stream(line);
+    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+    return fields;
+  };
+  const auto all = cells(names);
+  const auto column =
+      static_cast<std::size_t>(std::find(all.begin(), all.end(), "p95_mm") - all.begin());
+  const double p95_mm = nlohmann::json::parse(run.out).at("error").at("depth_mm").at("p95");
+  EXPECT_NEAR(std::stod(cells(first).at(column)), p95_mm, 1e-6 * p95_mm);
 }
 
 /// Each value is allowed alone: mid_volume with aligned sticks is not.

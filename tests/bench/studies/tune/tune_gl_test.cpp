@@ -156,7 +156,9 @@ TEST_F(Tune, JudgesManyRequestsOnSeedsThatChoseNothing) {
       EXPECT_EQ(answer.at("held"), within);
     }
   }
-  EXPECT_TRUE(fs::exists(folder_.path() / "judged/requests.md"));
+  for (const char* name : {"requests.md", "requests_judged.vl.json"}) {
+    EXPECT_TRUE(fs::exists(folder_.path() / "judged" / name)) << name;
+  }
 }
 
 /// Plane and ball have other errors: what is asked of each lies about its own.
