@@ -350,7 +350,11 @@ Json panel_json(const BarChart& chart, int width, int /*height*/, const std::str
                         {"value", shown(chart.parts[p].values.at(r), Axis{})}});
     }
   }
-  const Json row = {{"field", "row"}, {"type", "nominal"}, {"sort", nullptr}, {"title", nullptr}};
+  const Json row = {{"field", "row"},
+                    {"type", "nominal"},
+                    {"sort", nullptr},
+                    {"title", nullptr},
+                    {"axis", {{"labelLimit", 220}}}};
   const Json value = {{"field", "value"}, {"type", "quantitative"}, {"title", chart.label}};
   const Json part = {{"field", "part"},
                      {"type", "nominal"},
