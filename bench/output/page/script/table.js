@@ -32,7 +32,7 @@ class SortableTable {
   }
 
   makeSortable(heading, column) {
-    if (this.original.length < 2) return;
+    if (this.original.length < 2 || this.headings.length < 2) return;
     const button = make('button', {type: 'button', onclick: () => this.sortBy(column)});
     button.append(...heading.childNodes);
     heading.append(button);
