@@ -102,13 +102,15 @@ class FailingCalls : public testing::Test {
       EXPECT_TRUE(recording == source_ || recording == old_) << "neither the old nor the new one";
       if (result.exit_code == 0) {
         EXPECT_EQ(recording, source_);
-        EXPECT_EQ(folder_.files("out"), (Words{"recording.json", "recording.wbst", "report.json"}));
+        EXPECT_EQ(folder_.files("out"),
+                  (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
         return;
       }
       salvage_partial();
       const auto again = bench(command);
       EXPECT_EQ(again.exit_code, 0) << again.err;
-      EXPECT_EQ(folder_.files("out"), (Words{"recording.json", "recording.wbst", "report.json"}));
+      EXPECT_EQ(folder_.files("out"),
+                (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
       EXPECT_EQ(bytes_of(at("out/recording.wbst")), source_);
     });
   }

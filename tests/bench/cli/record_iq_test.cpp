@@ -46,7 +46,7 @@ TEST(RecordIq, DetectedItIsTheRecording) {
   const auto result = bench(with({"record", "--iq", "--json"}, {kSmall, kTwoVolumes}), folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(folder.files("out"),
-            (Words{"iq.npy", "recording.json", "recording.wbst", "report.json"}));
+            (Words{"iq.npy", "recording.json", "recording.wbst", "report.html", "report.json"}));
   const Json iq = Json::parse(result.out).at("iq");
   const std::vector<std::size_t> shape = iq.at("shape");
   ASSERT_EQ(shape.size(), 4U);
@@ -80,7 +80,8 @@ TEST(RecordIq, LeavesTheRecordingAsItIs) {
   ASSERT_EQ(bench(with({"record", "--iq", "--out", "a"}, {kSmall}), folder).exit_code, 0);
   const auto plain = bench(with({"record", "--out", "b", "--json"}, {kSmall}), folder);
   EXPECT_EQ(at(folder, "a/recording.wbst"), at(folder, "b/recording.wbst"));
-  EXPECT_EQ(folder.files("b"), (Words{"recording.json", "recording.wbst", "report.json"}));
+  EXPECT_EQ(folder.files("b"),
+            (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
   EXPECT_TRUE(Json::parse(plain.out).at("iq").is_null());
 }
 

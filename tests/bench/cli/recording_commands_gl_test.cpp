@@ -24,7 +24,8 @@ class WithRecording : public testing::Test {
     const auto result =
         bench(with({"record", "--volumes", "3", "--out", "rec"}, {kSphere, kScan}), folder_);
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    ASSERT_EQ(folder_.files("rec"), (Words{"recording.json", "recording.wbst", "report.json"}));
+    ASSERT_EQ(folder_.files("rec"),
+              (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
   }
 
   ScratchFolder folder_;
@@ -149,7 +150,13 @@ TEST(Recording, TablesAreMeasuredOnIt) {
                              "--json"},
                             folder);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(folder.files("out"), (Words{"report.json", "tables.csv", "tables.md", "tables.png"}));
+  EXPECT_EQ(folder.files("out"),
+            (Words{"report.html",
+                   "report.json",
+                   "tables.csv",
+                   "tables.md",
+                   "tables_frames_size.vl.json",
+                   "tables_kernels.vl.json"}));
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("provenance").at("board"), "recording");
   EXPECT_EQ(report.at("acquisition").at("sticks"), 37 * 8);
@@ -399,7 +406,8 @@ TEST_F(WithRecording, InterruptedARecordingIsWholeAsFarAsItGoes) {
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("recording").at("ended_because"), "interrupted");
   EXPECT_GT(report.at("board").at("delivered"), 100);
-  EXPECT_EQ(folder_.files("long"), (Words{"recording.json", "recording.wbst", "report.json"}));
+  EXPECT_EQ(folder_.files("long"),
+            (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
 }
 
 TEST_F(WithRecording, AFullDiskKeepsWhatWasRecordedAndSaysWhere) {

@@ -167,7 +167,8 @@ TEST_F(Custody, AFolderTakesOneCommandAtATime) {
                  "--out = out: is in use by another command; must be a folder that no other "
                  "command writes to");
   EXPECT_EQ(bench({"inspect", "out/recording.wbst"}).exit_code, 0);
-  EXPECT_EQ(folder_.files("out"), (Words{"recording.json", "recording.wbst", "report.json"}));
+  EXPECT_EQ(folder_.files("out"),
+            (Words{"recording.json", "recording.wbst", "report.html", "report.json"}));
 }
 
 TEST_F(Custody, WithStandardStreamsClosedNoTextGetsIntoTheRecording) {
