@@ -30,6 +30,8 @@ const char* colour_of(const Series& series, std::size_t number) {
 
 const char* shape_of(Mark mark) {
   switch (mark) {
+    case Mark::none:
+      return "stroke";
     case Mark::square:
       return "square";
     case Mark::triangle:
@@ -174,9 +176,11 @@ class Legend {
     dashes_.push_back(dashes);
   }
   Json encoding(const Json& range) const {
-    const Json legend = named_.empty()
-                            ? Json(nullptr)
-                            : Json{{"values", named_}, {"symbolOpacity", 1}, {"labelLimit", 0}};
+    const Json legend =
+        named_.empty()
+            ? Json(nullptr)
+            : Json{
+                  {"values", named_}, {"symbolOpacity", 1}, {"symbolSize", 150}, {"labelLimit", 0}};
     return {{"field", "series"},
             {"type", "nominal"},
             {"title", nullptr},
