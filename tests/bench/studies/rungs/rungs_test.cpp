@@ -123,6 +123,58 @@ TEST(Rungs, FrontHoldsWhatNothingBeats) {
   EXPECT_EQ(rungs.at("front"), (nlohmann::ordered_json{"geometry", "scatterers"}));
 }
 
+/// Two rungs on a ball; no stick meets a surface of "fog".
+RungsResults made_up_results() {
+  RungsResults results;
+  results.phantom = "ball";
+  results.sound_ms = 100;
+  results.repeats = 3;
+  results.seeds = {1, 2};
+  for (const Rung rung : {Rung::geometry, Rung::field}) {
+    const double ms = rung == Rung::geometry ? 10 : 200;
+    const Spread time{ms, 0.9 * ms, 1.5 * ms};
+    results.times.push_back({rung, time, time, time, time, time, time});
+    results.growth.push_back({"sticks", 16, rung, {time, time}});
+    results.stages.push_back({rung, {{"follow", 0.25 * ms}, {"rest", 0.75 * ms}}, 0, 0});
+    for (const char* body : {"ball", "sheet"}) {
+      const double db = rung == Rung::geometry ? 8 : 2;
+      const RangeError range{0.1, 0.2, 0.4, 50, 1.5};
+      results.errors.push_back({body, rung, range, range, db, 0.9});
+    }
+  }
+  results.errors.push_back({"fog", Rung::field, {}, {}, {}, {}});
+  results.small_scatterers = results.small_reference = {{10, 9, 11}, {10, 9, 11}};
+  return results;
+}
+
+TEST(Rungs, ChartHasATimeWithItsSpreadForEachBodyAndRung) {
+  const auto figure = rungs_figure(made_up_results());
+  const auto& chart = std::get<Chart>(figure.panels.front());
+  ASSERT_EQ(chart.series.size(), 4u);
+  EXPECT_TRUE(chart.labels.empty());
+  const Series &ball = chart.series[0], &sheet = chart.series[1], &field = chart.series[2];
+  EXPECT_EQ(ball.name, "ball, geometry");
+  EXPECT_EQ(ball.mark, sheet.mark);
+  EXPECT_NE(ball.colour, sheet.colour);
+  EXPECT_NE(ball.mark, field.mark);
+  EXPECT_EQ(ball.colour, field.colour);
+  EXPECT_DOUBLE_EQ(field.x.at(0), 2);
+  EXPECT_DOUBLE_EQ(field.y.at(0), 2);
+  EXPECT_DOUBLE_EQ(field.low.at(0), 1.8);
+  EXPECT_DOUBLE_EQ(field.high.at(0), 3);
+}
+
+TEST(Rungs, DocumentHasNoErrorWhereNoStickMeetsASurface) {
+  const auto document = rungs_document(made_up_results(), {});
+  const auto text = markdown(document);
+  EXPECT_NE(text.find("No stick meets a surface of fog:"), std::string::npos) << text;
+  EXPECT_EQ(document.data.front().file, "rungs_errors.csv");
+  const Table& errors = document.data.front().table;
+  EXPECT_EQ(errors.rows.front().at(0).text(), "ball");
+  EXPECT_EQ(errors.rows.front().at(5).number(), 0.2);
+  EXPECT_FALSE(errors.rows.back().at(5).is_number());
+}
+
 // The address sanitizer keeps an eighth of what is held besides.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
