@@ -51,7 +51,9 @@ std::string body_cell(const Cell& cell, const Column& column) {
     return "<td class=\"number\"" + attribute("data-value", significant(cell.number(), kDigits)) +
            ">" + text + "</td>";
   }
-  return "<td>" + (cell.is_code() ? "<code>" + text + "</code>" : text) + "</td>";
+  constexpr std::size_t kLong = 60;
+  return (text.size() > kLong ? "<td class=\"long\">" : "<td>") +
+         (cell.is_code() ? "<code>" + text + "</code>" : text) + "</td>";
 }
 
 /// A file's picture as the address of an <img>.
