@@ -272,6 +272,16 @@ std::vector<IdleOption> idle_options(const Scene& scene,
   return idle;
 }
 
+std::vector<std::string> idle_keys_of_subject(const Scene& scene) {
+  // No rule of a phantom or a motion asks for the rung.
+  const Setting setting{scene, sim::echo_model_type(sim::Rung::geometry)};
+  std::vector<std::string> keys;
+  for (const Rule& rule : rules_of_phantoms()) {
+    if (!rule.acts(setting)) keys.insert(keys.end(), rule.keys.begin(), rule.keys.end());
+  }
+  return keys;
+}
+
 std::string idle_options_text(const std::vector<IdleOption>& options) {
   std::string text;
   for (const auto& [key, acts_with] : options) {

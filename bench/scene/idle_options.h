@@ -22,6 +22,9 @@ std::vector<IdleOption> idle_options(const Scene& scene,
                                      const std::set<std::string>& given,
                                      SampleSource source = SampleSource::simulator);
 
+/// Keys of [phantom] and [motion] that are without effect in the scene, whether given or not.
+std::vector<std::string> idle_keys_of_subject(const Scene& scene);
+
 /// "without effect in this scene: KEY (acts with …), …"; empty: there are none.
 std::string idle_options_text(const std::vector<IdleOption>& options);
 

@@ -10,6 +10,7 @@
 
 #include "base/file.h"
 #include "base/user_error.h"
+#include "bench/scene/idle_options.h"
 #include "hw/wire/crc32c.h"
 
 namespace wobblebench::bench {
@@ -60,10 +61,20 @@ std::uint32_t phantom_hash(nlohmann::ordered_json section,
   return crc;
 }
 
-}  // namespace
+/// Every option with its value; of those without effect on the subject, the default.
+nlohmann::ordered_json options_of_subject(const Scene& scene) {
+  auto options = resolved(scene);
+  const Scene standard;
+  const auto defaults = resolved(standard);
+  for (std::string key : idle_keys_of_subject(scene)) {
+    std::replace(key.begin(), key.end(), '.', '/');
+    const nlohmann::ordered_json::json_pointer place("/" + key);
+    options[place] = defaults.at(place);
+  }
+  return options;
+}
 
-hw::SubjectHash subject_hash(const Scene& scene) {
-  auto settings = resolved(scene);
+hw::SubjectHash hash_of(const Scene& scene, nlohmann::ordered_json settings) {
   drop_neutral(settings["motion"], "mouth_close_mm", 0);
   drop_neutral(settings["motion"], "mouth_period_s", phantoms::MotionOptions{}.mouth_period_s);
   return {.phantom = stated(phantom_hash(settings["phantom"], scene.phantom)),
@@ -71,22 +82,28 @@ hw::SubjectHash subject_hash(const Scene& scene) {
           .motion = stated(text_hash(settings["motion"]))};
 }
 
+}  // namespace
+
+hw::SubjectHash subject_hash(const Scene& scene) {
+  return hash_of(scene, options_of_subject(scene));
+}
+
 void refuse_other_subject(const Scene& scene,
                           const hw::SubjectHash& recorded,
                           bool placed,
                           const std::string& source) {
   if (!recorded.stated()) return;
-  const hw::SubjectHash here = subject_hash(scene);
-  const auto compare = [&](const char* section, std::uint32_t of_scene, std::uint32_t of_record) {
-    if (of_scene == of_record) return;
+  const hw::SubjectHash here = subject_hash(scene), older = hash_of(scene, resolved(scene));
+  const auto compare = [&](const char* section, std::uint32_t hw::SubjectHash::*part) {
+    if (here.*part == recorded.*part || older.*part == recorded.*part) return;
     throw UserError(source + ": the scene's [" + section +
                     "] is not that of the recording; give the scene and --set that it was "
                     "recorded with (`scene` in the recording.json beside it)");
   };
-  compare("phantom", here.phantom, recorded.phantom);
-  compare("motion", here.motion, recorded.motion);
+  compare("phantom", &hw::SubjectHash::phantom);
+  compare("motion", &hw::SubjectHash::motion);
   if (placed || scene.given.contains("placement.position_mm")) {
-    compare("placement", here.placement, recorded.placement);
+    compare("placement", &hw::SubjectHash::placement);
   }
 }
 

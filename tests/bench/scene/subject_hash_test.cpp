@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 #include <type_traits>
 
 #include "base/user_error.h"
@@ -83,6 +84,16 @@ void for_each_changed_key(const Check& check) {
   }
 }
 
+/// Keys that decide what the default scene shows: a face at rest, whose surfaces are built in.
+const std::set<std::string> kOfTheFace = {
+    "name", "voxel_mm", "gestational_age_weeks", "maternal_layer_mm", "mouth_open_mm"};
+const std::set<std::string> kOfItsMotion = {"velocity_mm_s",
+                                            "turn_rate_deg_s",
+                                            "breath_amplitude_mm",
+                                            "heartbeat_amplitude_mm",
+                                            "head_turn_deg",
+                                            "mouth_close_mm"};
+
 TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
   const Scene defaults;
   const hw::SubjectHash before = subject_hash(defaults);
@@ -91,10 +102,9 @@ TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
   for_each_changed_key([&](const std::string& section, const std::string& key, const auto& hash) {
     SCOPED_TRACE(section + "." + key);
     ++keys;
-    // The path of a file says nothing about its contents.
-    EXPECT_EQ(hash.phantom != before.phantom, section == "phantom" && key != "file");
+    EXPECT_EQ(hash.phantom != before.phantom, section == "phantom" && kOfTheFace.contains(key));
     EXPECT_EQ(hash.placement != before.placement, section == "placement");
-    EXPECT_EQ(hash.motion != before.motion, section == "motion");
+    EXPECT_EQ(hash.motion != before.motion, section == "motion" && kOfItsMotion.contains(key));
   });
   EXPECT_GT(keys, 80);
 }
@@ -104,6 +114,31 @@ TEST(SubjectHash, OfTheDefaultsIsThatOfOlderRecordings) {
   const hw::SubjectHash hash = subject_hash(Scene());
   EXPECT_EQ(hash.phantom, 2644393823U);
   EXPECT_EQ(hash.motion, 3743475150U);
+}
+
+hw::SubjectHash hash_with(const std::vector<std::string>& settings) {
+  return subject_hash(load_scene({}, settings));
+}
+
+using Strings = std::vector<std::string>;
+
+TEST(SubjectHash, IsOfTheBodyNotOfOptionsThatItsPhantomDoesNotUse) {
+  const hw::SubjectHash ball = hash_with({"phantom.name=sphere"});
+  for (const char* idle : {"phantom.gestational_age_weeks=28",
+                           "phantom.maternal_layer_mm=5",
+                           "phantom.step_heights_mm=[4]",
+                           "phantom.tilt_x_deg=10",
+                           "phantom.materials=['cortical_bone']",
+                           "phantom.scatterers_gain_db=3",
+                           "motion.breath_period_s=9",
+                           "motion.head_axis=tilt"}) {
+    EXPECT_EQ(hash_with({"phantom.name=sphere", idle}), ball) << idle;
+  }
+  EXPECT_NE(hash_with({"phantom.name=sphere", "phantom.radius_mm=21"}), ball);
+  EXPECT_NE(hash_with({"phantom.name=cyst"}), ball);
+  const Strings breathing = {"phantom.name=sphere", "motion.breath_amplitude_mm=2"};
+  EXPECT_NE(hash_with({breathing[0], breathing[1], "motion.breath_period_s=9"}),
+            hash_with(breathing));
 }
 
 class ImportedSubject : public testing_support::FolderTest {
@@ -153,6 +188,15 @@ std::string refusal(const Scene& scene, const hw::SubjectHash& recorded, bool pl
     return error.what();
   }
   return "";
+}
+
+// Commit 17478aa recorded `phantom.name=sphere phantom.gestational_age_weeks=28` with this hash.
+TEST(OtherSubject, IsNotThatOfAnOlderRecordingWithTheSameOptions) {
+  hw::SubjectHash recorded = hash_with({"phantom.name=sphere"});
+  recorded.phantom = 1333695181U;
+  const Scene same = load_scene({}, {"phantom.name=sphere", "phantom.gestational_age_weeks=28"});
+  EXPECT_EQ(refusal(same, recorded, true), "");
+  EXPECT_NE(refusal(load_scene({}, {"phantom.name=cyst"}), recorded, true), "");
 }
 
 TEST(OtherSubject, IsRefusedByTheSectionThatDiffers) {
