@@ -80,8 +80,7 @@ std::string against_truth(const DepthError& error) {
   if (!error.surface_in_view()) {
     if (false_share < kFalseShare) return "";
     return "the phantom has no surface in view: the picture, " + significant(100 * false_share, 3) +
-           " % of it, shows what the detector makes of speckle "
-           "and noise";
+           " % of it, shows what the detector makes of point scatterers, speckle and noise";
   }
   if (!(error.depth.median_m < -kInFront_m)) return "";
   return "the picture shows another surface in front of the true one, nearer by a median of " +

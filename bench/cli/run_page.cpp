@@ -198,8 +198,10 @@ Table surface_table(const PictureMeasures& error) {
                           {"picture_percent", "of the picture", "%"},
                           {"area_percent", "of the surface's area", "%"}}};
   table.add({"true, in view", raw.surface / all, none});
-  table.add({"missed", raw.missed_percent(), raw.missed_surface_percent()});
-  table.add({"false", raw.false_percent(), raw.false_surface_percent()});
+  if (raw.surface_in_view()) {
+    table.add({"missed", raw.missed_percent(), raw.missed_surface_percent()});
+    table.add({"false", raw.false_percent(), raw.false_surface_percent()});
+  }
   table.add({"unseen: grazing", raw.grazing / all, none});
   table.add({"unseen: shadowed", raw.shadowed / all, none});
   table.add({"unseen: outside the field", raw.outside_field / all, none});

@@ -11,7 +11,7 @@
 #include "bench/output/camera_matrices.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
-#include "bench/pipeline/scene_warnings.h"
+#include "bench/pipeline/motor_warning.h"
 
 namespace wobblebench::bench {
 
@@ -27,6 +27,21 @@ Provenance provenance_of(const RunResult& result) {
 
 std::string why_not_registered(const RunResult& result) {
   return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
+}
+
+/// Which figures of the surface can be formed.
+struct Sought {
+  bool surface = false;  ///< the renderer seeks one; in mode "volume" none is missed
+  /// The phantom has one. What a detector finds among point scatterers, or within tissue that fills
+  /// the picture, is neither right nor false.
+  bool target = false;
+};
+
+Sought sought_in(const ResolvedScene& scene) {
+  const auto& subject = scene.subject();
+  const auto is_target = [](const auto& surface) { return surface.is_target; };
+  return {computes_surface(scene),
+          subject && std::ranges::any_of(subject->phantom.surfaces(), is_target)};
 }
 
 /// Three significant digits; no decimals from 100 on.
@@ -92,10 +107,14 @@ std::string truth_line(const RunResult& result) {
   return "truth       taken from the scene on trust: the samples do not say what they are of\n";
 }
 
-/// Why the truth shows no surface in the picture.
-std::string nothing_in_view(const DepthError& raw, bool surface_sought) {
-  std::string line = "depth error none: no surface in view: " + why_no_surface(raw);
-  if (surface_sought && raw.false_surface > 0) {
+/// Why the truth shows no surface in the picture; empty: it shows one.
+std::string why_none(const DepthError& raw, const Sought& sought) {
+  return sought.target ? why_no_surface(raw) : "the phantom has no surface to detect";
+}
+
+std::string nothing_in_view(const DepthError& raw, const Sought& sought) {
+  std::string line = "depth error none: no surface in view: " + why_none(raw, sought);
+  if (sought.surface && sought.target && raw.false_surface > 0) {
     line += "; false " + rounded(raw.false_percent()) + " % of the picture";
   }
   return line + "\n";
@@ -121,12 +140,12 @@ std::string no_truth(const RunResult& result) {
          ": what they are of is not known";
 }
 
-std::string error_line(const RunResult& result, bool surface_sought) {
+std::string error_line(const RunResult& result, const Sought& sought) {
   const auto& comparison = result.comparison;
   if (!comparison) return "truth       none; " + no_truth(result) + "\n";
   const DepthError& raw = comparison->error.raw;
-  if (!raw.surface_in_view()) return nothing_in_view(raw, surface_sought);
-  const auto percent = [&](double value) { return surface_sought ? rounded(value) : "none"; };
+  if (!raw.surface_in_view()) return nothing_in_view(raw, sought);
+  const auto percent = [&](double value) { return sought.surface ? rounded(value) : "none"; };
   std::string corrected;
   if (const auto& before = comparison->before_correction) {
     corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
@@ -205,14 +224,15 @@ Json regions_json(const PictureMeasures& measures, bool surface_sought) {
 
 /// "error" of report.json. Figures that cannot be formed are null: where no surface was sought
 /// (mode "volume"), and where there is none to be found.
-Json error_json(const PictureMeasures& measures, bool surface_sought) {
+Json error_json(const PictureMeasures& measures, const Sought& sought) {
   const DepthError& raw = measures.raw;
-  const bool in_view = raw.surface_in_view(), any_false = raw.false_surface > 0;
+  const bool in_view = raw.surface_in_view();
+  const bool any_false = sought.target && raw.false_surface > 0;
   const auto percent = [&](bool formed, double value) {
-    return surface_sought && formed ? number(value) : Json(nullptr);
+    return sought.surface && formed ? number(value) : Json(nullptr);
   };
   const auto share = [&](int count) { return 100.0 * count / raw.pixels; };
-  const std::string nothing = why_no_surface(raw);
+  const std::string nothing = why_none(raw, sought);
   return {{"depth_mm", depth_json(raw.depth)},
           {"missed_percent", percent(in_view, raw.missed_percent())},
           {"missed_surface_percent", percent(in_view, raw.missed_surface_percent())},
@@ -233,7 +253,7 @@ Json error_json(const PictureMeasures& measures, bool surface_sought) {
            measures.distance ? distance_json(*measures.distance) : Json(nullptr)},
           {"shaded_against_truth",
            {{"ssim", number(measures.shaded.ssim)}, {"psnr_db", number(measures.shaded.psnr_db)}}},
-          {"regions", regions_json(measures, surface_sought)}};
+          {"regions", regions_json(measures, sought.surface)}};
 }
 
 /// Null where no detector needs them.
@@ -322,9 +342,9 @@ std::string run_report(const RunResult& result,
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {
-    report["error"] = error_json(comparison->error, computes_surface(scene));
+    report["error"] = error_json(comparison->error, sought_in(scene));
     if (const auto& before = comparison->before_correction) {
-      report["error"]["before_correction"] = error_json(*before, computes_surface(scene));
+      report["error"]["before_correction"] = error_json(*before, sought_in(scene));
     }
     if (comparison->registration) {
       report["fit"] = {{"registration", registration_json(*comparison->registration)}};
@@ -349,7 +369,7 @@ std::string run_summary(const RunResult& result,
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
          rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
          samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result, computes_surface(scene)) + registration_lines(result) +
+         error_line(result, sought_in(scene)) + registration_lines(result) +
          (tolerance ? tolerance_lines(*tolerance) : "") + "results     " + directory.string() +
          "\n";
 }

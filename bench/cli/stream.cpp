@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -35,6 +36,8 @@
 namespace wobblebench::bench {
 
 namespace {
+
+constexpr double kNotFormed = std::numeric_limits<double>::quiet_NaN();
 
 /// The depth image of a volume.
 struct KeptDepth {
@@ -184,8 +187,8 @@ VolumeError error_of(const KeptDepth& kept,
   return {.volume = kept.volume,
           .time_s = 1e-3 * to_milliseconds(first.time_since_epoch()),
           .depth = error.depth,
-          .missed_percent = error.missed_percent(),
-          .false_percent = error.false_percent()};
+          .missed_percent = error.surface_in_view() ? error.missed_percent() : kNotFormed,
+          .false_percent = error.surface_in_view() ? error.false_percent() : kNotFormed};
 }
 
 std::string why_no_errors(const Arguments& arguments, const ResolvedScene& scene) {

@@ -71,6 +71,10 @@ struct Source {
     if (!region) return picture.raw.false_percent();
     return region->group == "silhouette" ? share(region->false_surface) : kUnset;
   }
+  double false_surface_percent() const {
+    const bool formed = !region && picture.raw.surface_in_view();
+    return formed ? picture.raw.false_surface_percent() : kUnset;
+  }
   double distance(double SurfaceDistance::*member) const {
     return region || !picture.distance ? kUnset : *picture.distance.*member / kMillimetre;
   }
@@ -90,8 +94,7 @@ const std::vector<Column>& columns() {
       {"missed_percent", [](const Source& s) { return s.missed_percent(); }},
       {"missed_surface_percent", [](const Source& s) { return s.missed_surface_percent(); }},
       {"false_percent", [](const Source& s) { return s.false_percent(); }},
-      {"false_surface_percent",
-       [](const Source& s) { return s.region ? kUnset : s.picture.raw.false_surface_percent(); }},
+      {"false_surface_percent", [](const Source& s) { return s.false_surface_percent(); }},
       {"normal_mean_deg", [](const Source& s) { return s.normal().mean_rad / kDegree; }},
       {"normal_median_deg", [](const Source& s) { return s.normal().median_rad / kDegree; }},
       {"normal_p95_deg", [](const Source& s) { return s.normal().p95_rad / kDegree; }},

@@ -134,6 +134,21 @@ TEST(RunReport, WithoutASurfaceInViewHasNoFigures) {
   EXPECT_NE(summary.out.find("no surface in view"), std::string::npos) << summary.out;
 }
 
+/// Point scatterers have no surface: what is found of their echoes is not false.
+TEST(RunReport, OfPointsHasNoFalseSurface) {
+  const ScratchFolder folder;
+  const Words points = set("phantom.name=points");
+  const auto result = bench(with({"run"}, {points, kScan, kPicture}), folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("no surface in view: the phantom has no surface to detect\n"),
+            std::string::npos)
+      << result.out;
+  const Json error = Json::parse(std::ifstream(folder.path() / "out/report.json")).at("error");
+  EXPECT_GT(error.at("found_surface_cm2"), 0);
+  EXPECT_TRUE(error.at("false_percent").is_null());
+  EXPECT_TRUE(error.at("false_surface_percent").is_null());
+}
+
 TEST(RunReport, GivesMissedOfTheSurfaceBesideMissedOfThePicture) {
   const ScratchFolder folder;
   // Nothing is found: all of the surface is missed, and less of the picture.
