@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/number_text.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -44,9 +45,12 @@ const std::string& material_name(const phantoms::Phantom& phantom, phantoms::Mat
 Json surface_json(const phantoms::Phantom& phantom, std::size_t index) {
   const auto& surface = phantom.surfaces()[index];
   const auto grid = phantoms::grid_memory(phantom, index);
+  const auto size = phantoms::body_size(phantom, index);
   return {{"name", surface.name},
           {"inside", material_name(phantom, surface.inside)},
           {"target", surface.is_target},
+          {"volume_ml", size ? Json(size->volume_m3 * 1e6) : Json(nullptr)},
+          {"surface_cm2", size ? Json(size->area_m2 * 1e4) : Json(nullptr)},
           {"voxel_mm", in_mm(grid.voxel_m)},
           {"voxels", grid.voxels},
           {"memory_mb", in_mb(grid.bytes)}};
@@ -60,6 +64,14 @@ Json material_json(const phantoms::Material& material) {
           {"backscatter_db", material.backscatter_db},
           {"roughness", material.roughness},
           {"source", material.source}};
+}
+
+/// "33.51 ml, 50.27 cm2".
+std::string size_text(const phantoms::Phantom& phantom, std::size_t index) {
+  const auto size = phantoms::body_size(phantom, index);
+  if (!size) return "cut at the ends of its grid";
+  return significant(size->volume_m3 * 1e6, 4) + " ml, " + significant(size->area_m2 * 1e4, 4) +
+         " cm2";
 }
 
 /// Those of the material table that occur in the phantom.
@@ -172,8 +184,9 @@ std::string phantom_summary(const phantoms::Phantom& phantom, const std::filesys
     const auto& surface = phantom.surfaces()[i];
     const auto grid = phantoms::grid_memory(phantom, i);
     text << "surface     " << surface.name << ": " << material_name(phantom, surface.inside)
-         << " within, " << grid.voxels << " voxels of " << in_mm(grid.voxel_m) << " mm, "
-         << in_mb(grid.bytes) << " MB" << (surface.is_target ? ", a target" : "") << "\n";
+         << " within, " << size_text(phantom, i) << ", " << grid.voxels << " voxels of "
+         << in_mm(grid.voxel_m) << " mm, " << in_mb(grid.bytes) << " MB"
+         << (surface.is_target ? ", a target" : "") << "\n";
   }
   text << scatterers_line(phantom.scatterers());
   const auto& box = phantom.region_of_interest();

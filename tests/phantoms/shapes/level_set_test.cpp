@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "phantoms/float_grid.h"
 #include "phantoms/grids.h"
@@ -113,6 +114,59 @@ TEST(LevelSet, SameBytesAtAnyThreadCount) {
       ASSERT_EQ(*voxel, *other);
     }
   }
+}
+
+/// A phantom of one body, off the grid's origin.
+std::optional<BodySize> size_of(const DistanceFunction& distance, double half_m, double voxel_m) {
+  constexpr glm::dvec3 kCenter_m{0.011, -0.007, 0.023};
+  const auto moved = [&](const glm::dvec3& p) { return distance(p - kCenter_m); };
+  const Box bounds{kCenter_m - half_m, kCenter_m + half_m};
+  const Phantom phantom(
+      "body",
+      material_table(),
+      0,
+      {{"body", 1, true}},
+      bounds,
+      {},
+      single_grid(build_level_set("body", moved, bounds, voxel_m, Distances::exact)));
+  return body_size(phantom, 0);
+}
+
+TEST(BodySize, IsThatOfClosedForms) {
+  constexpr double kPi = std::numbers::pi, kRadius_m = 15e-3, kTube_m = 6e-3;
+  const auto ball =
+      *size_of([](const glm::dvec3& p) { return glm::length(p) - kRadius_m; }, 20e-3, 0.5e-3);
+  EXPECT_NEAR(ball.volume_m3 / (4 * kPi / 3 * std::pow(kRadius_m, 3)), 1, 2e-3);
+  EXPECT_NEAR(ball.area_m2 / (4 * kPi * kRadius_m * kRadius_m), 1, 2e-3);
+  const auto torus = *size_of(
+      [](const glm::dvec3& p) {
+        return std::hypot(std::hypot(p.x, p.y) - kRadius_m, p.z) - kTube_m;
+      },
+      25e-3,
+      0.5e-3);
+  EXPECT_NEAR(torus.volume_m3 / (2 * kPi * kPi * kRadius_m * kTube_m * kTube_m), 1, 3e-3);
+  EXPECT_NEAR(torus.area_m2 / (4 * kPi * kPi * kRadius_m * kTube_m), 1, 3e-3);
+  const glm::dvec3 half_m{10e-3, 7e-3, 12e-3};
+  const auto box =
+      *size_of([&](const glm::dvec3& p) { return box_distance(p, half_m); }, 16e-3, 0.25e-3);
+  EXPECT_NEAR(box.volume_m3 / (8 * half_m.x * half_m.y * half_m.z), 1, 5e-3);
+  const double area_m2 = 8 * (half_m.x * half_m.y + half_m.y * half_m.z + half_m.z * half_m.x);
+  EXPECT_NEAR(box.area_m2 / area_m2, 1, 2e-2) << "edges are rounded by the smeared integral";
+}
+
+TEST(BodySize, LeavesCavitiesOutAndOpenSurfacesToNobody) {
+  constexpr double kPi = std::numbers::pi, kOuter_m = 15e-3, kInner_m = 9e-3;
+  const auto shell = *size_of(
+      [](const glm::dvec3& p) {
+        return std::max(glm::length(p) - kOuter_m, kInner_m - glm::length(p));
+      },
+      20e-3,
+      0.5e-3);
+  EXPECT_NEAR(
+      shell.volume_m3 / (4 * kPi / 3 * (std::pow(kOuter_m, 3) - std::pow(kInner_m, 3))), 1, 3e-3);
+  EXPECT_NEAR(shell.area_m2 / (4 * kPi * (kOuter_m * kOuter_m + kInner_m * kInner_m)), 1, 3e-3);
+  const auto half_space = [](const glm::dvec3& p) { return p.z; };
+  EXPECT_FALSE(size_of(half_space, 20e-3, 1e-3)) << "the grid cuts it";
 }
 
 }  // namespace
