@@ -45,7 +45,7 @@ class ImportProcess : public testing_support::FolderTest {
     PhantomOptions options;
     options.name = name;
     options.file = path.string();
-    options.voxel_m = 1e-3;
+    options.voxel_m = 2e-3;
     try {
       make_phantom(options);
       return {};

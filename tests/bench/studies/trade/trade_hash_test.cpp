@@ -66,10 +66,15 @@ class TradeHash : public testing_support::FolderTest {
   }
 };
 
+/// Other bytes and names with --gtest_shuffle --gtest_random_seed=N.
+std::uint64_t seed_of_run() {
+  return static_cast<std::uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+}
+
 TEST_F(TradeHash, ChangesWithAnyByteOfAnyFile) {
   const Names names{folder_ / "here"};
   const std::string hash = plan_of(names).hash();
-  std::mt19937_64 random(3);
+  std::mt19937_64 random(3 + seed_of_run());
   std::set<std::string> hashes = {hash};
   std::size_t changes = 0;
   for (int round = 0; round < 150; ++round) {
@@ -95,7 +100,7 @@ TEST_F(TradeHash, ChangesWithAnyByteOfAnyFile) {
 
 TEST_F(TradeHash, IsOfNoName) {
   const std::string hash = plan_of({folder_ / "here"}).hash();
-  std::mt19937_64 random(5);
+  std::mt19937_64 random(5 + seed_of_run());
   const auto name = [&](const std::string& extension) {
     std::string text;
     for (int i = 0; i < 8; ++i) text += static_cast<char>('a' + random() % 26);

@@ -132,6 +132,9 @@ TEST(TradeShards, AreAllOfTheWorkAndNothingTwice) {
 
 class Journal : public testing_support::FolderTest {
  protected:
+  /// A journal syncs each line that it writes.
+  Journal() : FolderTest(testing_support::folder_in_memory()) {}
+
   static TradeRecord record(std::size_t point) {
     TradeRecord result{{}, {1, point, 2}, {}, {}};
     result.measures.assign(trade_measure_names().size(), 0.1 * static_cast<double>(point) + 1. / 3);
@@ -140,7 +143,7 @@ class Journal : public testing_support::FolderTest {
     return result;
   }
   std::filesystem::path file() const { return folder_ / TradeJournal::kFile; }
-  /// As a new file: ext4 waits for the disk where an old one is cut.
+  /// As a new file: a file system on a disk waits for it where an old one is cut.
   void replace_file(const std::string& bytes) const {
     std::filesystem::remove(file());
     std::ofstream(file(), std::ios::binary) << bytes;
