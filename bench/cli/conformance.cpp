@@ -1,4 +1,5 @@
 // The board's contract, checked on any board; and the proof that each check can fail.
+#include <algorithm>
 #include <iomanip>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquisitions.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
@@ -230,14 +232,18 @@ std::vector<SuiteRun> check_board(const BoardArguments& board,
   return runs;
 }
 
+/// Its sticks are made for the checks, from the scene.
+bool sends_the_scene(const BoardArguments& board) {
+  return is_simulated(board) || board.link.value.ends_with("stand-in");
+}
+
 std::vector<BoardArguments> boards_of(const Arguments& arguments) {
   std::vector<BoardArguments> boards;
   for (const std::string& text : arguments.boards) {
     boards.push_back(parse_board(text));
     // What cannot be opened is refused before the folder is made; what is made for the checks takes
     // long, and comes after it.
-    const bool made = is_simulated(boards.back()) || boards.back().link.value.ends_with("stand-in");
-    if (made) continue;
+    if (sends_the_scene(boards.back())) continue;
     open_outside_link(boards.back());
     if (!holds_several_acquisitions(boards.back())) continue;
     throw board_refusal(text,
@@ -251,6 +257,7 @@ int check_boards(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   const std::vector<BoardArguments> boards = boards_of(arguments);
   const auto work = [&](OutputFolder&, Progress& progress) {
+    warn_of_scan(scene, std::ranges::any_of(boards, sends_the_scene), progress);
     ConformanceFindings findings;
     for (const BoardArguments& board : boards) {
       const auto runs = check_board(board, scene, arguments.each_fault, progress);

@@ -17,8 +17,8 @@
 #include "bench/command/common_options.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
+#include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/recording_sink.h"
-#include "bench/pipeline/scene_warnings.h"
 #include "hw/link/link.h"
 #include "hw/recording/recording.h"
 

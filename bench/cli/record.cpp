@@ -6,7 +6,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -28,8 +27,8 @@
 #include "bench/pipeline/board_link.h"
 #include "bench/pipeline/iq_file.h"
 #include "bench/pipeline/recording_sink.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/pipeline/stick_sources.h"
-#include "bench/scene/idle_options.h"
 #include "bench/scene/scene.h"
 #include "hw/link/link.h"
 #include "hw/recording/recorder.h"
@@ -334,13 +333,6 @@ Scene scene_of(const Arguments& arguments) {
   return scene;
 }
 
-/// Keys that the scene was given and that decide what is recorded.
-std::set<std::string> scanned_keys(const Scene& scene) {
-  std::set<std::string> keys = scene.given;
-  std::erase_if(keys, [](const std::string& key) { return key.starts_with("render."); });
-  return keys;
-}
-
 /// Fills the folder from `link`; null: from the scene's simulator.
 CommandResult record_to(OutputFolder& out,
                         std::unique_ptr<hw::Link> link,
@@ -348,7 +340,7 @@ CommandResult record_to(OutputFolder& out,
                         const Scene& scene,
                         const Arguments& arguments,
                         Progress& progress) {
-  if (!link) progress.warn(idle_options_text(idle_options(scene, scanned_keys(scene))));
+  warn_of_scan(scene, link == nullptr, progress);
   const fs::path partial = new_partial(out, arguments.replace, arguments.iq, progress);
   if (link) out.refuse_input(board.link.value, kRecordingName);
   out.check_space(least_bytes(board, scene, arguments));

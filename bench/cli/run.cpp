@@ -17,7 +17,7 @@
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/report_parts.h"
-#include "bench/pipeline/scene_warnings.h"
+#include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
@@ -117,6 +117,14 @@ void warn_of_picture(const RunResult& result, const ResolvedScene& scene, Progre
   for (const auto& warning : picture_warnings(result.picture, scene, error)) progress.warn(warning);
 }
 
+/// A correction is one for a display scale, which is then taken on trust.
+void warn_of_unknown_scale(const Acquisition& acquisition, Progress& progress) {
+  if (acquisition.display_scale.stated()) return;
+  progress.warn(
+      "render.correction: the stream does not state its display scale; the correction is applied "
+      "as if it were the scene's [simulation]");
+}
+
 /// Corrects z of the result's picture. Returns the picture as it was found; nullopt: there is no
 /// correction.
 std::optional<render::Picture> correct_picture(RunResult& result,
@@ -198,8 +206,9 @@ int run(const Arguments& arguments) {
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
   const auto request = tolerance_request(arguments);
   check_memory_of_run(given, available_memory_bytes());
-  const auto correction = read_correction(given);
-  BoardConnection board(parse_board(arguments.board));
+  const BoardArguments board_arguments = parse_board(arguments.board);
+  const auto correction = read_correction(given, is_simulated(board_arguments));
+  BoardConnection board(board_arguments);
   board.check_one_volume(given);
   // Context and renderer are made before the echoes: what this machine cannot render fails early.
   const auto context = render::make_context(arguments.gl);
@@ -224,6 +233,8 @@ int run(const Arguments& arguments) {
     result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_motor(result.motor, scene.plan(), progress);
+    warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
+    if (correction) warn_of_unknown_scale(result.acquisition, progress);
     const auto found = correct_picture(result, correction, scene, renderer, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
     warn_of_picture(result, scene, progress);

@@ -10,6 +10,7 @@
 #include "bench/command/common_options.h"
 #include "bench/output/progress.h"
 #include "bench/pipeline/board_link.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/pipeline/stick_sources.h"
 #include "hw/emulator/xdma_emulator.h"
 
@@ -56,9 +57,11 @@ int emulate_card(const Arguments& arguments) {
                                 ? simulated_sticks(simulated_scan(
                                       scene, open_phantom_cache(arguments.cache.most_megabytes())))
                                 : MakeSticks{};
+  Progress progress;
+  warn_of_scan(scene, is_simulated(board), progress);
   // Opened once and closed, so that a link that cannot be opened fails here and not at the first
   // read.
-  Progress().step("open", [&] { open_board_link(board, sticks); });
+  progress.step("open", [&] { open_board_link(board, sticks); });
   const InterruptSignals signals;
   const hw::XdmaEmulator card(arguments.folder, [&] { return open_board_link(board, sticks); });
   std::cout << "stand-in    " << card.path().string() << ", until Ctrl-C" << std::endl;

@@ -23,7 +23,7 @@
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/output/image_io.h"
 #include "bench/pipeline/acquire.h"
-#include "bench/pipeline/scene_warnings.h"
+#include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/pipeline/stream/stream.h"
 #include "bench/pipeline/stream/stream_queues.h"
@@ -128,6 +128,7 @@ double StreamSink::time_s(const PictureTimes& times) const {
 }
 
 struct Arguments {
+  const CLI::App* command = nullptr;
   SceneArguments scene;
   CacheArguments cache;
   OutputArguments output;
@@ -168,10 +169,7 @@ std::vector<std::string> codec_names() {
 
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
-  if (!scene.picture.correction.empty()) {
-    throw UserError("render.correction = " + scene.picture.correction +
-                    ": must be empty; `stream` corrects no pictures, `run` does");
-  }
+  refuse_correction(scene, "stream");
   if (!scene.given.contains("acquisition.volumes")) {
     scene.acquisition.volumes = arguments.volumes > 0 ? arguments.volumes : hw::kMostVolumes;
   }
@@ -197,6 +195,12 @@ std::string why_no_errors(const Arguments& arguments, const ResolvedScene& scene
   if (stop_requested()) return "stopped: they are measured after the stream";
   if (scene.render().pipeline.mid_volume) return "pictures show two volumes (mid_volume)";
   return "no whole volume was shown";
+}
+
+std::vector<ConditionalOption> conditional_options(const Arguments& arguments, bool is_measured) {
+  const bool is_every = queue_options(arguments).policy == StreamPolicy::every;
+  return {{"--queue", is_every, "--policy every"},
+          {"--errors", is_measured, "samples of a known subject, and mid_volume = false"}};
 }
 
 std::string video_name(Codec codec) {
@@ -318,6 +322,8 @@ int stream(const Arguments& arguments) {
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     const ResolvedScene scene = board.resolve(given, cache, progress);
     const bool is_measured = scene.subject() && !scene.render().pipeline.mid_volume;
+    progress.warn(
+        idle_options_text(*arguments.command, conditional_options(arguments, is_measured)));
     StreamSink sink(scene.plan(),
                     make_video(out, codec, scene.render().ray_casting.image_size),
                     is_measured ? arguments.errors : 0);
@@ -333,6 +339,7 @@ int stream(const Arguments& arguments) {
     report.result = stream_to(sink, source, renderer, scene, arguments, progress);
     if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
     warn_of_motor(report.result.reader.motor, scene.plan(), progress);
+    warn_of_times(report.result.reader.off_plan_s, scene.plan(), scene.moves(), progress);
     for (const auto& warning : picture_warnings(*sink.last_picture(), scene, nullptr)) {
       progress.warn(warning);
     }
@@ -359,6 +366,7 @@ Command add_stream_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(
       app, "stream", "Volume after volume, acquired and rendered at once: a video, and latency");
+  arguments->command = &command;
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);

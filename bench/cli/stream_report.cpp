@@ -8,7 +8,7 @@
 #include "base/units.h"
 #include "bench/cli/board_report.h"
 #include "bench/output/report.h"
-#include "bench/pipeline/scene_warnings.h"
+#include "bench/pipeline/motor_warning.h"
 #include "bench/studies/latency/latency_spans_report.h"
 
 namespace wobblebench::bench {

@@ -154,7 +154,8 @@ void add_cache_options(CLI::App& command, CacheArguments& cache) {
               cache.megabytes,
               "Most that $XDG_CACHE_HOME/wobblebench may hold, in 10^6 bytes",
               0,
-              1000000);
+              1000000)
+      .excludes("--no-cache");
 }
 
 void add_output_options(CLI::App& command, OutputArguments& output) {
@@ -192,6 +193,17 @@ void add_gl_option(CLI::App& command, std::string& backend) {
 
 void add_repeats_option(CLI::App& command, int& repeats) {
   add_integer(command, "--repeats", repeats, "Counted runs of each setting", 1, 100);
+}
+
+std::string idle_options_text(const CLI::App& command,
+                              const std::vector<ConditionalOption>& options) {
+  std::string text;
+  for (const ConditionalOption& option : options) {
+    if (option.acts || command.get_option(option.name)->count() == 0) continue;
+    text += (text.empty() ? "without effect: " : ", ") + option.name + " (acts with " +
+            option.acts_with + ")";
+  }
+  return text;
 }
 
 }  // namespace wobblebench::bench

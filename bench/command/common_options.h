@@ -94,4 +94,16 @@ void add_board_option(CLI::App& command, std::string& board);
 void add_gl_option(CLI::App& command, std::string& backend);
 void add_repeats_option(CLI::App& command, int& repeats);
 
+/// An option of a command that acts under one condition.
+struct ConditionalOption {
+  std::string name;  ///< "--queue"
+  bool acts = true;
+  std::string acts_with;  ///< "--policy every"
+};
+
+/// "without effect: --queue (acts with --policy every), …" of those that stand on the command line
+/// and do not act; empty: there are none.
+std::string idle_options_text(const CLI::App& command,
+                              const std::vector<ConditionalOption>& options);
+
 }  // namespace wobblebench::bench

@@ -54,7 +54,8 @@ ResolvedScene BoardConnection::resolve(const Scene& given,
   const FirstConfiguration first = first_configuration(*board_, arguments_.text);
   configuration_ = first.configuration;
   before_configuration_ = first.before;
-  Scene scene = with_plan(given, configuration_->plan, name());
+  Scene scene = with_display_scale(with_plan(given, configuration_->plan, name()),
+                                   configuration_->display_scale);
   if (configuration_->source != hw::StreamOrigin::simulated) {
     warn_of_scene(scene, SampleSource::unknown_subject, progress);
     return resolve_scene(std::move(scene), std::nullopt);
@@ -151,6 +152,7 @@ Acquisition BoardConnection::acquire(const StreamSource& source,
           .display_scale = kept.configuration.display_scale,
           .simulated = simulated(),
           .transport_ms = transport_ms,
+          .off_plan_s = result.reader.off_plan_s,
           .ending = result.reader.ending};
 }
 

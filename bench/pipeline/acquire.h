@@ -43,7 +43,8 @@ struct Acquisition {
   std::optional<SimulatedVolume> simulated;  ///< none: the sticks come from a recording or a card
   /// Encode, link, decode, ring, assembly: all of the time to the last stick but the simulator's.
   double transport_ms = 0;
-  std::string ending;  ///< why the stream broke off; empty: it did not
+  double off_plan_s = 0;  ///< ReaderStatistics::off_plan_s
+  std::string ending;     ///< why the stream broke off; empty: it did not
 };
 
 /// One board: of --board, or of the scene's simulator.
@@ -52,10 +53,10 @@ class BoardConnection {
   /// Opens a recording or a card; a simulator is made by connect(). Throws UserError.
   explicit BoardConnection(const BoardArguments& arguments, const hw::BoardOptions& options = {});
 
-  /// The scene with the board's probe and acquisition (a simulator has the scene's own), and with
-  /// its phantom where the samples are of it: step "phantom". Warns of options that are given and
-  /// without effect. Throws UserError where the scene was
-  /// given other values or is of another subject, NothingCame if no configuration comes.
+  /// The scene with the board's probe, acquisition and display scale (a simulator has the scene's
+  /// own), and with its phantom where the samples are of it: step "phantom". Warns of options that
+  /// are given and without effect. Throws UserError where the scene was given other values or is of
+  /// another subject, NothingCame if no configuration comes.
   ResolvedScene resolve(const Scene& given, PhantomCache& cache, Progress& progress);
 
   /// A simulator makes all of the scene's volumes, from now on. `maps`: as sim::ProbeSimulator

@@ -1,11 +1,10 @@
 #include "bench/pipeline/scene_warnings.h"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <set>
 #include <utility>
 
 #include "base/number_text.h"
-#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
@@ -70,36 +69,38 @@ void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress) 
   progress.warn(idle_options_text(idle_options(scene, scene.given, source)));
 }
 
-std::string motor_text(const hw::MotorDeviation& motor, const hw::AcquisitionPlan& plan) {
-  if (!motor.matters(plan)) return "";
-  std::string text = "angles leave the plan by at most " + degrees(motor.max_rad) + " deg (RMS " +
-                     degrees(motor.rms_rad()) + " deg)";
-  const auto [low_rad, high_rad] = hw::planned_fan_rad(plan);
-  const double much_rad = hw::negligible_deviation_rad(plan);
-  const bool same = std::abs(motor.low_rad - low_rad) <= much_rad &&
-                    std::abs(motor.high_rad - high_rad) <= much_rad;
-  if (same) return text;
-  return text + "; they go from " + degrees(motor.low_rad) + " to " + degrees(motor.high_rad) +
-         " deg, the plan's fan from " + degrees(low_rad) + " to " + degrees(high_rad) + " deg";
+void warn_of_scenes(const std::vector<Scene>& scenes, Progress& progress) {
+  std::set<std::string> said;
+  IdleInAll idle;
+  for (const Scene& scene : scenes) {
+    for (const std::string& text : scene_warnings(scene, SampleSource::simulator)) {
+      if (said.insert(text).second) progress.warn(text);
+    }
+    idle.add(scene, scene.given);
+  }
+  progress.warn(idle_options_text(idle.options()));
 }
 
-void warn_of_motor(const hw::MotorDeviation& motor,
-                   const hw::AcquisitionPlan& plan,
-                   Progress& progress) {
-  const std::string text = motor_text(motor, plan);
-  if (text.empty() || plan.acquisition().frames_per_volume == 1) return;
-  const auto [low_rad, high_rad] = hw::planned_fan_rad(plan);
-  const double much_rad = hw::negligible_deviation_rad(plan);
-  const bool beyond = motor.low_rad < low_rad - much_rad || motor.high_rad > high_rad + much_rad;
-  progress.warn("motor " + text + ": sticks are placed by their own angles" +
-                (beyond ? ", those beyond the plan's fan left out" : ""));
+void warn_of_scan(const Scene& scene, bool is_simulated, Progress& progress) {
+  if (!is_simulated) return warn_of_unused(scene, {}, "--board sim", progress);
+  // A scene file has those of the renderer for commands that render what was scanned.
+  std::set<std::string> keys = scene.given;
+  std::erase_if(keys, [](const std::string& key) { return key.starts_with("render."); });
+  progress.warn(idle_options_text(idle_options(scene, keys)));
 }
 
-nlohmann::ordered_json motor_json(const hw::MotorDeviation& motor) {
-  return {{"off_plan_max_deg", number(motor.max_rad / kDegree)},
-          {"off_plan_rms_deg", number(motor.rms_rad() / kDegree)},
-          {"least_deg", number(motor.low_rad / kDegree)},
-          {"greatest_deg", number(motor.high_rad / kDegree)}};
+void warn_of_unused(const Scene& scene,
+                    const std::vector<std::string>& sections,
+                    const std::string& acts_with,
+                    Progress& progress) {
+  std::vector<IdleOption> unused;
+  for (const std::string& key : scene.given) {
+    const bool is_named = std::any_of(sections.begin(), sections.end(), [&](const auto& section) {
+      return key.starts_with(section);
+    });
+    if (sections.empty() || is_named) unused.push_back({key, acts_with});
+  }
+  progress.warn(idle_options_text(unused));
 }
 
 }  // namespace wobblebench::bench

@@ -1,14 +1,11 @@
-// What is said of a scene and of the sticks that came where a picture may not be what was meant
-// (Progress::warn).
+// What is said of a scene where a picture may not be what was meant (Progress::warn).
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/output/progress.h"
 #include "bench/scene/idle_options.h"
-#include "hw/probe/motor_deviation.h"
 
 namespace wobblebench::bench {
 
@@ -17,14 +14,17 @@ namespace wobblebench::bench {
 std::vector<std::string> scene_warnings(const Scene& scene, SampleSource source);
 /// Warns of those, and of options that were given and are without effect.
 void warn_of_scene(const Scene& scene, SampleSource source, Progress& progress);
-
-/// "angles leave the plan by at most 5.8 deg (RMS 4.2 deg)", and where the fan of the plan is
-/// not covered, or left; empty: they are the plan's.
-std::string motor_text(const hw::MotorDeviation& motor, const hw::AcquisitionPlan& plan);
-/// Warns of sticks that are placed elsewhere than the plan has them.
-void warn_of_motor(const hw::MotorDeviation& motor,
-                   const hw::AcquisitionPlan& plan,
-                   Progress& progress);
-nlohmann::ordered_json motor_json(const hw::MotorDeviation& motor);
+/// The same for the simulated scenes of a study: each text once, and the options that are without
+/// effect in all scenes that were given them.
+void warn_of_scenes(const std::vector<Scene>& scenes, Progress& progress);
+/// For commands that scan, and render nothing. Warns of options that are without effect: of those
+/// of the scan where a simulated probe makes the sticks, else of all.
+void warn_of_scan(const Scene& scene, bool is_simulated, Progress& progress);
+/// Warns of those options that a command does not use: of the sections that begin with one of
+/// `sections`; none: of all. `acts_with`: what would use them.
+void warn_of_unused(const Scene& scene,
+                    const std::vector<std::string>& sections,
+                    const std::string& acts_with,
+                    Progress& progress);
 
 }  // namespace wobblebench::bench

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bench/scene/scene.h"
+#include "hw/wire/configuration.h"
 #include "phantoms/placed_phantom.h"
 #include "render/view.h"
 
@@ -35,6 +36,8 @@ class ResolvedScene {
   const render::View& view() const { return view_; }
   /// nullopt: nobody knows what the samples are of.
   const std::optional<phantoms::PlacedPhantom>& subject() const { return subject_; }
+  /// What they show is known, and moves.
+  bool moves() const { return subject_ && !subject_->motion.still(); }
 
  private:
   Scene options_;
@@ -52,5 +55,9 @@ ResolvedScene resolve_scene(Scene scene, const std::optional<phantoms::Phantom>&
 /// UserError "SECTION.KEY = VALUE: SOURCE delivers OTHER" for a key that the user set to another
 /// value, and where the machine has too little memory.
 Scene with_plan(const Scene& scene, const hw::AcquisitionPlan& plan, const std::string& source);
+
+/// The scene with the display scale that a stream states; as it is where the stream states none. A
+/// dynamic range that the user gave stays: linear envelopes are displayed over it.
+Scene with_display_scale(Scene scene, const hw::DisplayScale& scale);
 
 }  // namespace wobblebench::bench

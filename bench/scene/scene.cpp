@@ -261,6 +261,12 @@ bool Scene::moves() const {
   return !phantoms::Motion(motion, joint).still();
 }
 
+void refuse_correction(const Scene& scene, const std::string& command) {
+  if (scene.picture.correction.empty()) return;
+  throw UserError("render.correction = " + scene.picture.correction + ": must be empty; `" +
+                  command + "` corrects no pictures, `run` does");
+}
+
 nlohmann::ordered_json resolved(const Scene& scene) {
   nlohmann::ordered_json json;
   for_each_section(scene, [&](const std::string& section, const auto& options) {

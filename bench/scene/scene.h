@@ -91,6 +91,9 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::string& settings_of = "--set",
                  render::RenderPreset preset = render::RenderPreset::accurate);
 
+/// Throws UserError for a scene with render.correction, which `run` alone applies.
+void refuse_correction(const Scene& scene, const std::string& command);
+
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);
 

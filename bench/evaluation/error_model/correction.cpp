@@ -171,10 +171,10 @@ std::string correction_text(const Correction& correction) {
   return json.dump(2) + "\n";
 }
 
-std::optional<Correction> read_correction(const Scene& scene) {
+std::optional<Correction> read_correction(const Scene& scene, bool knows_scan) {
   if (scene.picture.correction.empty()) return {};
   Correction correction = parse(scene);
-  check_conditions(correction, scene);
+  if (knows_scan) check_conditions(correction, scene);
   return correction;
 }
 

@@ -30,11 +30,12 @@ std::string correction_text(const Correction& correction);
 
 /// Reads render.correction of a scene; none where it is empty. Throws UserError, in one line that
 /// names file, key and both values, for a file that is no correction, and for one that was made for
-/// another probe, scan, detector, n or number of steps.
-std::optional<Correction> read_correction(const Scene& scene);
+/// another probe, scan, detector, n or number of steps. `knows_scan`: false where probe, scan and
+/// display scale are those of a recording or a card: check_correction() alone compares them.
+std::optional<Correction> read_correction(const Scene& scene, bool knows_scan = true);
 
-/// The same for a scene that is resolved: for the plan of its board, and for the length of a step,
-/// which follows from the volume of interest and may differ by 10 %.
+/// The same for a scene that is resolved: for plan and display scale of its board, and for the
+/// length of a step, which follows from the volume of interest and may differ by 10 %.
 void check_correction(const Correction& correction, const Scene& scene);
 
 /// z less the model's bias, pixel by pixel, from measured quantities alone: normals of z after pass

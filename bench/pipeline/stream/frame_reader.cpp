@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -121,6 +122,7 @@ bool FrameReader::take_configuration(const hw::Configuration& configuration) {
   }
   // Also where it is another acquisition of the same plan, whose volumes have the same numbers.
   leave_volume();
+  late_s_.reset();
   assembly_.configure(configuration);
   return true;
 }
@@ -139,6 +141,7 @@ bool FrameReader::take_stick(const hw::StickSlot& slot) {
   frame_.last.received = slot.received();
   frame_.last.acquired = hw::HostClock::now();
   assembly_.place(stick);
+  note_time(stick);
   ++statistics_.account.emitted;
   ++statistics_.account.delivered;
   frame_.last.placed = hw::HostClock::now();
@@ -146,6 +149,13 @@ bool FrameReader::take_stick(const hw::StickSlot& slot) {
   const bool is_last =
       static_cast<int>(stick.index.line) + 1 == plan_.acquisition().sticks_per_frame;
   return !is_last || finish_frame();
+}
+
+void FrameReader::note_time(const hw::Stick& stick) {
+  const double late_s = to_seconds(stick.time.time_since_epoch()) -
+                        to_seconds(plan_.stick_time(stick.sequence).time_since_epoch());
+  if (!late_s_) late_s_ = late_s;
+  statistics_.off_plan_s = std::max(statistics_.off_plan_s, std::abs(late_s - *late_s_));
 }
 
 void FrameReader::begin_volume(const hw::Stick& stick) {

@@ -23,6 +23,8 @@ struct ReaderStatistics {
   double busy_ms = 0;             ///< neither waiting for the board nor for the queue
   int least_free_slots = 0;       ///< of the board's ring
   hw::MotorDeviation motor;       ///< of the sticks of `volumes`
+  double off_plan_s = 0;          ///< most that a stick's device time, after the first one's, left
+                                  ///< the plan's
   std::string ending;             ///< why nothing more came; empty: it was not read to its end
 };
 
@@ -66,6 +68,7 @@ class FrameReader {
   bool take_behind_last(const hw::Event& event);
   bool take_configuration(const hw::Configuration& configuration);
   bool take_stick(const hw::StickSlot& slot);
+  void note_time(const hw::Stick& stick);
   void begin_volume(const hw::Stick& stick);
   bool end_volume();
   void end_stream(const std::string& why);
@@ -86,6 +89,7 @@ class FrameReader {
   hw::VolumeAssembly assembly_;
   std::vector<StreamFrame> finished_;   ///< of the volume under way, not pushed yet; no samples
   StreamFrame frame_;                   ///< the frame under way, without its samples
+  std::optional<double> late_s_;        ///< of the acquisition's first stick, by the plan
   bool has_begun_ = false;              ///< a volume did
   bool is_first_stick_missed_ = false;  ///< of the volume under way, the first of the stream
   bool is_checked_ = false;             ///< the samples of the first whole volume

@@ -1,9 +1,10 @@
 // Every measure of the picture against the truth, over scenes, rungs, render settings and seeds.
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "bench/cache/phantom_cache.h"
+#include "bench/cache/watched_files.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
@@ -11,6 +12,7 @@
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/scene_warnings.h"
+#include "bench/scene/idle_options.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/accuracy/accuracy_plan.h"
 #include "bench/studies/accuracy/accuracy_report.h"
@@ -22,6 +24,7 @@ namespace wobblebench::bench {
 namespace {
 
 struct Arguments {
+  const CLI::App* command = nullptr;
   SceneArguments plan;
   CacheArguments cache;
   OutputArguments output;
@@ -50,6 +53,7 @@ AccuracyScene::Setting setting_of(const AccuracyPlan& plan,
   read.name = setting.name;
   for (const sim::Rung rung : plan.rungs) {
     read.scene = planned_scene(plan, scene, setting, rung, more);
+    refuse_correction(read.scene, "accuracy");
     check_memory_of_run(read.scene, available_memory_bytes());
   }
   return read;
@@ -87,16 +91,42 @@ Json report_of(const AccuracyResults& results,
   return report;
 }
 
-/// Each once, whichever settings it is true of.
-void warn_of_scenes(const std::vector<AccuracyScene>& scenes, Progress& progress) {
-  std::set<std::string> said;
+/// Every scene with every setting on every rung.
+std::vector<Scene> all_scenes(const std::vector<AccuracyScene>& scenes) {
+  std::vector<Scene> all;
   for (const AccuracyScene& scene : scenes) {
     for (const auto& setting : scene.settings) {
-      for (const std::string& text : scene_warnings(setting.scene, SampleSource::simulator)) {
-        if (said.insert(text).second) progress.warn(text);
+      for (const sim::Rung rung : scene.rungs) {
+        all.push_back(setting.scene);
+        all.back().simulation.fidelity = rung;
       }
     }
   }
+  return all;
+}
+
+void warn_of_options(const std::vector<Scene>& scenes,
+                     const Arguments& arguments,
+                     Progress& progress) {
+  const std::string key = "simulation.seed";
+  IdleInAll seed;
+  for (const Scene& scene : scenes) seed.add(scene, {key});
+  const auto idle = seed.options();
+  warn_of_scenes(scenes, progress);
+  if (idle.empty()) return;
+  progress.warn(
+      idle_options_text(*arguments.command, {{"--seeds", false, idle.front().acts_with}}));
+}
+
+/// Files that are read while pictures are measured.
+std::vector<std::filesystem::path> files_of(const std::vector<Scene>& scenes) {
+  std::vector<std::filesystem::path> files;
+  for (const Scene& scene : scenes) {
+    for (const auto& file : phantom_files(scene)) {
+      if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+    }
+  }
+  return files;
 }
 
 CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
@@ -105,11 +135,16 @@ CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
                                 OutputFolder& out,
                                 Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
-  warn_of_scenes(scenes, progress);
+  const std::vector<Scene> all = all_scenes(scenes);
+  warn_of_options(all, arguments, progress);
+  WatchedFiles files(files_of(all));
   const AccuracyResults results = progress.step("measure", [&](const PartDone& done) {
-    return measure_accuracy(
-        scenes, context, cache, done, [&](const std::string& what) { progress.note(what); });
+    return measure_accuracy(scenes, context, cache, done, [&](const std::string& what) {
+      progress.note(what);
+      files.refuse_changed("accuracy");
+    });
   });
+  files.refuse_changed("accuracy");
   const Provenance provenance = provenance_of_simulation(context, results.seeds.front());
   progress.step("write", [&] {
     write_png(out.stage(kAccuracySheet), accuracy_sheet(results));
@@ -143,6 +178,7 @@ Command add_accuracy_command(CLI::App& app) {
       add_subcommand(app,
                      "accuracy",
                      "Every measure of the picture against the truth, over seeds, with intervals");
+  arguments->command = &command;
   add_plan_options(command, arguments->plan);
   add_path(
       command,

@@ -5,6 +5,7 @@
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/cache/watched_files.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
@@ -33,12 +34,32 @@ struct Arguments {
 /// Scenes whose phantoms the model is also judged on, by the names of their files.
 using JudgedScenes = std::vector<std::pair<std::string, Scene>>;
 
+/// Of a judged scene the body and its place are taken, the rest is the fitted scene's.
+void warn_of_judged(const JudgedScenes& judged, Progress& progress) {
+  for (const auto& [name, scene] : judged) {
+    Scene unused = scene;
+    std::erase_if(unused.given, [](const std::string& key) {
+      return key.starts_with("phantom.") || key.starts_with("placement.");
+    });
+    warn_of_unused(unused, {}, "the scene that is fitted, not --judge " + name, progress);
+  }
+}
+
 JudgedScenes judged_scenes(const Arguments& arguments) {
   JudgedScenes scenes;
   for (const std::string& file : arguments.judged) {
     scenes.emplace_back(std::filesystem::path(file).stem().string(), load_scene(file, {}));
   }
   return scenes;
+}
+
+std::vector<std::filesystem::path> files_of(const Scene& scene, const JudgedScenes& judged) {
+  auto files = phantom_files(scene);
+  for (const auto& [name, other] : judged) {
+    const auto more = phantom_files(other);
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return files;
 }
 
 void refuse_what_is_not_fitted(const Scene& scene) {
@@ -93,6 +114,7 @@ FitResults measure(const Scene& scene,
                    Progress& progress) {
   PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
   warn_of_scene(scene, SampleSource::simulator, progress);
+  warn_of_judged(judged, progress);
   const LoadedPhantom phantom =
       progress.step("phantom", [&] { return load_phantom(scene.phantom, cache); });
   FitResults results;
@@ -123,7 +145,9 @@ int fit(const Arguments& arguments) {
       {"model", 60.0 + 60.0 * arguments.seeds}};
   const auto fit_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*context, arguments.gl, progress);
+    WatchedFiles watched(files_of(scene, judged));
     const FitResults results = measure(scene, judged, arguments, *context, progress);
+    watched.refuse_changed("fit");
     const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
     Json report = report_head("fit", provenance, scene);
     report["acquisition"] = acquisition_json(scene.plan());

@@ -8,6 +8,7 @@
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/scene_cost.h"
 #include "bench/studies/latency/latency_report.h"
 #include "render/gl/context.h"
@@ -27,6 +28,7 @@ struct Arguments {
 
 Scene scene_of(const Arguments& arguments) {
   Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  refuse_correction(scene, "latency");
   if (scene.given.contains("acquisition.volumes")) {
     throw UserError("acquisition.volumes: is set by --volumes; leave it out");
   }
@@ -63,6 +65,7 @@ int latency(const Arguments& arguments) {
   return run_in_folder(
       arguments.output, {{"streams", 100}}, [&](OutputFolder&, Progress& progress) {
         warn_of_software(*context, arguments.gl, progress);
+        warn_of_scene(scene, SampleSource::simulator, progress);
         return study_of(scene, arguments, *context, progress);
       });
 }

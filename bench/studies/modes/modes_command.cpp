@@ -13,6 +13,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/acquire.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/studies/modes/mode_agreement.h"
 #include "render/gl/context.h"
 
@@ -40,6 +41,12 @@ std::vector<std::string> phantoms_of(const Scene& scene) {
   return {"fetal_face", "sphere", "plane", "speckle_block"};
 }
 
+std::vector<Scene> scenes_of(const Scene& scene, const std::vector<std::string>& phantoms) {
+  std::vector<Scene> scenes;
+  for (const std::string& name : phantoms) scenes.emplace_back(scene).phantom.name = name;
+  return scenes;
+}
+
 Rows measure_phantom(Scene scene,
                      const std::string& name,
                      PhantomCache& cache,
@@ -57,6 +64,7 @@ void refuse_compared_settings(const Scene& scene) {
       throw UserError(std::string(key) + ": is set by the comparison itself; leave it out");
     }
   }
+  refuse_correction(scene, "modes");
   if (scene.render.ray_casting.mode == render::RenderMode::volume) {
     throw UserError("render.ray_casting.mode = \"volume\": must be surface or both; z is compared");
   }
@@ -156,6 +164,7 @@ int compare_modes(const Arguments& arguments) {
   for (const std::string& name : names) steps.push_back({name, name == "fetal_face" ? 3.0 : 1.0});
   const auto compare = [&](OutputFolder&, Progress& progress) -> CommandResult {
     warn_of_software(*context, arguments.gl, progress);
+    warn_of_scenes(scenes_of(scene, names), progress);
     PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
     Rows rows;
     for (const std::string& name : names) {

@@ -1,14 +1,18 @@
 // Speed against accuracy over the rungs of the simulator.
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "base/user_error.h"
+#include "bench/cache/watched_files.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
+#include "bench/pipeline/scene_warnings.h"
+#include "bench/scene/idle_options.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/rungs/rung_comparison.h"
 #include "bench/studies/rungs/rungs_report.h"
@@ -69,13 +73,34 @@ CommandResult measure_and_write(const Scene& scene,
   return {.report = report, .summary = markdown(document), .document = std::move(document)};
 }
 
+/// Options that are without effect on every rung, and those that the command does not use: it
+/// renders nothing, and sets the motion itself.
+void warn_of_options(const Scene& given, Progress& progress) {
+  std::set<std::string> used = given.given;
+  std::erase_if(used, [](const std::string& key) {
+    return key.starts_with("render.") || key.starts_with("motion.");
+  });
+  IdleInAll idle;
+  Scene scene = given;
+  for (const sim::Rung rung : volume_rungs()) {
+    scene.simulation.fidelity = rung;
+    idle.add(scene, used);
+  }
+  progress.warn(idle_options_text(idle.options()));
+  warn_of_unused(given, {"render.", "motion."}, "run, stream and accuracy", progress);
+}
+
 int rungs(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
   refuse_compared_settings(scene);
   refuse_for_any_rung(scene);
   return run_in_folder(
       arguments.output, rungs_steps(arguments.repeats), [&](OutputFolder& out, Progress& progress) {
-        return measure_and_write(scene, arguments.repeats, out, progress);
+        warn_of_options(scene, progress);
+        WatchedFiles files(phantom_files(scene));
+        CommandResult result = measure_and_write(scene, arguments.repeats, out, progress);
+        files.refuse_changed("rungs");
+        return result;
       });
 }
 

@@ -15,6 +15,8 @@
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/acquisitions.h"
 #include "bench/pipeline/board_link.h"
+#include "bench/pipeline/motor_warning.h"
+#include "bench/pipeline/scene_warnings.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/tables_program.h"
@@ -52,6 +54,7 @@ TableVolumes play(Scene& scene,
       progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
   const auto& plan = volumes.by_frames.at(reference_row().frames).plan();
   scene = with_plan(scene, plan, "--board " + board.text);
+  warn_of_motor(volumes.motor, plan, progress);
   return volumes;
 }
 
@@ -63,8 +66,21 @@ Json tables_report(const TableVolumes& volumes,
   Json report = report_head("tables", provenance, scene);
   report["effects"] = volumes.effects;
   report["acquisition"] = acquisition_json(scene.plan());
+  if (volumes.motor.sticks > 0) {
+    report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
+  }
   add_tables(report, results, run, volumes.note);
   return report;
+}
+
+/// The tables compare no picture with a truth: of a recording's scene they take the renderer's
+/// settings alone.
+void warn_of_options(Scene scene, bool is_simulated, Progress& progress) {
+  if (is_simulated) return warn_of_scene(scene, SampleSource::simulator, progress);
+  warn_of_unused(
+      scene, {"phantom.", "placement.", "motion.", "simulation."}, "--board sim", progress);
+  std::erase_if(scene.given, [](const std::string& key) { return !key.starts_with("render."); });
+  warn_of_scene(scene, SampleSource::unknown_subject, progress);
 }
 
 CommandResult measure_and_write(Scene scene,
@@ -92,6 +108,7 @@ int measure(const Arguments& arguments) {
   Scene scene = load_scene(
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   const BoardArguments board = parse_board(arguments.board);
+  refuse_correction(scene, "tables");
   take_reference_settings(scene, arguments.tables.run());
   // Made before the echoes: where this machine lacks the GL, the command fails early.
   const auto context = render::make_context(arguments.gl);
@@ -101,6 +118,7 @@ int measure(const Arguments& arguments) {
                        [&](OutputFolder&, Progress& progress) {
                          progress.warn(acquisitions_warning(board));
                          warn_of_software(*context, arguments.gl, progress);
+                         warn_of_options(scene, is_simulated(board), progress);
                          return measure_and_write(
                              scene, arguments, board, std::move(link), *context, progress);
                        });

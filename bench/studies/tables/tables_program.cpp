@@ -11,6 +11,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquisitions.h"
+#include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/outside_link.h"
 #include "bench/studies/tables/measure.h"
 #include "bench/studies/tables/tables_report.h"
@@ -46,6 +47,7 @@ nlohmann::ordered_json report_of(const Provenance& provenance,
                                    {"provenance", to_json(provenance)},
                                    {"effects", volumes.effects}};
   report["acquisition"] = acquisition_json(volumes.by_frames.at(reference_row().frames).plan());
+  report["acquisition"]["motor_angles"] = motor_json(volumes.motor);
   add_tables(report, results, run, volumes.note);
   return report;
 }
@@ -60,6 +62,7 @@ int measure_recording(const Arguments& arguments) {
     warn_of_software(*context, arguments.gl, progress);
     const TableVolumes volumes =
         progress.step("volume", [&] { return recorded_volumes(std::move(link), board.text); });
+    warn_of_motor(volumes.motor, volumes.by_frames.at(reference_row().frames).plan(), progress);
     const TableResults results = progress.step("tables", [&](const PartDone& done) {
       return measure_tables(volumes, {}, *context, run, done);
     });

@@ -86,6 +86,7 @@ TableVolumes recorded_volumes(std::unique_ptr<hw::Link> link, const std::string&
   for (const int count : frame_counts()) {
     volumes.by_frames.emplace(count, middle_frames(volume, count));
   }
+  volumes.motor = hw::motor_deviation(volumes.by_frames.at(needed));
   return volumes;
 }
 

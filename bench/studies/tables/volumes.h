@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hw/link/link.h"
+#include "hw/probe/motor_deviation.h"
 #include "hw/probe/polar_volume.h"
 
 namespace wobblebench::bench {
@@ -15,6 +16,7 @@ struct TableVolumes {
   std::map<int, hw::PolarVolume> by_frames;
   std::string board;                 ///< origin of the sticks
   std::vector<std::string> effects;  ///< effects of the simulator that made them
+  hw::MotorDeviation motor;          ///< of the reference row, where it was recorded
   std::string note;                  ///< how they differ from what the rows ask for; a sentence
 };
 

@@ -21,6 +21,7 @@ namespace {
 constexpr int kMostShards = 10000;
 
 struct Arguments {
+  const CLI::App* command = nullptr;
   std::filesystem::path plan;
   std::vector<std::string> settings;
   std::string shard = "1/1";
@@ -149,6 +150,16 @@ std::string shard_text(const Arguments& arguments,
          ". `wobblebench trade PLAN --merge DIR --merge DIR …` makes the report of all shards.\n";
 }
 
+/// Nothing is measured, and so no scene is made.
+std::vector<ConditionalOption> conditional_options(const Arguments& arguments) {
+  std::vector<ConditionalOption> options;
+  for (const char* name : {"--gl", "--no-cache", "--cache-mb"}) {
+    options.push_back(
+        {name, arguments.merged.empty(), "measurements, which --merge makes none of"});
+  }
+  return options;
+}
+
 CommandResult measure_and_write(const Arguments& arguments,
                                 const Shard& shard,
                                 const TradeWork& work,
@@ -156,6 +167,7 @@ CommandResult measure_and_write(const Arguments& arguments,
                                 Progress& progress) {
   TradeJournal journal(out.directory(), work.hash());
   progress.warn(idle_settings(work));
+  progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
   std::optional<Machine> machine;
   if (!arguments.merged.empty()) {
     merge(arguments, work, journal);
@@ -198,6 +210,7 @@ Command add_trade_command(CLI::App& app) {
       app,
       "trade",
       "Time against error over a plan's settings: the front, its knees, what matters");
+  arguments->command = &command;
   add_required_path(command, "PLAN", arguments->plan, "TOML file with scenes and axes of settings");
   add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");
   add_text(command, "--shard", arguments->shard, "Measure part I of N alone: I/N");

@@ -1,10 +1,7 @@
 #include "bench/studies/trade/trade_study.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
@@ -46,10 +43,8 @@ Scene load(const TradePlan& plan,
 }
 
 void add_files(const Scene& scene, std::vector<fs::path>& files) {
-  for (const fs::path file : {scene.phantom.file, scene.phantom.scatterers}) {
-    std::error_code ignored;
-    if (fs::is_regular_file(file, ignored)) files.push_back(file);
-  }
+  const auto more = phantom_files(scene);
+  files.insert(files.end(), more.begin(), more.end());
 }
 
 /// Every option with its value, and which of them were given: the defaults of others may follow
@@ -59,25 +54,6 @@ std::string text_without_names(const Scene& scene) {
   for (const char* file : {"file", "scatterers"}) options["phantom"].erase(file);
   std::string text = options.dump();
   for (const std::string& key : scene.given) text += "\n" + key;
-  return text;
-}
-
-/// Changes whenever a file is written or replaced, and may change where its content does not.
-std::string stamps_of(const std::vector<fs::path>& files) {
-  std::string text;
-  for (const fs::path& file : files) {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) status = {};
-    for (const std::int64_t part : {static_cast<std::int64_t>(status.st_dev),
-                                    static_cast<std::int64_t>(status.st_ino),
-                                    static_cast<std::int64_t>(status.st_size),
-                                    static_cast<std::int64_t>(status.st_mtim.tv_sec),
-                                    static_cast<std::int64_t>(status.st_mtim.tv_nsec),
-                                    static_cast<std::int64_t>(status.st_ctim.tv_sec),
-                                    static_cast<std::int64_t>(status.st_ctim.tv_nsec)}) {
-      text += std::to_string(part) + " ";
-    }
-  }
   return text;
 }
 
@@ -288,13 +264,7 @@ TradeMeasurement::TradeMeasurement(const TradeWork& work,
                                    render::GlContext& context,
                                    PhantomCache& cache,
                                    std::size_t kept)
-    : work_(work),
-      context_(context),
-      cache_(cache),
-      kept_(kept),
-      files_(work.files()),
-      stamps_(stamps_of(files_)),
-      hash_(work.hash()) {}
+    : work_(work), context_(context), cache_(cache), kept_(kept), files_(work.files()) {}
 
 TradeMeasurement::~TradeMeasurement() = default;
 
@@ -366,18 +336,6 @@ Image<glm::vec3> TradeMeasurement::picture(const TradeUnit& unit) {
   return evaluator.evaluate(evaluator.render_options(scene), choice).picture.surface;
 }
 
-/// What was read of a file that changed may be of one body or of the other.
-void TradeMeasurement::check_files() {
-  const std::string stamps = stamps_of(files_);
-  if (stamps == stamps_) return;
-  if (work_.hash() != hash_) {
-    throw UserError(work_.plan.source +
-                    ": a file that it names was changed while it was measured; put it back, or "
-                    "measure the new one into another folder");
-  }
-  stamps_ = stamps;
-}
-
 TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {
   TradeRecord record;
   record.unit = unit;
@@ -388,7 +346,7 @@ TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {
   } catch (const InvalidOption& error) {
     record.refused = error.what();
   }
-  check_files();
+  files_.refuse_changed(work_.plan.source);
   return record;
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/part_done.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/cache/watched_files.h"
 #include "bench/studies/trade/trade_journal.h"
 #include "bench/studies/trade/trade_plan.h"
 #include "render/gl/context.h"
@@ -83,17 +84,14 @@ class TradeMeasurement {
 
   Scan& scan_of(const TradeUnit& unit, const Scene& scene);
   Reference& reference_of(std::size_t scene);
-  void check_files();
   void measure(const TradeUnit& unit, const Scene& scene, TradeRecord& record);
 
   const TradeWork& work_;
   render::GlContext& context_;
   PhantomCache& cache_;
   std::size_t kept_;
-  const std::vector<std::filesystem::path> files_;  ///< that the plan names
-  std::string stamps_;                              ///< of these, where they have hash_
-  const std::string hash_;                          ///< of the work
-  std::deque<std::unique_ptr<Scan>> scans_;         ///< the last used is last
+  WatchedFiles files_;                       ///< that the plan names
+  std::deque<std::unique_ptr<Scan>> scans_;  ///< the last used is last
   std::map<std::size_t, std::unique_ptr<Reference>> references_;
 };
 

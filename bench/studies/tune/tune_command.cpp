@@ -18,6 +18,7 @@ namespace wobblebench::bench {
 namespace {
 
 struct Arguments {
+  const CLI::App* command = nullptr;
   std::filesystem::path plan;
   std::vector<std::string> settings, limits;
   std::filesystem::path trade;  ///< folder of a finished trade; empty: none
@@ -112,6 +113,13 @@ std::string report_of(const TradeWork& work,
   return report_text(report);
 }
 
+std::vector<ConditionalOption> conditional_options(const Arguments& arguments) {
+  const bool searches = arguments.tune.search.evaluations > 0, draws = arguments.requests > 0;
+  return {{"--seed", searches || draws, "--evaluations above 0, or --requests"},
+          {"--random", searches && !draws, "--evaluations above 0, without --requests"},
+          {"--least", !draws, "--limit"}};
+}
+
 /// Before any work.
 void check_search(const Arguments& arguments) {
   if (arguments.random || arguments.tune.search.evaluations == 0 || has_nsga2()) return;
@@ -133,6 +141,8 @@ int study(const Arguments& arguments) {
   const Provenance provenance = machine.provenance(work);
   const auto measure_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
+    progress.warn(idle_settings(work));
+    progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
     Journal journal(out, work, provenance);
     const RequestStudy study = progress.step("requests", [&](const PartDone& done) {
       return study_requests(work,
@@ -170,6 +180,7 @@ int tune(const Arguments& arguments) {
   const auto search_and_write = [&](OutputFolder& out, Progress& progress) -> CommandResult {
     warn_of_software(*machine.context, arguments.gl, progress);
     progress.warn(idle_settings(work));
+    progress.warn(idle_options_text(*arguments.command, conditional_options(arguments)));
     Journal journal(out, work, provenance);
     const TuneResults results = progress.step("search", [&](const PartDone& done) {
       return bench::tune(work,
@@ -199,6 +210,7 @@ Command add_tune_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command = add_subcommand(
       app, "tune", "The settings of a plan with the least time or error within limits");
+  arguments->command = &command;
   add_required_path(
       command, "PLAN", arguments->plan, "TOML file with scenes and axes, as of trade");
   add_list(command, "--set", arguments->settings, "SECTION.KEY=VALUE for every scene");

@@ -103,5 +103,75 @@ TEST(Warnings, OfOptionsWithoutEffectAreOneLineAndAnEntryOfTheReport) {
             std::string::npos);
 }
 
+/// A scene whose mesh cannot be read: commands say what is without effect, and end there.
+TEST(Warnings, OfOptionsWithoutEffectAreGivenByEveryCommandThatTakesAScene) {
+  const ScratchFolder folder;
+  folder.write("none.obj", "no mesh");
+  for (const char* command : {"run",
+                              "stream",
+                              "record",
+                              "accuracy",
+                              "rungs",
+                              "latency",
+                              "modes",
+                              "tables",
+                              "fit",
+                              "conformance",
+                              "phantom"}) {
+    const auto result = bench({command,
+                               "--set",
+                               "phantom.name=mesh",
+                               "--set",
+                               "phantom.file=none.obj",
+                               "--set",
+                               "phantom.radius_mm=30"},
+                              folder);
+    EXPECT_EQ(result.exit_code, 2) << command << result.err;
+    EXPECT_NE(result.err.find("wobblebench: warning: without effect in this scene: "
+                              "phantom.radius_mm (acts with phantom.name = sphere or cyst)\n"),
+              std::string::npos)
+        << command << ": " << result.err;
+  }
+}
+
+TEST(Warnings, OfTheCommandLineNameOptionsThatDoNotActBesideOthers) {
+  const ScratchFolder folder;
+  folder.write("none.obj", "no mesh");
+  const Words mesh = {"--set", "phantom.name=mesh", "--set", "phantom.file=none.obj"};
+  const auto seeds = bench(
+      with({"accuracy", "--seeds", "3", "--set", "simulation.fidelity=geometry"}, {mesh}), folder);
+  EXPECT_NE(seeds.err.find("without effect: --seeds (acts with simulation.speckle or "
+                           "simulation.noise_db, on the rung field or higher)"),
+            std::string::npos)
+      << seeds.err;
+  const auto rendered = bench(
+      with({"rungs", "--set", "render.ray_casting.steps=99", "--set", "motion.head_turn_deg=3"},
+           {mesh}),
+      folder);
+  EXPECT_NE(rendered.err.find("motion.head_turn_deg (acts with run, stream and accuracy), "
+                              "render.ray_casting.steps (acts with run, stream and accuracy)"),
+            std::string::npos)
+      << rendered.err;
+  const Words small = {"--volumes", "2", "--codec", "none", "--errors", "0"};
+  const auto queue =
+      bench(with({"stream", "--queue", "3"}, {small, kSphere, kScan, kPicture}), folder);
+  EXPECT_EQ(queue.exit_code, 0) << queue.err;
+  EXPECT_NE(queue.err.find("without effect: --queue (acts with --policy every)"), std::string::npos)
+      << queue.err;
+  const auto cache = bench({"phantom", "--no-cache", "--cache-mb", "5"}, folder);
+  EXPECT_EQ(cache.exit_code, 2);
+  EXPECT_NE(cache.err.find("--no-cache excludes --cache-mb"), std::string::npos) << cache.err;
+}
+
+TEST(Warnings, OfARecordingNameTheSceneThatIsNotUsed) {
+  const ScratchFolder folder;
+  const Words recorded = {"--board", "file=rec/recording.wbst", "--set", "phantom.radius_mm=30"};
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {kSphere, kScan}), folder).exit_code, 0);
+  const auto copied = bench(with({"record", "--out", "copy"}, {recorded}), folder);
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
+  EXPECT_NE(copied.err.find("phantom.radius_mm (acts with --board sim)"), std::string::npos)
+      << copied.err;
+}
+
 }  // namespace
 }  // namespace wobblebench::bench

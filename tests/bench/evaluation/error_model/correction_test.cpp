@@ -8,6 +8,8 @@
 #include <functional>
 
 #include "base/user_error.h"
+#include "bench/scene/resolved_scene.h"
+#include "phantoms/phantom.h"
 #include "render/camera.h"
 #include "tests/bench/cli/program_under_test.h"
 
@@ -119,6 +121,32 @@ TEST_F(CorrectionFile, IsRefusedByRunBeforeAnyWork) {
     EXPECT_NE(result.err.find(other.substr(0, other.find('='))), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
   }
+}
+
+/// The samples of a recording are on the recording's display scale, whatever the scene's is.
+TEST_F(CorrectionFile, IsComparedWithTheDisplayScaleOfARecording) {
+  const Words scan = with(kSphere, {kScan, {"--set", "render.ray_casting.image_size=32"}});
+  const Words scale = {"--set", "simulation.dynamic_range_db=70"};
+  ASSERT_EQ(bench(with({"record", "--out", "rec"}, {scan, scale}), folder_).exit_code, 0);
+  const auto play = [&](const Words& made_for) {
+    Words settings;
+    for (std::size_t i = 1; i < made_for.size(); i += 2) settings.push_back(made_for[i]);
+    Scene scene = load_scene({}, settings);
+    scene = resolve_scene(scene, phantoms::make_phantom(scene.phantom)).options();
+    const std::string file = write(correction_text(correction_of(scene, 1)));
+    return bench(with({"run", "--board", "file=rec/recording.wbst"},
+                      {kSphere,
+                       {"--set", "render.ray_casting.image_size=32"},
+                       {"--set", "render.correction=" + file}}),
+                 folder_);
+  };
+  const auto other = play(scan);
+  EXPECT_EQ(other.exit_code, 2) << other.err;
+  EXPECT_NE(other.err.find("was made for simulation.dynamic_range_db = 60.0; the scene has 70.0"),
+            std::string::npos)
+      << other.err;
+  const auto same = play(with(scan, {scale}));
+  EXPECT_EQ(same.exit_code, 0) << same.err;
 }
 
 /// A slanting surface in the middle of the picture.

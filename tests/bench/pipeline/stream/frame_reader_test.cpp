@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <set>
 #include <stdexcept>
@@ -11,6 +13,7 @@
 #include <vector>
 
 #include "base/user_error.h"
+#include "hw/wire/decoder.h"
 #include "tests/hw/support/memory_link.h"
 #include "tests/hw/support/streams.h"
 
@@ -64,6 +67,27 @@ TEST(FrameReader, FramesAreThoseOfAVolumeInEveryMotorMode) {
       EXPECT_EQ(frame.frame, back ? frames - 1 - place : place);
     }
   }
+}
+
+TEST(FrameReader, SaysHowFarTimesLeaveThePlan) {
+  const auto plan = hw::small_plan(2);
+  const auto off_plan_s = [&](double later_s, std::uint64_t from) {
+    std::vector<hw::Bytes> packets;
+    for (const hw::Bytes& bytes : hw::packets_of(plan)) {
+      hw::Bytes packet = bytes;
+      hw::PacketStamp stamp = hw::packet_stamp(packet);
+      if (stamp.sequence >= from) {
+        stamp.time += std::chrono::nanoseconds(std::llround(1e9 * later_s));
+        hw::restamp(packet, stamp);
+      }
+      packets.push_back(std::move(packet));
+    }
+    return read(plan, packets).statistics.off_plan_s;
+  };
+  EXPECT_EQ(off_plan_s(0, 0), 0);
+  EXPECT_NEAR(off_plan_s(3600, 0), 0, 1e-8) << "a clock that begins elsewhere";
+  EXPECT_NEAR(off_plan_s(3600, 7), 3600, 1e-6);
+  EXPECT_NEAR(off_plan_s(-0.25, 7), 0.25, 1e-8);
 }
 
 /// Any set of sticks lost: each volume but one without any stick has all its frames, and the sticks

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/units.h"
 #include "render/gl/context.h"
 #include "tests/bench/studies/tables/recording.h"
 #include "tests/support/process.h"
@@ -89,6 +90,28 @@ TEST(TablesProgram, WritesWhatItMeasuredOnARecording) {
   EXPECT_EQ(report.at("provenance").at("gl_backend"), render::make_context()->backend());
   EXPECT_EQ(report.at("acquisition").at("frames"), 37);
   EXPECT_EQ(report.at("timing").at("tables").size(), 4u);
+}
+
+TEST(TablesProgram, SaysByHowMuchMotorAnglesLeaveThePlan) {
+  const ScratchFolder folder;
+  const hw::AcquisitionPlan plan = testing::recorded_plan();
+  hw::Bytes bytes;
+  encode(hw::configuration_of(plan, 0), bytes);
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(plan.sticks_per_volume()); ++i) {
+    hw::Stick stick = hw::test_stick(plan, i);
+    stick.motor_angle_rad += 2 * kDegree;
+    encode(stick, bytes);
+  }
+  encode(hw::volume_end_of(plan, 0), bytes);
+  folder.write("a.wbst", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const ProcessResult result =
+      tables({"--board", "file=a.wbst", "--divisor", "8", "--repeats", "1", "--json"}, folder);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("motor angles leave the plan by at most 2 deg (RMS 2 deg)"),
+            std::string::npos)
+      << result.err;
+  const auto motor = nlohmann::json::parse(result.out).at("acquisition").at("motor_angles");
+  EXPECT_NEAR(motor.at("off_plan_max_deg"), 2, 1e-6);
 }
 
 TEST(TablesProgram, HelpIsNoError) {
