@@ -339,10 +339,10 @@ std::string summary_list(const std::string& summary) {
     if (name.empty()) {
       list += "; " + text;
     } else {
-      list += "- **" + name + "** " + text + "\n";
+      list += (list.empty() ? "- **" : "\n- **") + name + "** " + text;
     }
   }
-  return list;
+  return list + "\n";
 }
 
 Figure error_figure(const Image<float>& error_m) {

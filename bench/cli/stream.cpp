@@ -13,6 +13,7 @@
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/picture_warnings.h"
+#include "bench/cli/stream_page.h"
 #include "bench/cli/stream_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -302,7 +303,6 @@ void write_pictures(StreamSink& sink,
                     bool with_trace,
                     OutputFolder& out) {
   write_png(out.stage("surface.png"), sink.last_picture()->surface, Values::light);
-  out.write_text("ages.csv", stream_ages(report));
   if (with_trace) out.write_text("trace.json", stream_trace(report.result));
   if (const Video* video = sink.finish_video()) {
     report.video = VideoSummary{
@@ -353,10 +353,12 @@ int stream(const Arguments& arguments) {
     Provenance provenance = provenance_of_simulation(*context, scene.simulation().seed);
     provenance.board = hw::to_string(report.result.link.origin);
     const std::string failure = failure_of(report, arguments);
-    return CommandResult{stream_report(report, std::move(provenance), scene, progress.times()),
-                         stream_text(report, out.directory()),
-                         failure.empty() ? kDone : kFailed,
-                         failure};
+    return CommandResult{
+        .report = stream_report(report, std::move(provenance), scene, progress.times()),
+        .summary = stream_text(report, out.directory()),
+        .exit_code = failure.empty() ? kDone : kFailed,
+        .failure = failure,
+        .document = stream_document(report, scene)};
   });
 }
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "base/number_text.h"
-#include "bench/cli/stream_report.h"
+#include "base/duration.h"
+#include "bench/cli/stream_page.h"
 
 namespace wobblebench::bench {
 
@@ -24,31 +24,6 @@ std::vector<std::string> pass_names(const StreamResult& result) {
   return names;
 }
 
-/// A line's fields.
-class Line {
- public:
-  explicit Line(hw::HostTime begin) : begin_(begin) {}
-
-  void add(const std::string& field) { text_ += (text_.empty() ? "" : ",") + field; }
-  void add_ms(double ms) { add(fixed(ms, 3)); }
-  void add_time(const std::optional<hw::HostTime>& time) {
-    add(time ? fixed(to_milliseconds(*time - begin_), 3) : "");
-  }
-  std::string end() && { return std::move(text_) + "\n"; }
-
- private:
-  hw::HostTime begin_;
-  std::string text_;
-};
-
-std::optional<hw::HostTime> arrival(const StickTimes& stick) {
-  return stick.arrived ? std::optional(stick.received) : std::nullopt;
-}
-
-double age_ms(const StickTimes& stick, const PictureTimes& times, bool scheduled) {
-  return to_milliseconds(times.ready - (scheduled ? *stick.fired : stick.acquired));
-}
-
 double pass_ms(const PictureTimes& times, const std::string& name) {
   double ms = 0;
   for (const render::PassTime& pass : times.passes) {
@@ -57,35 +32,53 @@ double pass_ms(const PictureTimes& times, const std::string& name) {
   return ms;
 }
 
+std::vector<Column> columns_of(const std::vector<std::string>& passes) {
+  std::vector<Column> columns = {{"volume"}, {"whole"}, {"sticks"}, {"lost_sticks"}};
+  for (const char* key : {"emitted_first_ms",
+                          "emitted_last_ms",
+                          "arrived_first_ms",
+                          "arrived_last_ms",
+                          "complete_ms",
+                          "taken_ms",
+                          "scan_conversion_ms"}) {
+    columns.push_back({key});
+  }
+  for (const std::string& pass : passes) columns.push_back({pass + "_ms"});
+  for (const char* key : {"shown_ms", "written_ms", "age_oldest_ms", "age_newest_ms"}) {
+    columns.push_back({key});
+  }
+  return columns;
+}
+
 }  // namespace
 
-std::string stream_ages(const StreamReport& report) {
+double age_ms(const StickTimes& stick, const PictureTimes& times, bool scheduled) {
+  return to_milliseconds(times.ready - (scheduled ? *stick.fired : stick.acquired));
+}
+
+Table stream_ages(const StreamReport& report) {
   const auto passes = pass_names(report.result);
-  std::string csv =
-      "volume,whole,sticks,lost_sticks,emitted_first_ms,emitted_last_ms,arrived_first_ms,"
-      "arrived_last_ms,complete_ms,taken_ms,scan_conversion_ms";
-  for (const std::string& pass : passes) csv += "," + pass + "_ms";
-  csv += ",shown_ms,written_ms,age_oldest_ms,age_newest_ms\n";
+  const auto since = [&](hw::HostTime time) {
+    return Cell(to_milliseconds(time - report.result.begin));
+  };
+  Table table{.name = "ages", .columns = columns_of(passes)};
   for (const PictureTimes& times : report.result.records) {
-    Line line(report.result.begin);
-    line.add(std::to_string(times.volume));
-    line.add(times.whole ? "1" : "0");
-    line.add(std::to_string(times.sticks));
-    line.add(std::to_string(times.lost));
-    for (const StickTimes& stick : {times.first, times.last}) line.add_time(stick.fired);
-    for (const StickTimes& stick : {times.first, times.last}) line.add_time(arrival(stick));
-    line.add_time(times.complete);
-    line.add_time(times.taken);
-    line.add_ms(times.update_ms);
-    for (const std::string& pass : passes) line.add_ms(pass_ms(times, pass));
-    line.add_time(times.ready);
-    line.add_time(times.written);
+    std::vector<Cell> row = {times.volume, times.whole ? 1 : 0, times.sticks, times.lost};
     for (const StickTimes& stick : {times.first, times.last}) {
-      line.add_ms(age_ms(stick, times, report.summary.scheduled));
+      row.push_back(stick.fired ? since(*stick.fired) : Cell());
     }
-    csv += std::move(line).end();
+    for (const StickTimes& stick : {times.first, times.last}) {
+      row.push_back(stick.arrived ? since(stick.received) : Cell());
+    }
+    row.insert(row.end(), {since(times.complete), since(times.taken), times.update_ms});
+    for (const std::string& pass : passes) row.emplace_back(pass_ms(times, pass));
+    row.insert(row.end(), {since(times.ready), since(times.written)});
+    for (const StickTimes& stick : {times.first, times.last}) {
+      row.emplace_back(age_ms(stick, times, report.summary.scheduled));
+    }
+    table.add(std::move(row));
   }
-  return csv;
+  return table;
 }
 
 }  // namespace wobblebench::bench

@@ -44,10 +44,6 @@ std::string stream_report(const StreamReport& report,
                           const StepTimes& times);
 /// For a person, on stdout.
 std::string stream_text(const StreamReport& report, const std::filesystem::path& folder);
-/// ages.csv: a line for each picture of StreamResult::records, with its times in ms after the
-/// stream began, the time of each pass, and the ages of its oldest and newest echo as the summary
-/// has them. Empty: the link does not say when a stick is fired, or the stick was lost.
-std::string stream_ages(const StreamReport& report);
 /// A trace in the format of Chrome's about:tracing, which Perfetto opens: a track for single
 /// sticks, frames, pass 1, passes 2 to 4, and the sink. An arrow leads from a frame's first and
 /// from its last stick by pass 1 to the picture that shows them: these two bound the ages of the
