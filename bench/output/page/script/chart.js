@@ -31,7 +31,8 @@ function showTooltip(handler, event, item, value) {
   tooltip.hidden = value === null || value === undefined || value === '';
   if (tooltip.hidden) return;
   const isTable = typeof value === 'object' && !Array.isArray(value);
-  const rows = isTable ? Object.entries(value) : [['', value]];
+  const all = isTable ? Object.entries(value) : [['', value]];
+  const rows = all.filter(([, text]) => !['NaN', 'null', 'undefined'].includes(String(text)));  // nothing to say
   tooltip.replaceChildren(...rows.flatMap(([name, text]) => [make('b', {}, name), make('span', {}, String(text))]));
   const box = tooltip.getBoundingClientRect();
   const x = event.clientX + 14 + box.width > innerWidth ? event.clientX - 14 - box.width : event.clientX + 14;
