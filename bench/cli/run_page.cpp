@@ -108,7 +108,8 @@ void add_map(const RunResult& result, const ResolvedScene& scene, Document& page
   }
   const std::string why = why_no_error_picture(result, scene);
   if (!why.empty()) page.add(Text{why});
-  page.add(map_of(result, scene));
+  const bool is_empty = !why.empty() && !why_no_surface_picture(result, scene).empty();
+  if (!is_empty) page.add(map_of(result, scene));
 }
 
 // ---- errors
