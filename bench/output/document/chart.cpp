@@ -360,11 +360,14 @@ Json panel_json(const BarChart& chart, int width, int /*height*/, const std::str
                     {"title", nullptr},
                     {"axis", {{"labelLimit", 220}}}};
   const Json value = {{"field", "value"}, {"type", "quantitative"}, {"title", chart.label}};
+  const Json legend = chart.parts.size() < 2
+                          ? Json(nullptr)
+                          : Json{{"labelLimit", 0}, {"orient", "bottom"}, {"columns", 3}};
   const Json part = {{"field", "part"},
                      {"type", "nominal"},
                      {"title", nullptr},
                      {"scale", {{"domain", names}, {"range", colours}}},
-                     {"legend", {{"labelLimit", 0}, {"orient", "bottom"}, {"columns", 3}}}};
+                     {"legend", legend}};
   return {{"title", chart.title},
           {"width", width},
           {"height", {{"step", 28}}},

@@ -59,6 +59,12 @@ std::string csv_cell(const Cell& cell) {
   return cell.is_whole() ? fixed(cell.number(), 0) : csv_number(cell.number());
 }
 
+/// "-0.00" as "0.00".
+std::string without_sign_of_zero(std::string text) {
+  if (text.find_first_not_of("-0.") == std::string::npos) std::erase(text, '-');
+  return text;
+}
+
 nlohmann::ordered_json json_of(const Cell& cell) {
   if (!cell.text().empty()) return cell.text();
   if (!cell.is_number()) return nullptr;
@@ -105,7 +111,7 @@ std::string Cell::shown(const Column& column) const {
   if (!is_number()) return text_;
   const auto text = [&](double value) {
     if (column.significant) return significant_text(value, column.digits);
-    return fixed(value, whole_ ? 0 : column.digits);
+    return without_sign_of_zero(fixed(value, whole_ ? 0 : column.digits));
   };
   std::string shown = text(number_);
   if (has_range()) {

@@ -67,6 +67,13 @@ TEST(Table, ColumnsAreChosenByTheirKeys) {
   EXPECT_EQ(csv(chosen), "n,pass\n12,filter\n1000000,ray|casting\n");
 }
 
+TEST(Table, ZeroHasNoSign) {
+  const Column column{"mm", "", "mm", 2};
+  EXPECT_EQ(Cell(-0.001).shown(column), "0.00");
+  EXPECT_EQ(Cell(-0.01).shown(column), "-0.01");
+  EXPECT_EQ(Cell::interval(-0.001, 0.5).shown(column), "0.00 ± 0.50");
+}
+
 TEST(Table, ARowOfAnotherLengthIsAFault) {
   Table table = passes();
   EXPECT_THROW(table.add({"filter"}), std::logic_error);
