@@ -41,6 +41,10 @@ void commit(OutputFolder& out, const CommandResult& result) {
   }
 }
 
+std::string summary_of(const CommandResult& result) {
+  return result.summary.empty() ? markdown(result.document) : result.summary;
+}
+
 }  // namespace
 
 int run_in_folder(const OutputArguments& output,
@@ -52,16 +56,14 @@ int run_in_folder(const OutputArguments& output,
   if (result.report.empty()) {
     // There is no report to say it.
     progress.warn(progress.machine_use().warning());
+    if (output.open) progress.warn("--open: without effect: there is no report yet");
     std::cout << result.summary;
     return result.exit_code;
   }
   result.report = finished_report(result.report, progress);
-  if (result.document.title.empty()) {
-    result.document = {.title = "wobblebench", .blocks = {Listing{"Summary", result.summary}}};
-  }
   commit(out, result);
   if (output.open) open_in_browser(output.folder / "report.html");
-  std::cout << (output.json ? result.report : result.summary);
+  std::cout << (output.json ? result.report : summary_of(result));
   if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";
   return result.exit_code;
 }

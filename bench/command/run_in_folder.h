@@ -25,7 +25,7 @@ struct AdoptedFile {
 /// What a command has found.
 struct CommandResult {
   std::string report;   ///< text of report.json; empty: nothing is written, as by a part of a study
-  std::string summary;  ///< printed on stdout, unless --json prints the report
+  std::string summary;  ///< printed on stdout, unless --json prints the report; empty: the document
   int exit_code = kDone;
   std::string failure;  ///< one line for stderr that says why the code is not kDone; empty: none
   std::optional<AdoptedFile> adopted = {};

@@ -24,11 +24,14 @@ struct Column {
 class Cell {
  public:
   Cell() = default;
+  // A row is a list of values: {"filter", 4.2, 12}.
+  // NOLINTBEGIN(google-explicit-constructor)
   Cell(std::string text) : text_(std::move(text)) {}
   Cell(const char* text) : text_(text) {}
   Cell(double number) : number_(number) {}
   template <std::integral Integer>
   Cell(Integer number) : number_(static_cast<double>(number)), whole_(true) {}
+  // NOLINTEND(google-explicit-constructor)
 
   /// "1.25 ± 0.10"; without the half where that is not finite.
   static Cell interval(double middle, double half);

@@ -23,7 +23,8 @@ void add_warnings(const Json& report, std::vector<Block>& blocks) {
 /// A row for each value that is one; those within a part below its name.
 void add_values(const Json& values, const std::string& prefix, Table& table) {
   for (const auto& [key, value] : values.items()) {
-    if (value.is_null() || value == "" || value.is_array()) continue;
+    const bool is_nothing = value.is_null() || (value.is_string() && text_of(value).empty());
+    if (is_nothing || value.is_array()) continue;
     if (value.is_object()) {
       add_values(value, prefix + key + ".", table);
     } else {

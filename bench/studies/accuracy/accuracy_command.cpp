@@ -154,7 +154,6 @@ CommandResult measure_and_write(const std::vector<AccuracyScene>& scenes,
   });
   const Document document = accuracy_document(results, provenance);
   return {.report = report_text(report_of(results, scenes, provenance, progress.times())),
-          .summary = markdown(document),
           .document = document};
 }
 

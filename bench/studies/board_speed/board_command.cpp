@@ -138,9 +138,7 @@ CommandResult measure(int repeats, Progress& progress) {
   const Table cancels = cancel_table({idle, loaded});
   const Provenance provenance = provenance_of_this_machine();
   const Document document = document_of(throughput, cancels, provenance);
-  return {.report = report_of(throughput, cancels, provenance),
-          .summary = markdown(document),
-          .document = document};
+  return {.report = report_of(throughput, cancels, provenance), .document = document};
 }
 
 int measure_board(const Arguments& arguments) {

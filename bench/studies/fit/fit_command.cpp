@@ -155,9 +155,7 @@ int fit(const Arguments& arguments) {
     report["wall_ms"] = wall_json(progress.times());
     Document document = fit_document(results, provenance);
     stage_results(out, results);
-    return {.report = report_text(report),
-            .summary = markdown(document),
-            .document = std::move(document)};
+    return {.report = report_text(report), .document = std::move(document)};
   };
   return run_in_folder(arguments.output, steps, fit_and_write);
 }

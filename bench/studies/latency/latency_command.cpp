@@ -55,7 +55,7 @@ CommandResult study_of(const Scene& scene,
   report["latency"] = latency_study_json(study);
   report["wall_ms"] = wall_json(progress.times());
   const Document document = latency_document(study, provenance, scene);
-  return {.report = report_text(report), .summary = markdown(document), .document = document};
+  return {.report = report_text(report), .document = document};
 }
 
 int latency(const Arguments& arguments) {

@@ -176,7 +176,6 @@ int compare_modes(const Arguments& arguments) {
     const Provenance provenance = provenance_of_simulation(*context, scene.simulation.seed);
     Document document = modes_document(rows, scene, provenance);
     return {.report = modes_report(rows, scene, provenance),
-            .summary = markdown(document),
             .exit_code = all_same(rows) ? kDone : kFailed,
             .document = std::move(document)};
   };

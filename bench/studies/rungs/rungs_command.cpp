@@ -70,7 +70,7 @@ CommandResult measure_and_write(const Scene& scene,
   const std::string report = report_text(report_of(results, scene, provenance, progress.times()));
   Document document = rungs_document(results, provenance);
   write_png(out.stage(kFramesFile), frames_picture(results));
-  return {.report = report, .summary = markdown(document), .document = std::move(document)};
+  return {.report = report, .document = std::move(document)};
 }
 
 /// Options that are without effect on every rung, and those that the command does not use: it

@@ -100,7 +100,6 @@ CommandResult measure_and_write(Scene scene,
   provenance.seed = scene.simulation.seed;
   Document document = tables_document(results, run, volumes.note, provenance);
   return {.report = report_text(tables_report(volumes, results, run, provenance, scene)),
-          .summary = markdown(document),
           .document = std::move(document)};
 }
 

@@ -69,7 +69,6 @@ int measure_recording(const Arguments& arguments) {
     const Provenance provenance = provenance_of(*context, volumes);
     Document document = tables_document(results, run, volumes.note, provenance);
     return CommandResult{.report = report_text(report_of(provenance, volumes, results, run)),
-                         .summary = markdown(document),
                          .document = std::move(document)};
   };
   return run_in_folder(arguments.output, {{"volume", 1}, {"tables", 60}}, measure);

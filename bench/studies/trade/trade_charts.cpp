@@ -209,6 +209,12 @@ std::string measured_text(const Part& part, std::size_t point) {
          text("missed_percent") + " %, false " + text("false_percent") + " %\n";
 }
 
+/// What the front's intervals are over; one seed gives none.
+std::string intervals_text(std::size_t seeds) {
+  if (seeds < 2) return "";
+  return "; the front with 95 % intervals over " + std::to_string(seeds) + " seeds";
+}
+
 }  // namespace
 
 std::string point_id(std::size_t point) {
@@ -230,9 +236,8 @@ std::vector<NamedPoint> named_points(const TradeWork& work, std::size_t scene) {
 Figure trade_figure(const TradeResults& results, const TradeResults::Part& part) {
   Figure figure{.name = part.file(),
                 .caption = "Every point on " + part.name +
-                           ", and the front of time, P95 and missed or false together; the front "
-                           "with 95 % intervals over " +
-                           std::to_string(results.work.plan.seeds.size()) + " seeds."};
+                           ", and the front of time, P95 and missed or false together" +
+                           intervals_text(results.work.plan.seeds.size()) + "."};
   const FrontCharts charts(results, part);
   for (const Response& response : kResponses) figure.panels.emplace_back(charts.chart(response));
   return figure;

@@ -185,7 +185,6 @@ CommandResult measure_and_write(const Arguments& arguments,
   }
   const Document document = trade_document(results, pictures);
   return {.report = report_text(report_of(results, journal.file().kept(), progress.times())),
-          .summary = markdown(document),
           .document = document};
 }
 

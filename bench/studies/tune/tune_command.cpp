@@ -157,7 +157,6 @@ int study(const Arguments& arguments) {
     const Document document = requests_document(study, journal.machines());
     return {.report = report_of(
                 work, "requests", requests_json(study), provenance, journal, progress.times()),
-            .summary = markdown(document),
             .document = document};
   };
   return run_in_folder(arguments.output, {{"requests", 100}}, measure_and_write);
@@ -196,7 +195,6 @@ int tune(const Arguments& arguments) {
     if (found) out.write_text("tuned.toml", tuned_scene(results));
     return {.report =
                 report_of(work, "tune", tune_json(results), provenance, journal, progress.times()),
-            .summary = markdown(document),
             .exit_code = found ? kDone : kFailed,
             .failure = found ? "" : failure_of(results),
             .document = document};
