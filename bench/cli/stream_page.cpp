@@ -22,8 +22,7 @@ std::string rates(const StreamSummary& summary) {
   if (summary.interval.n == 0) return "- Fewer than two pictures: no rate.\n";
   return "- **" + fixed(summary.volumes_per_s, 2) + " volumes/s**, " +
          fixed(summary.pictures_per_s, 2) + " pictures/s over " + fixed(summary.seconds, 1) +
-         " s; standard deviation of the time between pictures " + fixed(summary.jitter_ms, 1) +
-         " ms\n";
+         " s; standard deviation of the time between pictures " + deviation_text(summary) + "\n";
 }
 
 std::string bottleneck(const StreamSummary& summary) {

@@ -85,7 +85,7 @@ std::string rates_text(const StreamSummary& summary) {
   return "rate        " + fixed(summary.volumes_per_s, 2) + " volumes/s, " +
          fixed(summary.pictures_per_s, 2) + " pictures/s over " + fixed(summary.seconds, 1) +
          " s; between pictures " + percentiles_text(summary.interval) + "; deviation " +
-         fixed(summary.jitter_ms, 1) + " ms\n";
+         deviation_text(summary) + "\n";
 }
 
 std::string ages_text(const StreamSummary& summary) {
@@ -175,6 +175,10 @@ std::string stream_report(const StreamReport& report,
       report.why_no_errors.empty() ? Json(nullptr) : Json(report.why_no_errors);
   json["wall_ms"] = wall_json(times);
   return report_text(json);
+}
+
+std::string deviation_text(const StreamSummary& summary) {
+  return std::isfinite(summary.jitter_ms) ? fixed(summary.jitter_ms, 1) + " ms" : "none";
 }
 
 std::string stream_text(const StreamReport& report, const std::filesystem::path& folder) {

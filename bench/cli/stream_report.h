@@ -42,6 +42,9 @@ std::string stream_report(const StreamReport& report,
                           Provenance provenance,
                           const ResolvedScene& scene,
                           const StepTimes& times);
+/// Standard deviation of the time between pictures, for a person; "none" where there are fewer than
+/// two such times.
+std::string deviation_text(const StreamSummary& summary);
 /// For a person, on stdout.
 std::string stream_text(const StreamReport& report, const std::filesystem::path& folder);
 /// A trace in the format of Chrome's about:tracing, which Perfetto opens: a track for single

@@ -256,6 +256,9 @@ TEST_F(StreamCommand, ARecordingThatIsShorterThanAskedForIsSaid) {
             std::string::npos)
       << result.err;
   EXPECT_EQ(json_of("out/report.json")["timing"]["latency"]["shown"]["volumes"], 2);
+  for (const std::string& text : {result.out, bytes_of(at("out/report.html"))}) {
+    EXPECT_EQ(text.find("nan ms"), std::string::npos) << "one time between pictures has no spread";
+  }
 }
 
 TEST_F(StreamCommand, BadInputIsRefusedByOneLine) {
