@@ -32,16 +32,9 @@ bool finds_surface(const RunResult& result) {
                              [](float depth_m) { return !std::isnan(depth_m); });
 }
 
-Picture3 displayed(Picture3 light) {
-  for (glm::vec3& pixel : light.pixels) {
-    for (int i = 0; i < 3; ++i) pixel[i] = encoded(pixel[i]);
-  }
-  return light;
-}
-
 Panel surface_panel(const RunResult& result, const ResolvedScene& scene) {
   const auto why = why_no_surface_picture(result, scene);
-  return {"surface", why.empty() ? displayed(result.picture.surface) : Picture3(), why};
+  return {"surface", why.empty() ? encoded(result.picture.surface) : Picture3(), why};
 }
 
 Panel truth_panel(const RunResult& result) {
@@ -52,7 +45,7 @@ Panel truth_panel(const RunResult& result) {
     return {
         "truth", {}, "No surface in view: " + why_no_surface(result.comparison->error.raw) + "."};
   }
-  return {"truth, shaded alike", displayed(truth)};
+  return {"truth, shaded alike", encoded(truth)};
 }
 
 Panel run_error_panel(const RunResult& result, const ResolvedScene& scene) {

@@ -6,11 +6,10 @@
 
 #include <array>
 #include <cstring>
-#include <iostream>
 
 namespace wobblebench::bench {
 
-void open_in_browser(const std::filesystem::path& page) {
+std::string open_in_browser(const std::filesystem::path& page) {
   std::string program = "xdg-open", path = std::filesystem::absolute(page).string();
   const std::array<char*, 3> words = {program.data(), path.data(), nullptr};
   posix_spawn_file_actions_t actions;
@@ -23,9 +22,9 @@ void open_in_browser(const std::filesystem::path& page) {
   const int error =
       ::posix_spawnp(&child, program.c_str(), &actions, nullptr, words.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
-  if (error == 0) return;
-  std::cerr << "wobblebench: warning: --open: xdg-open cannot be started: " << std::strerror(error)
-            << "; the page is " << path << "\n";
+  if (error == 0) return "";
+  return std::string("--open: xdg-open cannot be started: ") + std::strerror(error) +
+         "; the page is " + path;
 }
 
 }  // namespace wobblebench::bench

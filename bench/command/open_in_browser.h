@@ -2,11 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace wobblebench::bench {
 
-/// Starts xdg-open with the file and does not wait for it. Where that cannot be started, one line
-/// on stderr says so: the command has done its work.
-void open_in_browser(const std::filesystem::path& page);
+/// Starts xdg-open with the file and does not wait for it. Returns why it cannot be started, as a
+/// warning, for the command has done its work; empty: it was.
+std::string open_in_browser(const std::filesystem::path& page);
 
 }  // namespace wobblebench::bench

@@ -62,7 +62,7 @@ int run_in_folder(const OutputArguments& output,
   }
   result.report = finished_report(result.report, progress);
   commit(out, result);
-  if (output.open) open_in_browser(output.folder / "report.html");
+  if (output.open) progress.warn(open_in_browser(output.folder / "report.html"));
   std::cout << (output.json ? result.report : summary_of(result));
   if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";
   return result.exit_code;

@@ -21,6 +21,7 @@ enum class Values { display, light };
 
 /// sRGB's transfer function (IEC 61966-2-1).
 float encoded(float light);
+Image<glm::vec3> encoded(Image<glm::vec3> light);
 
 /// Bytes of an 8-bit RGB PNG in sRGB, which the file says. May be called from several threads.
 /// Throws std::runtime_error.

@@ -17,11 +17,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "https://vega.github.io/schema/vega-lite/v6.json";
 
+constexpr int kWidth = 420;  // of a plot, pixels; a page fits it to its own
+
 /// Okabe and Ito's palette, distinguishable with any colour vision; its black is a grey that shows
 /// on white and on black.
 constexpr std::array kPalette = {
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#808080"};
-constexpr const char* kBandColour = "#999999";
 
 const char* colour_of(const Series& series, std::size_t number) {
   const std::size_t index = series.colour < 0 ? number : static_cast<std::size_t>(series.colour);
@@ -44,9 +45,7 @@ const char* shape_of(Mark mark) {
 }
 
 Json dashes_of(Stroke stroke) {
-  if (stroke == Stroke::dashed) return Json::array({7, 4});
-  if (stroke == Stroke::dotted) return Json::array({2, 3});
-  return Json::array({1, 0});
+  return stroke == Stroke::dashed ? Json::array({7, 4}) : Json::array({1, 0});
 }
 
 /// Null where the axis has no place for it; seven digits are more than a picture shows.
@@ -158,10 +157,6 @@ class Legend {
       add(keys[s], colour_of(series, s), shape_of(series.mark), dashes_of(series.stroke));
       if (keys[s] == series.name) named_.push_back(series.name);
     }
-    for (const Band& band : chart.bands) {
-      add(band.name, kBandColour, "square", dashes_of(Stroke::solid));
-      if (!band.name.empty()) named_.push_back(band.name);
-    }
   }
 
   Json colour() const { return encoding(colours_); }
@@ -223,11 +218,9 @@ class Layers {
       : chart_(chart), legend_(chart), selection_(std::move(selection)) {}
 
   Json json() {
-    for (const Band& band : chart_.bands) add_band(band);
     add_lines();
     add_intervals();
     add_marks();
-    if (!chart_.labels.empty()) add_labels();
     return layers_;
   }
 
@@ -249,20 +242,6 @@ class Layers {
                                       {"bind", "legend"}}});
     }
     layers_.push_back(std::move(layer));
-  }
-  void add_band(const Band& band) {
-    Json values = Json::array();
-    for (std::size_t i = 0; i < band.x.size(); ++i) {
-      values.push_back({{"series", band.name},
-                        {"x", shown(band.x[i], chart_.x)},
-                        {"y", shown(band.low.at(i), chart_.y)},
-                        {"high", shown(band.high.at(i), chart_.y)}});
-    }
-    Json encoding = place();
-    encoding["y2"] = {{"field", "high"}};
-    encoding["color"] = legend_.colour();
-    encoding["opacity"] = opacity(0.25);
-    add({{"type", "area"}}, values, encoding);
   }
   void add_lines() {
     Json encoding = place();
@@ -297,16 +276,6 @@ class Layers {
           encoding);
     }
   }
-  void add_labels() {
-    Json values = Json::array();
-    for (const PointLabel& label : chart_.labels) {
-      values.push_back(
-          {{"x", shown(label.x, chart_.x)}, {"y", shown(label.y, chart_.y)}, {"text", label.text}});
-    }
-    Json encoding = place();
-    encoding["text"] = {{"field", "text"}, {"type", "nominal"}};
-    add({{"type", "text"}, {"align", "left"}, {"dx", 8}}, values, encoding);
-  }
 
   const Chart& chart_;
   Legend legend_;
@@ -331,8 +300,8 @@ bool shows_anything(const Json& layers) {
   });
 }
 
-Json panel_json(const Chart& chart, int width, int height, const std::string& selection) {
-  Json panel = {{"title", chart.title}, {"width", width}, {"height", height}};
+Json panel_json(const Chart& chart, const std::string& selection) {
+  Json panel = {{"title", chart.title}, {"width", kWidth}, {"height", 300}};
   const Json layers = Layers(chart, selection).json();
   if (shows_anything(layers)) {
     panel["layer"] = layers;
@@ -342,7 +311,7 @@ Json panel_json(const Chart& chart, int width, int height, const std::string& se
   return panel;
 }
 
-Json panel_json(const BarChart& chart, int width, int /*height*/, const std::string& selection) {
+Json panel_json(const BarChart& chart, const std::string& selection) {
   Json values = Json::array(), names = Json::array(), colours = Json::array();
   for (std::size_t p = 0; p < chart.parts.size(); ++p) {
     names.push_back(chart.parts[p].name);
@@ -369,7 +338,7 @@ Json panel_json(const BarChart& chart, int width, int /*height*/, const std::str
                      {"scale", {{"domain", names}, {"range", colours}}},
                      {"legend", legend}};
   return {{"title", chart.title},
-          {"width", width},
+          {"width", kWidth},
           {"height", {{"step", 28}}},
           {"data", {{"values", values}}},
           {"mark", {{"type", "bar"}}},
@@ -395,24 +364,22 @@ Json with_schema(const Json& panel) {
   return all;
 }
 
-constexpr int kWidth = 420, kHeight = 300;
-
 }  // namespace
 
 Json specification(const Chart& chart) {
-  return with_schema(panel_json(chart, kWidth, kHeight, "shown"));
+  return with_schema(panel_json(chart, "shown"));
 }
 
 Json specification(const BarChart& chart) {
-  return with_schema(panel_json(chart, kWidth, kHeight, "shown"));
+  return with_schema(panel_json(chart, "shown"));
 }
 
 Json specification(const Figure& figure) {
   Json panels = Json::array();
   for (const auto& panel : figure.panels) {
     const std::string selection = "shown_" + std::to_string(panels.size() + 1);
-    panels.push_back(std::visit(
-        [&](const auto& chart) { return panel_json(chart, kWidth, kHeight, selection); }, panel));
+    panels.push_back(
+        std::visit([&](const auto& chart) { return panel_json(chart, selection); }, panel));
   }
   constexpr int kColumns = 2;
   Json all = {{"concat", panels}, {"columns", kColumns}};

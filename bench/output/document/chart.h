@@ -11,7 +11,7 @@
 namespace wobblebench::bench {
 
 enum class Scale { linear, logarithmic };
-enum class Stroke { none, solid, dashed, dotted };
+enum class Stroke { none, solid, dashed };
 enum class Mark { none, disc, ring, square, triangle, diamond };
 
 struct Axis {
@@ -48,28 +48,11 @@ struct Series {
   }
 };
 
-/// A tinted area between two lines, as of a tolerance.
-struct Band {
-  std::string name;
-  std::vector<double> x = {};
-  std::vector<double> low = {};
-  std::vector<double> high = {};
-};
-
-/// A text beside a point.
-struct PointLabel {
-  double x = 0;
-  double y = 0;
-  std::string text;
-};
-
 struct Chart {
   std::string title;
   Axis x;
   Axis y;
-  std::vector<Band> bands = {};
   std::vector<Series> series = {};
-  std::vector<PointLabel> labels = {};
 };
 
 /// Bars along the horizontal axis, one a row, each of parts.

@@ -36,20 +36,6 @@ glm::vec3 diverging(double share) {
   return between(anchors, share);
 }
 
-glm::vec3 sequential(double share) {
-  static constexpr std::array<std::uint32_t, 10> anchors = {0x440154,
-                                                            0x482878,
-                                                            0x3e4989,
-                                                            0x31688e,
-                                                            0x26828e,
-                                                            0x1f9e89,
-                                                            0x35b779,
-                                                            0x6ece58,
-                                                            0xb5de2b,
-                                                            0xfde725};
-  return between(anchors, share);
-}
-
 glm::vec3 warm(double share) {
   static constexpr std::array<std::uint32_t, 5> anchors = {
       0x000000, 0x4a2a17, 0xa86a3d, 0xe8b47f, 0xfff6e5};

@@ -17,8 +17,6 @@ using ColourMap = glm::vec3 (*)(double share);
 
 /// Blue, white in the middle, red: for signed values.
 glm::vec3 diverging(double share);
-/// Dark blue, green, yellow, rising in lightness: for values without a middle (viridis).
-glm::vec3 sequential(double share);
 /// Black, brown, cream, rising in lightness: as scanners tint volume pictures.
 glm::vec3 warm(double share);
 

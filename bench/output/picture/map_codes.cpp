@@ -23,7 +23,7 @@ struct Range {
 Range range_of(const Image<float>& lengths_m) {
   Range range{INFINITY, -INFINITY};
   for (const float length_m : lengths_m.pixels) {
-    if (std::isnan(length_m)) continue;
+    if (!std::isfinite(length_m)) continue;
     const double mm = static_cast<double>(length_m) / kMillimetre;
     range = {std::min(range.low_mm, mm), std::max(range.high_mm, mm)};
   }
@@ -48,9 +48,9 @@ std::string codes_of(const Image<float>& lengths_m, double first_mm, double step
   bytes.reserve(2 * lengths_m.pixels.size());
   for (const float length_m : lengths_m.pixels) {
     const double mm = static_cast<double>(length_m) / kMillimetre;
-    const auto code = std::isnan(length_m)
-                          ? kNoValue
-                          : static_cast<unsigned>(std::lrint((mm - first_mm) / step_mm));
+    const auto code = std::isfinite(length_m)
+                          ? static_cast<unsigned>(std::lrint((mm - first_mm) / step_mm))
+                          : kNoValue;
     bytes += static_cast<char>(code & 255);
     bytes += static_cast<char>(code >> 8);
   }

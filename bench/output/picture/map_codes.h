@@ -13,7 +13,8 @@ namespace wobblebench::bench {
 /// Rounding of the lengths of a map, unless they span more than 327 mm.
 inline constexpr double kMapStep_mm = 0.005;
 
-/// A layer of a MapView of lengths in metres, in millimetres; NaN: no value. Its colours go from
+/// A layer of a MapView of lengths in metres, in millimetres; NaN, or not finite: no value. Its
+/// colours go from
 /// the least value to the greatest.
 MapLayer length_layer(const std::string& name, const Image<float>& lengths_m);
 /// Signed errors, whose colours go from -limit to limit.

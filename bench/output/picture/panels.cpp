@@ -132,6 +132,21 @@ void draw_lines(Canvas& canvas, const PanelLines& lines, const Box2& box, int co
   canvas.clip_nothing();
 }
 
+/// The text in lines no wider than `width` where it has spaces to break it at.
+std::vector<std::string> wrapped(const std::string& text, double width, double text_size) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.empty() ? word : lines.back() + " " + word;
+    if (!lines.empty() && Canvas::text_width(longer, text_size) <= width) {
+      lines.back() = longer;
+    } else {
+      lines.push_back(word);
+    }
+  }
+  return lines;
+}
+
 void draw_words(Canvas& canvas, const std::string& words, const Box2& box) {
   canvas.fill(box, kGridInk);
   const auto lines = wrapped(words, box.width() - 4 * kMargin, kTitle);
@@ -169,20 +184,6 @@ double tick_step(double low, double high, int most) {
     if (factor * decade >= least * (1 - 1e-9)) return factor * decade;
   }
   return 10 * decade;
-}
-
-std::vector<std::string> wrapped(const std::string& text, double width, double text_size) {
-  std::vector<std::string> lines;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const std::string longer = lines.empty() ? word : lines.back() + " " + word;
-    if (!lines.empty() && Canvas::text_width(longer, text_size) <= width) {
-      lines.back() = longer;
-    } else {
-      lines.push_back(word);
-    }
-  }
-  return lines;
 }
 
 Picture3 draw_panels(const std::vector<Panel>& panels, int side) {

@@ -55,7 +55,4 @@ Picture3 draw_panels(const std::vector<Panel>& panels, int side);
 /// it are at most `most`.
 double tick_step(double low, double high, int most);
 
-/// The text in lines no wider than `width` where it has spaces to break it at.
-std::vector<std::string> wrapped(const std::string& text, double width, double text_size);
-
 }  // namespace wobblebench::bench

@@ -39,13 +39,6 @@ int number_of(const Values& values, const Value& value) {
   return static_cast<int>(std::find(values.begin(), values.end(), value) - values.begin());
 }
 
-Image<glm::vec3> displayed(Image<glm::vec3> light) {
-  for (glm::vec3& pixel : light.pixels) {
-    pixel = {encoded(pixel.r), encoded(pixel.g), encoded(pixel.b)};
-  }
-  return light;
-}
-
 }  // namespace
 
 std::string accuracy_picture_file(const AccuracyPicture& picture) {
@@ -70,7 +63,7 @@ Image<glm::vec3> accuracy_sheet(const AccuracyResults& results) {
   for (const AccuracyPicture& picture : results.pictures) {
     const Point2 corner(kLeft + at(number_of(columns, picture.setting)),
                         kTop + at(number_of(rows, std::pair(picture.scene, picture.rung))));
-    canvas.picture({corner, corner + Point2(kSide, kSide)}, displayed(picture.surface));
+    canvas.picture({corner, corner + Point2(kSide, kSide)}, encoded(picture.surface));
   }
   return canvas.finish();
 }

@@ -240,13 +240,14 @@ class RungCharts {
   }
 
   Figure figure() const {
-    const int seeds = static_cast<int>(results_.seeds.size());
+    const std::size_t seeds = results_.seeds.size();
     const bool of_settings = along_ == &AccuracySummary::setting;
     Figure figure{.name = "errors_" + rung_,
                   .caption = std::string("Errors by ") +
                              (of_settings ? "setting and scene" : "scene") + ", rung " + rung_ +
-                             ": means over " + std::to_string(seeds) +
-                             " seeds with 95 % intervals."};
+                             (seeds > 1 ? ": means over " + std::to_string(seeds) +
+                                              " seeds with 95 % intervals."
+                                        : ", of one seed.")};
     for (const char* measure : {"median_mm", "p95_mm", "missed_percent", "false_percent"}) {
       figure.panels.emplace_back(chart(measure));
     }

@@ -79,6 +79,15 @@ TEST(MapCodes, HoldLengthsThatSpanMoreThanTheFinestCodes) {
   EXPECT_NEAR(values[1], 900, 0.01);
 }
 
+TEST(MapCodes, HoldTheLengthsBesideOnesThatAreNotFinite) {
+  Image<float> depth_m(4, 1);
+  depth_m.pixels = {0.01f, INFINITY, -INFINITY, 0.02f};
+  const auto values = values_mm(length_layer("depth", depth_m), 4);
+  EXPECT_NEAR(values[0], 10, 0.0025001);
+  EXPECT_TRUE(std::isnan(values[1]) && std::isnan(values[2]));
+  EXPECT_NEAR(values[3], 20, 0.0025001);
+}
+
 TEST(MapCodes, HoldSignedErrorsAroundAWhiteMiddle) {
   Image<float> error_m(3, 1);
   error_m.pixels = {-0.0123f, 0, 0.0021f};

@@ -151,7 +151,6 @@ TEST(Rungs, ChartHasATimeWithItsSpreadForEachBodyAndRung) {
   const auto figure = rungs_figure(made_up_results());
   const auto& chart = std::get<Chart>(figure.panels.front());
   ASSERT_EQ(chart.series.size(), 4u);
-  EXPECT_TRUE(chart.labels.empty());
   const Series &ball = chart.series[0], &sheet = chart.series[1], &field = chart.series[2];
   EXPECT_EQ(ball.name, "ball, geometry");
   EXPECT_EQ(ball.mark, sheet.mark);
