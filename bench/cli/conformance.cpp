@@ -180,6 +180,28 @@ std::string conformance_summary(const ConformanceFindings& findings) {
   return text.str();
 }
 
+/// Each check of each board, and whether each broken board was caught, for --junit.
+std::vector<TestCase> test_cases(const ConformanceFindings& findings) {
+  std::vector<TestCase> cases;
+  for (const SuiteRun& run : findings.runs) {
+    const std::string with = run.faults.empty() ? "" : " with " + run.faults;
+    for (const CheckOutcome& outcome : run.outcomes) {
+      TestCase& test =
+          cases.emplace_back(TestCase{"conformance." + run.board + with, outcome.name});
+      const bool passed = outcome.kind == CheckOutcome::Kind::passed;
+      const bool failed = outcome.kind == CheckOutcome::Kind::failed;
+      (passed ? test.output : failed ? test.failure : test.skipped) = outcome.detail;
+    }
+  }
+  for (const DefectOutcome& defect : findings.defects) {
+    cases.push_back({.group = "conformance.broken boards",
+                     .name = defect.defect.check + ": " + defect.defect.what,
+                     .failure = defect.detected() ? "" : "was not caught",
+                     .output = defect.outcome.detail});
+  }
+  return cases;
+}
+
 struct Arguments {
   SceneArguments scene;
   OutputArguments output;
@@ -270,6 +292,7 @@ int check_boards(const Arguments& arguments) {
     return CommandResult{.report = conformance_report(findings, scene, progress.steps()),
                          .summary = conformance_summary(findings),
                          .exit_code = findings.passed() ? kDone : kFailed,
+                         .checks = test_cases(findings),
                          .document = conformance_document(findings, provenance_of_this_machine())};
   };
   return run_in_folder(arguments.output, planned_steps(boards, arguments), work);
@@ -282,6 +305,7 @@ Command add_conformance_command(CLI::App& app) {
   CLI::App& command = add_subcommand(app, "conformance", "Check the board's contract on any board");
   add_scene_options(command, arguments->scene);
   add_output_options(command, arguments->output);
+  add_junit_option(command, arguments->output);
   add_list(command,
            "--board",
            arguments->boards,

@@ -6,6 +6,7 @@
 
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
+#include "bench/cli/picture_limits.h"
 #include "bench/cli/picture_warnings.h"
 #include "bench/cli/run_page.h"
 #include "bench/cli/run_pictures.h"
@@ -16,6 +17,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
 #include "bench/pipeline/stream/gl_stream_renderer.h"
@@ -33,6 +35,7 @@ struct Arguments {
   OutputArguments output;
   std::string board = "sim";
   std::string gl = "auto";
+  std::vector<std::string> limits;
   std::string tolerance;  ///< empty: none
   bool register_surface = false;
   bool fail_on_loss = false;
@@ -202,7 +205,20 @@ std::string failure_of(const RunResult& result,
   return arguments.fail_on_loss && !is_whole ? "--fail-on-loss: " + loss_text(result) : "";
 }
 
+/// Why nothing is measured; empty: something is.
+std::string why_no_measures(const RunResult& result, const ResolvedScene& scene) {
+  if (!result.comparison) return "no true surface is known";
+  return computes_surface(scene) ? "" : "mode \"volume\" computes no surface";
+}
+
+std::vector<LimitedFigure> limited_figures(const RunResult& result, const ResolvedScene& scene) {
+  return picture_figures(result.comparison ? &result.comparison->error : nullptr,
+                         frame_ms(result.picture.passes),
+                         why_no_measures(result, scene));
+}
+
 int run(const Arguments& arguments) {
+  const auto limits = parse_limits(arguments.limits, picture_figure_names());
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
   const auto request = tolerance_request(arguments);
   check_memory_of_run(given, available_memory_bytes());
@@ -243,11 +259,14 @@ int run(const Arguments& arguments) {
     progress.step("write", [&] { stage_run_images(out, result, scene); });
     const std::string failure = failure_of(result, tolerance, arguments);
     const std::string summary = run_summary(result, scene, out.directory(), tolerance);
-    return CommandResult{.report = run_report(result, scene, progress.times(), tolerance),
-                         .summary = summary,
-                         .exit_code = failure.empty() ? kDone : kFailed,
-                         .failure = failure,
-                         .document = run_document(result, scene, summary)};
+    CommandResult done{.report = run_report(result, scene, progress.times(), tolerance),
+                       .summary = summary,
+                       .exit_code = failure.empty() ? kDone : kFailed,
+                       .failure = failure,
+                       .checks = {{.group = "run", .name = "volume", .failure = failure}},
+                       .document = run_document(result, scene, summary)};
+    check_limits(limits, limited_figures(result, scene), done);
+    return done;
   };
   return run_in_folder(arguments.output, planned_steps(arguments), work);
 }
@@ -261,6 +280,8 @@ Command add_run_command(CLI::App& app) {
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
+  add_limit_option(command, arguments->limits, picture_figure_names());
+  add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
   add_flag(

@@ -1,7 +1,9 @@
 // Volume after volume: acquisition and rendering overlapped; pictures, a video, latency.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "base/duration.h"
+#include "base/units.h"
 #include "base/user_error.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/picture_warnings.h"
@@ -17,6 +20,7 @@
 #include "bench/cli/stream_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/command/limits.h"
 #include "bench/command/program.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
@@ -141,6 +145,7 @@ struct Arguments {
   int ring = hw::BoardOptions{}.ring_slots;
   std::string codec = "mjpg";
   int errors = 8;
+  std::vector<std::string> limits;
   bool trace = false;
   bool fail_on_loss = false;
 };
@@ -310,7 +315,55 @@ void write_pictures(StreamSink& sink,
   }
 }
 
+/// The largest magnitude over the measured volumes, NaN where a volume has none.
+double worst(const std::vector<VolumeError>& errors,
+             const std::function<double(const VolumeError&)>& figure) {
+  double most = errors.empty() ? kNotFormed : 0;
+  for (const VolumeError& error : errors) {
+    const double value = std::abs(figure(error));
+    most = std::isnan(value) ? value : std::max(most, value);
+    if (std::isnan(most)) break;
+  }
+  return most;
+}
+
+double renderer_ms(const StreamSummary& summary) {
+  const auto found = std::ranges::find(summary.loads, "renderer", &StageLoad::stage);
+  return found == summary.loads.end() ? kNotFormed : found->ms_per_volume;
+}
+
+/// Those that --limit takes: errors are of the worst measured volume. Of a report without errors
+/// only the names are of use.
+std::vector<LimitedFigure> limited_figures(const StreamReport& report) {
+  using E = const VolumeError&;
+  const auto error = [&](const std::function<double(E)>& figure) {
+    return worst(report.errors, figure);
+  };
+  const hw::BoardAccount& account = report.result.reader.account;
+  const double emitted = static_cast<double>(account.emitted);
+  const std::string why = report.errors.empty() ? report.why_no_errors : "no surface is in view";
+  return {{"p95_mm", error([](E e) { return e.depth.p95_m / kMillimetre; }), why},
+          {"rms_mm", error([](E e) { return e.depth.rms_m / kMillimetre; }), why},
+          {"median_mm", error([](E e) { return e.depth.median_m / kMillimetre; }), why},
+          {"bias_mm", error([](E e) { return e.depth.bias_m / kMillimetre; }), why},
+          {"missed_percent", error([](E e) { return e.missed_percent; }), why},
+          {"false_percent", error([](E e) { return e.false_percent; }), why},
+          {"frame_ms", renderer_ms(report.summary)},
+          {"age_oldest_p99_ms", report.summary.age_oldest.p99},
+          {"age_newest_p99_ms", report.summary.age_newest.p99},
+          {"interval_p99_ms", report.summary.interval.p99, "fewer than two pictures were shown"},
+          {"lost_percent", 100 * static_cast<double>(account.lost.total()) / emitted}};
+}
+
+std::vector<std::string> limited_names() {
+  const StreamReport none;
+  std::vector<std::string> names;
+  for (const LimitedFigure& figure : limited_figures(none)) names.push_back(figure.name);
+  return names;
+}
+
 int stream(const Arguments& arguments) {
+  const auto limits = parse_limits(arguments.limits, limited_names());
   const auto codec = codec_of(arguments.codec);
   const Scene given = scene_of(arguments);
   check_memory_of_run(given, available_memory_bytes());
@@ -353,12 +406,15 @@ int stream(const Arguments& arguments) {
     Provenance provenance = provenance_of_simulation(*context, scene.simulation().seed);
     provenance.board = hw::to_string(report.result.link.origin);
     const std::string failure = failure_of(report, arguments);
-    return CommandResult{
+    CommandResult done{
         .report = stream_report(report, std::move(provenance), scene, progress.times()),
         .summary = stream_text(report, out.directory()),
         .exit_code = failure.empty() ? kDone : kFailed,
         .failure = failure,
+        .checks = {{.group = "stream", .name = "volumes", .failure = failure}},
         .document = stream_document(report, scene)};
+    check_limits(limits, limited_figures(report), done);
+    return done;
   });
 }
 
@@ -372,6 +428,8 @@ Command add_stream_command(CLI::App& app) {
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
+  add_limit_option(command, arguments->limits, limited_names());
+  add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
   add_optional_integer(command,

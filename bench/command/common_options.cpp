@@ -165,6 +165,13 @@ void add_output_options(CLI::App& command, OutputArguments& output) {
   add_flag(command, "--open", output.open, "Open report.html in the desktop's browser (xdg-open)");
 }
 
+void add_junit_option(CLI::App& command, OutputArguments& output) {
+  add_path(command,
+           "--junit",
+           output.junit,
+           "Write the checks as JUnit's XML, NAME.xml, for continuous integration");
+}
+
 void add_board_option(CLI::App& command, std::string& board) {
   add_value(command,
             "--board",

@@ -23,8 +23,9 @@ struct SceneArguments {
 
 struct OutputArguments {
   std::filesystem::path folder = "out";
-  bool json = false;  ///< print report.json on stdout instead of a summary
-  bool open = false;  ///< show report.html when it is written
+  bool json = false;                 ///< print report.json on stdout instead of a summary
+  bool open = false;                 ///< show report.html when it is written
+  std::filesystem::path junit = {};  ///< a file for the checks; empty: none
 };
 
 /// Options of the folder that keeps phantoms and tissue maps between runs.
@@ -90,6 +91,8 @@ void add_plan_options(CLI::App& command, SceneArguments& plan);
 void add_cache_options(CLI::App& command, CacheArguments& cache);
 /// --out, --json and --open.
 void add_output_options(CLI::App& command, OutputArguments& output);
+/// --junit, of commands that check.
+void add_junit_option(CLI::App& command, OutputArguments& output);
 void add_board_option(CLI::App& command, std::string& board);
 void add_gl_option(CLI::App& command, std::string& backend);
 void add_repeats_option(CLI::App& command, int& repeats);

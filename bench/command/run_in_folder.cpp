@@ -1,9 +1,13 @@
 #include "bench/command/run_in_folder.h"
 
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 
+#include "base/file.h"
+#include "base/user_error.h"
 #include "bench/command/open_in_browser.h"
 #include "bench/output/finished_report.h"
 #include "bench/output/page/report_page.h"
@@ -45,12 +49,40 @@ std::string summary_of(const CommandResult& result) {
   return result.summary.empty() ? markdown(result.document) : result.summary;
 }
 
+namespace fs = std::filesystem;
+
+/// Refuses, before the work, a file that could not be written after it, or is another result.
+void check_junit(const fs::path& junit) {
+  if (junit.empty()) return;
+  const std::string option = "--junit = " + junit.string();
+  if (junit.extension() != ".xml")
+    throw UserError(option + ": must be the name of a file, NAME.xml");
+  const fs::path folder = junit.has_parent_path() ? junit.parent_path() : ".";
+  if (!fs::is_directory(folder)) throw UserError(option + ": its folder does not exist");
+  if (fs::exists(junit) && !fs::is_regular_file(junit)) throw UserError(option + ": is no file");
+}
+
+/// The whole file under its name, or none.
+void write_junit(const fs::path& junit, const std::vector<TestCase>& checks) {
+  if (junit.empty()) return;
+  fs::path partial = junit;
+  partial += ".partial";
+  write_file(partial, junit_xml("wobblebench", checks));
+  fs::rename(partial, junit);
+}
+
+void print_lines(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) std::cerr << "wobblebench: " << line << "\n";
+}
+
 }  // namespace
 
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work) {
   OutputFolder out(output.folder);
+  check_junit(output.junit);
   Progress progress(steps);
   CommandResult result = work(out, progress);
   if (result.report.empty()) {
@@ -62,9 +94,10 @@ int run_in_folder(const OutputArguments& output,
   }
   result.report = finished_report(result.report, progress);
   commit(out, result);
+  write_junit(output.junit, result.checks);
   if (output.open) progress.warn(open_in_browser(output.folder / "report.html"));
   std::cout << (output.json ? result.report : summary_of(result));
-  if (!result.failure.empty()) std::cerr << "wobblebench: " << result.failure << "\n";
+  print_lines(result.failure);
   return result.exit_code;
 }
 

@@ -9,6 +9,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/program.h"
 #include "bench/output/document/document.h"
+#include "bench/output/junit.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/progress.h"
 
@@ -27,15 +28,17 @@ struct CommandResult {
   std::string report;   ///< text of report.json; empty: nothing is written, as by a part of a study
   std::string summary;  ///< printed on stdout, unless --json prints the report; empty: the document
   int exit_code = kDone;
-  std::string failure;  ///< one line for stderr that says why the code is not kDone; empty: none
+  std::string failure;  ///< lines for stderr that say why the code is not kDone; empty: none
   std::optional<AdoptedFile> adopted = {};
+  std::vector<TestCase> checks = {};  ///< for --junit
   Document document = {};  ///< for report.html, NAME.md, and the files of its charts and tables
 };
 
 /// Makes and locks the folder, runs `work`, which stages the command's files and times its steps,
 /// adds report.json with what Progress::warn() said and the files of the document, gives the files
-/// their final names and prints the report or its summary. Returns the result's exit code. Whatever
-/// is thrown leaves the folder as it was. `steps`: as Progress takes them.
+/// their final names and prints the report or its summary, and writes the checks to --junit.
+/// Returns the result's exit code. Whatever is thrown leaves the folder as it was. `steps`: as
+/// Progress takes them.
 int run_in_folder(const OutputArguments& output,
                   const std::vector<PlannedStep>& steps,
                   const std::function<CommandResult(OutputFolder&, Progress&)>& work);

@@ -1,7 +1,6 @@
 #include "bench/studies/tune/tune_study.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -309,18 +308,9 @@ void check_quantity(const std::string& option, const std::string& name) {
 }
 
 TuneLimit parse_limit(const std::string& text) {
-  const auto at = text.find("<=");
-  if (at == std::string::npos) {
-    throw UserError("--limit = " + text + ": must be NAME<=NUMBER, as p95_mm<=2");
-  }
-  TuneLimit limit{text.substr(0, at), 0};
-  check_quantity("--limit", limit.name);
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data() + at + 2, end, limit.most);
-  if (error != std::errc() || stop != end || !std::isfinite(limit.most) || limit.most <= 0) {
-    throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
-  }
-  return limit;
+  const TuneLimit limit = parse_limit(text, tune_quantities());
+  if (limit.most > 0) return limit;
+  throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
 }
 
 double quantity_of(const TradeScore& score, const std::string& name) {

@@ -6,16 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "bench/command/limits.h"
 #include "bench/studies/trade/trade_analysis.h"
 #include "bench/studies/tune/tune_journal.h"
 #include "bench/studies/tune/tune_search.h"
 
 namespace wobblebench::bench {
 
-struct TuneLimit {
-  std::string name;
-  double most = 0;
-};
+using TuneLimit = Limit;
 
 /// What `tune` is asked for.
 struct TuneRequest {
@@ -28,7 +26,7 @@ struct TuneRequest {
 const std::vector<std::string>& tune_quantities();
 /// Throws UserError "OPTION = NAME: must be one of ...".
 void check_quantity(const std::string& option, const std::string& name);
-/// "p95_mm<=2". Throws UserError "--limit = TEXT: what is allowed".
+/// "p95_mm<=2", with a number above 0. Throws UserError "--limit = TEXT: what is allowed".
 TuneLimit parse_limit(const std::string& text);
 
 /// The magnitude where the name is median_mm. Throws std::out_of_range for an unknown name.

@@ -57,6 +57,20 @@ std::string outcomes_text(const std::vector<StudyReport>& reports) {
   return text;
 }
 
+/// For --junit.
+std::vector<TestCase> test_cases(const std::vector<StudyReport>& reports) {
+  std::vector<TestCase> cases;
+  for (const auto& report : reports) {
+    for (const Check& check : report.checks) {
+      cases.push_back({.group = "validate." + report.id,
+                       .name = check.name,
+                       .failure = check.passed() ? "" : describe(check),
+                       .output = check.passed() ? describe(check) : ""});
+    }
+  }
+  return cases;
+}
+
 Json report_of(const std::vector<StudyReport>& reports,
                const Provenance& provenance,
                const StepTimes& times) {
@@ -76,6 +90,7 @@ CommandResult run_studies(const std::vector<NamedStudy>& studies, Progress& prog
   return {.report = report_text(report_of(reports, provenance, progress.times())),
           .summary = outcomes_text(reports),
           .exit_code = failed_checks(reports) == 0 ? kDone : kFailed,
+          .checks = test_cases(reports),
           .document = validation_document(reports, provenance)};
 }
 
@@ -97,6 +112,7 @@ Command add_validate_command(CLI::App& app) {
                                      "The simulated probe's physics against an independent sum "
                                      "over its elements, closed forms and publications");
   add_output_options(command, arguments->output);
+  add_junit_option(command, arguments->output);
   add_list(command,
            "--study",
            arguments->studies,
