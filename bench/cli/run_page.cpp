@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "bench/cli/board_report.h"
 #include "bench/cli/run_pictures.h"
+#include "bench/output/error_report.h"
 #include "bench/output/picture/map_codes.h"
 #include "bench/output/report.h"
 #include "bench/studies/tables/paper.h"

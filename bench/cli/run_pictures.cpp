@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "base/units.h"
+#include "bench/output/error_report.h"
 #include "bench/output/image_io.h"
 #include "bench/output/picture/error_picture.h"
 #include "bench/output/picture/scan_plane.h"

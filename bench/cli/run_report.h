@@ -36,9 +36,6 @@ struct RunResult {
   hw::MotorDeviation motor = {};              ///< of the volume's sticks
 };
 
-/// In mode "volume" no surface is computed, so that none is missed.
-bool computes_surface(const ResolvedScene& scene);
-
 /// What the picture of a result reached of what was chosen for it.
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result);
 
