@@ -9,12 +9,21 @@
 #include "base/file.h"
 #include "base/user_error.h"
 #include "bench/command/open_in_browser.h"
+#include "bench/output/encoders.h"
 #include "bench/output/finished_report.h"
 #include "bench/output/page/report_page.h"
 
 namespace wobblebench::bench {
 
 namespace {
+
+/// A picture for the page. A large one is compressed, so that the page stays below 3 MB.
+std::string page_picture(const OutputFolder& out, const std::string& file) {
+  constexpr std::size_t kLarge = 300'000;
+  constexpr int kMostSide = 1024;
+  const std::string png = out.read_staged(file);
+  return png.size() <= kLarge ? png : encoders().compress(png, kMostSide);
+}
 
 /// NAME.md, tables and charts as files of their own, and the page that shows all of it.
 void stage_document(OutputFolder& out, const CommandResult& result) {
@@ -26,7 +35,7 @@ void stage_document(OutputFolder& out, const CommandResult& result) {
     if (figure == nullptr) continue;
     out.write_text(chart_file(document, *figure), specification(*figure).dump(1) + "\n");
   }
-  const auto read_picture = [&](const std::string& file) { return out.read_staged(file); };
+  const auto read_picture = [&](const std::string& file) { return page_picture(out, file); };
   out.write_text("report.html", report_page(document, result.report, command_line(), read_picture));
 }
 

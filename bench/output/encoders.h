@@ -46,6 +46,9 @@ struct VideoFormat {
 struct Encoders {
   /// Bytes of a file of the format that `extension` names, ".png". Throws std::runtime_error.
   std::vector<char> (*encode)(const Raster& raster, const std::string& extension);
+  /// A picture as JPEG of a quality without visible loss, at most `most_side` pixels wide and high.
+  /// Throws std::runtime_error where the bytes are no picture.
+  std::string (*compress)(const std::string& png, int most_side);
   /// Null where OpenCV cannot write the format here.
   std::unique_ptr<VideoEncoder> (*open_video)(const std::filesystem::path& path,
                                               const VideoFormat& format);

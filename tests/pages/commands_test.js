@@ -38,6 +38,11 @@ const commands = [
   ['validate', '--study', 'shear'],
   ['accuracy', sceneFile, '--seeds', '2'],
   ['trade', planFile],
+  ['conformance', sceneFile],
+  ['tables', '--divisor', '8', '--repeats', '1'],
+  ['latency', sceneFile, '--volumes', '10'],
+  ['extremes'],
+  ['fit', sceneFile, '--seeds', '1'],
   ['tune', planFile, '--limit', 'p95_mm<=20', '--evaluations', '2', '--random'],
 ];
 

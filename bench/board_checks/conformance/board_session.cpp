@@ -100,11 +100,16 @@ Received BoardSession::receive_all(std::size_t sticks) {
 }
 
 hw::StickSlot BoardSession::receive_slot() {
+  Received received;
+  return receive_slot(received);
+}
+
+hw::StickSlot BoardSession::receive_slot(Received& received) {
   for (;;) {
     hw::Event event = board.next(event_deadline());
+    const bool goes_on = record_event(event, received);
     if (auto* slot = std::get_if<hw::StickSlot>(&event)) return std::move(*slot);
-    Received received;
-    if (record_event(event, received)) continue;
+    if (goes_on) continue;
     require(received.over, received.end_reason + " where a stick was due");
     throw CheckSkipped("needs a stick; " + received.end_reason);
   }

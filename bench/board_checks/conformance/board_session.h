@@ -54,7 +54,8 @@ class BoardSession {
   void receive(Received& received, std::size_t sticks);
   /// The next `sticks`; throws CheckSkipped if the stream ends before.
   Received receive_all(std::size_t sticks);
-  /// The next slot; throws as receive_all().
+  /// The next slot; throws as receive_all(). All events until then are added to `received`.
+  hw::StickSlot receive_slot(Received& received);
   hw::StickSlot receive_slot();
 
   BoardInterface board;

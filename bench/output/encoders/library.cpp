@@ -1,7 +1,10 @@
 // The library that bench/output/encoders.cpp loads: pictures by OpenImageIO, videos by OpenCV.
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
@@ -36,6 +39,31 @@ std::vector<char> encode_image(const Raster& raster, const std::string& extensio
   if (!whole) throw std::runtime_error(output->geterror());
   const auto& bytes = encoded.buffer();
   return {bytes.begin(), bytes.end()};
+}
+
+std::string compress(const std::string& png, int most_side) {
+  OIIO::Filesystem::IOMemReader bytes(OIIO::string_view(png).data(), png.size());
+  OIIO::ImageBuf picture("picture.png", 0, 0, nullptr, nullptr, &bytes);
+  if (!picture.read(0, 0, true, OIIO::TypeDesc::UINT8)) {
+    throw std::runtime_error(picture.geterror());
+  }
+  const OIIO::ImageSpec& given = picture.spec();
+  const double scale = std::min(1.0, 1.0 * most_side / std::max(given.width, given.height));
+  const auto scaled = [&](int side) {
+    return std::max(1, static_cast<int>(std::lround(scale * side)));
+  };
+  const OIIO::ROI size(0, scaled(given.width), 0, scaled(given.height), 0, 1, 0, given.nchannels);
+  if (scale < 1) picture = OIIO::ImageBufAlgo::resize(picture, "", 0, size);
+  Raster raster{
+      .width = size.width(),
+      .height = size.height(),
+      .channels = given.channelnames,
+      .bytes = true,
+      .values = std::vector<float>(size.npixels() * static_cast<std::size_t>(size.nchannels())),
+      .attributes = {{"Compression", "jpeg:92"}, {"jpeg:subsampling", "4:4:4"}}};
+  picture.get_pixels(size, OIIO::TypeDesc::FLOAT, raster.values.data());
+  const std::vector<char> jpeg = encode_image(raster, ".jpg");
+  return {jpeg.begin(), jpeg.end()};
 }
 
 class OpenCvEncoder : public VideoEncoder {
@@ -81,6 +109,6 @@ std::unique_ptr<VideoEncoder> open_video(const std::filesystem::path& path,
 
 extern "C" const wobblebench::bench::Encoders* wobblebench_encoders() {
   using namespace wobblebench::bench;
-  static constexpr Encoders encoders{encode_image, open_video};
+  static constexpr Encoders encoders{encode_image, compress, open_video};
   return &encoders;
 }

@@ -56,15 +56,20 @@ std::string body_cell(const Cell& cell, const Column& column) {
          (cell.is_code() ? "<code>" + text + "</code>" : text) + "</td>";
 }
 
-/// A file's picture as the address of an <img>.
+bool is_jpeg(const std::string& bytes) {
+  return bytes.starts_with("\xff\xd8");
+}
+
+/// A picture as the address of an <img>.
 std::string picture_address(const std::string& bytes) {
-  return "data:image/png;base64," + base64(bytes);
+  return std::string("data:image/") + (is_jpeg(bytes) ? "jpeg" : "png") + ";base64," +
+         base64(bytes);
 }
 
 /// Width and height of a PNG: big-endian in its first chunk (ISO/IEC 15948).
 std::string size_attributes(const std::string& png) {
   constexpr std::size_t kWidthAt = 16, kHeightAt = 20, kHeader = 24;
-  if (png.size() < kHeader) return "";
+  if (png.size() < kHeader || is_jpeg(png)) return "";
   const auto number_at = [&](std::size_t at) {
     unsigned value = 0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -107,9 +112,10 @@ class HtmlOf {
                        ">\n<div class=\"panels\">\n";
     for (const auto& panel : figure.panels) {
       html += std::visit(
-          [](const auto& chart) {
-            return "<div class=\"panel\" role=\"img\"" + attribute("aria-label", chart.title) +
-                   ">" + script_json(specification(chart)) + "</div>\n";
+          [&](const auto& chart) {
+            const std::string& label = chart.title.empty() ? figure.caption : chart.title;
+            return "<div class=\"panel\" role=\"img\"" + attribute("aria-label", label) + ">" +
+                   script_json(specification(chart)) + "</div>\n";
           },
           panel);
     }
@@ -124,13 +130,14 @@ class HtmlOf {
     return html + caption(figure.caption) + "</figure>\n";
   }
   std::string operator()(const Picture& picture) const {
-    return "<figure class=\"picture\">" + image(picture) + caption(picture.caption) + "</figure>\n";
+    return "<figure class=\"picture\">" + image(picture) + caption(said_of(picture)) +
+           "</figure>\n";
   }
   std::string operator()(const PicturePair& both) const {
     return "<figure class=\"comparison\"><div class=\"pair\">" +
            image(both.left, " data-side=\"left\"") + image(both.right, " data-side=\"right\"") +
-           "</div>\n<figcaption><span>" + escaped(both.left.caption) + "</span> <span>" +
-           escaped(both.right.caption) + "</span></figcaption></figure>\n";
+           "</div>\n<figcaption><span>" + escaped(said_of(both.left)) + "</span> <span>" +
+           escaped(said_of(both.right)) + "</span></figcaption></figure>\n";
   }
   std::string operator()(const MapView& map) const {
     Json layers = Json::array(), classes = Json::array();
@@ -170,6 +177,10 @@ class HtmlOf {
     const std::string png = read_picture_(picture.file);
     return "<img src=\"" + picture_address(png) + "\"" + attribute("alt", picture.caption) +
            size_attributes(png) + more + ">";
+  }
+  std::string said_of(const Picture& picture) const {
+    if (!is_jpeg(read_picture_(picture.file))) return picture.caption;
+    return picture.caption + " Compressed on this page; " + picture.file + " is exact.";
   }
   static Json layer_json(const MapLayer& layer) {
     return {{"name", layer.name},

@@ -9,7 +9,8 @@
 
 namespace wobblebench::bench {
 
-/// Reads a file of the command: its bytes.
+/// Reads a picture of the command: the bytes of its PNG, or of a JPEG of lower quality, which the
+/// page then says.
 using ReadPicture = std::function<std::string(const std::string& file)>;
 
 /// The page of a document. Everything in it is shown as text, never read as markup. Where the build

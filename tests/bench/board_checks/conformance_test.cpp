@@ -5,6 +5,8 @@
 
 #include "bench/board_checks/conformance/defects.h"
 #include "bench/board_checks/conformance/suite.h"
+#include "bench/pipeline/board_link.h"
+#include "bench/scene/scene.h"
 
 namespace wobblebench::bench {
 namespace {
@@ -25,6 +27,22 @@ TEST(Conformance, ACorrectBoardPassesAndSkipsOnlyUnpluggingTheCard) {
 
 TEST(Conformance, ACardAtItsOwnPacePasses) {
   expect_conforming(correct_fixture(",pace=realtime"));
+}
+
+/// The rung geometry has no noise: a sphere on the axis has equal echoes on both sides of it.
+TEST(Conformance, SticksThatSymmetryMakesAlikeAreNotStale) {
+  const Scene scene = load_scene({},
+                                 {"phantom.name=sphere",
+                                  "phantom.voxel_mm=2",
+                                  "simulation.fidelity=geometry",
+                                  "acquisition.frames_per_volume=9",
+                                  "acquisition.sticks_per_frame=16"});
+  const ConformanceFixture fixture = fixture_of(parse_board("sim"), scene);
+  for (const CheckOutcome& outcome : run_conformance(fixture)) {
+    if (outcome.name != "stream.stale") continue;
+    EXPECT_EQ(outcome.kind, CheckOutcome::Kind::passed) << outcome.detail;
+    EXPECT_NE(outcome.detail.find("alike by symmetry"), std::string::npos) << outcome.detail;
+  }
 }
 
 TEST(Conformance, InjectedFaultsAreNoFailure) {

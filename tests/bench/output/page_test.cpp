@@ -109,6 +109,14 @@ TEST(Page, PicturesAreInsideIt) {
             std::string::npos);
 }
 
+TEST(Page, SaysThatAPictureIsCompressed) {
+  Document document{.title = "x"};
+  document.add(Picture{"large.png", "A face."});
+  const std::string page = html(document, [](const std::string&) { return "\xff\xd8\xff"; });
+  EXPECT_EQ(count(page, "src=\"data:image/jpeg;base64,/9j/\""), 1);
+  EXPECT_EQ(count(page, "A face. Compressed on this page; large.png is exact."), 1);
+}
+
 TEST(ReportPage, SaysWhatTheCommandWarnedOfAndHowItWasMade) {
   const std::string page = report_page({.title = "run"},
                                        R"({"provenance": {"cpu": "a CPU", "load": {"x": 1}},
