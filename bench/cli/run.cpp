@@ -17,6 +17,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/output/error_report.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
@@ -101,10 +102,10 @@ RunResult stream_volume(BoardConnection& board,
   render::Picture picture;
   const auto show = [&](const ShownPicture& shown) { picture = shown.picture; };
   Acquisition acquisition = board.acquire(source, passes, show);
-  return {.acquisition = std::move(acquisition),
-          .picture = std::move(picture),
-          .gl_backend = context.backend(),
-          .gl_renderer = context.renderer_string()};
+  RunResult result(std::move(acquisition), std::move(picture));
+  result.gl_backend = context.backend();
+  result.gl_renderer = context.renderer_string();
+  return result;
 }
 
 /// No true surface, no fit.

@@ -36,7 +36,7 @@ std::string trimmed(const std::string& text) {
 
 // ---- pictures
 
-void add_surfaces(const RunResult& result, const ResolvedScene& scene, Document& page) {
+void add_surfaces(const PictureResult& result, const ResolvedScene& scene, Document& page) {
   page.add(Heading{"Found and true surface"});
   const std::string why = why_no_surface_picture(result, scene);
   if (!why.empty()) {
@@ -57,7 +57,7 @@ void add_volume(const ResolvedScene& scene, Document& page) {
   page.add(Picture{"volume.png", "The echoes, blended along the rays of the same view."});
 }
 
-void add_planes(const RunResult& result, Document& page) {
+void add_planes(const PictureResult& result, Document& page) {
   page.add(Heading{"Echoes in two planes"});
   page.add(Picture{"planes.png",
                    result.comparison
@@ -76,7 +76,7 @@ std::string map_caption(int every, bool perspective) {
   return text;
 }
 
-MapView map_of(const RunResult& result, const ResolvedScene& scene) {
+MapView map_of(const PictureResult& result, const ResolvedScene& scene) {
   const Image<float>& found_m = result.picture.depth_m;
   const render::Camera& camera = scene.view().camera;
   const int every = (found_m.width + kMostMapSide - 1) / kMostMapSide;
@@ -101,7 +101,7 @@ MapView map_of(const RunResult& result, const ResolvedScene& scene) {
   return map;
 }
 
-void add_map(const RunResult& result, const ResolvedScene& scene, Document& page) {
+void add_map(const PictureResult& result, const ResolvedScene& scene, Document& page) {
   page.add(Heading{result.comparison ? "Depth error" : "Depth"});
   if (!computes_surface(scene)) {
     page.add(Text{why_no_error_picture(result, scene)});
@@ -279,12 +279,15 @@ Figure region_figure(const PictureMeasures& error) {
   return figure;
 }
 
-void add_errors(const RunResult& result, const ResolvedScene& scene, Document& page) {
+void add_errors(const PictureResult& result, const ResolvedScene& scene, Document& page) {
   if (!why_no_error_picture(result, scene).empty()) return;
   const PictureMeasures& error = result.comparison->error;
   page.add(error_figure(error.raw.map_m));
   page.add(depth_table(error));
   page.add(surface_table(error));
+  page.add(
+      Picture{"truth_reason.png",
+              "Why each pixel has a true surface or none: `truth_reason` of truth_depth.exr."});
   page.add(other_measures(error));
   page.add(Heading{"Where errors are"});
   Figure regions = region_figure(error);

@@ -28,17 +28,17 @@ int panel_side(int size) {
   return size > kMostSide ? kMostSide : size * ((kLeastSide + size - 1) / size);
 }
 
-bool finds_surface(const RunResult& result) {
+bool finds_surface(const PictureResult& result) {
   return std::ranges::any_of(result.picture.depth_m.pixels,
                              [](float depth_m) { return !std::isnan(depth_m); });
 }
 
-Panel surface_panel(const RunResult& result, const ResolvedScene& scene) {
+Panel surface_panel(const PictureResult& result, const ResolvedScene& scene) {
   const auto why = why_no_surface_picture(result, scene);
   return {"surface", why.empty() ? encoded(result.picture.surface) : Picture3(), why};
 }
 
-Panel truth_panel(const RunResult& result) {
+Panel truth_panel(const PictureResult& result) {
   if (!result.comparison) return {"truth", {}, "The truth is not known."};
   const Picture3& truth = result.comparison->shaded_truth;
   if (truth.pixels.empty()) return {"truth", {}, "The picture is too small to be shaded."};
@@ -49,7 +49,7 @@ Panel truth_panel(const RunResult& result) {
   return {"truth, shaded alike", encoded(truth)};
 }
 
-Panel run_error_panel(const RunResult& result, const ResolvedScene& scene) {
+Panel run_error_panel(const PictureResult& result, const ResolvedScene& scene) {
   const auto why = why_no_error_picture(result, scene);
   if (!why.empty()) return {"signed error", {}, why};
   return error_panel(result.comparison->error.raw.map_m,
@@ -58,7 +58,7 @@ Panel run_error_panel(const RunResult& result, const ResolvedScene& scene) {
                      scene.view().camera.pixel_m() / kMillimetre);
 }
 
-Panel volume_panel(const RunResult& result, const ResolvedScene& scene) {
+Panel volume_panel(const PictureResult& result, const ResolvedScene& scene) {
   if (scene.render().ray_casting.mode == render::RenderMode::surface) {
     return {"volume", {}, "Mode \"surface\" blends no volume picture."};
   }
@@ -116,7 +116,7 @@ struct Job {
   std::function<std::vector<char>()> encode;
 };
 
-void add_maps(const RunResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
+void add_maps(const PictureResult& result, const render::Camera& camera, std::vector<Job>& jobs) {
   const render::Picture& picture = result.picture;
   jobs.push_back({"depth.exr", [&] {
                     return exr_mm(
@@ -141,8 +141,27 @@ void add_maps(const RunResult& result, const render::Camera& camera, std::vector
                   }});
 }
 
-void add_pictures(const RunResult& result, const ResolvedScene& scene, std::vector<Job>& jobs) {
-  const render::Picture& picture = result.picture;
+void add_pictures(const PictureResult& result, const ResolvedScene& scene, std::vector<Job>& jobs) {
+  const render::Camera& camera = scene.view().camera;
+  const int side = panel_side(camera.image_size);
+  jobs.push_back({"error.png",
+                  [&, side] { return png(draw_panels({run_error_panel(result, scene)}, side)); }});
+  jobs.push_back({"surface.png", [&] { return png(result.picture.surface, Values::light); }});
+  if (!result.comparison) return;
+  jobs.push_back(
+      {"truth_reason.png", [&, side] {
+         return png(draw_panels(
+             {reason_panel(result.comparison->truth, camera.pixel_m() / kMillimetre)}, side));
+       }});
+  if (!has_true_picture(result)) return;
+  jobs.push_back(
+      {"truth.png", [&] { return png(result.comparison->shaded_truth, Values::light); }});
+}
+
+/// Beside the picture of a volume: its echoes, and all side by side.
+void add_volume_pictures(const RunResult& result,
+                         const ResolvedScene& scene,
+                         std::vector<Job>& jobs) {
   jobs.push_back({"sheet.png", [&] {
                     return png(draw_panels({surface_panel(result, scene),
                                             truth_panel(result),
@@ -151,20 +170,24 @@ void add_pictures(const RunResult& result, const ResolvedScene& scene, std::vect
                                            kSheetSide));
                   }});
   jobs.push_back({"planes.png", [&] { return png(planes_picture(result, scene)); }});
-  jobs.push_back({"error.png", [&] {
-                    const int side = panel_side(scene.view().camera.image_size);
-                    return png(draw_panels({run_error_panel(result, scene)}, side));
-                  }});
-  jobs.push_back({"volume.png", [&] { return png(shown_volume(picture.volume)); }});
-  jobs.push_back({"surface.png", [&] { return png(picture.surface, Values::light); }});
-  if (!has_true_picture(result)) return;
-  jobs.push_back(
-      {"truth.png", [&] { return png(result.comparison->shaded_truth, Values::light); }});
+  jobs.push_back({"volume.png", [&] { return png(shown_volume(result.picture.volume)); }});
+}
+
+/// Encoded on all threads, and written on this one (OutputFolder).
+void stage(OutputFolder& out, const std::vector<Job>& jobs) {
+  std::vector<std::vector<char>> bytes(jobs.size());
+  parallel_rows(static_cast<int>(jobs.size()), [&](int i) {
+    const auto slot = static_cast<std::size_t>(i);
+    bytes[slot] = jobs[slot].encode();
+  });
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    write_new_file(out.stage(jobs[i].name), {bytes[i].data(), bytes[i].size()});
+  }
 }
 
 }  // namespace
 
-std::string why_no_surface_picture(const RunResult& result, const ResolvedScene& scene) {
+std::string why_no_surface_picture(const PictureResult& result, const ResolvedScene& scene) {
   if (!computes_surface(scene)) return "Mode \"volume\" computes no surface.";
   if (!finds_surface(result)) return "No ray met a surface.";
   if (!result.comparison) return "";
@@ -175,7 +198,7 @@ std::string why_no_surface_picture(const RunResult& result, const ResolvedScene&
   return "No surface in view: what was found is speckle and noise.";
 }
 
-std::string why_no_error_picture(const RunResult& result, const ResolvedScene& scene) {
+std::string why_no_error_picture(const PictureResult& result, const ResolvedScene& scene) {
   if (!result.comparison) return "No error: the truth is not known.";
   if (!computes_surface(scene)) return "No error: mode \"volume\" computes no surface.";
   const DepthError& error = result.comparison->error.raw;
@@ -197,7 +220,7 @@ Picture3 shown_volume(const Picture3& volume) {
   return shown;
 }
 
-bool has_true_picture(const RunResult& result) {
+bool has_true_picture(const PictureResult& result) {
   const auto& comparison = result.comparison;
   return comparison && comparison->error.raw.surface_in_view() &&
          !comparison->shaded_truth.pixels.empty();
@@ -205,17 +228,25 @@ bool has_true_picture(const RunResult& result) {
 
 void stage_run_images(OutputFolder& out, const RunResult& result, const ResolvedScene& scene) {
   std::vector<Job> jobs;
+  add_volume_pictures(result, scene, jobs);
   add_pictures(result, scene, jobs);
   add_maps(result, scene.view().camera, jobs);
-  // Encoded on all threads, and written on this one (OutputFolder).
-  std::vector<std::vector<char>> bytes(jobs.size());
-  parallel_rows(static_cast<int>(jobs.size()), [&](int i) {
-    const auto slot = static_cast<std::size_t>(i);
-    bytes[slot] = jobs[slot].encode();
-  });
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    write_new_file(out.stage(jobs[i].name), {bytes[i].data(), bytes[i].size()});
-  }
+  stage(out, jobs);
+}
+
+void stage_score_images(OutputFolder& out,
+                        const PictureResult& result,
+                        const ResolvedScene& scene) {
+  std::vector<Job> jobs;
+  jobs.push_back(
+      {"sheet.png", [&] {
+         return png(draw_panels(
+             {surface_panel(result, scene), truth_panel(result), run_error_panel(result, scene)},
+             kSheetSide));
+       }});
+  add_pictures(result, scene, jobs);
+  add_maps(result, scene.view().camera, jobs);
+  stage(out, jobs);
 }
 
 }  // namespace wobblebench::bench

@@ -1,10 +1,7 @@
 #include "bench/cli/run_report.h"
 
-#include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "base/number_text.h"
 #include "bench/cli/board_report.h"
@@ -28,20 +25,6 @@ Provenance provenance_of(const RunResult& result) {
 
 std::string why_not_registered(const RunResult& result) {
   return result.comparison ? "not asked for; --register fits it" : "no true surface is known";
-}
-
-/// Three significant digits; no decimals from 100 on.
-std::string rounded(double value) {
-  if (!std::isfinite(value)) return "none";
-  std::ostringstream text;
-  text << std::setprecision(3);
-  if (std::abs(value) >= 100) text << std::fixed << std::setprecision(0);
-  text << value;
-  return text.str();
-}
-
-std::string in_mm(double metres) {
-  return rounded(metres / kMillimetre);
 }
 
 std::string volume_line(const RunResult& result, const ResolvedScene& scene) {
@@ -93,52 +76,11 @@ std::string truth_line(const RunResult& result) {
   return "truth       taken from the scene on trust: the samples do not say what they are of\n";
 }
 
-std::string nothing_in_view(const DepthError& raw, const Sought& sought) {
-  std::string line = "depth error none: no surface in view: " + why_none(raw, sought);
-  if (sought.surface && sought.target && raw.false_surface > 0) {
-    line += "; false " + rounded(raw.false_percent()) + " % of the picture";
-  }
-  return line + "\n";
-}
-
-/// Empty where the probe can see every surface in view.
-std::string unseen_line(const DepthError& raw) {
-  std::string line;
-  for (const auto& [name, count] : {std::pair{"outside the field", raw.outside_field},
-                                    std::pair{"grazing", raw.grazing},
-                                    std::pair{"shadowed", raw.shadowed}}) {
-    if (count == 0) continue;
-    line +=
-        (line.empty() ? "unseen      " : ", ") + rounded(100.0 * count / raw.pixels) + " % " + name;
-  }
-  return line.empty() ? line : line + " (of the picture; counted apart)\n";
-}
-
 /// Why there is nothing to compare with; empty: there is.
 std::string no_truth(const RunResult& result) {
   if (result.comparison) return "";
   return "samples from " + std::string(hw::to_string(result.acquisition.source)) +
          ": what they are of is not known";
-}
-
-std::string error_line(const RunResult& result, const Sought& sought) {
-  const auto& comparison = result.comparison;
-  if (!comparison) return "truth       none; " + no_truth(result) + "\n";
-  const DepthError& raw = comparison->error.raw;
-  if (!raw.surface_in_view()) return nothing_in_view(raw, sought);
-  const auto percent = [&](double value) { return sought.surface ? rounded(value) : "none"; };
-  std::string corrected;
-  if (const auto& before = comparison->before_correction) {
-    corrected = "corrected   bias was " + in_mm(before->raw.depth.bias_m) + " mm, RMS " +
-                in_mm(before->raw.depth.rms_m) + " mm, P95 " + in_mm(before->raw.depth.p95_m) +
-                " mm\n";
-  }
-  return corrected + "depth error bias " + in_mm(raw.depth.bias_m) + " mm, RMS " +
-         in_mm(raw.depth.rms_m) + " mm, P95 " + in_mm(raw.depth.p95_m) + " mm over " +
-         std::to_string(raw.depth.n) + " pixels\nsurface     missed " +
-         percent(raw.missed_surface_percent()) + " % of its area (" +
-         percent(raw.missed_percent()) + " % of the picture), false " +
-         percent(raw.false_percent()) + " % of the picture\n" + unseen_line(raw);
 }
 
 /// Null where no detector needs them.
@@ -250,9 +192,10 @@ std::string run_summary(const RunResult& result,
   return volume_line(result, scene) + board_line(result.acquisition.account) + "render      " +
          rounded(frame_ms(result.picture.passes)) + " ms on " + result.gl_renderer + "\n" +
          samples_line(result.acquisition.samples) + truth_line(result) +
-         error_line(result, sought_in(scene)) + registration_lines(result) +
-         (tolerance ? tolerance_lines(*tolerance) : "") + "results     " + directory.string() +
-         "\n";
+         (result.comparison ? error_text(*result.comparison, scene)
+                            : "truth       none; " + no_truth(result) + "\n") +
+         registration_lines(result) + (tolerance ? tolerance_lines(*tolerance) : "") +
+         "results     " + directory.string() + "\n";
 }
 
 std::string ending_text(const RunResult& result) {

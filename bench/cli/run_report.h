@@ -4,36 +4,27 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/evaluation/measures/picture_measures.h"
-#include "bench/evaluation/registration/registration.h"
-#include "bench/evaluation/truth/truth.h"
+#include "bench/cli/picture_report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/resolved_scene.h"
 #include "bench/studies/tolerance/tolerance_report.h"
 #include "hw/probe/motor_deviation.h"
-#include "render/picture.h"
 
 namespace wobblebench::bench {
 
-struct Comparison {
-  Truth truth;
-  PictureMeasures error;
-  Image<glm::vec3> shaded_truth = {};                     ///< light, as shade_truth() makes it
-  std::optional<Registration> registration = {};          ///< none: not asked for
-  std::optional<PictureMeasures> before_correction = {};  ///< none: z is not corrected
-};
+struct RunResult : PictureResult {
+  RunResult(Acquisition acquired, render::Picture shown)
+      : PictureResult{.picture = std::move(shown)}, acquisition(std::move(acquired)) {}
 
-struct RunResult {
   Acquisition acquisition;
-  render::Picture picture;
-  std::string gl_backend;                     ///< as --gl takes it
-  std::string gl_renderer;                    ///< GL_RENDERER and GL_VERSION
-  std::optional<Comparison> comparison = {};  ///< none: the samples are not of the scene's phantom
-  PhantomCache::Kept kept = {};               ///< what was read from the cache
-  hw::MotorDeviation motor = {};              ///< of the volume's sticks
+  std::string gl_backend = {};    ///< as --gl takes it
+  std::string gl_renderer = {};   ///< GL_RENDERER and GL_VERSION
+  PhantomCache::Kept kept = {};   ///< what was read from the cache
+  hw::MotorDeviation motor = {};  ///< of the volume's sticks
 };
 
 /// What the picture of a result reached of what was chosen for it.

@@ -45,6 +45,14 @@ nlohmann::ordered_json rows(const RowMatrix& m) {
 
 }  // namespace
 
+std::string depth_meaning(const render::Camera& camera) {
+  return is_parallel(camera)
+             ? "length of the pixel's ray from the view plane (camera z = 0), which "
+               "is z of the camera"
+             : "length of the pixel's ray from the eye (origin of the camera), not "
+               "z of the camera";
+}
+
 RowMatrix world_to_camera(const render::Camera& camera) {
   const glm::dvec3 &r = camera.right, &d = camera.down, &f = camera.forward;
   const glm::dvec3 origin = camera.center / kMillimetre - distance_mm(camera) * f;
@@ -76,6 +84,10 @@ nlohmann::ordered_json camera_json(const render::Camera& camera) {
       {"flipped", camera.flipped},
       {"image_size", camera.image_size},
       {"mm_per_pixel", camera.pixel_m() / kMillimetre},
+      {"unit", "mm"},
+      {"world", kWorldFrame},
+      {"depth", depth_meaning(camera)},
+      {"pixels", kPixels},
       {is_parallel(camera) ? "view_plane_to_center_mm" : "eye_to_center_mm", distance_mm(camera)},
       {"world_to_camera", rows(world_to_camera(camera))},
       {"world_to_ndc", rows(world_to_ndc(camera))}};

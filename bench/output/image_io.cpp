@@ -86,7 +86,10 @@ std::vector<char> exr_mm(const std::vector<NamedMap>& maps_m, const render::Came
                 {{"ImageDescription", "linear: lengths in millimetres; NaN: no value"},
                  {"DateTime", "0000:00:00 00:00:00"},
                  {"units", "mm"},
-                 {"projection", is_parallel ? "parallel" : "perspective"}},
+                 {"projection", is_parallel ? "parallel" : "perspective"},
+                 {"world", kWorldFrame},
+                 {"depth", depth_meaning(camera)},
+                 {"pixels", kPixels}},
                 {{"mmPerPixel", static_cast<float>(camera.pixel_m() / kMillimetre)}},
                 {{"worldToCamera", as_floats(world_to_camera(camera))},
                  {"worldToNDC", as_floats(world_to_ndc(camera))}}};

@@ -1,7 +1,9 @@
 #include "bench/output/picture/error_picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/units.h"
 
@@ -69,6 +71,23 @@ Panel error_panel(const Image<float>& error_m,
   for (const PixelClassName& name : pixel_class_names()) {
     panel.names.push_back({display_colour(name.rgb), name.name});
   }
+  return panel;
+}
+
+Panel reason_panel(const Truth& truth, double mm_per_pixel) {
+  static constexpr std::array<std::pair<const char*, std::uint32_t>, 5> names = {
+      {{"0 nothing is crossed", kNothing},
+       {"1 seen", 0xe8e8e8},
+       {"2 outside the field", 0x6b5a2e},
+       {"3 grazing", 0x8f8f8f},
+       {"4 shadowed", 0xa45bb5}}};
+  Panel panel{.title = "why a pixel has a true surface",
+              .picture = Picture3(truth.kind.width, truth.kind.height),
+              .mm_per_pixel = mm_per_pixel};
+  std::ranges::transform(truth.kind.pixels, panel.picture.pixels.begin(), [](TruthKind kind) {
+    return display_colour(names.at(static_cast<std::size_t>(kind)).second);
+  });
+  for (const auto& [name, rgb] : names) panel.names.push_back({display_colour(rgb), name});
   return panel;
 }
 

@@ -44,4 +44,8 @@ Panel error_panel(const Image<float>& error_m,
                   double limit_mm = kErrorLimit_mm,
                   double mm_per_pixel = 0);
 
+/// A panel that says why each pixel has a true surface or none (TruthKind), with the names of its
+/// colours.
+Panel reason_panel(const Truth& truth, double mm_per_pixel = 0);
+
 }  // namespace wobblebench::bench

@@ -29,6 +29,7 @@ const Words kResults = {"depth.exr",
                         "surface.png",
                         "truth.png",
                         "truth_depth.exr",
+                        "truth_reason.png",
                         "volume.png"};
 
 TEST(CommandLine, RunWritesItsResultsAndAReportWithTheDocumentedKeys) {
