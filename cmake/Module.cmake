@@ -39,11 +39,15 @@ function(wobblebench_precompile_for target users)
   target_precompile_headers(${target} PRIVATE ${ARGN})
 endfunction()
 
-# wobblebench_module(NAME SOURCES a.cpp … PUBLIC lib … PRIVATE lib …)
-# A static library `wobblebench_NAME`, alias `wobblebench::NAME`. Our sources include its headers by their path
-# below the project; installed ones lie below wobblebench/ (cmake/Install.cmake).
+# wobblebench_module(NAME [COMPONENT component] SOURCES a.cpp … PUBLIC lib … PRIVATE lib …)
+# A static library `wobblebench_NAME`, alias `wobblebench::NAME`, installed with the component of that name unless
+# another is given (cmake/Install.cmake). Our sources include its headers by their path below the project; installed
+# ones lie below wobblebench/.
 function(wobblebench_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "COMPONENT" "SOURCES;PUBLIC;PRIVATE")
+  if(NOT arg_COMPONENT)
+    set(arg_COMPONENT ${name})
+  endif()
   set(target wobblebench_${name})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(wobblebench::${name} ALIAS ${target})
@@ -53,7 +57,16 @@ function(wobblebench_module name)
     "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   wobblebench_flags(${target})
-  install(TARGETS ${target} EXPORT wobblebench-targets)
+  wobblebench_install_library(${target} ${arg_COMPONENT})
+endfunction()
+
+# Puts the library into the targets file of its component, and into the package that holds the component.
+function(wobblebench_install_library target component)
+  set(package dev)
+  if(component MATCHES "^(tables|phantoms|sim|bench)$")
+    set(package bench-dev)
+  endif()
+  install(TARGETS ${target} EXPORT wobblebench-${component} ARCHIVE COMPONENT ${package})
 endfunction()
 
 # wobblebench_test(NAME SOURCES a_test.cpp … LIBS lib … [PRECOMPILE <header> …]): one GoogleTest program; each

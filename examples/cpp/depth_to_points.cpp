@@ -1,8 +1,8 @@
 // Points in millimetres of a depth map that `wobblebench run` wrote, from its header alone, and how
 // far they lie from a mesh (docs/units.md, "From a depth map to points").
 //
-//   g++ -std=c++20 -O2 examples/depth_to_points.cpp $(pkg-config --cflags --libs OpenImageIO) -o
-//   depth_to_points
+//   g++ -std=c++20 -O2 examples/cpp/depth_to_points.cpp $(pkg-config --cflags --libs OpenImageIO)
+//   -o depth_to_points
 //   ./depth_to_points out/depth.exr > points.xyz
 //   ./depth_to_points out/depth.exr docs/scenes/pebble.obj 0 0 110 > points.xyz
 //
