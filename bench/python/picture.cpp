@@ -1,0 +1,327 @@
+// The renderer, its pictures, the truth and the score.
+#include "bench/python/picture.h"
+
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/user_error.h"
+#include "bench/evaluation/measures/picture_measures.h"
+#include "bench/evaluation/truth/shadows.h"
+#include "bench/output/camera_matrices.h"
+#include "bench/output/error_report.h"
+#include "bench/python/arrays.h"
+#include "bench/python/calls.h"
+#include "bench/python/scan.h"
+#include "bench/python/scene.h"
+#include "hw/probe/motor_deviation.h"
+#include "render/reference/reference.h"
+#include "render/renderer.h"
+
+namespace wobblebench::python {
+
+namespace {
+
+/// A picture, and what its score depends on besides.
+struct PictureData {
+  render::Picture picture;
+  std::uint32_t volume = 0;
+  hw::MotorDeviation motor;  ///< of the volume's sticks
+  std::string camera;        ///< JSON
+};
+
+using PicturePointer = std::shared_ptr<PictureData>;
+
+/// OpenGL's entry points are one table for the process: one renderer works at a time.
+std::mutex& gl_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// A context that is current on the thread of a call, and on none between calls.
+class RendererHandle {
+ public:
+  RendererHandle(ScenePointer scene, const std::string& backend) : scene_(std::move(scene)) {
+    scene_->resolved();
+    bench::refuse_correction(scene_->given(), "Renderer");
+    const std::lock_guard lock(gl_mutex());
+    context_ = render::make_context(backend);
+    backend_ = context_->renderer_string();
+    const ReleaseAtEnd current(*context_);
+    remake(scene_->resolved());
+  }
+
+  ~RendererHandle() {
+    // The last owner may be Python, or the thread of a call that Ctrl-C left.
+    std::optional<py::gil_scoped_release> others_run;
+    if (PyGILState_Check() == 1) others_run.emplace();
+    const std::lock_guard lock(gl_mutex());
+    if (!context_) return;
+    const ReleaseAtEnd current(*context_);
+    renderer_.reset();
+  }
+
+  RendererHandle(const RendererHandle&) = delete;
+  RendererHandle& operator=(const RendererHandle&) = delete;
+
+  PicturePointer render(const VolumePointer& volume, const ScenePointer& other) {
+    const ScenePointer& scene = other ? other : scene_;
+    const bench::ResolvedScene& resolved = scene->resolved();
+    bench::refuse_correction(scene->given(), "Renderer");
+    const std::lock_guard lock(gl_mutex());
+    const ReleaseAtEnd current(*context_);
+    if (volume) {
+      volume_ = std::make_unique<hw::PolarVolume>(volume->polar());
+      is_added_ = false;
+    }
+    if (!volume_) throw UserError("render: needs a volume: none was rendered before");
+    take_settings(resolved);
+    if (!is_added_) renderer_->add_volume(*volume_);
+    is_added_ = true;
+    auto data = std::make_shared<PictureData>();
+    data->picture = renderer_->render();
+    data->volume = volume_->volume_index();
+    data->motor = hw::motor_deviation(*volume_);
+    data->camera = bench::camera_json(resolved.view().camera).dump();
+    return data;
+  }
+
+  const std::string& backend() const { return backend_; }
+  const ScenePointer& scene() const { return scene_; }
+
+ private:
+  struct ReleaseAtEnd {
+    explicit ReleaseAtEnd(render::GlContext& of) : context(of) { context.make_current(); }
+    ~ReleaseAtEnd() { context.release(); }
+    ReleaseAtEnd(const ReleaseAtEnd&) = delete;
+    ReleaseAtEnd& operator=(const ReleaseAtEnd&) = delete;
+    render::GlContext& context;
+  };
+
+  void remake(const bench::ResolvedScene& scene) {
+    renderer_.reset();
+    renderer_ = std::make_unique<render::Renderer>(*context_, scene.plan(), scene.render());
+    plan_ = scene.plan();
+    is_added_ = false;
+  }
+
+  void take_settings(const bench::ResolvedScene& scene) {
+    const auto same = [](const hw::AcquisitionPlan& a, const hw::AcquisitionPlan& b) {
+      return a.probe() == b.probe() && a.acquisition() == b.acquisition();
+    };
+    if (!same(scene.plan(), volume_->plan())) {
+      throw UserError("render: the volume was scanned by another plan than the scene's");
+    }
+    if (!same(*plan_, scene.plan()) || !renderer_->keeps_slices(scene.render())) {
+      return remake(scene);
+    }
+    renderer_->set_options(scene.render());
+  }
+
+  ScenePointer scene_;
+  std::unique_ptr<render::GlContext> context_;
+  std::string backend_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::optional<hw::AcquisitionPlan> plan_;  ///< of renderer_
+  std::unique_ptr<hw::PolarVolume> volume_;  ///< the last
+  bool is_added_ = false;                    ///< renderer_ has it
+};
+
+using RendererPointer = std::shared_ptr<RendererHandle>;
+
+void add_picture(py::module_& module) {
+  const auto image = [](auto member) {
+    return [member](const py::object& self) {
+      return shown(self.cast<const PictureData&>().picture.*member, self);
+    };
+  };
+  py::class_<PictureData, PicturePointer>(module, "Picture", "What the renderer made of a volume.")
+      .def_property_readonly(
+          "depth_m",
+          image(&render::Picture::depth_m),
+          "float32 [row, column]: length of the pixel's ray from the view plane (parallel) or the "
+          "eye (perspective) to the surface, NaN where there is none. A view.")
+      .def_property_readonly("filtered_depth_m",
+                             image(&render::Picture::filtered_depth_m),
+                             "float32 [row, column]: likewise, as it is shaded. A view.")
+      .def_property_readonly("surface",
+                             image(&render::Picture::surface),
+                             "float32 [row, column, 3]: shaded, linear RGB in [0, 1]. A view.")
+      .def_property_readonly("volume",
+                             image(&render::Picture::volume),
+                             "float32 [row, column, 3]: blended grey levels in [0, 1]. A view.")
+      .def_property_readonly(
+          "camera",
+          [](const PictureData& self) { return from_json(self.camera); },
+          "Matrices and conventions, as `camera` of report.json (docs/units.md).")
+      .def_property_readonly(
+          "passes_ms",
+          [](const PictureData& self) {
+            py::dict times;
+            for (const auto& pass : self.picture.passes) times[py::str(pass.name)] = pass.ms;
+            return times;
+          },
+          "Wall time of each pass.");
+}
+
+void add_renderer(py::module_& module) {
+  py::class_<RendererHandle, RendererPointer>(
+      module,
+      "Renderer",
+      "The four-pass renderer in a context of its own, from any thread. Renderers of one process "
+      "take turns.")
+      .def(py::init([](const ScenePointer& scene, const std::string& gl) {
+             auto made = released([=] { return std::make_shared<RendererHandle>(scene, gl); });
+             issue_warnings(scene->take_warnings());
+             return made;
+           }),
+           py::arg("scene"),
+           py::arg("gl") = "auto",
+           "`gl`: as --gl takes it. Raises BadInput, and Failed for what this machine cannot "
+           "render.")
+      .def(
+          "render",
+          [](const RendererPointer& renderer,
+             const VolumePointer& volume,
+             const ScenePointer& scene) {
+            auto picture = released([=] { return renderer->render(volume, scene); });
+            if (scene) issue_warnings(scene->take_warnings());
+            return picture;
+          },
+          py::arg("volume") = nullptr,
+          py::arg("scene") = nullptr,
+          "The picture of a volume; without one, of the last one. `scene`: other settings, by "
+          "Scene.replace(); those of passes 2 to 4 do not make the slices anew.")
+      .def_property_readonly("backend", &RendererHandle::backend, "GL_RENDERER and GL_VERSION.");
+}
+
+/// Views of the truth's images keep the truth.
+struct TruthData {
+  std::shared_ptr<const bench::TrueView> view;
+  const bench::Truth& truth() const { return view->truth; }
+};
+
+void add_truth(py::module_& module) {
+  const auto image = [](auto member) {
+    return [member](const py::object& self) {
+      return shown(self.cast<const TruthData&>().truth().*member, self);
+    };
+  };
+  py::class_<TruthData>(module, "Truth", "The true surface of each pixel of a scene's picture.")
+      .def_property_readonly(
+          "depth_m",
+          image(&bench::Truth::depth_m),
+          "float32 [row, column]: as Picture.depth_m, NaN where the probe can see "
+          "no surface. A view.")
+      .def_property_readonly(
+          "crossing_m",
+          image(&bench::Truth::crossing_m),
+          "float32 [row, column]: depth of what the ray crosses first, seen or not. A view.")
+      .def_property_readonly("normals",
+                             image(&bench::Truth::normal),
+                             "float32 [row, column, 3]: out of the tissue, probe frame. A view.")
+      .def_property_readonly(
+          "reason",
+          [](const py::object& self) {
+            const auto& kind = self.cast<const TruthData&>().truth().kind;
+            return shown(reinterpret_cast<const std::uint8_t*>(kind.pixels.data()),
+                         {kind.height, kind.width},
+                         self);
+          },
+          "uint8 [row, column]: why the surface is seen or not: 0 nothing is crossed, 1 seen, 2 "
+          "outside the field, 3 grazing, 4 shadowed. A view.");
+  module.def(
+      "truth",
+      [](const ScenePointer& scene, std::uint32_t volume) {
+        auto data = released([=] { return TruthData{scene->truth(volume)}; });
+        issue_warnings(scene->take_warnings());
+        return data;
+      },
+      py::arg("scene"),
+      py::arg("volume") = 0,
+      "What a picture of this volume should show. Raises BadInput where it is not known.");
+}
+
+/// The truth of the picture's volume, without what its motor did not reach.
+std::shared_ptr<const bench::TrueView> truth_of(const PictureData& picture, SceneHandle& scene) {
+  auto view = scene.truth(picture.volume);
+  const bench::ResolvedScene& resolved = scene.resolved();
+  if (!picture.motor.matters(resolved.plan())) return view;
+  bench::Truth truth = view->truth;
+  bench::mark_outside(truth, picture.motor, resolved.plan().geometry(), view->camera);
+  return std::make_shared<const bench::TrueView>(std::move(truth), view->camera);
+}
+
+std::string score_picture(const PictureData& picture, SceneHandle& scene) {
+  const bench::ResolvedScene& resolved = scene.resolved();
+  const int size = resolved.view().camera.image_size;
+  const auto& depth = picture.picture.depth_m;
+  if (depth.width != size || depth.height != size) {
+    throw UserError("score: a picture of " + std::to_string(depth.width) + " x " +
+                    std::to_string(depth.height) + " pixels: render.ray_casting.image_size = " +
+                    std::to_string(size) + " of the scene");
+  }
+  const auto view = truth_of(picture, scene);
+  const auto measures = bench::measure_picture(picture.picture, *view, resolved.render());
+  return bench::error_json(measures, bench::sought_in(resolved)).dump();
+}
+
+/// A depth map of another program, shaded as ours.
+PicturePointer picture_of(
+    const py::array_t<float, py::array::c_style | py::array::forcecast>& depth_m) {
+  if (depth_m.ndim() != 2) throw py::value_error("depth_m must be [row, column]");
+  auto data = std::make_shared<PictureData>();
+  data->picture.depth_m =
+      Image<float>(static_cast<int>(depth_m.shape(1)), static_cast<int>(depth_m.shape(0)));
+  std::copy_n(depth_m.data(), depth_m.size(), data->picture.depth_m.pixels.begin());
+  return data;
+}
+
+void add_score(py::module_& module) {
+  module.def(
+      "score",
+      [](const PicturePointer& picture, const ScenePointer& scene) {
+        return from_json(released([=] { return score_picture(*picture, *scene); }));
+      },
+      py::arg("picture"),
+      py::arg("scene"),
+      "Every measure of a picture against the truth of its scene, as `error` of report.json: a "
+      "dict "
+      "whose keys carry the unit. None: cannot be formed.");
+  module.def(
+      "score",
+      [](const py::array_t<float, py::array::c_style | py::array::forcecast>& depth_m,
+         const ScenePointer& scene) {
+        const auto picture = picture_of(depth_m);
+        return from_json(released([=] {
+          const auto& options = scene->resolved().render();
+          const int size = options.ray_casting.image_size;
+          auto& found = picture->picture;
+          if (found.depth_m.width == size && found.depth_m.height == size) {
+            auto shaded = render::shade_depth(found.depth_m, options);
+            found.filtered_depth_m = std::move(shaded.filtered_depth_m);
+            found.surface = std::move(shaded.surface);
+          }
+          return score_picture(*picture, *scene);
+        }));
+      },
+      py::arg("depth_m"),
+      py::arg("scene"),
+      "The same of another renderer's depth map, as Picture.depth_m in metres, which is filtered "
+      "and shaded as the scene says.");
+}
+
+}  // namespace
+
+void add_pictures(py::module_& module) {
+  add_picture(module);
+  add_renderer(module);
+  add_truth(module);
+  add_score(module);
+}
+
+}  // namespace wobblebench::python
