@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 
 #include "base/options.h"
 
@@ -11,11 +10,6 @@ namespace wobblebench::hw {
 
 void validate(const ProbeOptions& options) {
   check_options(options);
-  if (options.wobble_radius_m <= options.radius_m) return;
-  std::ostringstream shown, allowed;
-  shown << options.wobble_radius_m / kMillimetre;
-  allowed << "must not exceed radius_mm = " << options.radius_m / kMillimetre;
-  throw InvalidOption("wobble_radius_mm", shown.str(), allowed.str());
 }
 
 ProbeGeometry::ProbeGeometry(const ProbeOptions& options)

@@ -402,6 +402,7 @@ const Extreme kExtremes[] = {
     {"wide", [](auto&, auto& a, auto&) { a.sector_rad = a.fan_rad = 170 * kDegree; }},
     {"axis_on_the_face", [](auto& p, auto&, auto&) { p.wobble_radius_m = 0; }},
     {"axis_at_the_centre", [](auto& p, auto&, auto&) { p.wobble_radius_m = p.radius_m; }},
+    {"axis_behind_the_centre", [](auto& p, auto&, auto&) { p.wobble_radius_m = 2 * p.radius_m; }},
     {"shallow", [](auto&, auto& a, auto&) { a.depth_m = 1e-3; }},
     {"one_pixel", [](auto&, auto&, auto& o) { o.ray_casting.image_size = 1; }},
     {"kernel_wider_than_the_picture", [](auto&, auto&, auto& o) { o.ray_casting.image_size = 3; }},

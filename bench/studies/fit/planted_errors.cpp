@@ -15,6 +15,7 @@ constexpr RegistrationParameter kPlanted[] = {kScale, kBias, kMotorAngle, kWobbl
 /// The first reference seed less the scene's seed.
 constexpr std::uint64_t kReferenceOffset = 100'000;
 constexpr double kMostDepth_m = 0.4;
+constexpr double kMostWobbleRadius_m = 0.2;  // as hw::ProbeOptions allow
 
 /// The true value less the one that renderer and fit assume, by RegistrationParameter.
 using PlantedErrors = std::array<double, kRegistrationParameters>;
@@ -26,7 +27,7 @@ PlantedErrors plantable(const Scene& scene) {
   errors[kBias] = 0.5e-3;
   errors[kMotorAngle] = 1 * kDegree;
   errors[kWobbleRadius] = 1e-3;
-  if (scene.probe.wobble_radius_m + errors[kWobbleRadius] > scene.probe.radius_m) {
+  if (scene.probe.wobble_radius_m + errors[kWobbleRadius] > kMostWobbleRadius_m) {
     errors[kWobbleRadius] = -errors[kWobbleRadius];
   }
   if (scene.acquisition.depth_m * (1 + errors[kScale]) > kMostDepth_m) {

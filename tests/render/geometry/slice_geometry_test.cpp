@@ -169,7 +169,7 @@ TEST(MotionTable, IsNotFlaggedAtItsEdges) {
 TEST(FieldBox, HoldsTheWholeCone) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> half(-0.5, 0.5), range(0, 0.16);
-  for (double wobble_radius_m : {0.0, 27e-3, 40e-3}) {
+  for (double wobble_radius_m : {0.0, 27e-3, 40e-3, 70e-3}) {
     const hw::AcquisitionPlan p = plan(170, 170, wobble_radius_m);
     const VolumeOfInterest box = field_box(SliceGeometry(p, 64));
     for (int i = 0; i < 5000; ++i) {
