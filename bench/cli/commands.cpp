@@ -14,6 +14,7 @@ std::vector<Command> add_commands(CLI::App& app) {
                                    add_latency_command(app),
                                    add_record_command(app),
                                    add_inspect_command(app),
+                                   add_export_command(app),
                                    add_conformance_command(app),
                                    add_rehearse_command(app),
                                    add_board_command(app),

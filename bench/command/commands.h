@@ -18,6 +18,7 @@ Command add_stream_command(CLI::App& app);
 Command add_latency_command(CLI::App& app);
 Command add_record_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);
+Command add_export_command(CLI::App& app);
 Command add_conformance_command(CLI::App& app);
 Command add_rehearse_command(CLI::App& app);
 Command add_board_command(CLI::App& app);

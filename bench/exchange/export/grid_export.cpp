@@ -1,0 +1,385 @@
+// Regular grids of samples or labels, as NRRD and MetaImage files.
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+#include <span>
+
+#include "base/number_text.h"
+#include "base/parallel.h"
+#include "base/units.h"
+#include "base/user_error.h"
+#include "bench/exchange/export/polar_sampler.h"
+#include "bench/exchange/export/writers.h"
+#include "bench/exchange/files/meta_image.h"
+#include "bench/exchange/files/nrrd.h"
+#include "bench/exchange/files/out_file.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+constexpr double kMostVoxels = 2e9;
+
+/// Grid points of equal spacing in a box of the probe frame.
+struct Grid {
+  glm::dvec3 low_m{0};  ///< the first point
+  double spacing_m = 1;
+  glm::ivec3 size{1};
+
+  glm::dvec3 point_m(int x, int y, int z) const { return low_m + spacing_m * glm::dvec3(x, y, z); }
+  std::vector<std::uint64_t> sizes() const {
+    return {static_cast<std::uint64_t>(size.x),
+            static_cast<std::uint64_t>(size.y),
+            static_cast<std::uint64_t>(size.z)};
+  }
+};
+
+/// Middle and ends of an interval: the extremes of the scan's corners lie there.
+std::vector<double> ends(double half) {
+  return {-half, 0, half};
+}
+
+/// Around all samples, with points at whole multiples of the spacing.
+Grid grid_around(const hw::AcquisitionPlan& plan, double spacing_m) {
+  const hw::ProbeGeometry geometry = plan.geometry();
+  const hw::AcquisitionOptions& scan = plan.acquisition();
+  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
+  for (const double range_m : {0.0, scan.depth_m}) {
+    for (const double theta_rad : ends(0.5 * scan.sector_rad)) {
+      for (const double phi_rad : ends(0.5 * scan.fan_rad)) {
+        const glm::dvec3 point = geometry.to_cartesian({range_m, theta_rad, phi_rad});
+        low = glm::min(low, point);
+        high = glm::max(high, point);
+      }
+    }
+  }
+  const glm::dvec3 first = glm::floor(low / spacing_m), last = glm::ceil(high / spacing_m);
+  return {spacing_m * first, spacing_m, glm::ivec3(last - first) + 1};
+}
+
+/// Pixels of the image plane at rest: x along the array, depth from the centre of curvature.
+Grid plane_of(const hw::AcquisitionPlan& plan, double spacing_m) {
+  const hw::AcquisitionOptions& scan = plan.acquisition();
+  const double far_m = plan.probe().radius_m + scan.depth_m, half_rad = 0.5 * scan.sector_rad;
+  const double first = std::floor(plan.probe().radius_m * std::cos(half_rad) / spacing_m);
+  const int columns = static_cast<int>(std::ceil(far_m * std::sin(half_rad) / spacing_m));
+  const int rows = static_cast<int>(std::ceil(far_m / spacing_m) - first) + 1;
+  return {{-columns * spacing_m, 0, first * spacing_m}, spacing_m, {2 * columns + 1, rows, 1}};
+}
+
+/// Samples, 0 to 1, in the file's type.
+class SampleBytes {
+ public:
+  explicit SampleBytes(SampleType type) : type_(type) {}
+
+  Element element() const {
+    return type_ == SampleType::f32   ? Element::float32
+           : type_ == SampleType::u16 ? Element::uint16
+                                      : Element::uint8;
+  }
+  void write(std::span<const float> samples, OutFile& file) const {
+    if (type_ == SampleType::f32) return file.write_values(samples);
+    if (type_ == SampleType::u16)
+      return file.write_values<std::uint16_t>(rounded<std::uint16_t>(samples));
+    file.write_values<std::uint8_t>(rounded<std::uint8_t>(samples));
+  }
+
+ private:
+  template <class T>
+  static std::vector<T> rounded(std::span<const float> samples) {
+    constexpr double kMost = std::numeric_limits<T>::max();
+    std::vector<T> values(samples.size());
+    std::ranges::transform(samples, values.begin(), [](float sample) {
+      return static_cast<T>(std::lround(kMost * std::clamp<double>(sample, 0, 1)));
+    });
+    return values;
+  }
+
+  SampleType type_;
+};
+
+/// Frames in the order in which they were acquired.
+std::vector<int> frame_order(const hw::AcquisitionPlan& plan, std::uint32_t volume) {
+  std::vector<int> order(static_cast<std::size_t>(plan.acquisition().frames_per_volume));
+  for (std::size_t turn = 0; turn < order.size(); ++turn) order[turn] = static_cast<int>(turn);
+  if (plan.sweep_direction(volume) < 0) std::ranges::reverse(order);
+  return order;
+}
+
+class GridWriter : public ScanWriter {
+ public:
+  GridWriter(ExportFormat format,
+             const std::filesystem::path& path,
+             const FileOptions& options,
+             const ExportedScan& scan)
+      : format_(format),
+        content_(options.content),
+        scan_(scan),
+        samples_(options.type),
+        grid_(content_ == Content::planes ? plane_of(scan.plan(), options.spacing_m)
+                                          : grid_around(scan.plan(), options.spacing_m)),
+        file_(path) {}
+
+  void add(const hw::PolarVolume& volume) override {
+    if (!first_) {
+      first_ = volume.volume_index();
+      begin(volume);
+    }
+    if (content_ == Content::polar) {
+      write_polar(volume);
+    } else if (content_ == Content::planes) {
+      write_planes(volume);
+    } else if (content_ == Content::labels) {
+      write_labels(volume.volume_index());
+    } else {
+      write_grid(volume);
+    }
+  }
+
+  void finish(const ExportedPicture*) override { file_.finish(); }
+
+ private:
+  std::uint64_t frames() const {
+    return static_cast<std::uint64_t>(scan_.plan().acquisition().frames_per_volume);
+  }
+  Element element() const {
+    return content_ == Content::labels ? Element::uint8 : samples_.element();
+  }
+
+  void begin(const hw::PolarVolume& volume) {
+    if (format_ == ExportFormat::meta_image) {
+      file_.write(meta_text(volume));
+    } else {
+      file_.write(nrrd_header_text());
+    }
+  }
+
+  Fields fields() const {
+    Fields fields = scan_.fields();
+    fields.emplace_back("wobblebench_content",
+                        content_ == Content::polar       ? "polar"
+                        : content_ == Content::planes    ? "planes"
+                        : content_ == Content::cartesian ? "cartesian"
+                                                         : "labels");
+    if (content_ != Content::labels) return fields;
+    const auto& names = scan_.labels.value().names();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      fields.emplace_back("wobblebench_label_" + std::to_string(i), names[i]);
+    }
+    return fields;
+  }
+
+  std::vector<std::uint64_t> polar_sizes() const {
+    const hw::AcquisitionOptions& a = scan_.plan().acquisition();
+    return {static_cast<std::uint64_t>(a.samples_per_stick),
+            static_cast<std::uint64_t>(a.sticks_per_frame),
+            frames()};
+  }
+
+  std::string nrrd_header_text() const {
+    const bool polar = content_ == Content::polar;
+    NrrdHeader header{.element = element(),
+                      .sizes = polar ? polar_sizes() : grid_.sizes(),
+                      .kinds = {"domain", "domain", "domain"},
+                      .fields = fields()};
+    header.labels = polar ? std::vector<std::string>{"sample", "line", "frame"}
+                          : std::vector<std::string>{"x", "y", "z"};
+    if (!polar) {
+      const double step_mm = grid_.spacing_m / kMillimetre;
+      header.directions_mm = {
+          glm::dvec3(step_mm, 0, 0), glm::dvec3(0, step_mm, 0), glm::dvec3(0, 0, step_mm)};
+      header.origin_mm = grid_.low_m / kMillimetre;
+    }
+    if (format_ == ExportFormat::nrrd_sequence) add_time_axis(header);
+    return nrrd_text(header);
+  }
+
+  /// As 3D Slicer has it: the last axis, with the times of the volumes.
+  void add_time_axis(NrrdHeader& header) const {
+    header.sizes.push_back(scan_.volumes);
+    header.kinds.emplace_back("list");
+    header.labels.emplace_back("time_s");
+    if (!header.directions_mm.empty()) header.directions_mm.emplace_back();
+    std::string times;
+    for (std::uint32_t v = 0; v < scan_.volumes; ++v) {
+      const double time_s = volume_time_s(scan_.plan(), first_.value(), first_.value() + v);
+      times.append(v > 0 ? " " : "").append(significant(time_s, 12));
+    }
+    header.fields.emplace_back("axis 3 index type", "numeric");
+    header.fields.emplace_back("axis 3 index values", times);
+  }
+
+  std::string meta_text(const hw::PolarVolume& volume) const {
+    MetaHeader header{.element = element(), .fields = {}};
+    const double step_mm = grid_.spacing_m / kMillimetre;
+    if (content_ == Content::cartesian || content_ == Content::labels) {
+      header.sizes = grid_.sizes();
+      header.spacing = {step_mm, step_mm, step_mm};
+      header.origin_mm = grid_.low_m / kMillimetre;
+      header.fields = fields();
+      return meta_image_text(header);
+    }
+    const bool planes = content_ == Content::planes;
+    header.sizes = planes ? grid_.sizes() : polar_sizes();
+    header.sizes[2] = scan_.volumes * frames();
+    header.spacing =
+        planes ? std::vector<double>{step_mm, step_mm, 1.0} : std::vector<double>{1.0, 1.0, 1.0};
+    header.fields = {{"Kinds", "domain domain list"},
+                     {"UltrasoundImageOrientation", planes ? "MF" : "FM"},
+                     {"UltrasoundImageType", "BRIGHTNESS"}};
+    for (auto& field : fields()) header.fields.push_back(std::move(field));
+    header.fields.emplace_back("wobblebench_frames_per_volume", std::to_string(frames()));
+    add_frame_fields(header.fields, volume);
+    return meta_image_text(header);
+  }
+
+  /// Time, status and pose of each frame. The motor angles of later volumes are taken from the
+  /// first: headers are written before they come.
+  void add_frame_fields(Fields& all, const hw::PolarVolume& volume) const {
+    std::size_t number = 0;
+    for (std::uint32_t v = 0; v < scan_.volumes; ++v) {
+      const std::uint32_t index = first_.value() + v;
+      for (const int frame : frame_order(scan_.plan(), index)) {
+        const double phi_rad = mean_motor_angle_rad(volume.frame(frame));
+        const auto add = [&](const std::string& name, const std::string& value) {
+          all.emplace_back(frame_field(number, name), value);
+        };
+        add("Timestamp", fixed(frame_time_s(scan_.plan(), first_.value(), index, frame), 9));
+        add("ImageStatus", "OK");
+        add("MotorAngleDeg", significant(phi_rad / kDegree, 12));
+        if (content_ == Content::planes) {
+          add("ImageToReferenceTransform", pose_text(phi_rad));
+          add("ImageToReferenceTransformStatus", "OK");
+        }
+        ++number;
+      }
+    }
+  }
+
+  /// From pixels of the frame to the probe frame, mm: 4 x 4, row by row, points as columns.
+  std::string pose_text(double phi_rad) const {
+    const double b_mm = scan_.plan().geometry().axis_z_m() / kMillimetre;
+    const double step = grid_.spacing_m / kMillimetre;
+    const double sine = std::sin(phi_rad), cosine = std::cos(phi_rad);
+    const glm::dvec3 low = grid_.low_m / kMillimetre;
+    const double arm = low.z - b_mm;  // of the first row, from the wobble axis
+    std::string text;
+    for (const double number : {step,
+                                0.0,
+                                0.0,
+                                low.x,
+                                0.0,
+                                -step * sine,
+                                -step * cosine,
+                                -arm * sine,
+                                0.0,
+                                step * cosine,
+                                -step * sine,
+                                b_mm + arm * cosine,
+                                0.0,
+                                0.0,
+                                0.0,
+                                1.0}) {
+      text.append(text.empty() ? "" : " ").append(significant(number, 12));
+    }
+    return text;
+  }
+
+  void write_polar(const hw::PolarVolume& volume) {
+    const bool in_time = format_ == ExportFormat::meta_image;
+    for (std::size_t turn = 0; turn < frames(); ++turn) {
+      const int frame =
+          in_time ? frame_order(scan_.plan(), volume.volume_index())[turn] : static_cast<int>(turn);
+      samples_.write(volume.frame(frame).samples, file_);
+    }
+  }
+
+  void write_planes(const hw::PolarVolume& volume) {
+    const PolarSampler sampler(volume);
+    const auto columns = static_cast<std::size_t>(grid_.size.x);
+    std::vector<float> picture(columns * static_cast<std::size_t>(grid_.size.y));
+    for (const int frame : frame_order(scan_.plan(), volume.volume_index())) {
+      parallel_rows(grid_.size.y, [&](int row) {
+        const double depth_m = grid_.low_m.z + row * grid_.spacing_m;
+        for (std::size_t column = 0; column < columns; ++column) {
+          const double x_m = grid_.low_m.x + static_cast<double>(column) * grid_.spacing_m;
+          const auto sample =
+              sampler.in_frame(frame, std::hypot(x_m, depth_m), std::atan2(x_m, depth_m));
+          picture[static_cast<std::size_t>(row) * columns + column] =
+              static_cast<float>(sample.value_or(0));
+        }
+      });
+      samples_.write(picture, file_);
+    }
+  }
+
+  void write_grid(const hw::PolarVolume& volume) {
+    const PolarSampler sampler(volume);
+    std::vector<float> slice(slice_size());
+    for (int z = 0; z < grid_.size.z; ++z) {
+      each_of_slice(z, [&](std::size_t i, const glm::dvec3& point_m) {
+        slice[i] = static_cast<float>(sampler.at(point_m).value_or(0));
+      });
+      samples_.write(slice, file_);
+    }
+  }
+
+  void write_labels(std::uint32_t volume) {
+    std::vector<std::uint8_t> slice(slice_size());
+    for (int z = 0; z < grid_.size.z; ++z) {
+      each_of_slice(z, [&](std::size_t i, const glm::dvec3& point_m) {
+        slice[i] = scan_.labels.value().at(point_m, volume);
+      });
+      file_.write_values<std::uint8_t>(slice);
+    }
+  }
+
+  std::size_t slice_size() const {
+    return static_cast<std::size_t>(grid_.size.x) * static_cast<std::size_t>(grid_.size.y);
+  }
+  template <class Body>
+  void each_of_slice(int z, const Body& body) const {
+    parallel_rows(grid_.size.y, [&](int y) {
+      for (int x = 0; x < grid_.size.x; ++x) {
+        body(static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.size.x) +
+                 static_cast<std::size_t>(x),
+             grid_.point_m(x, y, z));
+      }
+    });
+  }
+
+  ExportFormat format_;
+  Content content_;
+  const ExportedScan& scan_;
+  SampleBytes samples_;
+  Grid grid_;
+  OutFile file_;
+  std::optional<std::uint32_t> first_;  ///< volume that was exported first
+};
+
+}  // namespace
+
+void check_grid(const std::string& name,
+                const FileOptions& options,
+                const hw::AcquisitionPlan& plan) {
+  if (!has_spacing(options.content)) return;
+  const Grid grid = options.content == Content::planes ? plane_of(plan, options.spacing_m)
+                                                       : grid_around(plan, options.spacing_m);
+  const double voxels = double{1} * grid.size.x * grid.size.y * grid.size.z;
+  if (voxels <= kMostVoxels) return;
+  throw UserError("--to = " + name +
+                  ": spacing_mm = " + significant(options.spacing_m / kMillimetre, 4) +
+                  ": the grid has " + significant(voxels, 4) + " voxels; must have at most 2e9");
+}
+
+std::unique_ptr<ScanWriter> make_grid_writer(ExportFormat format,
+                                             const std::filesystem::path& path,
+                                             const FileOptions& options,
+                                             const ExportedScan& scan) {
+  return std::make_unique<GridWriter>(format, path, options, scan);
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,135 @@
+#include "bench/exchange/export/writers.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "base/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Format {
+  std::string ending;
+  ExportFormat format;
+  std::vector<Content> contents;  ///< that it can hold; the first is the usual one
+};
+
+/// Longer endings first.
+const std::vector<Format>& formats() {
+  static const std::vector<Format> all = {
+      {".seq.nrrd", ExportFormat::nrrd_sequence, {Content::cartesian, Content::polar}},
+      {".nrrd", ExportFormat::nrrd, {Content::cartesian, Content::polar, Content::labels}},
+      {".mha",
+       ExportFormat::meta_image,
+       {Content::planes, Content::polar, Content::cartesian, Content::labels}},
+      {".npz", ExportFormat::npz, {Content::everything, Content::polar}},
+      {".ply", ExportFormat::ply, {Content::found, Content::truth}}};
+  return all;
+}
+
+std::string name_of(Content content) {
+  std::string found;
+  struct Names {
+    Content wanted;
+    std::string& found;
+    void choice(std::string_view,
+                const Content& value,
+                std::initializer_list<std::pair<std::string_view, Content>> names) {
+      for (const auto& [name, candidate] : names) {
+        if (candidate == value) found = name;
+      }
+    }
+    void choice(std::string_view,
+                const SampleType&,
+                std::initializer_list<std::pair<std::string_view, SampleType>>) {}
+    void real(std::string_view, const double&, double, double, double) {}
+  } names{content, found};
+  const FileOptions options{.content = content};
+  describe(options, names);
+  return found;
+}
+
+const Format& format_of(const std::string& name) {
+  for (const Format& format : formats()) {
+    if (name.ends_with(format.ending) && name.size() > format.ending.size()) return format;
+  }
+  throw UserError("--to = " + name + ": must end with .npz, .nrrd, .seq.nrrd, .mha or .ply");
+}
+
+bool has_samples(Content content) {
+  return content == Content::polar || content == Content::cartesian || content == Content::planes;
+}
+
+}  // namespace
+
+ExportFormat export_format(const std::string& name) {
+  return format_of(name).format;
+}
+
+bool has_spacing(Content content) {
+  return content == Content::cartesian || content == Content::planes || content == Content::labels;
+}
+
+bool needs_picture(Content content) {
+  return content == Content::everything || content == Content::found || content == Content::truth;
+}
+
+FileOptions chosen_options(const std::string& name,
+                           const FileOptions& options,
+                           const std::vector<std::string>& given,
+                           std::uint32_t volumes,
+                           bool is_known) {
+  const Format& format = format_of(name);
+  const auto refuse = [&](const std::string& why) {
+    throw UserError("--to = " + name + ": " + why);
+  };
+  FileOptions chosen = options;
+  if (chosen.content == Content::usual) chosen.content = format.contents.front();
+  const std::string content = name_of(chosen.content);
+  if (std::ranges::find(format.contents, chosen.content) == format.contents.end()) {
+    std::string allowed;
+    for (const Content one : format.contents)
+      allowed += (allowed.empty() ? "" : ", ") + name_of(one);
+    refuse("content = " + content + ": must be one of " + allowed);
+  }
+  const auto was_given = [&](const char* key) { return std::ranges::count(given, key) > 0; };
+  if (was_given("spacing_mm") && !has_spacing(chosen.content)) {
+    refuse("spacing_mm: acts with content=cartesian, planes or labels; content is " + content);
+  }
+  const bool takes_type = has_samples(chosen.content) && format.format != ExportFormat::npz;
+  if (was_given("type") && !takes_type) {
+    refuse("type: acts with samples in .nrrd and .mha; the type of this file is fixed");
+  }
+  if (chosen.type == SampleType::usual) chosen.type = SampleType::u8;
+  if ((chosen.content == Content::labels || chosen.content == Content::truth) && !is_known) {
+    refuse("content = " + content + ": needs samples of a known phantom");
+  }
+  const bool takes_one =
+      format.format == ExportFormat::nrrd || chosen.content == Content::labels ||
+      (format.format == ExportFormat::meta_image && chosen.content == Content::cartesian);
+  if (takes_one && volumes > 1) {
+    refuse("holds one volume; --volumes is " + std::to_string(volumes) +
+           (has_samples(chosen.content) ? ": a .seq.nrrd file holds several" : ""));
+  }
+  return chosen;
+}
+
+std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
+                                        const std::filesystem::path& path,
+                                        const FileOptions& options,
+                                        const ExportedScan& scan) {
+  switch (format) {
+    case ExportFormat::npz:
+      return make_npz_writer(path, options, scan);
+    case ExportFormat::nrrd:
+    case ExportFormat::nrrd_sequence:
+    case ExportFormat::meta_image:
+      return make_grid_writer(format, path, options, scan);
+    case ExportFormat::ply:
+      return make_ply_writer(path, options, scan);
+  }
+  throw std::logic_error("a format without a writer");
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,55 @@
+"""Runs the program under test, and reads what it wrote with programs that are not ours."""
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+PROGRAM = os.environ["WOBBLEBENCH"]
+
+SMALL_SCAN = [f"acquisition.{key}" for key in
+              ("sticks_per_frame=40", "samples_per_stick=192", "frames_per_volume=21")]
+
+
+def settings(*keys):
+    return [word for key in keys for word in ("--set", key)]
+
+
+def run(*arguments, code=0):
+    """stdout and stderr; the exit code must be the expected one."""
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
+    if done.returncode != code:
+        raise AssertionError(f"{arguments}: exit code {done.returncode}, not {code}: {done.stderr}")
+    return done.stdout + done.stderr
+
+
+class InFolder(unittest.TestCase):
+    """Each class has a folder of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+
+def positions(theta_deg, motor_deg, range_mm, radius_mm, wobble_radius_mm):
+    """Positions [frame, line, sample, 3] in mm, by rotations: a point of the image plane at rest is
+    turned about the axis that is parallel to x and lies `wobble_radius_mm` behind the face."""
+    theta = np.radians(theta_deg)[None, :, None]
+    r = radius_mm + range_mm[None, None, :]
+    plane = np.stack(np.broadcast_arrays(r * np.sin(theta), 0 * r * theta, r * np.cos(theta)), -1)
+    axis = np.array([0, 0, radius_mm - wobble_radius_mm])
+    turned = np.empty((len(motor_deg),) + plane.shape[1:])
+    for f, angles in enumerate(np.radians(motor_deg)):
+        for l, angle in enumerate(angles):
+            turn = np.array([[1, 0, 0],
+                             [0, np.cos(angle), -np.sin(angle)],
+                             [0, np.sin(angle), np.cos(angle)]])
+            turned[f, l] = (plane[0, l] - axis) @ turn.T + axis
+    return turned
