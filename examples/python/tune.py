@@ -22,9 +22,9 @@ renderer = wobblebench.Renderer(scene)
 
 def settings_of(trial):
     return {
-        "render.ray_casting.detector": "difference",
+        "render.ray_casting.detector": "paper",
         "render.ray_casting.threshold": trial.suggest_float("threshold", 0.02, 0.5, log=True),
-        "render.ray_casting.n": trial.suggest_int("n", 1, 12),
+        "render.ray_casting.buffer_length": trial.suggest_int("n", 2, 16, step=2),
         "render.ray_casting.steps": trial.suggest_int("steps", 100, 400, step=50),
     }
 
