@@ -57,7 +57,7 @@ expect_client(viewer "" "there is no component viewer; there are base, hw, rende
 
 build("${SOURCE}/examples/cpp")
 if(RENDER_ONLY)
-  expect_client(bench "" "component phantoms is not installed")
+  expect_client(bench "" "component phantoms is not installed (Debian: libwobblebench-bench-dev)")
 else()
   expect_client(sim OpenVDB "component phantoms needs OpenVDB, which is not here (Debian: libopenvdb-dev)")
   expect_same_depth()
