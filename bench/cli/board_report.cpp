@@ -92,6 +92,7 @@ Json samples_json(const ReceivedSamples& samples) {
   const bool linear = samples.scale == hw::SampleScale::linear_envelope;
   const auto range = samples.dynamic_range_db;
   return {{"scale", linear ? "linear" : "log"},
+          {"count", samples.count},
           {"least", samples.least},
           {"most", samples.most},
           {"out_of_range", samples.out_of_range},

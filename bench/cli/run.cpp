@@ -24,6 +24,7 @@
 #include "bench/pipeline/stream/gl_stream_renderer.h"
 #include "bench/scene/scene_cost.h"
 #include "render/gl/context.h"
+#include "render/gl/fetch_count.h"
 #include "render/renderer.h"
 
 namespace wobblebench::bench {
@@ -40,6 +41,7 @@ struct Arguments {
   std::string tolerance;  ///< empty: none
   bool register_surface = false;
   bool fail_on_loss = false;
+  bool count_work = false;
 };
 
 /// What --tolerance asks for; nullopt: nothing.
@@ -64,6 +66,7 @@ std::vector<PlannedStep> planned_steps(const Arguments& arguments) {
           {"stream", 25},
           {"truth", 3},
           {"compare", 5},
+          {"count", arguments.count_work ? 5.0 : 0.0},
           {"register", arguments.register_surface ? 20.0 : 0.0},
           {"write", 2}};
 }
@@ -106,6 +109,14 @@ RunResult stream_volume(BoardConnection& board,
   result.gl_backend = context.backend();
   result.gl_renderer = context.renderer_string();
   return result;
+}
+
+/// The passes of the same picture, rendered once more by shaders that count their fetches.
+std::vector<render::PassTime> counted_passes(const hw::PolarVolume& volume,
+                                             const ResolvedScene& scene,
+                                             render::GlContext& context) {
+  const render::FetchCounter counter;
+  return render::render_volume(context, volume, scene.render()).passes;
 }
 
 /// No true surface, no fit.
@@ -255,6 +266,10 @@ int run(const Arguments& arguments) {
     const auto found = correct_picture(result, correction, scene, renderer, progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
     warn_of_picture(result, scene, progress);
+    if (arguments.count_work) {
+      result.counted = progress.step(
+          "count", [&] { return counted_passes(result.acquisition.volume, scene, *context); });
+    }
 
     const auto tolerance = choice ? std::optional(tolerance_result(*choice, result)) : std::nullopt;
     progress.step("write", [&] { stage_run_images(out, result, scene); });
@@ -302,6 +317,10 @@ Command add_run_command(CLI::App& app) {
            "--fail-on-loss",
            arguments->fail_on_loss,
            "Exit code 1 if sticks of the volume were lost; results are written all the same");
+  add_flag(command,
+           "--count-work",
+           arguments->count_work,
+           "Count the texture fetches of each pass, in a second picture");
   return {&command, [arguments] { return run(*arguments); }};
 }
 

@@ -136,6 +136,18 @@ std::string registration_lines(const RunResult& result) {
   return lines;
 }
 
+/// Texture fetches of each pass; null: not counted.
+Json fetches_json(const std::vector<render::PassTime>& counted) {
+  if (counted.empty()) return nullptr;
+  Json passes = Json::array();
+  for (const render::PassTime& pass : counted) {
+    std::int64_t fetches = 0;
+    for (const auto& [kind, count] : pass.fetches) fetches += count;
+    passes.push_back({{"name", pass.name}, {"fetches", fetches}});
+  }
+  return passes;
+}
+
 }  // namespace
 
 ToleranceResult tolerance_result(const ToleranceChoice& choice, const RunResult& result) {
@@ -159,6 +171,7 @@ std::string run_report(const RunResult& result,
   report["timing"]["board"] = board_timing_json(result.acquisition);
   report["render"] = render_json(result.picture.passes, scene.render().pipeline.mode);
   report["camera"] = camera_json(scene.view().camera);
+  report["render"]["texture_fetches"] = fetches_json(result.counted);
   report["render"]["levels"] = levels_json(result.picture.levels);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);

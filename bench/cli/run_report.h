@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/cli/picture_report.h"
@@ -25,6 +26,8 @@ struct RunResult : PictureResult {
   std::string gl_renderer = {};   ///< GL_RENDERER and GL_VERSION
   PhantomCache::Kept kept = {};   ///< what was read from the cache
   hw::MotorDeviation motor = {};  ///< of the volume's sticks
+  /// Passes of a second picture, whose texture fetches were counted; empty: not asked for.
+  std::vector<render::PassTime> counted = {};
 };
 
 /// What the picture of a result reached of what was chosen for it.

@@ -1,0 +1,200 @@
+#include "bench/studies/compare/compare_document.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/number_text.h"
+#include "bench/studies/compare/compared_side.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+std::ptrdiff_t count(const ComparisonResult& result, Outcome outcome) {
+  return std::ranges::count(result.verdicts, outcome, &Verdict::outcome);
+}
+
+Cell change_cell(const Verdict& verdict) {
+  if (verdict.change.n == 0) return {};
+  const double scale = verdict.limit.allowed == Allowed::ratio ? 100 : 1;
+  return Cell::interval(scale * verdict.change.mean, scale * verdict.change.half);
+}
+
+std::string outcome_text(const Verdict& verdict) {
+  std::string text = to_string(verdict.outcome);
+  return verdict.why.empty() ? text : text.append(": ").append(verdict.why);
+}
+
+/// What is counted shows all its digits.
+Cell mean_cell(const MeanInterval& of, const ChangeLimit& limit) {
+  if (kind_of_figure(limit.figure) != FigureKind::work || of.n == 0) return of.mean;
+  return fixed(of.mean, of.mean == std::floor(of.mean) ? 0 : 1);
+}
+
+Table verdict_table(const ComparisonResult& result) {
+  Table table{.name = "verdicts",
+              .caption =
+                  "Limits of the change from the base to the new side, over pairs of equal "
+                  "seeds, with 95 % intervals (Student's t)",
+              .columns = {{"scene"},
+                          {"figure"},
+                          {"unit"},
+                          {"base", "base", "", 5, true},
+                          {"new", "new", "", 5, true},
+                          {"change", "change", "", 3, true},
+                          {"change_unit", "of the change"},
+                          {"limit"},
+                          {"pairs"},
+                          {"outcome"}}};
+  for (const Verdict& verdict : result.verdicts) {
+    const bool ratio = verdict.limit.allowed == Allowed::ratio;
+    const std::string unit = unit_of_figure(verdict.limit.figure);
+    table.add({verdict.scene,
+               Cell::code(verdict.limit.figure),
+               unit,
+               mean_cell(verdict.base, verdict.limit),
+               mean_cell(verdict.now, verdict.limit),
+               change_cell(verdict),
+               ratio ? "%" : unit,
+               text_of(verdict.limit),
+               verdict.change.n,
+               outcome_text(verdict)});
+  }
+  return table;
+}
+
+Table run_table(const ComparisonResult& result) {
+  Table table{
+      .name = "runs",
+      .caption = "Every figure of every run",
+      .columns = {{"side"}, {"scene"}, {"seed"}, {"figure"}, {"value", "value", "", 9, true}}};
+  for (const auto& [name, side] : {std::pair{"base", &result.base}, {"new", &result.now}}) {
+    for (const MeasuredRun& run : side->runs) {
+      for (const auto& [figure, value] : run.figures) {
+        table.add({name, run.scene, std::to_string(run.seed), Cell::code(figure), value});
+      }
+    }
+  }
+  return table;
+}
+
+Table side_table(const ComparisonResult& result) {
+  Table table{
+      .name = "sides",
+      .caption = "What was compared",
+      .columns = {{"side"}, {"what"}, {"commit"}, {"cpu", "CPU"}, {"gl_renderer"}, {"runs"}}};
+  for (const auto& [name, side] : {std::pair{"base", &result.base}, {"new", &result.now}}) {
+    table.add({name,
+               Cell::code(side->what + (side->kept ? " (kept)" : "")),
+               side->commit,
+               side->cpu,
+               side->gl_renderer,
+               side->runs.size()});
+  }
+  return table;
+}
+
+/// Settings of the scenes that the sides do not share.
+Table setting_table(const ComparisonResult& result) {
+  Table table{.name = "settings",
+              .caption = "Settings that differ",
+              .columns = {{"scene"}, {"setting"}, {"base"}, {"new"}}};
+  const auto text_in = [](const auto& settings, const std::string& key) {
+    const auto found = settings.find(key);
+    return found == settings.end() ? Cell("has none") : Cell::code(found->second);
+  };
+  for (const auto& [scene, now] : result.now.settings) {
+    const auto found = result.base.settings.find(scene);
+    if (found == result.base.settings.end()) continue;
+    std::set<std::string> keys;
+    for (const auto* side : {&now, &found->second}) {
+      for (const auto& [key, unused] : *side) keys.insert(key);
+    }
+    for (const std::string& key : keys) {
+      const Cell before = text_in(found->second, key), after = text_in(now, key);
+      if (before.text() != after.text()) table.add({scene, Cell::code(key), before, after});
+    }
+  }
+  return table;
+}
+
+void add_pair(Document& page, const std::string& scene, const std::string& picture) {
+  page.add(PicturePair{{compared_picture("base", scene, picture), "Base."},
+                       {compared_picture("new", scene, picture), "New."}});
+}
+
+void add_pictures(const ComparisonResult& result, Document& page) {
+  std::set<std::string> scenes(result.with_surface.begin(), result.with_surface.end());
+  scenes.insert(result.with_error.begin(), result.with_error.end());
+  for (const std::string& scene : scenes) {
+    page.add(Heading{"Pictures of " + scene});
+    if (std::ranges::find(result.with_surface, scene) != result.with_surface.end()) {
+      add_pair(page, scene, "surface");
+    }
+    if (std::ranges::find(result.with_error, scene) != result.with_error.end()) {
+      add_pair(page, scene, "error");
+    }
+  }
+}
+
+}  // namespace
+
+std::string verdict_line(const ComparisonResult& result) {
+  if (result.base.runs.empty()) {
+    return std::to_string(result.now.runs.size()) + " runs are kept, to compare others with";
+  }
+  std::string line;
+  for (const Outcome outcome :
+       {Outcome::broken, Outcome::kept, Outcome::open, Outcome::not_compared}) {
+    line += (line.empty() ? "" : ", ") + std::to_string(count(result, outcome)) + " " +
+            to_string(outcome);
+  }
+  return line + (result.measured_twice ? "; measured twice, as a limit of time was broken" : "");
+}
+
+std::string verdict_lines(const ComparisonResult& result) {
+  std::string lines;
+  for (const Verdict& verdict : result.verdicts) {
+    if (verdict.outcome != Outcome::broken && verdict.outcome != Outcome::open) continue;
+    lines.append("- **").append(to_string(verdict.outcome)).append("** ");
+    lines.append(line_of(verdict)).append("\n");
+  }
+  return lines;
+}
+
+std::vector<TestCase> test_cases(const ComparisonResult& result) {
+  std::vector<TestCase> cases;
+  for (const Verdict& verdict : result.verdicts) {
+    TestCase test{.group = verdict.scene,
+                  .name = verdict.limit.figure + " " + text_of(verdict.limit)};
+    if (verdict.outcome == Outcome::broken) test.failure = line_of(verdict);
+    if (verdict.outcome == Outcome::not_compared) test.skipped = verdict.why;
+    if (verdict.change.n > 0) test.output = line_of(verdict);
+    cases.push_back(std::move(test));
+  }
+  return cases;
+}
+
+Document compare_document(const ComparisonResult& result) {
+  Document page{
+      .title = "wobblebench compare",
+      .name = "compare",
+      .data = {{"compare.csv", verdict_table(result)}, {"compare_runs.csv", run_table(result)}}};
+  page.add(Text{"**" + verdict_line(result) + "**"});
+  const std::string lines = verdict_lines(result);
+  if (!lines.empty()) page.add(Text{lines});
+  if (!result.verdicts.empty()) page.add(verdict_table(result));
+  page.add(side_table(result));
+  const Table settings = setting_table(result);
+  if (result.base.runs.empty()) return page;
+  if (settings.rows.empty()) {
+    page.add(Text{"Both sides have the same settings of the scenes."});
+  } else {
+    page.add(settings);
+  }
+  add_pictures(result, page);
+  return page;
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,156 @@
+#include "bench/studies/compare/compared_side.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/file.h"
+#include "base/user_error.h"
+#include "bench/studies/compare/child_program.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostReportBytes = 100'000'000;
+
+Json read_report(const fs::path& file) {
+  Json report = Json::parse(read_file(file, kMostReportBytes), nullptr, false);
+  if (report.is_discarded()) throw UserError(file.string() + ": is no JSON");
+  return report;
+}
+
+std::string read_if_there(const fs::path& file) {
+  std::error_code ignored;
+  constexpr std::size_t kMostPictureBytes = 100'000'000;
+  return fs::is_regular_file(file, ignored) ? read_file(file, kMostPictureBytes) : "";
+}
+
+std::string settings_text(const std::vector<std::string>& settings) {
+  std::string text;
+  for (const std::string& setting : settings) text += " --set " + setting;
+  return text;
+}
+
+ComparedSide side_of_folder(const std::string& option,
+                            const std::string& text,
+                            const std::vector<std::string>& settings) {
+  if (!settings.empty()) {
+    throw UserError("--" + option + "-set: without effect: " + text +
+                    " has figures that were kept");
+  }
+  const fs::path report = fs::path(text) / "report.json";
+  if (!fs::is_regular_file(report)) {
+    throw UserError(text +
+                    ": has no report.json; a folder must be of `wobblebench compare` or `run`");
+  }
+  return {.text = text, .measured = kept_side(read_report(report), text), .folder = text};
+}
+
+std::vector<std::string> arguments_of(const ProgramSide& of,
+                                      const ComparedScene& scene,
+                                      std::uint64_t seed,
+                                      const fs::path& out) {
+  std::vector<std::string> words = {"run"};
+  if (!scene.file.empty()) words.push_back(scene.file.string());
+  for (const std::string& setting : of.settings) {
+    words.insert(words.end(), {"--set", setting});
+  }
+  words.insert(words.end(),
+               {"--set", "simulation.seed=" + std::to_string(seed), "--out", out.string()});
+  if (of.counts_work) words.emplace_back("--count-work");
+  return words;
+}
+
+void check_end(const ChildEnd& end, const fs::path& program) {
+  constexpr int kBadInput = 2;
+  if (end.exit_code == 0) return;
+  const std::string line = program.string() + ": " + end.last_error;
+  if (end.exit_code == kBadInput) throw UserError(line);
+  throw std::runtime_error(line + " (exit code " + std::to_string(end.exit_code) + ")");
+}
+
+}  // namespace
+
+std::vector<ComparedScene> compared_scenes(const std::vector<std::string>& files) {
+  if (files.empty()) return {{"default", {}}};
+  std::vector<ComparedScene> scenes;
+  for (const std::string& file : files) {
+    ComparedScene scene{fs::path(file).stem().string(), file};
+    if (std::ranges::find(scenes, scene.name, &ComparedScene::name) != scenes.end()) {
+      throw UserError("--scene = " + file + ": another scene is called " + scene.name + ", too");
+    }
+    scenes.push_back(std::move(scene));
+  }
+  return scenes;
+}
+
+ComparedSide parse_side(const std::string& option,
+                        const std::string& text,
+                        const std::vector<std::string>& settings) {
+  std::error_code ignored;
+  if (fs::is_directory(text, ignored)) return side_of_folder(option, text, settings);
+  const bool is_this = text == "this";
+  const fs::path program = is_this ? fs::read_symlink("/proc/self/exe") : fs::absolute(text);
+  if (!fs::is_regular_file(program, ignored) || ::access(program.c_str(), X_OK) != 0) {
+    throw UserError(option + " = " + text +
+                    ": must be \"this\" (the running program), the file of a wobblebench program, "
+                    "or a folder of `wobblebench compare` or `run`");
+  }
+  std::string help;
+  try {
+    help = output_of_child(program, {"run", "--help"});
+  } catch (const std::runtime_error& error) {
+    throw UserError(option + " = " + text + ": is no program wobblebench: " + error.what());
+  }
+  return {.text = text,
+          .program = ProgramSide{.program = program,
+                                 .settings = settings,
+                                 .counts_work = help.find("--count-work") != std::string::npos},
+          .measured = {.what = text + settings_text(settings)}};
+}
+
+KeptPictures measure(ComparedSide& side,
+                     const ComparedScene& scene,
+                     std::uint64_t seed,
+                     const fs::path& scratch) {
+  const ProgramSide& of = side.program.value();
+  const fs::path out = scratch / "run";
+  check_end(run_child(of.program, arguments_of(of, scene, seed, out)), of.program);
+  const Json report = read_report(out / "report.json");
+  const MeasuredSide run = kept_side(report, of.program.string());
+  MeasuredSide& measured = side.measured;
+  measured.commit = run.commit;
+  measured.cpu = run.cpu;
+  measured.gl_renderer = run.gl_renderer;
+  measured.settings[scene.name] = settings_in(report);
+  measured.runs.push_back({scene.name, seed, run.runs.front().figures});
+  KeptPictures pictures{read_if_there(out / "surface.png"), read_if_there(out / "error.png")};
+  fs::remove_all(out);
+  return pictures;
+}
+
+std::string compared_picture(const std::string& side,
+                             const std::string& scene,
+                             const std::string& kind) {
+  std::string name = side;
+  return name.append("_").append(scene).append("_").append(kind).append(".png");
+}
+
+KeptPictures kept_pictures(const ComparedSide& side, const ComparedScene& scene) {
+  const auto of_compare = [&](const char* kind) {
+    return side.folder / compared_picture("new", scene.name, kind);
+  };
+  std::error_code ignored;
+  if (fs::is_regular_file(of_compare("surface"), ignored)) {
+    return {read_if_there(of_compare("surface")), read_if_there(of_compare("error"))};
+  }
+  return {read_if_there(side.folder / "surface.png"), read_if_there(side.folder / "error.png")};
+}
+
+}  // namespace wobblebench::bench

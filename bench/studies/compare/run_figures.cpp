@@ -1,0 +1,190 @@
+#include "bench/studies/compare/run_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "base/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Place {
+  const char* name;
+  const char* pointer;  ///< into report.json
+};
+
+constexpr std::array kPlaces = {
+    Place{"bias_mm", "/error/depth_mm/bias"},
+    Place{"median_mm", "/error/depth_mm/median"},
+    Place{"rms_mm", "/error/depth_mm/rms"},
+    Place{"p95_mm", "/error/depth_mm/p95"},
+    Place{"missed_percent", "/error/missed_percent"},
+    Place{"false_percent", "/error/false_percent"},
+    Place{"normal_median_deg", "/error/normal_deg/median"},
+    Place{"normal_p95_deg", "/error/normal_deg/p95"},
+    Place{"distance_mean_mm", "/error/surface_distance_mm/mean"},
+    Place{"hausdorff95_mm", "/error/surface_distance_mm/hausdorff95"},
+    Place{"frame_ms", "/timing/render/frame_ms"},
+    Place{"simulation_ms", "/timing/simulation/ms_per_volume"},
+    Place{"run_ms", "/timing/wall_ms/total"},
+    Place{"sticks", "/board/delivered"},
+    Place{"samples", "/board/samples/count"},
+};
+
+void add(RunFigures& figures, const std::string& name, const Json& value) {
+  if (value.is_number()) figures[name] = value.get<double>();
+}
+
+void add_at(RunFigures& figures, const std::string& name, const Json& in, const char* pointer) {
+  const Json::json_pointer at(pointer);
+  if (in.contains(at)) add(figures, name, in.at(at));
+}
+
+const Json& list_at(const Json& report, const char* pointer) {
+  static const Json none = Json::array();
+  const Json::json_pointer at(pointer);
+  return report.contains(at) && report.at(at).is_array() ? report.at(at) : none;
+}
+
+void add_outside(RunFigures& figures, const Json& report) {
+  for (const Json& region : list_at(report, "/error/regions")) {
+    if (region.value("group", "") != "silhouette" || region.value("name", "") != "outside")
+      continue;
+    add_at(figures, "outside_rms_mm", region, "/depth_mm/rms");
+    add_at(figures, "outside_p95_mm", region, "/depth_mm/p95");
+  }
+}
+
+/// A figure of each pass, and their sum under `all` unless that is empty.
+void add_passes(RunFigures& figures,
+                const Json& passes,
+                const char* key,
+                const std::string& ending,
+                const std::string& all) {
+  for (const Json& pass : passes) {
+    if (!pass.contains(key) || !pass[key].is_number()) continue;
+    const auto value = pass[key].get<double>();
+    figures[pass.value("name", "") + ending] = value;
+    if (!all.empty()) figures[all] += value;
+  }
+}
+
+std::string text_at(const Json& report, const char* pointer) {
+  const Json::json_pointer at(pointer);
+  return report.contains(at) && report.at(at).is_string() ? report.at(at).get<std::string>() : "";
+}
+
+MeasuredRun run_of(const Json& report) {
+  MeasuredRun run{.scene = text_at(report, "/scene/phantom/name"),
+                  .figures = figures_of_run(report)};
+  if (const Json::json_pointer at("/provenance/seed"); report.contains(at)) {
+    const Json& seed = report.at(at);
+    if (seed.is_number_unsigned()) run.seed = seed.get<std::uint64_t>();
+  }
+  return run;
+}
+
+MeasuredRun run_from(const Json& json) {
+  MeasuredRun run{.scene = json.at("scene"), .seed = json.at("seed"), .figures = {}};
+  for (const auto& [name, value] : json.at("figures").items()) add(run.figures, name, value);
+  return run;
+}
+
+}  // namespace
+
+FigureKind kind_of_figure(const std::string& name) {
+  if (name.ends_with("_ms")) return FigureKind::time;
+  const bool counted = name.ends_with("fetches") || name == "sticks" || name == "samples";
+  return counted ? FigureKind::work : FigureKind::error;
+}
+
+std::string unit_of_figure(const std::string& name) {
+  if (name.ends_with("_ms")) return "ms";
+  if (name.ends_with("_mm")) return "mm";
+  if (name.ends_with("_percent")) return "%";
+  return name.ends_with("_deg") ? "°" : "";
+}
+
+const std::vector<std::string>& run_figure_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = {"outside_rms_mm", "outside_p95_mm", "cpu_ms", "fetches"};
+    for (const Place& place : kPlaces) all.emplace_back(place.name);
+    for (const char* pass : {"scan_conversion", "ray_casting", "shading", "smoothing"}) {
+      all.push_back(std::string(pass) + "_ms");
+      all.push_back(std::string(pass) + "_fetches");
+    }
+    return all;
+  }();
+  return names;
+}
+
+RunFigures figures_of_run(const Json& report) {
+  RunFigures figures;
+  for (const Place& place : kPlaces) add_at(figures, place.name, report, place.pointer);
+  add_outside(figures, report);
+  add_at(figures, "cpu_ms", report, "/provenance/load/own_cpu_s");
+  if (const auto cpu = figures.find("cpu_ms"); cpu != figures.end()) cpu->second *= 1e3;
+  add_passes(figures, list_at(report, "/timing/render/passes"), "ms", "_ms", "");
+  add_passes(figures, list_at(report, "/render/texture_fetches"), "fetches", "_fetches", "fetches");
+  return figures;
+}
+
+Json json_of(const MeasuredSide& side) {
+  Json json = {{"what", side.what},
+               {"commit", side.commit},
+               {"cpu", side.cpu},
+               {"gl_renderer", side.gl_renderer},
+               {"kept", side.kept},
+               {"settings", side.settings},
+               {"runs", Json::array()}};
+  for (const MeasuredRun& run : side.runs) {
+    json["runs"].push_back({{"scene", run.scene}, {"seed", run.seed}, {"figures", run.figures}});
+  }
+  return json;
+}
+
+std::map<std::string, std::string> settings_in(const Json& report) {
+  std::map<std::string, std::string> settings;
+  const Json flat = report.value("scene", Json::object()).flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    if (pointer == "/simulation/seed" || pointer == "/simulation/threads") continue;
+    std::string key = pointer.substr(1);
+    std::ranges::replace(key, '/', '.');
+    settings[key] = value.dump();
+  }
+  return settings;
+}
+
+MeasuredSide kept_side(const Json& report, const std::string& what) {
+  const std::string command = report.is_object() ? report.value("command", "") : "";
+  MeasuredSide side{.what = what, .kept = true};
+  try {
+    if (command == "run") {
+      side.commit = text_at(report, "/provenance/commit");
+      side.cpu = text_at(report, "/provenance/cpu");
+      side.gl_renderer = text_at(report, "/provenance/gl_renderer");
+      side.runs.push_back(run_of(report));
+      side.settings[side.runs.front().scene] = settings_in(report);
+      return side;
+    }
+    if (command == "compare") {
+      const Json& kept = report.at("new");
+      side.commit = kept.at("commit");
+      side.cpu = kept.at("cpu");
+      side.gl_renderer = kept.at("gl_renderer");
+      side.settings = kept.at("settings").get<decltype(side.settings)>();
+      for (const Json& run : kept.at("runs")) side.runs.push_back(run_from(run));
+      return side;
+    }
+  } catch (const Json::exception& error) {
+    throw UserError(what + ": report.json is damaged: " + error.what());
+  }
+  throw UserError(what + ": report.json must be of `run` or `compare`" +
+                  (command.empty() ? "" : ", not of `" + command + "`"));
+}
+
+}  // namespace wobblebench::bench
