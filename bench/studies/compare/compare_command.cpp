@@ -186,6 +186,7 @@ std::string report_of(const ComparisonResult& result, const StepTimes& times) {
                  {"command", "compare"},
                  {"provenance", to_json(provenance_of_this_machine())},
                  {"verdicts", Json::array()}};
+  report["provenance"].erase("seed");  // each run has its own
   for (const Verdict& verdict : result.verdicts) {
     report["verdicts"].push_back({{"scene", verdict.scene},
                                   {"figure", verdict.limit.figure},
