@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -270,7 +271,11 @@ std::string score_picture(const PictureData& picture, SceneHandle& scene) {
   return bench::error_json(measures, bench::sought_in(resolved)).dump();
 }
 
-/// A depth map of another program, shaded as ours.
+/// No ray of a picture is longer: what is, is in millimetres, or a mark of pixels without a
+/// surface.
+constexpr float kMostDepth_m = 2;
+
+/// A depth map of another program, which is not shaded yet. Throws Refused.
 PicturePointer picture_of(
     const py::array_t<float, py::array::c_style | py::array::forcecast>& depth_m) {
   if (depth_m.ndim() != 2) throw py::value_error("depth_m must be [row, column]");
@@ -278,6 +283,12 @@ PicturePointer picture_of(
   data->picture.depth_m =
       Image<float>(static_cast<int>(depth_m.shape(1)), static_cast<int>(depth_m.shape(0)));
   std::copy_n(depth_m.data(), depth_m.size(), data->picture.depth_m.pixels.begin());
+  for (const float value : data->picture.depth_m.pixels) {
+    if (std::isnan(value) || (value >= 0 && value <= kMostDepth_m)) continue;
+    throw Refused{{"score: depth_m = " + std::to_string(value) +
+                       ": must be within 0 and 2 m, or NaN where there is no surface",
+                   bench::kBadInput}};
+  }
   return data;
 }
 

@@ -93,9 +93,10 @@ py::dict options() {
 }
 
 std::string setting_text(const std::string& key, const py::handle& value) {
-  // Numbers of NumPy as those of Python.
-  const py::object plain = py::hasattr(value, "item") ? py::object(value.attr("item")())
-                                                      : py::reinterpret_borrow<py::object>(value);
+  if (value.is_none()) throw py::type_error(key + " = None: must have a value");
+  // Numbers and arrays of NumPy as those of Python.
+  const py::object plain = py::hasattr(value, "tolist") ? py::object(value.attr("tolist")())
+                                                        : py::reinterpret_borrow<py::object>(value);
   return key + "=" + py::str(py::module_::import("json").attr("dumps")(plain)).cast<std::string>();
 }
 
@@ -173,11 +174,15 @@ std::shared_ptr<const bench::TrueView> SceneHandle::truth(std::uint32_t volume) 
 std::vector<std::string> settings_of(const py::object& settings) {
   std::vector<std::string> texts;
   if (settings.is_none()) return texts;
-  if (!py::isinstance<py::dict>(settings)) return settings.cast<std::vector<std::string>>();
-  for (const auto& [key, value] : settings.cast<py::dict>()) {
-    texts.push_back(setting_text(key.cast<std::string>(), value));
+  try {
+    if (!py::isinstance<py::dict>(settings)) return settings.cast<std::vector<std::string>>();
+    for (const auto& [key, value] : settings.cast<py::dict>()) {
+      texts.push_back(setting_text(key.cast<std::string>(), value));
+    }
+    return texts;
+  } catch (const py::cast_error&) {
+    throw py::type_error("settings must be a dict of keys and values, or a list of texts");
   }
-  return texts;
 }
 
 void add_scene(py::module_& module) {

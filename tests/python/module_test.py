@@ -158,6 +158,23 @@ class AgainstProgram(unittest.TestCase):
         with self.assertWarnsRegex(wobblebench.SceneWarning, "gestational_age_weeks"):
             wobblebench.truth(scene)
 
+    def test_depths_that_can_be_none_are_refused(self):
+        size = SETTINGS["render.ray_casting.image_size"]
+        for wrong in (numpy.inf, -1.0, 100.0):
+            with self.assertRaisesRegex(wobblebench.BadInput, "depth_m = .* within 0 and 2 m"):
+                wobblebench.score(numpy.full((size, size), wrong, numpy.float32), self.scene)
+        nothing = wobblebench.score(numpy.full((size, size), numpy.nan), self.scene)
+        self.assertEqual(nothing["missed_surface_percent"], 100)
+        self.assertIsNone(nothing["depth_mm"]["p95"])
+
+    def test_settings_of_wrong_types_are_refused(self):
+        for wrong in ("phantom.name=sphere", {1: 2}, {"phantom.name": None}, [1]):
+            with self.assertRaises(TypeError):
+                wobblebench.Scene(settings=wrong)
+        same = [wobblebench.Scene(settings={"placement.position_mm": position}).given
+                for position in ([1, 2, 110], (1, 2, 110), numpy.array([1.0, 2, 110]))]
+        self.assertEqual(same, [{"placement.position_mm"}] * 3)
+
     def test_what_would_be_ignored_is_refused(self):
         with self.assertRaisesRegex(wobblebench.BadInput, "image_size"):
             wobblebench.score(numpy.zeros((5, 5), numpy.float32), self.scene)
