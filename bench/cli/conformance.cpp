@@ -266,7 +266,7 @@ std::vector<BoardArguments> boards_of(const Arguments& arguments) {
     // What cannot be opened is refused before the folder is made; what is made for the checks takes
     // long, and comes after it.
     if (sends_the_scene(boards.back())) continue;
-    open_outside_link(boards.back());
+    open_recorded_link(boards.back());
     if (!holds_several_acquisitions(boards.back())) continue;
     throw board_refusal(text,
                         "holds several acquisitions; must be one, which acquisition=N takes "

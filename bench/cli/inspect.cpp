@@ -15,6 +15,8 @@
 #include "bench/cli/board_report.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
+#include "bench/exchange/files/foreign_names.h"
+#include "bench/exchange/input/foreign_scan.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/motor_warning.h"
@@ -261,7 +263,8 @@ std::string inspection_summary(const std::filesystem::path& path,
 
 struct Arguments {
   std::filesystem::path recording;
-  std::filesystem::path salvage;  ///< where to copy what is undamaged; empty: nowhere
+  std::filesystem::path geometry;  ///< of a file of another program
+  std::filesystem::path salvage;   ///< where to copy what is undamaged; empty: nowhere
   bool json = false;
 };
 
@@ -280,7 +283,30 @@ void salvage(const std::filesystem::path& from, const std::filesystem::path& to)
   std::cerr << "salvaged    " << contents.account.delivered << " sticks to " << to.string() << "\n";
 }
 
+/// What a file of another program holds, as the recording that it is taken for.
+int inspect_foreign(const Arguments& arguments) {
+  if (!arguments.salvage.empty()) {
+    throw UserError("--salvage: acts with a recording; " + arguments.recording.string() +
+                    " is a file of another program");
+  }
+  const ForeignScan scan = open_foreign_scan(arguments.recording, arguments.geometry);
+  const FileDescriptor file = recorded(scan);
+  const auto contents = hw::inspect_recording(descriptor_path(file));
+  std::cout << (arguments.json ? inspection_report(arguments.recording, contents)
+                               : inspection_summary(arguments.recording, contents) + scan.summary);
+  return kDone;
+}
+
 int inspect(const Arguments& arguments) {
+  if (foreign_format(arguments.recording) != ForeignFormat::none) {
+    return inspect_foreign(arguments);
+  }
+  if (!arguments.geometry.empty()) {
+    throw UserError(
+        "--geometry: acts with a file of another program (.mha, .nrrd, .vol, .raw, "
+        ".img); " +
+        arguments.recording.string() + " is none");
+  }
   try {
     const auto contents = hw::inspect_recording(arguments.recording);
     if (!arguments.salvage.empty()) salvage(arguments.recording, arguments.salvage);
@@ -298,7 +324,15 @@ Command add_inspect_command(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App& command =
       add_subcommand(app, "inspect", "What a recording holds, and what is wrong with it");
-  add_required_path(command, "RECORDING", arguments->recording, "File that `record` wrote");
+  add_required_path(
+      command,
+      "RECORDING",
+      arguments->recording,
+      "File that `record` wrote, or another program's: .mha, .nrrd, .vol, .raw, .img");
+  add_path(command,
+           "--geometry",
+           arguments->geometry,
+           "TOML file that says how the voxels of another program's file were scanned");
   add_path(command, "--salvage", arguments->salvage, "Copy what is undamaged to this new file");
   add_flag(command, "--json", arguments->json, "Print the report on stdout");
   return {&command, [arguments] { return inspect(*arguments); }};

@@ -386,7 +386,7 @@ int record_board(const Arguments& arguments) {
   const BoardArguments board = parse_board(arguments.board);
   if (arguments.iq) refuse_iq(scene, board);
   // What does not exist is refused before the folder is made; what takes long comes after it.
-  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  auto link = is_simulated(board) ? nullptr : open_recorded_link(board);
   return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
     return record_to(out, std::move(link), board, scene, arguments, progress);
   });

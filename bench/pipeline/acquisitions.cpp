@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "bench/exchange/files/foreign_names.h"
 #include "hw/recording/file_link.h"
 #include "hw/recording/recording_reader.h"
 #include "hw/wire/stream_audit.h"
@@ -37,6 +38,7 @@ bool holds_several(const std::string& path) {
 
 bool holds_several_acquisitions(const BoardArguments& board) {
   if (board.link.link != "file") return false;
+  if (foreign_format(board.link.value) != ForeignFormat::none) return false;
   if (read_link_options<hw::FileLinkOptions>(board).acquisition != 0) return false;
   return of_board(board.text, [&] { return holds_several(board.link.value); });
 }

@@ -19,9 +19,13 @@ bool is_simulated(const BoardArguments& board);
 /// Makes the sticks of a simulated board; called for no other.
 using MakeSticks = std::function<sim::StickSource()>;
 
-/// Opens the link and injects its faults. Throws UserError for a link that cannot be opened.
+/// Opens the link and injects its faults. file= may name a file of another program
+/// (docs/exchange.md). Throws UserError for a link that cannot be opened, and for such a file.
 std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
                                           const MakeSticks& make_sticks,
                                           std::shared_ptr<sim::SimLinkStatistics> figures = {});
+
+/// The same for a board that is not simulated.
+std::unique_ptr<hw::Link> open_recorded_link(const BoardArguments& board);
 
 }  // namespace wobblebench::bench

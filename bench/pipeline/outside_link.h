@@ -16,7 +16,8 @@ namespace wobblebench::bench {
 struct BoardArguments {
   std::string text;  ///< as given
   hw::LinkArguments link;
-  hw::FaultPlan faults;  ///< injected into the link
+  std::string geometry = {};  ///< file that describes one of another program; empty: none
+  hw::FaultPlan faults;       ///< injected into the link
 };
 
 /// "--board = ARGS: why".

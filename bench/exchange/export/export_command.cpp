@@ -134,7 +134,8 @@ Source source_of_run(const Arguments& arguments) {
 Source source_of(const Arguments& arguments) {
   const fs::path from = arguments.from;
   const bool has_scene = !arguments.scene.file.empty();
-  const bool is_scene = from.extension() == ".toml" || arguments.from == "sim";
+  const bool is_board = arguments.from.find('=') != std::string::npos && !fs::exists(from);
+  const bool is_scene = (from.extension() == ".toml" && !is_board) || arguments.from == "sim";
   const bool is_run = !is_scene && fs::is_directory(from);
   if (has_scene && (is_scene || is_run)) {
     throw UserError("--scene: acts with a recording; FROM = " + arguments.from + " is a scene");
@@ -144,7 +145,6 @@ Source source_of(const Arguments& arguments) {
     return {"sim",
             load_scene(arguments.from == "sim" ? fs::path() : from, arguments.scene.settings)};
   }
-  const bool is_board = arguments.from.find('=') != std::string::npos && !fs::exists(from);
   return {is_board ? arguments.from : "file=" + arguments.from,
           load_scene(arguments.scene.file, arguments.scene.settings)};
 }
@@ -360,7 +360,7 @@ Command add_export_command(CLI::App& app) {
   add_list(command,
            "--to",
            arguments->to,
-           "File to write (repeatable): .npz, .nrrd, .seq.nrrd, .mha or .ply, then "
+           "File to write (repeatable): .npz, .nrrd, .seq.nrrd, .mha, .vol or .ply, then "
            ",content=C,type=T,spacing_mm=S");
   add_path(command,
            "--scene",

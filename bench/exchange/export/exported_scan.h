@@ -59,7 +59,7 @@ void describe(O& o, Visitor& v) {
             {"uint8", SampleType::u8},
             {"uint16", SampleType::u16},
             {"float", SampleType::f32}});
-  v.real("spacing_mm", o.spacing_m, kMillimetre, 0.05, 10);
+  v.real("spacing_mm", o.spacing_m, kMillimetre, 0.01, 10);
 }
 
 /// Materials at any position at any time, where the scanned subject is known.

@@ -231,6 +231,11 @@ class GridWriter : public ScanWriter {
                      {"UltrasoundImageOrientation", planes ? "MF" : "FM"},
                      {"UltrasoundImageType", "BRIGHTNESS"}};
     for (auto& field : fields()) header.fields.push_back(std::move(field));
+    if (planes) {
+      header.fields.emplace_back("wobblebench_center_px",
+                                 significant(-grid_.low_m.x / grid_.spacing_m, 12) + " " +
+                                     significant(-grid_.low_m.z / grid_.spacing_m, 12));
+    }
     header.fields.emplace_back("wobblebench_frames_per_volume", std::to_string(frames()));
     add_frame_fields(header.fields, volume);
     return meta_image_text(header);

@@ -24,6 +24,7 @@ const std::vector<Format>& formats() {
        ExportFormat::meta_image,
        {Content::planes, Content::polar, Content::cartesian, Content::labels}},
       {".npz", ExportFormat::npz, {Content::everything, Content::polar}},
+      {".vol", ExportFormat::kretz, {Content::polar}},
       {".ply", ExportFormat::ply, {Content::found, Content::truth}}};
   return all;
 }
@@ -54,7 +55,7 @@ const Format& format_of(const std::string& name) {
   for (const Format& format : formats()) {
     if (name.ends_with(format.ending) && name.size() > format.ending.size()) return format;
   }
-  throw UserError("--to = " + name + ": must end with .npz, .nrrd, .seq.nrrd, .mha or .ply");
+  throw UserError("--to = " + name + ": must end with .npz, .nrrd, .seq.nrrd, .mha, .vol or .ply");
 }
 
 bool has_samples(Content content) {
@@ -97,7 +98,8 @@ FileOptions chosen_options(const std::string& name,
   if (was_given("spacing_mm") && !has_spacing(chosen.content)) {
     refuse("spacing_mm: acts with content=cartesian, planes or labels; content is " + content);
   }
-  const bool takes_type = has_samples(chosen.content) && format.format != ExportFormat::npz;
+  const bool takes_type = has_samples(chosen.content) && format.format != ExportFormat::npz &&
+                          format.format != ExportFormat::kretz;
   if (was_given("type") && !takes_type) {
     refuse("type: acts with samples in .nrrd and .mha; the type of this file is fixed");
   }
@@ -126,6 +128,8 @@ std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
     case ExportFormat::nrrd_sequence:
     case ExportFormat::meta_image:
       return make_grid_writer(format, path, options, scan);
+    case ExportFormat::kretz:
+      return make_kretz_writer(path, options, scan);
     case ExportFormat::ply:
       return make_ply_writer(path, options, scan);
   }

@@ -111,7 +111,7 @@ int measure(const Arguments& arguments) {
   take_reference_settings(scene, arguments.tables.run());
   // Made before the echoes: where this machine lacks the GL, the command fails early.
   const auto context = render::make_context(arguments.gl);
-  auto link = is_simulated(board) ? nullptr : open_outside_link(board);
+  auto link = is_simulated(board) ? nullptr : open_recorded_link(board);
   return run_in_folder(arguments.output,
                        {{"phantom", 4}, {"scans", 14}, {"volume", 1}, {"tables", 80}},
                        [&](OutputFolder&, Progress& progress) {

@@ -305,7 +305,7 @@ class Refusals(InFolder):
         self.refused("sim", "--to", to, "--to", "/tmp/b.npz", says="must lie in one folder")
         self.refused("missing.wbst", "--to", to, says="missing.wbst")
         self.refused(self.folder, "--to", to, says="report.json: is missing")
-        self.refused("sim", "--to", self.path("a.nrrd") + ",spacing_mm=0.05", says="voxels; must have at most 2e9")
+        self.refused("sim", "--to", self.path("a.nrrd") + ",spacing_mm=0.02", says="voxels; must have at most 2e9")
         with open(self.path("kept.npz"), "w", encoding="ascii") as file:
             file.write("mine")
         self.refused("sim", "--to", self.path("kept.npz"), says="exists; must be a new file")

@@ -1,0 +1,108 @@
+#include "bench/exchange/input/foreign_array.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/user_error.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr const char* kVolume = "volume";
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text.append(text.empty() ? "" : ", ").append(word);
+  return text;
+}
+
+}  // namespace
+
+ForeignArray::ForeignArray(VoxelFile file,
+                           const Geometry& geometry,
+                           std::array<std::string, 3> names)
+    : file_(std::move(file)), names_(std::move(names)) {
+  place_axes(geometry);
+  split_volumes(geometry);
+}
+
+void ForeignArray::refuse(const std::string& why) const {
+  throw UserError(file_.path.string() + ": " + why);
+}
+
+void ForeignArray::place_axes(const Geometry& geometry) {
+  std::vector<std::string> known(names_.begin(), names_.end());
+  known.emplace_back(kVolume);
+  std::vector<std::string> axes = geometry.axes;
+  const std::size_t count = file_.sizes.size();
+  if (axes.empty()) axes.assign(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(count));
+  const bool is_complete = axes.size() == count;
+  bool is_good = is_complete && std::ranges::count(axes, known[0]) == 1 &&
+                 std::ranges::count(axes, known[1]) == 1;
+  for (const std::string& axis : axes) {
+    is_good =
+        is_good && std::ranges::count(known, axis) == 1 && std::ranges::count(axes, axis) == 1;
+  }
+  if (!is_good) {
+    refuse("geometry.axes = [" + listed(axes) + "]: must name its " + std::to_string(count) +
+           " axes, fastest first, by " + listed(known));
+  }
+  if (std::ranges::count(axes, kVolume) == 1 && axes.back() != kVolume) {
+    refuse("geometry.axes = [" + listed(axes) + "]: volume must be the last");
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto found = std::ranges::find(axes, names_.at(i));
+    place_.at(i) = static_cast<std::size_t>(found - axes.begin());
+    if (found != axes.end()) sizes_.at(i) = file_.sizes.at(place_.at(i));
+  }
+  if (axes.back() == kVolume) volumes_ = file_.sizes.back();
+  for (const std::string& axis : geometry.reversed) {
+    const auto found = std::ranges::find(names_, axis);
+    if (found == names_.end()) {
+      refuse("geometry.reversed = " + axis + ": must be of " +
+             listed({names_.begin(), names_.end()}));
+    }
+    reversed_.at(static_cast<std::size_t>(found - names_.begin())) = true;
+  }
+}
+
+/// A frame axis that holds the frames of several volumes, one volume after the other.
+void ForeignArray::split_volumes(const Geometry& geometry) {
+  const auto frames = static_cast<std::uint64_t>(geometry.frames_per_volume);
+  if (frames == 0) return;
+  const bool is_last = place_.at(2) + 1 == file_.sizes.size();
+  if (names_.at(2) != "frame" || !is_last || sizes_.at(2) % frames != 0) {
+    refuse("geometry.frames_per_volume = " + std::to_string(frames) + ": must divide " +
+           std::to_string(sizes_.at(2)) + " frames along the last axis");
+  }
+  volumes_ = sizes_.at(2) / frames;
+  sizes_.at(2) = frames;
+}
+
+std::vector<float> ForeignArray::values(std::uint64_t volume) const {
+  const std::uint64_t count = sizes_[0] * sizes_[1] * sizes_[2];
+  const std::vector<float> in_file = read_voxels(file_, volume * count, count);
+  std::array<std::uint64_t, 3> stride{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::uint64_t step = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (place_.at(k) < place_.at(i)) step *= sizes_.at(k);
+    }
+    stride.at(i) = step;
+  }
+  const auto at = [&](std::size_t axis, std::uint64_t index) {
+    return stride.at(axis) * (reversed_.at(axis) ? sizes_.at(axis) - 1 - index : index);
+  };
+  std::vector<float> values;
+  values.reserve(count);
+  for (std::uint64_t k = 0; k < sizes_[2]; ++k) {
+    for (std::uint64_t j = 0; j < sizes_[1]; ++j) {
+      const std::uint64_t row = at(2, k) + at(1, j);
+      for (std::uint64_t i = 0; i < sizes_[0]; ++i) values.push_back(in_file[row + at(0, i)]);
+    }
+  }
+  return values;
+}
+
+}  // namespace wobblebench::bench

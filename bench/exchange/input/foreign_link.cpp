@@ -1,0 +1,96 @@
+#include <sys/mman.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+
+#include "base/number_text.h"
+#include "base/user_error.h"
+#include "bench/exchange/input/foreign_scan.h"
+#include "bench/scene/scene_cost.h"
+#include "hw/wire/packet.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+void check_memory(const ForeignScan& scan) {
+  const hw::AcquisitionOptions& a = scan.plan.acquisition();
+  const double bytes =
+      double{sizeof(float)} * a.volumes * scan.plan.sticks_per_volume() * a.samples_per_stick;
+  const double most = 0.5 * available_memory_bytes();
+  if (bytes <= most) return;
+  throw UserError(scan.path.string() + ": its samples need " + significant(bytes / 1e9, 3) +
+                  " GB of memory; must be at most " + significant(most / 1e9, 3) + " GB");
+}
+
+void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
+  const hw::AcquisitionPlan& plan = scan.plan;
+  std::vector<std::byte> bytes;
+  const std::uint64_t first = plan.first_sequence(volume);
+  hw::encode(hw::ConfigurationPacket{.sequence = first,
+                                     .volume = volume,
+                                     .time = plan.stick_time(first),
+                                     .source = hw::StreamOrigin::hardware,
+                                     .probe = plan.probe(),
+                                     .acquisition = plan.acquisition(),
+                                     .display_scale = scan.display_scale},
+             bytes);
+  const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
+  const std::vector<float> values = scan.samples(volume);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(plan.sticks_per_volume()); ++i) {
+    hw::Stick stick;
+    hw::schedule(stick, plan, first + i);
+    stick.motor_angle_rad = scan.motor_rad.at(stick.index.frame);
+    const float* at = values.data() + i * samples;
+    stick.samples.assign(at, at + samples);
+    hw::encode(stick, bytes);
+  }
+  hw::encode(
+      hw::VolumeEndPacket{.sequence = first + static_cast<std::uint64_t>(plan.sticks_per_volume()),
+                          .volume = volume,
+                          .time = plan.volume_end_time(volume)},
+      bytes);
+  if (!write_all(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+    throw std::runtime_error(scan.path.string() +
+                             ": cannot be kept in memory: " + std::strerror(errno));
+  }
+}
+
+}  // namespace
+
+FileDescriptor recorded(const ForeignScan& scan) {
+  check_memory(scan);
+  FileDescriptor file(::memfd_create("wobblebench", MFD_CLOEXEC));
+  if (!file.is_open()) {
+    throw std::runtime_error(scan.path.string() +
+                             ": cannot be kept in memory: " + std::strerror(errno));
+  }
+  const auto volumes = static_cast<std::uint32_t>(scan.plan.acquisition().volumes);
+  for (std::uint32_t volume = 0; volume < volumes; ++volume) write_volume(scan, volume, file.get());
+  return file;
+}
+
+std::filesystem::path descriptor_path(const FileDescriptor& file) {
+  return "/proc/self/fd/" + std::to_string(file.get());
+}
+
+std::unique_ptr<hw::Link> open_foreign_link(const ForeignScan& scan,
+                                            const hw::FileLinkOptions& options) {
+  const int last = scan.plan.acquisition().volumes - 1;
+  if (options.start_volume > last) {
+    throw InvalidOption(
+        "start_volume",
+        std::to_string(options.start_volume),
+        "no volume of " + scan.path.string() + ", whose last is " + std::to_string(last));
+  }
+  if (options.acquisition > 1) {
+    throw InvalidOption(
+        "acquisition", std::to_string(options.acquisition), scan.path.string() + " holds one");
+  }
+  const FileDescriptor file = recorded(scan);
+  return std::make_unique<hw::FileLink>(descriptor_path(file), options);
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,45 @@
+// A scan in a file of another program, as the recording of hardware that it is taken for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/file.h"
+#include "hw/link/link.h"
+#include "hw/probe/acquisition_plan.h"
+#include "hw/recording/file_link.h"
+#include "hw/wire/configuration.h"
+
+namespace wobblebench::bench {
+
+struct ForeignScan {
+  std::filesystem::path path;
+  hw::AcquisitionPlan plan;        ///< with its number of volumes
+  hw::DisplayScale display_scale;  ///< unstated unless the full scale is known
+  std::vector<double> motor_rad;   ///< angle of each frame
+  /// Samples of a volume, [frame][line][sample], 0 to 1 over the dynamic range. Throws UserError.
+  std::function<std::vector<float>(std::uint32_t volume)> samples;
+  std::string summary;  ///< a few lines for a terminal: what the file holds, and how it is taken
+};
+
+/// `geometry`: a file in TOML; empty: none. Reads headers, no voxels. Throws UserError "PATH: …"
+/// for a file that is damaged, or does not say what is needed.
+ForeignScan open_foreign_scan(const std::filesystem::path& path,
+                              const std::filesystem::path& geometry);
+
+/// The scan as a recording in memory, in the wire format; of hardware, so that nothing compares it
+/// with a truth. Throws UserError where it is larger than half of the memory, and as `samples`.
+FileDescriptor recorded(const ForeignScan& scan);
+
+/// Where an open descriptor can be opened once more.
+std::filesystem::path descriptor_path(const FileDescriptor& file);
+
+/// A link that plays the recording. Throws UserError, InvalidOption.
+std::unique_ptr<hw::Link> open_foreign_link(const ForeignScan& scan,
+                                            const hw::FileLinkOptions& options);
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,336 @@
+#!/usr/bin/env python3
+"""Scans in files of other programs, through --board file=: against NumPy's own computation, against the
+published picture of a real probe, and bad files of each format."""
+import os
+import random
+import re
+import struct
+import subprocess
+import unittest
+
+import numpy as np
+
+from support import InFolder, PROGRAM, SMALL_SCAN, positions, run, settings
+
+REAL = os.path.join(os.path.dirname(os.path.abspath(__file__)), "real")
+
+
+def geometry_text(**keys):
+    def value(v):
+        if isinstance(v, bool):
+            return str(v).lower()
+        if isinstance(v, (list, tuple)):
+            return "[" + ", ".join(value(one) for one in v) + "]"
+        return f'"{v}"' if isinstance(v, str) else repr(v)
+    return "[geometry]\n" + "".join(f"{key} = {value(v)}\n" for key, v in keys.items())
+
+
+def mha(array, spacing=None, element="MET_UCHAR", more=""):
+    size = " ".join(map(str, array.shape[::-1]))
+    step = f"ElementSpacing = {spacing}\n" if spacing else ""
+    return (f"ObjectType = Image\nNDims = {array.ndim}\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+            f"CompressedData = False\nDimSize = {size}\n{step}ElementType = {element}\n{more}"
+            "ElementDataFile = LOCAL\n").encode() + array.tobytes()
+
+
+def nrrd(array, type_name, directions="(0.5,0,0) (0,0.5,0) (0,0,0.5)", space="left-posterior-superior",
+         origin="(0,0,0)", more="", endian="little"):
+    size = " ".join(map(str, array.shape[::-1]))
+    placed = f"space: {space}\nspace directions: {directions}\nspace origin: {origin}\n" if directions else ""
+    return (f"NRRD0004\ntype: {type_name}\ndimension: {array.ndim}\nsizes: {size}\n{placed}endian: {endian}\n"
+            f"encoding: raw\n{more}\n").encode() + array.tobytes()
+
+
+def kretz(voxels, resolution_m=0.0005, first=100.0, axis=60.0, sector=1.2, fan=1.0, tag=0xD000):
+    """As SlicerHeart's reader decodes it: axis > 0 lies behind the centre of curvature."""
+    frames, lines, samples = voxels.shape
+
+    def item(group, element, data):
+        return struct.pack("<HHI", group, element, len(data)) + data
+    middle = np.pi / 2
+    return (b"KRETZFILE 1.0   " + item(0x0010, 0x0002, b"somebody") +
+            item(0xC000, 1, struct.pack("<H", samples)) + item(0xC000, 2, struct.pack("<H", lines)) +
+            item(0xC000, 3, struct.pack("<H", frames)) + item(0xC100, 1, struct.pack("<d", resolution_m)) +
+            item(0xC200, 1, struct.pack("<d", first)) + item(0xC200, 2, struct.pack("<d", axis)) +
+            item(0xC300, 1, (middle + np.linspace(-fan / 2, fan / 2, frames)).tobytes()) +
+            item(0xC300, 2, (middle + np.linspace(-sector / 2, sector / 2, lines)).tobytes()) +
+            item(tag, 1, voxels.tobytes()))
+
+
+class Input(InFolder):
+    def write(self, name, data):
+        with open(self.path(name), "wb") as file:
+            file.write(data if isinstance(data, bytes) else data.encode())
+        return self.path(name)
+
+    def board(self, file, **keys):
+        text = "file=" + file
+        return text + ",geometry=" + self.write("geometry.toml", geometry_text(**keys)) if keys else text
+
+    def exported(self, board, *more):
+        run("export", board, "--replace", "--to", self.path("back.npz") + ",content=polar", *more)
+        scan = np.load(self.path("back.npz"))
+        self.assertEqual(scan["source"].tolist(), ["recording of hardware"])
+        return scan
+
+
+POLAR = {"layout": "polar", "radius_mm": 30.0, "wobble_radius_mm": 55.0, "sector_deg": 66.0, "fan_deg": 44.0,
+         "depth_mm": 90.0, "dynamic_range_db": 60.0}
+
+
+class Polar(Input):
+    def test_own_files_come_back(self):
+        scene = settings("phantom.name=sphere", "probe.wobble_radius_mm=70", "acquisition.fan_deg=35", *SMALL_SCAN)
+        names = {"a.nrrd,content=polar,type=uint16": 1 / 65535, "a.mha,content=polar": 1 / 255, "a.vol": 1 / 255}
+        to = [word for name in names for word in ("--to", self.path(name))]
+        run("export", "sim", *scene, "--no-cache", "--to", self.path("a.npz") + ",content=polar", *to)
+        scan = np.load(self.path("a.npz"))
+        for name, step in names.items():
+            keys = {"dynamic_range_db": 60.0} if name == "a.vol" else {}
+            back = self.exported(self.board(self.path(name.split(",")[0]), **keys))
+            self.assertLess(abs(back["samples"] - scan["samples"].astype(float)).max(), 0.5 * step + 1e-6, name)
+            for key in ("theta_deg", "range_mm", "motor_angle_deg", "radius_mm", "wobble_radius_mm"):
+                np.testing.assert_allclose(back[key], scan[key], atol=1e-6, err_msg=name + " " + key)
+
+    def test_axes_types_byte_orders_and_ends(self):
+        values = np.random.default_rng(1).integers(-2000, 1500, (5, 7, 16), dtype=np.int16)
+        expected = np.maximum(0, (values.astype(float) + 1500) / 3000)
+        orders = {("sample", "line", "frame"): values, ("line", "sample", "frame"): values.transpose(0, 2, 1),
+                  ("frame", "line", "sample"): values.transpose(2, 1, 0)}
+        for axes, array in orders.items():
+            for big in (False, True):
+                file = self.write("v.raw", b"head" + array.astype(">i2" if big else "<i2").tobytes())
+                scan = self.exported(self.board(
+                    file, **POLAR, axes=axes, element="int16", big_endian=big, offset_bytes=4,
+                    sizes=array.shape[::-1], black=-1500.0, white=1500.0, reversed=["line"]))
+                np.testing.assert_allclose(scan["samples"][0], expected[:, ::-1], atol=1e-6)
+
+    def test_several_volumes_angles_and_linear_values(self):
+        values = np.random.default_rng(2).uniform(0.001, 1, (6, 4, 5, 9)).astype("<f4")
+        angles = [-20.0, -11.0, 3.0, 17.5]
+        keys = {**POLAR, "motor_angles_deg": angles, "values": "linear", "white": 1.0}
+        del keys["fan_deg"]
+        scan = self.exported(self.board(self.write("v.mha", mha(values, element="MET_FLOAT")), **keys), "--volumes", 6)
+        np.testing.assert_allclose(scan["samples"], np.maximum(0, 1 + np.log10(values) / 3), atol=1e-5)
+        np.testing.assert_allclose(scan["motor_angle_deg"][:, :, 0], [angles] * 6, atol=1e-9)
+        # One frame after the other along the last axis of three.
+        flat = self.write("f.mha", mha(values.reshape(24, 5, 9), element="MET_FLOAT"))
+        again = self.exported(self.board(flat, **keys, frames_per_volume=4), "--volumes", 6)
+        np.testing.assert_array_equal(again["samples"], scan["samples"])
+
+    def test_kretz_samples_lie_where_public_readers_put_them(self):
+        voxels = np.random.default_rng(3).integers(0, 256, (9, 13, 40), dtype=np.uint8)
+        for axis in (-40.0, 60.0):
+            scan = self.exported(self.board(self.write("v.vol", kretz(voxels, axis=axis)), dynamic_range_db=60.0))
+            np.testing.assert_allclose(scan["samples"][0], voxels / 255, atol=1e-6)
+            theta, phi = np.linspace(-0.6, 0.6, 13)[None, :, None], np.linspace(-0.5, 0.5, 9)[:, None, None]
+            r, b = (100 + np.arange(40)) * 0.5, -axis * 0.5
+            read = np.stack(np.broadcast_arrays(
+                r * np.sin(theta), -(r * np.cos(theta) - b) * np.sin(phi),
+                b * (1 - np.cos(phi)) + r * np.cos(theta) * np.cos(phi)), -1)
+            ours = positions(scan["theta_deg"], scan["motor_angle_deg"][0], scan["range_mm"],
+                             float(scan["radius_mm"]), float(scan["wobble_radius_mm"]))
+            np.testing.assert_allclose(ours, read, atol=1e-6)
+
+    def test_rendered_and_never_scored(self):
+        voxels = np.full((21, 30, 200), 10, np.uint8)
+        voxels[:, :, 120:] = 200
+        board = self.board(self.write("v.vol", kretz(voxels)), dynamic_range_db=60.0)
+        out = run("run", "--board", board, "--out", self.path("run"), "--json",
+                  *settings("render.ray_casting.image_size=64"))
+        self.assertIn('"no_truth_because"', out)
+        self.assertIn("hardware", out)
+        seen = run("inspect", self.path("v.vol"), "--geometry", self.path("geometry.toml"))
+        self.assertIn("200 x 30 x 21 of uint8", seen)
+        self.assertIn("0 to 255 are 60 dB", seen)
+        run("record", "--board", board, "--out", self.path("rec"))
+        run("inspect", self.path("rec/recording.wbst"))
+
+
+class Resampled(Input):
+    """Pictures and grids: a field that is linear in position survives linear interpolation."""
+
+    def test_planes(self):
+        a, step, center = 30.0, 0.4, (130.25, -60.5)
+        row, column = np.indices((240, 260))
+        planes = np.stack([np.uint16(20000 + 60 * column + 90 * row + 1000 * f) for f in range(4)])
+        keys = {**POLAR, "layout": "planes", "white": 65535.0, "black": 0.0, "spacing_mm": [step, step],
+                "center_px": list(center), "lines": 50, "samples": 120}
+        scan = self.exported(self.board(self.write("p.mha", mha(planes, element="MET_USHORT")), **keys))
+        theta = np.radians(scan["theta_deg"])[:, None]
+        r = a + scan["range_mm"]
+        at_column, at_row = center[0] + r * np.sin(theta) / step, center[1] + r * np.cos(theta) / step
+        inside = (at_column > 0) & (at_column < 259) & (at_row > 0) & (at_row < 239)
+        self.assertGreater(inside.mean(), 0.9)
+        for f in range(4):
+            expected = (20000 + 60 * at_column + 90 * at_row + 1000 * f) / 65535
+            np.testing.assert_allclose(scan["samples"][0][f][inside], expected[inside], atol=1e-5)
+
+    def test_grid_in_the_probe_frame(self):
+        z, y, x = np.indices((90, 60, 80)).astype(float)
+        turn = np.array([[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]]) * 1.5  # rows: axes of the grid
+        origin = np.array([-20.0, -70.0, 20.0])
+        at = x[..., None] * turn[0] + y[..., None] * turn[1] + z[..., None] * turn[2] + origin
+        values = np.float32(0.4 + at @ np.array([2e-3, -1e-3, 1e-3]))
+        text = " ".join("(" + ",".join(map(str, axis)) + ")" for axis in turn)
+        keys = {**POLAR, "layout": "cartesian", "black": 0.0, "white": 1.0}
+        for space, sign in (("left-posterior-superior", 1), ("right-anterior-superior", -1)):
+            ras = np.array([sign, sign, 1])
+            text = " ".join("(" + ",".join(map(str, axis * ras)) + ")" for axis in turn)
+            file = self.write("g.nrrd", nrrd(values, "float", text, space, "(%g,%g,%g)" % tuple(origin * ras)))
+            scan = self.exported(self.board(file, **keys))
+            where = positions(scan["theta_deg"], scan["motor_angle_deg"][0], scan["range_mm"], 30.0, 55.0)
+            index = (where - origin) @ np.linalg.inv(turn)
+            inside = ((index > 0) & (index < np.array([79, 59, 89]))).all(-1)
+            self.assertGreater(inside.sum(), 1e4)
+            expected = 0.4 + where @ np.array([2e-3, -1e-3, 1e-3])
+            np.testing.assert_allclose(scan["samples"][0][inside], expected[inside], atol=1e-5)
+            self.assertEqual(scan["samples"][0][~((index > -0.6).all(-1))].max(), 0)
+
+    def test_grid_without_a_probe_shows_its_ball(self):
+        z, y, x = np.indices((100, 90, 110)) * 0.8
+        ball, radius = np.array([52.0, 30.0, 42.0]), 20.0
+        off = np.sqrt((x - ball[0]) ** 2 + (y - ball[1]) ** 2 + (z - ball[2]) ** 2) - radius
+        values = np.uint8(np.clip(110 - 60 * off, 20, 200))
+        file = self.write("ball.mha", mha(values, "0.8 0.8 0.8"))
+        run("export", self.board(file, layout="cartesian", dynamic_range_db=60.0), "--replace",
+            "--to", self.path("ball.ply"), "--to", self.path("ball.npz"), *settings("render.ray_casting.image_size=256", "render.ray_casting.incidence_correction_mm=0"))
+        scan = np.load(self.path("ball.npz"))
+        depth = scan["found_depth_mm"]
+        points = (scan["ray_origin_mm"] + depth[..., None] * scan["ray_direction"])[~np.isnan(depth)]
+        # The middle of the grid's near side lies on the face, 200 mm from the centre of curvature.
+        side = np.array([110, 90, 100]) * 0.8
+        center = ball + 0.4 - np.array([side[0] / 2, side[1] / 2, -200])
+        near = np.linalg.norm((points - center)[:, :2], axis=1) < 0.7 * radius
+        self.assertGreater(near.sum(), 2000)
+        self.assertLess(np.percentile(abs(np.linalg.norm(points[near] - center, axis=1) - radius), 95), 1.0)
+
+
+class RealProbe(Input):
+    def test_scan_conversion_is_the_published_one(self):
+        step = 72 / 3640
+        radius = 10 + (1000 - 0.5) * step
+        sector = 23 * 150 / 95
+        board = self.board(os.path.join(REAL, "lines.mha"), layout="polar", radius_mm=radius, sector_deg=sector,
+                           depth_mm=800 * step, dynamic_range_db=60.0)
+        # Of this grid all published pixels are points.
+        run("export", board, "--to", self.path("p.mha") + ",spacing_mm=0.025")
+        ours, published = (self.read(file) for file in (self.path("p.mha"), os.path.join(REAL, "scan_converted.mha")))
+        with open(self.path("p.mha"), "rb") as file:
+            center = np.array(re.search(rb"center_px = (.*)", file.read(4000))[1].split(), float)
+        row, column = np.indices(published.shape)
+        x, depth = (column + 314 - 409.5) * 0.15, (row + 208 - 87) * 0.15 + 10
+        theta, r = np.degrees(np.arctan2(x, depth)), np.hypot(x, depth)
+        inside = (abs(theta) < sector / 2 - 0.01) & (r > 10 + 1000.01 * step) & (r < 10 + 1798.99 * step)
+        at = np.rint(np.stack([x / 0.025 + center[0], depth / 0.025 + center[1]])).astype(int)[:, inside]
+        wrong = ours[at[1], at[0]].astype(int) - published[inside]
+        self.assertGreater(inside.sum(), 9000)
+        # Both round half grey levels up, of sums in another precision.
+        self.assertLessEqual(abs(wrong).max(), 1)
+        self.assertLess((wrong != 0).mean(), 0.001)
+
+    def read(self, file):
+        with open(file, "rb") as whole:
+            header, data = whole.read().split(b"ElementDataFile = LOCAL\n", 1)
+        size = re.search(rb"DimSize = (\d+) (\d+) 1", header)
+        return np.frombuffer(data, np.uint8).reshape(int(size[2]), int(size[1]))
+
+
+class Bad(Input):
+    """One line, exit code 2, nothing written."""
+
+    def refused(self, board, *says):
+        line = run("run", "--board", board, "--out", self.path("out"), code=2)
+        self.assertEqual(line.count("\n"), 1, line)
+        for text in says:
+            self.assertIn(text, line)
+        self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_meta_image(self):
+        good = mha(np.zeros((3, 4, 8), np.uint8))
+        cases = {"has 5": good[:-3] + b"", "is no MetaImage": good[:60], "must be MET_UCHAR": good.replace(b"UCHAR", b"OTHER"),
+                 "compressed": good.replace(b"CompressedData = False", b"CompressedData = True"),
+                 "must be LOCAL": good.replace(b"LOCAL", b"a.raw"), "at most 10^11": good.replace(b"= 8 4 3", b"= 999999 999999 999999"),
+                 "must be 1 to 4 whole numbers": good.replace(b"= 8 4 3", b"= 8 0 3"), "DimSize has": good.replace(b"NDims = 3", b"NDims = 2"),
+                 "need": good.replace(b"UCHAR", b"USHORT")}
+        for says, data in cases.items():
+            self.refused(self.board(self.write("b.mha", data), **POLAR), "" if says == "has 5" else says)
+        nan = np.full((3, 4, 8), 0.5, np.float32)
+        nan[1, 2, 3] = np.nan
+        self.refused(self.board(self.write("n.mha", mha(nan, element="MET_FLOAT")), **POLAR, black=0.0, white=1.0),
+                     "voxel 51 is no finite number")
+
+    def test_nrrd(self):
+        grid = np.zeros((5, 6, 7), np.uint8)
+        keys = {"layout": "cartesian", "dynamic_range_db": 60.0}
+        cases = {"is no NRRD": b"NRRX" + nrrd(grid, "uint8")[4:], "encoding = gzip": nrrd(grid, "uint8").replace(b"raw", b"gzip"),
+                 "need": nrrd(grid, "uint16"), "must be \"mm\"": nrrd(grid, "uint8", more='space units: "m" "m" "m"\n'),
+                 "has no spacing": nrrd(grid, "uint8", None), "in one plane": nrrd(grid, "uint8", "(1,0,0) (1,0,0) (0,0,1)"),
+                 "one an axis": nrrd(grid, "uint8", "(1,0,0) (0,1,0)"), "space = scanner-xyz": nrrd(grid, "uint8", space="scanner-xyz"),
+                 "must be 3 numbers": nrrd(grid, "uint8", "(1,0) (0,1,0) (0,0,1)"), "has no end": nrrd(grid, "uint8")[:50],
+                 "endian = middle": nrrd(np.zeros((5, 6, 7), np.uint16), "uint16", endian="middle")}
+        for says, data in cases.items():
+            self.refused(self.board(self.write("b.nrrd", data), **keys), says)
+
+    def test_raw_and_geometry(self):
+        file = self.write("b.raw", bytes(3 * 4 * 8))
+        raw = {**POLAR, "element": "uint8", "sizes": [8, 4, 3]}
+        self.refused("file=" + file, "raw voxels need a geometry file")
+        cases = [({"depth_mm": None}, "geometry.depth_mm: is missing"), ({"layout": None}, "geometry.layout: is missing"),
+                 ({"element": None}, "geometry.element: is missing"), ({"sizes": [8, 4, 4]}, "has 96 bytes"),
+                 ({"element": "uint16"}, "geometry.big_endian: is missing"), ({"dynamic_range_db": None}, "is missing; must say how many dB"),
+                 ({"radius_mm": 3000.0}, "must be within 1 and 200"), ({"radius": 3.0}, "no such key; did you mean radius_mm"),
+                 ({"sizes": [8, 4, 3.5]}, "whole numbers"), ({"axes": ["line", "line", "frame"]}, "must name its 3 axes"),
+                 ({"motor_angles_deg": [1.0]}, "must not be given with fan_deg"), ({"fan_deg": None, "motor_angles_deg": [1.0]}, "must have 3"),
+                 ({"center_px": [1.0, 2.0]}, "acts with layout"), ({"black": 300.0}, "must be more than black"),
+                 ({"reversed": ["depth"]}, "must be of sample, line, frame"), ({"frames_per_volume": 2}, "must divide 3")]
+        for change, says in cases:
+            keys = {key: value for key, value in {**raw, **change}.items() if value is not None}
+            self.refused(self.board(file, **keys), says)
+        planes = {**raw, "layout": "planes", "sizes": [8, 4, 3], "spacing_mm": [0.1, 0.1], "center_px": [4.0, -300.0]}
+        self.refused(self.board(file, **planes), "% of the sector lies outside the picture")
+        self.refused(self.board(file, **raw) + ",start_volume=1", "start_volume = 1")
+        self.refused(self.board(file, **raw)[:-5] + ".tml", "no such file")
+        self.refused("file=" + self.path("none.nrrd"), "none.nrrd")
+
+    def test_kretz(self):
+        voxels = np.zeros((4, 5, 6), np.uint8)
+        good = kretz(voxels)
+        cases = {"is no KRETZFILE": b"X" + good[1:], "compression": kretz(voxels, tag=0xD600), "ends before its last voxel": good[:-1],
+                 "the distance of samples is out of range": kretz(voxels, resolution_m=-1.0),
+                 "radius_mm": kretz(voxels, first=1e5), "does not say the number of lines": good.replace(struct.pack("<HHI", 0xC000, 2, 2), struct.pack("<HHI", 0xC0F0, 2, 2))}
+        for says, data in cases.items():
+            self.refused(self.board(self.write("b.vol", data), dynamic_range_db=60.0), says)
+        self.refused("file=" + self.write("b.vol", good), "geometry.dynamic_range_db: is missing")
+        self.refused(self.board(self.write("b.vol", good), dynamic_range_db=60.0, radius_mm=40.0), "says it itself")
+
+    def test_damaged_files_crash_nothing(self):
+        """Bytes that were changed and files that were cut: read, or refused with one line."""
+        rng = random.Random(20261126)
+        grid = np.random.default_rng(1).integers(0, 256, (3, 4, 9), dtype=np.uint8)
+        files = {"z.mha": (mha(grid, "1 1 1"), POLAR), "z.nrrd": (nrrd(grid, "uint8"), {"layout": "cartesian", "dynamic_range_db": 60.0}),
+                 "z.vol": (kretz(grid), {"dynamic_range_db": 60.0}),
+                 "z.toml": (geometry_text(**POLAR, element="uint8", sizes=[9, 4, 3]).encode(), None)}
+        for name, (data, keys) in files.items():
+            for turn in range(int(os.environ.get("WOBBLEBENCH_DAMAGED", "60"))):
+                damaged = bytearray(data)
+                header = max(1, len(data) - grid.size)
+                for _ in range(rng.choice([0, 1, 1, 2, 5])):
+                    damaged[rng.randrange(header)] = rng.randrange(256)
+                if rng.random() < 0.3:
+                    del damaged[rng.randrange(len(damaged)):]
+                file = self.write(name, bytes(damaged))
+                arguments = [file]
+                if keys is not None:
+                    arguments += ["--geometry", self.write("g.toml", geometry_text(**keys))]
+                else:
+                    arguments = [self.write("z.raw", grid.tobytes()), "--geometry", file]
+                done = subprocess.run([PROGRAM, "inspect", *arguments], capture_output=True, text=True, check=False, timeout=60)
+                self.assertIn(done.returncode, (0, 1, 2), (name, turn, bytes(damaged)))
+                if done.returncode != 0:
+                    self.assertEqual(done.stderr.count("\n"), 1, (name, turn, done.stderr))
+                    self.assertEqual(done.returncode, 2, (name, turn, done.stderr))
+
+
+if __name__ == "__main__":
+    unittest.main()
