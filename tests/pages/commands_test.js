@@ -64,6 +64,15 @@ for (const command of commands) {
   });
 }
 
+test('each point of accuracy names a command that makes its picture', () =>
+  withPage(join(folder, 'accuracy/report.html'), async (page) => {
+    const commands = await page.evaluate(() => [...document.querySelectorAll('template.detail')]
+      .map(({content}) => content.querySelector('pre.command').textContent));
+    assert.ok(commands.length > 0);
+    const [, ...words] = commands[0].split(' ');
+    linesOf(process.env.PAGES_PROGRAM, [...words, '--out', scratch('point')]);
+  }));
+
 test('a click on the front of a trade shows the command of its point', () =>
   withPage(join(folder, 'trade/report.html'), async (page) => {
     const points = page.locator('figure.chart svg .mark-symbol.role-mark path');

@@ -51,6 +51,10 @@ AccuracyScene::Setting setting_of(const AccuracyPlan& plan,
                                   const std::vector<std::string>& more) {
   AccuracyScene::Setting read;
   read.name = setting.name;
+  std::vector<std::string> settings = scene.settings;
+  settings.insert(settings.end(), setting.settings.begin(), setting.settings.end());
+  settings.insert(settings.end(), more.begin(), more.end());
+  read.command = run_command_line(scene.file, settings);
   for (const sim::Rung rung : plan.rungs) {
     read.scene = planned_scene(plan, scene, setting, rung, more);
     refuse_correction(read.scene, "accuracy");

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/near_name.h"
+#include "base/text.h"
 #include "base/user_error.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/validate/common/statistics.h"
@@ -158,6 +159,20 @@ void refuse_varied(const Scene& scene, const std::string& source) {
   }
 }
 
+/// A setting as a shell's word; without TOML's quotes where the text cannot be taken for anything
+/// else.
+std::string setting_word(const std::string& setting) {
+  const auto equals = setting.find('=');
+  const std::string value = plain_value(setting.substr(equals + 1));
+  const bool is_word = !value.empty() && std::isalpha(static_cast<unsigned char>(value[0])) != 0 &&
+                       std::all_of(value.begin(), value.end(), [](unsigned char c) {
+                         return std::isalnum(c) != 0 || c == '_' || c == '-';
+                       });
+  const bool is_reserved = value == "true" || value == "false" || value == "inf" || value == "nan";
+  const bool is_plain = is_word && !is_reserved;
+  return shell_word(is_plain ? setting.substr(0, equals + 1) + value : setting);
+}
+
 }  // namespace
 
 void refuse_plan(const std::string& source, const std::string& key, const std::string& allowed) {
@@ -247,6 +262,21 @@ Scene planned_scene(const AccuracyPlan& plan,
   if (!plan.of_one_scene) refuse_varied(planned, source);
   settings.push_back("simulation.fidelity=" + sim::to_string(rung));
   return load_scene(scene.file, settings, source);
+}
+
+std::string plain_value(const std::string& value) {
+  const bool quoted = value.size() >= 2 && value.front() == value.back() &&
+                      (value.front() == '"' || value.front() == '\'');
+  return quoted ? value.substr(1, value.size() - 2) : value;
+}
+
+std::string run_command_line(const std::filesystem::path& scene,
+                             const std::vector<std::string>& settings) {
+  std::string command = "wobblebench run";
+  if (!scene.empty()) command.append(" ").append(shell_word(scene.string()));
+  for (const std::string& setting : settings)
+    command.append(" --set ").append(setting_word(setting));
+  return command;
 }
 
 }  // namespace wobblebench::bench

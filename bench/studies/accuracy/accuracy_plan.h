@@ -77,4 +77,11 @@ Scene planned_scene(const AccuracyPlan& plan,
                     sim::Rung rung,
                     const std::vector<std::string>& more);
 
+/// A value without the quotes of TOML's texts.
+std::string plain_value(const std::string& value);
+
+/// The command that makes the picture of a scene with these settings, as a shell takes it.
+std::string run_command_line(const std::filesystem::path& scene,
+                             const std::vector<std::string>& settings);
+
 }  // namespace wobblebench::bench

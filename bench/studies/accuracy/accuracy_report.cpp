@@ -316,6 +316,8 @@ void add_details(const AccuracyResults& results, Document& document) {
   for (const AccuracySummary& s : results.summaries) {
     if (s.group != "picture") continue;
     Detail detail{.id = id_of(s), .title = s.scene + ", " + s.rung + ", " + s.setting};
+    const auto command = results.commands.find({s.scene, s.rung, s.setting});
+    if (command != results.commands.end()) detail.command = command->second;
     for (const Column& column : picture_columns()) {
       const std::string shown = interval_cell(s.means[index_of(column.key)]).shown(column);
       if (!shown.empty()) detail.text += "- " + heading(column) + ": " + shown + "\n";

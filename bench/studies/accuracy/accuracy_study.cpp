@@ -83,6 +83,9 @@ class Study {
     }
     results.pictures.push_back(
         {planned.name, rung, setting.name, std::move(evaluation.picture.surface)});
+    results.commands[{planned.name, rung, setting.name}] =
+        setting.command + " --set simulation.fidelity=" + rung +
+        " --set simulation.seed=" + std::to_string(seed);
   }
 
   void add_rows(AccuracyRow row, const Evaluation& evaluation) {

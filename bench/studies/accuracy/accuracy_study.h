@@ -2,9 +2,11 @@
 // `accuracy`.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,8 @@ struct AccuracyScene {
   std::string name;
   struct Setting {
     std::string name;
-    Scene scene;  ///< the same as of the first but for [render]
+    Scene scene;          ///< the same as of the first but for [render]
+    std::string command;  ///< `run` of it, but for rung and seed
   };
   std::vector<Setting> settings;
   std::vector<sim::Rung> rungs;
@@ -69,6 +72,8 @@ struct AccuracyResults {
   std::vector<AccuracyRow> rows;
   std::vector<AccuracySummary> summaries;  ///< in the order of the rows
   std::vector<AccuracyPicture> pictures;
+  /// The command that makes the first seed's picture again, by scene, rung and setting.
+  std::map<std::array<std::string, 3>, std::string> commands;
   std::vector<AccuracyBound> bounds;  ///< of scenes with a surface in view
   std::vector<std::string> notes;     ///< scenes without a surface in view, and why
   EvaluationTimes times;              ///< sums over all evaluations

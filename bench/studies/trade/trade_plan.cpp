@@ -297,12 +297,6 @@ std::vector<std::size_t> all_scenes(const TradePlan& plan) {
   return scenes;
 }
 
-std::string plain_value(const std::string& value) {
-  const bool quoted = value.size() >= 2 && value.front() == value.back() &&
-                      (value.front() == '"' || value.front() == '\'');
-  return quoted ? value.substr(1, value.size() - 2) : value;
-}
-
 std::vector<std::string> settings_of(const TradePlan& plan, const TradePoint& point) {
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < plan.axes.size(); ++i) {

@@ -90,9 +90,6 @@ std::vector<double> shares_of(const TradePlan& plan, const TradePoint& point);
 /// The number of each scene of the plan.
 std::vector<std::size_t> all_scenes(const TradePlan& plan);
 
-/// A value without the quotes of TOML's texts.
-std::string plain_value(const std::string& value);
-
 /// The settings of a point, as load_scene() takes them.
 std::vector<std::string> settings_of(const TradePlan& plan, const TradePoint& point);
 

@@ -78,20 +78,6 @@ std::string slice_values(const TradePlan& plan, const TradePoint& point) {
   });
 }
 
-/// A setting as a shell's word; without TOML's quotes where the text cannot be taken for anything
-/// else.
-std::string setting_word(const std::string& setting) {
-  const auto equals = setting.find('=');
-  const std::string value = plain_value(setting.substr(equals + 1));
-  const bool is_word = !value.empty() && std::isalpha(static_cast<unsigned char>(value[0])) != 0 &&
-                       std::all_of(value.begin(), value.end(), [](unsigned char c) {
-                         return std::isalnum(c) != 0 || c == '_' || c == '-';
-                       });
-  const bool is_reserved = value == "true" || value == "false" || value == "inf" || value == "nan";
-  const bool is_plain = is_word && !is_reserved;
-  return shell_word(is_plain ? setting.substr(0, equals + 1) + value : setting);
-}
-
 }  // namespace
 
 Scene TradeWork::scene(std::size_t scene, const TradePoint& point) const {
@@ -112,17 +98,11 @@ std::optional<Scene> TradeWork::without_point(std::size_t scene,
 }
 
 std::string TradeWork::run_command(std::size_t scene, std::size_t point) const {
-  const NamedOptions& options = plan.scenes[scene];
-  std::string command = "wobblebench run";
-  if (!options.file.empty()) command += " " + shell_word(options.file.string());
-  const auto add = [&](const std::string& setting) {
-    command += " --set " + setting_word(setting);
-  };
-  for (const std::string& setting : options.settings) add(setting);
-  for (const std::string& setting : settings_of(plan, points[point])) add(setting);
-  for (const std::string& setting : more) add(setting);
-  add("simulation.seed=" + std::to_string(plan.seeds.front()));
-  return command;
+  std::vector<std::string> settings = plan.scenes[scene].settings;
+  for (const std::string& setting : settings_of(plan, points[point])) settings.push_back(setting);
+  settings.insert(settings.end(), more.begin(), more.end());
+  settings.push_back("simulation.seed=" + std::to_string(plan.seeds.front()));
+  return run_command_line(plan.scenes[scene].file, settings);
 }
 
 std::vector<fs::path> TradeWork::files() const {
