@@ -357,11 +357,12 @@ Command add_export_command(CLI::App& app) {
            arguments->from,
            "A scene (.toml, or sim for the defaults), a recording, a board as --board takes it, or "
            "the folder of a run");
-  add_list(command,
-           "--to",
-           arguments->to,
-           "File to write (repeatable): .npz, .nrrd, .seq.nrrd, .mha, .vol or .ply, then "
-           ",content=C,type=T,spacing_mm=S");
+  add_list(
+      command,
+      "--to",
+      arguments->to,
+      "File to write (repeatable): .npz, .nrrd, .seq.nrrd, .mha, .hdf5, .vol, .dcm or .ply, then "
+      ",content=C,type=T,spacing_mm=S");
   add_path(command,
            "--scene",
            arguments->scene.file,

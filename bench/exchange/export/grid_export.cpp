@@ -11,9 +11,11 @@
 #include "base/user_error.h"
 #include "bench/exchange/export/polar_sampler.h"
 #include "bench/exchange/export/writers.h"
+#include "bench/exchange/files/dicom_volume.h"
 #include "bench/exchange/files/meta_image.h"
 #include "bench/exchange/files/nrrd.h"
 #include "bench/exchange/files/out_file.h"
+#include "bench/output/report_parts.h"
 
 namespace wobblebench::bench {
 
@@ -22,6 +24,7 @@ namespace {
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
 constexpr double kMostVoxels = 2e9;
+constexpr std::size_t kLongText = 64;  // characters of DICOM's Long String
 
 /// Grid points of equal spacing in a box of the probe frame.
 struct Grid {
@@ -365,6 +368,63 @@ class GridWriter : public ScanWriter {
   std::optional<std::uint32_t> first_;  ///< volume that was exported first
 };
 
+/// The same grid as one DICOM file, which is made when all of it is there.
+class DicomWriter : public ScanWriter {
+ public:
+  DicomWriter(const std::filesystem::path& path,
+              const FileOptions& options,
+              const ExportedScan& scan)
+      : path_(path), grid_(grid_around(scan.plan(), options.spacing_m)), scan_(scan) {}
+
+  void add(const hw::PolarVolume& volume) override {
+    const PolarSampler sampler(volume);
+    const auto sizes = grid_.sizes();
+    voxels_.resize(sizes[0] * sizes[1] * sizes[2]);
+    parallel_rows(grid_.size.z, [&](int z) {
+      auto* voxel = voxels_.data() + static_cast<std::size_t>(z) * sizes[0] * sizes[1];
+      for (int y = 0; y < grid_.size.y; ++y) {
+        for (int x = 0; x < grid_.size.x; ++x) {
+          const auto sample = static_cast<float>(sampler.at(grid_.point_m(x, y, z)).value_or(0));
+          *voxel++ = static_cast<std::uint8_t>(std::lround(255 * std::clamp<double>(sample, 0, 1)));
+        }
+      }
+    });
+  }
+
+  void finish(const ExportedPicture*) override {
+    const hw::AcquisitionPlan& plan = scan_.plan();
+    DicomVolume volume{.columns = static_cast<std::uint16_t>(grid_.size.x),
+                       .rows = static_cast<std::uint16_t>(grid_.size.y),
+                       .planes = static_cast<std::uint32_t>(grid_.size.z),
+                       .spacing_mm = grid_.spacing_m / kMillimetre,
+                       .origin_mm = grid_.low_m / kMillimetre,
+                       .face_mm = plan.probe().radius_m / kMillimetre,
+                       .depth_mm = plan.acquisition().depth_m / kMillimetre,
+                       .focus_mm = plan.probe().transmit_focus_m / kMillimetre};
+    volume.duration_ms = 1e3 * volume_time_s(plan, 0, 1);
+    volume.patient = scan_.simulated ? "SIMULATED^WOBBLEBENCH" : "UNKNOWN^WOBBLEBENCH";
+    volume.description = scan_.simulated ? "SIMULATED by wobblebench" : "recording of hardware";
+    const std::string version = version_line("wobblebench");
+    volume.version = version.substr(0, std::min<std::size_t>(version.find('\n'), kLongText));
+    volume.uid_root = "2.25." + std::to_string(content_hash());
+    volume.voxels = std::move(voxels_);
+    write_dicom_volume(path_, volume);
+  }
+
+ private:
+  /// Equal content has equal identifiers.
+  std::uint64_t content_hash() const {
+    std::uint64_t hash = 1469598103934665603U;  // FNV-1a
+    for (const std::uint8_t voxel : voxels_) hash = (hash ^ voxel) * 1099511628211U;
+    return hash;
+  }
+
+  std::filesystem::path path_;
+  Grid grid_;
+  const ExportedScan& scan_;
+  std::vector<std::uint8_t> voxels_;
+};
+
 }  // namespace
 
 void check_grid(const std::string& name,
@@ -384,6 +444,7 @@ std::unique_ptr<ScanWriter> make_grid_writer(ExportFormat format,
                                              const std::filesystem::path& path,
                                              const FileOptions& options,
                                              const ExportedScan& scan) {
+  if (format == ExportFormat::dicom) return std::make_unique<DicomWriter>(path, options, scan);
   return std::make_unique<GridWriter>(format, path, options, scan);
 }
 

@@ -24,6 +24,8 @@ const std::vector<Format>& formats() {
        ExportFormat::meta_image,
        {Content::planes, Content::polar, Content::cartesian, Content::labels}},
       {".npz", ExportFormat::npz, {Content::everything, Content::polar}},
+      {".dcm", ExportFormat::dicom, {Content::cartesian}},
+      {".hdf5", ExportFormat::zea, {Content::polar}},
       {".vol", ExportFormat::kretz, {Content::polar}},
       {".ply", ExportFormat::ply, {Content::found, Content::truth}}};
   return all;
@@ -55,7 +57,8 @@ const Format& format_of(const std::string& name) {
   for (const Format& format : formats()) {
     if (name.ends_with(format.ending) && name.size() > format.ending.size()) return format;
   }
-  throw UserError("--to = " + name + ": must end with .npz, .nrrd, .seq.nrrd, .mha, .vol or .ply");
+  throw UserError("--to = " + name +
+                  ": must end with .npz, .nrrd, .seq.nrrd, .mha, .hdf5, .vol, .dcm or .ply");
 }
 
 bool has_samples(Content content) {
@@ -99,7 +102,9 @@ FileOptions chosen_options(const std::string& name,
     refuse("spacing_mm: acts with content=cartesian, planes or labels; content is " + content);
   }
   const bool takes_type = has_samples(chosen.content) && format.format != ExportFormat::npz &&
-                          format.format != ExportFormat::kretz;
+                          format.format != ExportFormat::kretz &&
+                          format.format != ExportFormat::zea &&
+                          format.format != ExportFormat::dicom;
   if (was_given("type") && !takes_type) {
     refuse("type: acts with samples in .nrrd and .mha; the type of this file is fixed");
   }
@@ -108,7 +113,8 @@ FileOptions chosen_options(const std::string& name,
     refuse("content = " + content + ": needs samples of a known phantom");
   }
   const bool takes_one =
-      format.format == ExportFormat::nrrd || chosen.content == Content::labels ||
+      format.format == ExportFormat::nrrd || format.format == ExportFormat::kretz ||
+      format.format == ExportFormat::dicom || chosen.content == Content::labels ||
       (format.format == ExportFormat::meta_image && chosen.content == Content::cartesian);
   if (takes_one && volumes > 1) {
     refuse("holds one volume; --volumes is " + std::to_string(volumes) +
@@ -127,7 +133,10 @@ std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
     case ExportFormat::nrrd:
     case ExportFormat::nrrd_sequence:
     case ExportFormat::meta_image:
+    case ExportFormat::dicom:
       return make_grid_writer(format, path, options, scan);
+    case ExportFormat::zea:
+      return make_zea_writer(path, options, scan);
     case ExportFormat::kretz:
       return make_kretz_writer(path, options, scan);
     case ExportFormat::ply:

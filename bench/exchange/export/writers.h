@@ -9,7 +9,7 @@
 
 namespace wobblebench::bench {
 
-enum class ExportFormat { npz, nrrd, nrrd_sequence, meta_image, ply, kretz };
+enum class ExportFormat { npz, nrrd, nrrd_sequence, meta_image, ply, kretz, zea, dicom };
 
 /// Of a file's name. Throws UserError "--to = NAME: …" with all that can be written.
 ExportFormat export_format(const std::string& name);
@@ -52,6 +52,9 @@ std::unique_ptr<ScanWriter> make_grid_writer(ExportFormat format,
 std::unique_ptr<ScanWriter> make_kretz_writer(const std::filesystem::path& path,
                                               const FileOptions& options,
                                               const ExportedScan& scan);
+std::unique_ptr<ScanWriter> make_zea_writer(const std::filesystem::path& path,
+                                            const FileOptions& options,
+                                            const ExportedScan& scan);
 std::unique_ptr<ScanWriter> make_ply_writer(const std::filesystem::path& path,
                                             const FileOptions& options,
                                             const ExportedScan& scan);

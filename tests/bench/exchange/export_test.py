@@ -301,6 +301,7 @@ class Refusals(InFolder):
         self.refused("sim", "--to", to + ",type=uint8", says="type: acts with samples in .nrrd and .mha")
         self.refused("sim", "--to", to + ",content=planes", says="content = planes: must be one of everything, polar")
         self.refused("sim", "--to", self.path("a.nrrd"), "--volumes", 2, says="holds one volume")
+        self.refused("sim", "--to", self.path("a.vol"), "--volumes", 2, says="holds one volume")
         self.refused("sim", "--to", to + ",colour=1", says="no such key")
         self.refused("sim", "--to", to, "--to", "/tmp/b.npz", says="must lie in one folder")
         self.refused("missing.wbst", "--to", to, says="missing.wbst")
