@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <utility>
 
 namespace wobblebench::python {
 
@@ -93,7 +94,7 @@ void add_exceptions(py::module_& module) {
                "that was given and is without effect.");
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      std::rethrow_exception(thrown);
+      std::rethrow_exception(std::move(thrown));
     } catch (const Refused& refused) {
       const auto& [line, code] = refused.refusal;
       PyErr_SetString(code == bench::kBadInput ? bad_input : failed, line.c_str());

@@ -60,7 +60,7 @@ auto released(
   using Result = decltype(body());
   std::packaged_task<Result()> task([body = std::move(body)] { return refusing(body); });
   auto future = task.get_future();
-  std::thread([task = std::move(task), running = std::make_unique<CallUnderWay>()]() mutable {
+  std::thread([task = std::move(task), running = std::make_shared<CallUnderWay>()]() mutable {
     task();
     // What the body owns is destroyed while the call still counts.
     task = {};

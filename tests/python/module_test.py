@@ -304,14 +304,29 @@ except KeyboardInterrupt:
 """
 
 
+# A calculation that cannot be stopped: the process ends under it.
+LEFT = """
+import sys, wobblebench
+scene = wobblebench.Scene(settings={"simulation.fidelity": "scatterers", "acquisition.frames_per_volume": 200})
+print("reading", flush=True)
+try:
+    wobblebench.simulate(scene)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    sys.exit(5)
+"""
+
+
 class Process(unittest.TestCase):
     def test_ctrl_c_raises_keyboard_interrupt_and_the_process_ends_with_its_code(self):
-        child = subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.assertEqual(child.stdout.readline(), "reading\n")
-        time.sleep(0.3)
-        child.send_signal(signal.SIGINT)
-        out, err = child.communicate()
-        self.assertEqual((out, err, child.returncode), ("interrupted\n", "", 5))
+        for code in (INTERRUPTED, LEFT):
+            child = subprocess.Popen([sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE,
+                                     stderr=subprocess.PIPE, text=True)
+            self.assertEqual(child.stdout.readline(), "reading\n")
+            time.sleep(0.3)
+            child.send_signal(signal.SIGINT)
+            out, err = child.communicate()
+            self.assertEqual((out, err, child.returncode), ("interrupted\n", "", 5))
 
     def test_nothing_is_printed(self):
         code = ("import wobblebench; s = wobblebench.Scene(settings={'phantom.name': 'sphere'}); v = wobblebench.simulate(s);"
