@@ -9,6 +9,7 @@ namespace wobblebench::bench {
 
 namespace {
 
+constexpr const char* kFrameTime = "frame_ms";
 constexpr double kNotFormed = std::numeric_limits<double>::quiet_NaN();
 
 /// More of these is better, or neither better nor worse.
@@ -27,20 +28,9 @@ void add(const std::vector<std::string>& names,
   }
 }
 
-}  // namespace
-
-const std::vector<std::string>& picture_figure_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const auto& figure : picture_figures(nullptr, 0, "")) all.push_back(figure.name);
-    return all;
-  }();
-  return names;
-}
-
-std::vector<LimitedFigure> picture_figures(const PictureMeasures* measures,
-                                           double frame_ms,
-                                           const std::string& why_none) {
+/// `measures`: null: there are none. `why_none`: as timed_picture_figures() takes it.
+std::vector<LimitedFigure> figures_of(const PictureMeasures* measures,
+                                      const std::string& why_none) {
   const bool formed = measures != nullptr && why_none.empty();
   std::vector<double> whole, traded;
   if (formed) {
@@ -52,7 +42,38 @@ std::vector<LimitedFigure> picture_figures(const PictureMeasures* measures,
   add(measure_names(), whole, figures);
   const std::string why = formed ? why_no_surface(measures->raw) : why_none;
   for (LimitedFigure& figure : figures) figure.because = why;
-  figures.push_back({"frame_ms", frame_ms});
+  return figures;
+}
+
+}  // namespace
+
+const std::vector<std::string>& picture_measure_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& figure : figures_of(nullptr, "")) all.push_back(figure.name);
+    return all;
+  }();
+  return names;
+}
+
+const std::vector<std::string>& timed_picture_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all = picture_measure_names();
+    all.emplace_back(kFrameTime);
+    return all;
+  }();
+  return names;
+}
+
+std::vector<LimitedFigure> picture_figures(const PictureMeasures& measures) {
+  return figures_of(&measures, "");
+}
+
+std::vector<LimitedFigure> timed_picture_figures(const PictureMeasures* measures,
+                                                 double frame_ms,
+                                                 const std::string& why_none) {
+  std::vector<LimitedFigure> figures = figures_of(measures, why_none);
+  figures.push_back({kFrameTime, frame_ms});
   return figures;
 }
 

@@ -9,14 +9,17 @@
 
 namespace wobblebench::bench {
 
-/// Of measure_names() and trade_measure_names() those of which less is better, and frame_ms, the
-/// time of the picture.
-const std::vector<std::string>& picture_figure_names();
+/// Of measure_names() and trade_measure_names() those of which less is better.
+const std::vector<std::string>& picture_measure_names();
+/// Their values over the whole picture.
+std::vector<LimitedFigure> picture_figures(const PictureMeasures& measures);
 
-/// Their values, over the whole picture. `measures`: null: there are none. `why_none`: why no
-/// measure is formed; empty: those are that have a value.
-std::vector<LimitedFigure> picture_figures(const PictureMeasures* measures,
-                                           double frame_ms,
-                                           const std::string& why_none);
+/// The same and frame_ms, the time of the picture.
+const std::vector<std::string>& timed_picture_names();
+/// `measures`: null: there are none. `why_none`: why no measure is formed; empty: those are that
+/// have a value.
+std::vector<LimitedFigure> timed_picture_figures(const PictureMeasures* measures,
+                                                 double frame_ms,
+                                                 const std::string& why_none);
 
 }  // namespace wobblebench::bench

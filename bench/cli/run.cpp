@@ -1,5 +1,6 @@
 // The main job: a stream of one volume, its picture compared with the truth, written.
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/error_model/correction.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/exchange/program/program_stream_renderer.h"
 #include "bench/output/error_report.h"
 #include "bench/output/report.h"
 #include "bench/output/report_parts.h"
@@ -38,6 +40,7 @@ struct Arguments {
   std::string board = "sim";
   std::string gl = "auto";
   std::vector<std::string> limits;
+  std::vector<std::string> renderers;
   std::string tolerance;  ///< empty: none
   bool register_surface = false;
   bool fail_on_loss = false;
@@ -96,18 +99,40 @@ Scene with_choice(const Scene& given,
   return chosen;
 }
 
+/// Who makes the picture: our renderer, or a program of others.
+struct Painter {
+  Painter(render::GlContext& gl, const ResolvedScene& scene) : context(gl) {
+    const ProgramSetting setting = program_setting(scene.options().picture);
+    if (setting.any()) {
+      program = std::make_unique<ProgramRenderer>(setting);
+      passes = std::make_unique<ProgramStreamRenderer>(*program, scene.plan(), scene.render());
+    } else {
+      renderer = std::make_unique<render::Renderer>(gl, scene.plan(), scene.render());
+      passes = std::make_unique<GlStreamRenderer>(*renderer);
+    }
+  }
+
+  const render::GlContext& context;
+  std::unique_ptr<ProgramRenderer> program;
+  std::unique_ptr<render::Renderer> renderer;
+  std::unique_ptr<StreamRenderer> passes;
+};
+
 /// The volume, and the picture of it.
 RunResult stream_volume(BoardConnection& board,
                         const StreamSource& source,
-                        const render::GlContext& context,
-                        render::Renderer& renderer) {
-  GlStreamRenderer passes(renderer);
+                        const Painter& painter) {
   render::Picture picture;
   const auto show = [&](const ShownPicture& shown) { picture = shown.picture; };
-  Acquisition acquisition = board.acquire(source, passes, show);
+  Acquisition acquisition = board.acquire(source, *painter.passes, show);
   RunResult result(std::move(acquisition), std::move(picture));
-  result.gl_backend = context.backend();
-  result.gl_renderer = context.renderer_string();
+  if (painter.program) {
+    result.gl_renderer =
+        "the program " + painter.program->setting().name + ", with the exchange of files";
+  } else {
+    result.gl_backend = painter.context.backend();
+    result.gl_renderer = painter.context.renderer_string();
+  }
   return result;
 }
 
@@ -145,12 +170,12 @@ void warn_of_unknown_scale(const Acquisition& acquisition, Progress& progress) {
 std::optional<render::Picture> correct_picture(RunResult& result,
                                                const std::optional<Correction>& correction,
                                                const ResolvedScene& scene,
-                                               render::Renderer& renderer,
+                                               render::Renderer* renderer,
                                                Progress& progress) {
-  if (!correction) return std::nullopt;
+  if (!correction || renderer == nullptr) return std::nullopt;
   render::Picture corrected = progress.step("correct", [&] {
     return corrected_picture(
-        *correction, renderer, result.picture, result.acquisition.volume, scene.options());
+        *correction, *renderer, result.picture, result.acquisition.volume, scene.options());
   });
   return std::exchange(result.picture, std::move(corrected));
 }
@@ -224,15 +249,18 @@ std::string why_no_measures(const RunResult& result, const ResolvedScene& scene)
 }
 
 std::vector<LimitedFigure> limited_figures(const RunResult& result, const ResolvedScene& scene) {
-  return picture_figures(result.comparison ? &result.comparison->error : nullptr,
-                         frame_ms(result.picture.passes),
-                         why_no_measures(result, scene));
+  return timed_picture_figures(result.comparison ? &result.comparison->error : nullptr,
+                               frame_ms(result.picture.passes),
+                               why_no_measures(result, scene));
 }
 
 int run(const Arguments& arguments) {
-  const auto limits = parse_limits(arguments.limits, picture_figure_names());
+  const auto limits = parse_limits(arguments.limits, timed_picture_names());
+  define_renderers(arguments.renderers);
   const Scene given = load_scene(arguments.scene.file, arguments.scene.settings);
+  check_program(given.picture);
   const auto request = tolerance_request(arguments);
+  if (request) refuse_program(given, "run --tolerance");
   check_memory_of_run(given, available_memory_bytes());
   const BoardArguments board_arguments = parse_board(arguments.board);
   const auto correction = read_correction(given, is_simulated(board_arguments));
@@ -250,20 +278,21 @@ int run(const Arguments& arguments) {
     const ResolvedScene scene = board.resolve(chosen, cache, progress);
     refuse_registration(arguments, scene);
     if (correction) check_correction(*correction, scene.options());
-    render::Renderer renderer(*context, scene.plan(), scene.render());
-    auto compiled = renderer.compile_in_background();
+    const Painter painter(*context, scene);
+    std::future<void> compiled;
+    if (painter.renderer) compiled = painter.renderer->compile_in_background();
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
-    progress.step("shaders", [&] { compiled.get(); });
+    if (painter.renderer) progress.step("shaders", [&] { compiled.get(); });
 
     RunResult result =
-        progress.step("stream", [&] { return stream_volume(board, source, *context, renderer); });
+        progress.step("stream", [&] { return stream_volume(board, source, painter); });
     result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
     warn_of_motor(result.motor, scene.plan(), progress);
     warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
     if (correction) warn_of_unknown_scale(result.acquisition, progress);
-    const auto found = correct_picture(result, correction, scene, renderer, progress);
+    const auto found = correct_picture(result, correction, scene, painter.renderer.get(), progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);
     warn_of_picture(result, scene, progress);
     if (arguments.count_work) {
@@ -296,10 +325,11 @@ Command add_run_command(CLI::App& app) {
   add_scene_options(command, arguments->scene);
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
-  add_limit_option(command, arguments->limits, picture_figure_names());
+  add_limit_option(command, arguments->limits, timed_picture_names());
   add_junit_option(command, arguments->output);
   add_board_option(command, arguments->board);
   add_gl_option(command, arguments->gl);
+  add_renderer_option(command, arguments->renderers);
   add_flag(
       command,
       "--register",

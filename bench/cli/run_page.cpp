@@ -376,4 +376,15 @@ Document run_document(const RunResult& result,
   return page;
 }
 
+Document score_document(const PictureResult& result,
+                        const ResolvedScene& scene,
+                        const std::string& summary) {
+  Document page{.title = "wobblebench score: " + scene.options().phantom.name};
+  page.add(Text{summary_list(summary)});
+  add_surfaces(result, scene, page);
+  add_map(result, scene, page);
+  add_errors(result, scene, page);
+  return page;
+}
+
 }  // namespace wobblebench::bench

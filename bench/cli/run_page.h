@@ -16,6 +16,11 @@ Document run_document(const RunResult& result,
                       const ResolvedScene& scene,
                       const std::string& summary);
 
+/// The same of a surface that another program found: without a volume, times and a board.
+Document score_document(const PictureResult& result,
+                        const ResolvedScene& scene,
+                        const std::string& summary);
+
 /// A list of what a summary says: its lines begin with the name of what they are about, in columns
 /// of 12 characters; a line without a name goes on with the one before.
 std::string summary_list(const std::string& summary);

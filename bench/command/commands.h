@@ -15,6 +15,7 @@ Program wobblebench_program();
 /// Each adds its subcommand with its options to `app`.
 Command add_run_command(CLI::App& app);
 Command add_compare_command(CLI::App& app);
+Command add_score_command(CLI::App& app);
 Command add_stream_command(CLI::App& app);
 Command add_latency_command(CLI::App& app);
 Command add_record_command(CLI::App& app);

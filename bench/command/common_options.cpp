@@ -198,6 +198,14 @@ void add_gl_option(CLI::App& command, std::string& backend) {
       command, "--gl", backend, names, "Where OpenGL comes from; auto: the first that is here");
 }
 
+void add_renderer_option(CLI::App& command, std::vector<std::string>& renderers) {
+  add_list(command,
+           "--renderer",
+           renderers,
+           "NAME=COMMAND: another program that finds the surface where render.program = NAME "
+           "(docs/score.md; repeatable)");
+}
+
 void add_repeats_option(CLI::App& command, int& repeats) {
   add_integer(command, "--repeats", repeats, "Counted runs of each setting", 1, 100);
 }

@@ -94,6 +94,8 @@ void add_output_options(CLI::App& command, OutputArguments& output);
 /// --junit, of commands that check.
 void add_junit_option(CLI::App& command, OutputArguments& output);
 void add_board_option(CLI::App& command, std::string& board);
+/// --renderer, of commands that take renderers of other programs (define_renderers()).
+void add_renderer_option(CLI::App& command, std::vector<std::string>& renderers);
 void add_gl_option(CLI::App& command, std::string& backend);
 void add_repeats_option(CLI::App& command, int& repeats);
 

@@ -70,8 +70,8 @@ Evaluator::Evaluator(const Scene& scene, render::GlContext& context, PhantomCach
       maps_(kept_maps(cache.tissue_maps())),
       most_renderers_(renderers_in_memory(scene_.options())) {}
 
-render::RenderOptions Evaluator::render_options(const Scene& setting) const {
-  return resolve_scene(setting, subject().phantom).render();
+RenderSetting Evaluator::render_setting(const Scene& setting) const {
+  return {resolve_scene(setting, subject().phantom).render(), program_setting(setting.picture)};
 }
 
 void Evaluator::scan(sim::Rung rung, std::uint64_t seed) {
@@ -148,13 +148,32 @@ render::Renderer& Evaluator::renderer_of(const render::RenderOptions& options) {
   return *living.renderer;
 }
 
-Evaluation Evaluator::evaluate(const render::RenderOptions& options,
-                               const EvaluationChoice& choice) {
+ProgramRenderer& Evaluator::program_of(const ProgramSetting& setting) {
+  if (!program_ || program_->setting() != setting) {
+    program_.reset();
+    program_ = std::make_unique<ProgramRenderer>(setting);
+  }
+  return *program_;
+}
+
+render::Picture Evaluator::picture_of(const RenderSetting& setting,
+                                      double& renderer_ms,
+                                      double& render_ms) {
+  if (setting.program.any()) {
+    ProgramRenderer& program =
+        timed(renderer_ms, [&]() -> ProgramRenderer& { return program_of(setting.program); });
+    return timed(render_ms, [&] { return program.render(sticks(), setting.options); });
+  }
+  render::Renderer& renderer =
+      timed(renderer_ms, [&]() -> render::Renderer& { return renderer_of(setting.options); });
+  return timed(render_ms, [&] { return renderer.render(); });
+}
+
+Evaluation Evaluator::evaluate(const RenderSetting& setting, const EvaluationChoice& choice) {
   Evaluation result;
   EvaluationTimes& times = result.times;
-  render::Renderer& renderer =
-      timed(times.renderer_ms, [&]() -> render::Renderer& { return renderer_of(options); });
-  result.picture = timed(times.render_ms, [&] { return renderer.render(); });
+  const render::RenderOptions& options = setting.options;
+  result.picture = picture_of(setting, times.renderer_ms, times.render_ms);
   const TrueView& view = timed(times.truth_ms, [&]() -> const TrueView& { return truth(options); });
   const auto* shaded = choice.measures.shaded
                            ? timed(times.truth_ms, [&] { return shaded_truth(options); })
@@ -171,11 +190,16 @@ Evaluation Evaluator::evaluate(const render::RenderOptions& options,
   return result;
 }
 
-PictureTime Evaluator::time_picture(const render::RenderOptions& options) {
-  render::Renderer& renderer = renderer_of(options);
-  renderer.add_volume(sticks());
+PictureTime Evaluator::time_picture(const RenderSetting& setting) {
+  render::Picture picture;
+  if (setting.program.any()) {
+    picture = program_of(setting.program).render(sticks(), setting.options);
+  } else {
+    render::Renderer& renderer = renderer_of(setting.options);
+    renderer.add_volume(sticks());
+    picture = renderer.render();
+  }
   PictureTime time;
-  const render::Picture picture = renderer.render();
   for (const render::PassTime& pass : picture.passes) time.volume_ms += pass.ms;
   time.view_ms = time.volume_ms - picture.passes.front().ms;
   return time;

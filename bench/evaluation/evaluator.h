@@ -8,11 +8,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "bench/cache/phantom_cache.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/registration/registration.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/exchange/program/program_renderer.h"
 #include "bench/scene/resolved_scene.h"
 #include "hw/probe/polar_volume.h"
 #include "render/renderer.h"
@@ -33,6 +35,16 @@ struct Evaluation {
   std::optional<Registration> registration;  ///< none: not asked for
   render::Picture picture;
   EvaluationTimes times;
+};
+
+/// How a picture is rendered: by our renderer, or by a program of others.
+struct RenderSetting {
+  // NOLINTNEXTLINE(google-explicit-constructor): options alone are our renderer's.
+  RenderSetting(render::RenderOptions of = {}, ProgramSetting by = {})
+      : options(std::move(of)), program(std::move(by)) {}
+
+  render::RenderOptions options;
+  ProgramSetting program;
 };
 
 /// Time of one picture, in ms: the sum over the passes.
@@ -68,7 +80,7 @@ class Evaluator {
   const ResolvedScene& scene() const { return scene_; }
   const phantoms::PlacedPhantom& subject() const { return *scene_.subject(); }
   /// Render settings of another scene, whose phantom and scan are this one's.
-  render::RenderOptions render_options(const Scene& setting) const;
+  RenderSetting render_setting(const Scene& setting) const;
 
   /// The sticks that following evaluations render. Throws InvalidOption.
   void scan(sim::Rung rung, std::uint64_t seed);
@@ -77,10 +89,10 @@ class Evaluator {
   sim::Rung rung() const { return rung_; }
 
   /// Needs sticks. Throws InvalidOption, and as render::Renderer does.
-  Evaluation evaluate(const render::RenderOptions& options, const EvaluationChoice& choice = {});
+  Evaluation evaluate(const RenderSetting& setting, const EvaluationChoice& choice = {});
   /// Gives the sticks to the renderer once more and times the picture. The first picture of a
   /// setting takes longer than others: evaluate() before. Throws as evaluate().
-  PictureTime time_picture(const render::RenderOptions& options);
+  PictureTime time_picture(const RenderSetting& setting);
   /// The truth of a view, with what the sticks' rung cannot hear.
   const TrueView& truth(const render::RenderOptions& options);
 
@@ -91,6 +103,8 @@ class Evaluator {
     std::uint64_t scan = 0;  ///< whose sticks it has; 0: none
   };
 
+  render::Picture picture_of(const RenderSetting& setting, double& renderer_ms, double& render_ms);
+  ProgramRenderer& program_of(const ProgramSetting& setting);
   LivingRenderer& living_renderer(const render::RenderOptions& options);
   render::Renderer& renderer_of(const render::RenderOptions& options);
   const Image<glm::vec3>* shaded_truth(const render::RenderOptions& options);
@@ -107,6 +121,7 @@ class Evaluator {
   std::map<std::string, TrueView> truths_;          ///< by what they depend on
   std::map<std::string, Image<glm::vec3>> shaded_;  ///< likewise
   std::list<LivingRenderer> renderers_;             ///< in the order of their last use
+  std::unique_ptr<ProgramRenderer> program_;        ///< the last one that was used
 };
 
 }  // namespace wobblebench::bench

@@ -24,6 +24,17 @@ struct Raster {
   std::vector<std::pair<std::string, std::array<float, 16>>> matrices = {};  ///< likewise
 };
 
+/// The numbers of a picture file, and what the file says of them.
+struct DecodedPicture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::string> channels;
+  bool integers = false;       ///< else floats
+  std::vector<double> values;  ///< interleaved channels, integers as they are stored
+  std::vector<std::pair<std::string, std::string>> texts;               ///< its attributes
+  std::vector<std::pair<std::string, std::array<float, 16>>> matrices;  ///< likewise
+};
+
 /// An open video file. It is complete when this object is gone.
 class VideoEncoder {
  public:
@@ -49,6 +60,10 @@ struct Encoders {
   /// A picture as JPEG of a quality without visible loss, at most `most_side` pixels wide and high.
   /// Throws std::runtime_error where the bytes are no picture.
   std::string (*compress)(const std::string& png, int most_side);
+  /// A file in a format of OpenImageIO with at most `most_side` pixels a side. Throws
+  /// std::invalid_argument with one line where it is none, is damaged or larger, or stores a part
+  /// of a picture.
+  DecodedPicture (*decode)(const std::filesystem::path& path, int most_side);
   /// Null where OpenCV cannot write the format here.
   std::unique_ptr<VideoEncoder> (*open_video)(const std::filesystem::path& path,
                                               const VideoFormat& format);

@@ -3,46 +3,30 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <mutex>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "bench/exchange/files/numpy_arrays.h"
 #include "sim/optics/probe_optics.h"
 #include "sim/optics/pulse_band.h"
 
 namespace wobblebench::bench {
 
-std::string npy_header(std::span<const std::uint64_t> shape) {
-  constexpr std::size_t kPreamble = 10, kAlignment = 64;
-  std::ostringstream dictionary;
-  dictionary << "{'descr': '" << (std::endian::native == std::endian::little ? '<' : '>')
-             << "c8', 'fortran_order': False, 'shape': (" << shape.front() << ',';
-  for (std::size_t i = 1; i < shape.size(); ++i) {
-    dictionary << ' ' << shape[i] << (i + 1 < shape.size() ? "," : "");
-  }
-  dictionary << "), }";
-  std::string text = dictionary.str();
-  const std::size_t unpadded = kPreamble + text.size() + 1;
-  text.append((kAlignment - unpadded % kAlignment) % kAlignment, ' ');
-  text += '\n';
-  std::string header("\x93NUMPY\x01\x00", 8);
-  header += static_cast<char>(text.size() & 0xff);
-  header += static_cast<char>(text.size() >> 8);
-  header += text;
-  return header;
-}
-
 namespace {
 
 constexpr std::uint64_t kSampleBytes = sizeof(std::complex<float>);
 
+/// The header of an array of complex64.
+std::string iq_header(std::span<const std::uint64_t> shape) {
+  return npy_header(shape, "c8");
+}
+
 /// The same for any number of volumes: its padding takes up the digits.
 std::uint64_t header_bytes(const hw::AcquisitionPlan& plan) {
-  return npy_header(iq_shape(plan, 1)).size();
+  return iq_header(iq_shape(plan, 1)).size();
 }
 
 }  // namespace
@@ -98,7 +82,7 @@ void IqFile::finish(std::uint64_t volumes) {
   // A failure on the simulator's thread ended the recording as if the board were lost.
   if (error_number_ != 0) fail(error_number_);
   const IqShape shape = iq_shape(plan_, volumes);
-  const std::string header = npy_header(shape);
+  const std::string header = iq_header(shape);
   if (header.size() != header_bytes(plan_)) throw std::logic_error("NumPy header: its size varies");
   std::uint64_t bytes = kSampleBytes;
   for (const std::uint64_t size : shape) bytes *= size;

@@ -16,10 +16,6 @@
 
 namespace wobblebench::bench {
 
-/// The header of an array of complex64 in C order, in this machine's byte order: NumPy format
-/// version 1.0 (numpy.lib.format). Data follow at a multiple of 64 bytes.
-std::string npy_header(std::span<const std::uint64_t> shape);
-
 /// volumes x frames x lines x IQ samples. Frames are numbered as on the wire: by their plane in the
 /// fan, whatever the order of acquisition.
 using IqShape = std::array<std::uint64_t, 4>;

@@ -239,7 +239,19 @@ std::string idle_by_source(const std::string& key, SampleSource source) {
   return "";
 }
 
+/// Keys of passes 1 and 2, which a renderer of another program replaces: all but the view's.
+bool is_of_own_renderer(const std::string& key) {
+  return key.starts_with("render.pipeline.") || key.starts_with("render.reconstruction.") ||
+         key.starts_with("render.scan_conversion.") ||
+         (key.starts_with("render.ray_casting.") && key != "render.ray_casting.image_size" &&
+          key != "render.ray_casting.edge");
+}
+
 std::string idle_by_rules(const std::string& key, const Setting& setting) {
+  const bool other_program = !setting.scene.picture.program.empty();
+  if (other_program && is_of_own_renderer(key)) return "render.program empty";
+  const bool of_program = key == "render.program_voxel_mm" || key == "render.program_timeout_s";
+  if (of_program && !other_program) return "render.program";
   const bool of_surface =
       key.starts_with("render.shading.") || key.starts_with("render.smoothing.");
   if (of_surface && !setting.seeks_surface()) return "render.ray_casting.mode = surface or both";

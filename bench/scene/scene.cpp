@@ -232,6 +232,33 @@ void read_sections(Scene& scene, toml::table& table, const std::string& source) 
   refuse_leftovers(table, "", source, sections);
 }
 
+/// A table of JSON as TOML: numbers, texts and lists are written alike. Null is left out.
+void write_toml(const nlohmann::ordered_json& table, const std::string& name, std::string& toml) {
+  if (!name.empty()) toml += "[" + name + "]\n";
+  for (const auto& [key, value] : table.items()) {
+    if (!value.is_object() && !value.is_null()) toml += key + " = " + value.dump() + "\n";
+  }
+  for (const auto& [key, value] : table.items()) {
+    if (value.is_object()) write_toml(value, name.empty() ? key : name + "." + key, toml);
+  }
+}
+
+toml::table table_of(const nlohmann::ordered_json& resolved, const std::string& source) {
+  std::string text;
+  write_toml(resolved, "", text);
+  try {
+    return toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    throw UserError(source + ": its scene cannot be read: " + std::string(error.description()));
+  }
+}
+
+/// Another program blends no volume.
+void seek_surface_alone(Scene& scene) {
+  if (scene.picture.program.empty()) return;
+  scene.render.ray_casting.mode = render::RenderMode::surface;
+}
+
 /// Rules between options, checked by each module.
 void validate(const Scene& scene, const std::string& source) {
   const auto check = [&](const std::string& section, const auto& rule) {
@@ -267,6 +294,12 @@ void refuse_correction(const Scene& scene, const std::string& command) {
                   command + "` corrects no pictures, `run` does");
 }
 
+void refuse_program(const Scene& scene, const std::string& command) {
+  if (scene.picture.program.empty()) return;
+  throw UserError("render.program = " + scene.picture.program + ": must be empty; `" + command +
+                  "` measures our own renderer; `run`, `accuracy`, `trade` and `tune` take others");
+}
+
 nlohmann::ordered_json resolved(const Scene& scene) {
   nlohmann::ordered_json json;
   for_each_section(scene, [&](const std::string& section, const auto& options) {
@@ -294,7 +327,21 @@ Scene load_scene(const std::filesystem::path& path,
   Scene scene;
   scene.picture.preset = preset;
   read_sections(scene, table, source);
+  seek_surface_alone(scene);
   validate(scene, source);
+  return scene;
+}
+
+Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
+                          const std::vector<std::string>& settings,
+                          const std::string& source) {
+  toml::table table = table_of(resolved, source);
+  for (const auto& setting : settings) apply_setting(table, setting, "--set");
+  const std::string from = settings.empty() ? source : source + " with --set";
+  Scene scene;
+  read_sections(scene, table, from);
+  seek_surface_alone(scene);
+  validate(scene, from);
   return scene;
 }
 

@@ -36,6 +36,11 @@ void describe(O& o, Visitor& v) {
 struct PictureOptions {
   render::RenderPreset preset = render::RenderPreset::accurate;
   std::string correction;  ///< correction.json of `wobblebench fit`; empty: z stays as it is found
+  /// A renderer of another program, by the name that --renderer gives it: it finds the surface in
+  /// place of passes 1 and 2; empty: none.
+  std::string program;
+  double program_voxel_m = 0.5e-3;  ///< of the Cartesian volume that it gets
+  double program_timeout_s = 60;    ///< in which it must answer for one picture
 };
 
 template <OptionsOf<PictureOptions> O, class Visitor>
@@ -45,6 +50,9 @@ void describe(O& o, Visitor& v) {
            {{to_string(render::RenderPreset::accurate), render::RenderPreset::accurate},
             {to_string(render::RenderPreset::baseline), render::RenderPreset::baseline}});
   v.text("correction", o.correction);
+  v.text("program", o.program);
+  v.real("program_voxel_mm", o.program_voxel_m, kMillimetre, 0.1, 10);
+  v.real("program_timeout_s", o.program_timeout_s, 1, 0.1, 3600);
 }
 
 struct Scene {
@@ -91,8 +99,17 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::string& settings_of = "--set",
                  render::RenderPreset preset = render::RenderPreset::accurate);
 
+/// A scene as report.json of another command holds it, with every option: `resolved`, as
+/// resolved() makes it, then each of `settings`. `source`: the report, for refusals. Throws
+/// UserError.
+Scene load_resolved_scene(const nlohmann::ordered_json& resolved,
+                          const std::vector<std::string>& settings,
+                          const std::string& source);
+
 /// Throws UserError for a scene with render.correction, which `run` alone applies.
 void refuse_correction(const Scene& scene, const std::string& command);
+/// Throws UserError for a scene with render.program: the command takes no other renderer.
+void refuse_program(const Scene& scene, const std::string& command);
 
 /// Every option with its value in the units of its key.
 nlohmann::ordered_json resolved(const Scene& scene);

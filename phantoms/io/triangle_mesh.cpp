@@ -37,14 +37,21 @@ std::vector<glm::dvec3> read_vertices(MessageReader& in) {
 std::vector<Triangle> read_triangles(MessageReader& in, std::size_t vertices) {
   const std::string_view bytes = in.list<Triangle>();
   std::vector<Triangle> triangles(bytes.size() / sizeof(Triangle));
-  if (triangles.empty()) throw std::invalid_argument("has no triangles");
-  std::memcpy(triangles.data(), bytes.data(), bytes.size());
+  if (!bytes.empty()) std::memcpy(triangles.data(), bytes.data(), bytes.size());
   for (const Triangle& triangle : triangles) {
     for (const std::uint32_t corner : triangle) {
       if (corner >= vertices) throw std::invalid_argument("has a face without its vertices");
     }
   }
   return triangles;
+}
+
+TriangleMesh any_mesh(std::string_view message) {
+  MessageReader in(message);
+  TriangleMesh mesh;
+  mesh.vertices = read_vertices(in);
+  mesh.triangles = read_triangles(in, mesh.vertices.size());
+  return mesh;
 }
 
 bool is_less(const glm::dvec3& a, const glm::dvec3& b) {
@@ -170,11 +177,15 @@ TriangleMesh read_mesh(const std::filesystem::path& path) {
   return mesh_from_message(ImportedBytes(ImportFormat::mesh, path).message());
 }
 
+TriangleMesh read_mesh_or_points(const std::filesystem::path& path) {
+  TriangleMesh mesh = any_mesh(ImportedBytes(ImportFormat::mesh, path).message());
+  if (mesh.vertices.empty()) throw std::invalid_argument("has no vertices");
+  return mesh;
+}
+
 TriangleMesh mesh_from_message(std::string_view message) {
-  MessageReader in(message);
-  TriangleMesh mesh;
-  mesh.vertices = read_vertices(in);
-  mesh.triangles = read_triangles(in, mesh.vertices.size());
+  TriangleMesh mesh = any_mesh(message);
+  if (mesh.triangles.empty()) throw std::invalid_argument("has no triangles");
   return mesh;
 }
 

@@ -27,6 +27,9 @@ struct TriangleMesh {
 /// ImportUnavailable where there is no reader.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
+/// The same of a file whose vertices may belong to no triangle: a cloud of points.
+[[nodiscard]] TriangleMesh read_mesh_or_points(const std::filesystem::path& path);
+
 /// The mesh of a message, of which nothing is trusted. Throws std::invalid_argument.
 [[nodiscard]] TriangleMesh mesh_from_message(std::string_view message);
 

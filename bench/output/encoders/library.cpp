@@ -66,6 +66,85 @@ std::string compress(const std::string& png, int most_side) {
   return {jpeg.begin(), jpeg.end()};
 }
 
+/// OpenImageIO's message as one line.
+std::invalid_argument unreadable(const std::string& reason) {
+  const std::string line = reason.substr(0, reason.find('\n'));
+  return std::invalid_argument("is no readable picture (" + line + ")");
+}
+
+void check_window(const OIIO::ImageSpec& spec, int most_side) {
+  if (spec.width < 1 || spec.height < 1 || std::max(spec.width, spec.height) > most_side ||
+      spec.depth != 1 || spec.nchannels > 64) {
+    throw std::invalid_argument("has " + std::to_string(spec.width) + " x " +
+                                std::to_string(spec.height) + " pixels; at most " +
+                                std::to_string(most_side) + " a side are read");
+  }
+  const bool whole = spec.x == spec.full_x && spec.y == spec.full_y &&
+                     spec.width == spec.full_width && spec.height == spec.full_height;
+  if (!whole) {
+    throw std::invalid_argument(
+        "stores a part of its picture (data window and display window differ); must be all of it");
+  }
+}
+
+template <class Stored>
+void read_values(OIIO::ImageInput& input, OIIO::TypeDesc type, DecodedPicture& picture) {
+  std::vector<Stored> stored(static_cast<std::size_t>(picture.width) *
+                             static_cast<std::size_t>(picture.height) * picture.channels.size());
+  if (!input.read_image(0, 0, 0, -1, type, stored.data())) throw unreadable(input.geterror());
+  picture.values.assign(stored.begin(), stored.end());
+}
+
+/// In the type in which they are stored: OpenImageIO scales integers to the range of another type.
+void read_stored_values(OIIO::ImageInput& input, DecodedPicture& picture) {
+  const OIIO::TypeDesc type = input.spec().format;
+  switch (type.basetype) {
+    case OIIO::TypeDesc::UINT8:
+      return read_values<std::uint8_t>(input, type, picture);
+    case OIIO::TypeDesc::INT8:
+      return read_values<std::int8_t>(input, type, picture);
+    case OIIO::TypeDesc::UINT16:
+      return read_values<std::uint16_t>(input, type, picture);
+    case OIIO::TypeDesc::INT16:
+      return read_values<std::int16_t>(input, type, picture);
+    case OIIO::TypeDesc::UINT32:
+      return read_values<std::uint32_t>(input, type, picture);
+    case OIIO::TypeDesc::INT32:
+      return read_values<std::int32_t>(input, type, picture);
+    case OIIO::TypeDesc::HALF:
+    case OIIO::TypeDesc::FLOAT:
+    case OIIO::TypeDesc::DOUBLE:
+      return read_values<double>(input, OIIO::TypeDesc::DOUBLE, picture);
+    default:
+      throw unreadable("it has values of type " + std::string(type.c_str()));
+  }
+}
+
+void add_attributes(const OIIO::ImageSpec& spec, DecodedPicture& picture) {
+  for (const auto& attribute : spec.extra_attribs) {
+    const std::string name = attribute.name().string();
+    if (attribute.type() == OIIO::TypeString) {
+      picture.texts.emplace_back(name, attribute.get_string());
+    } else if (attribute.type() == OIIO::TypeMatrix) {
+      const auto* first = static_cast<const float*>(attribute.data());
+      std::copy_n(
+          first, 16, picture.matrices.emplace_back(name, std::array<float, 16>{}).second.data());
+    }
+  }
+}
+
+DecodedPicture decode_image(const std::filesystem::path& path, int most_side) {
+  const auto input = OIIO::ImageInput::open(path.string());
+  if (!input) throw unreadable(OIIO::geterror());
+  const OIIO::ImageSpec& spec = input->spec();
+  check_window(spec, most_side);
+  DecodedPicture picture{
+      spec.width, spec.height, spec.channelnames, !spec.format.is_floating_point(), {}, {}, {}};
+  read_stored_values(*input, picture);
+  add_attributes(spec, picture);
+  return picture;
+}
+
 class OpenCvEncoder : public VideoEncoder {
  public:
   bool open(const std::filesystem::path& path, int backend, const VideoFormat& format) {
@@ -109,6 +188,6 @@ std::unique_ptr<VideoEncoder> open_video(const std::filesystem::path& path,
 
 extern "C" const wobblebench::bench::Encoders* wobblebench_encoders() {
   using namespace wobblebench::bench;
-  static constexpr Encoders encoders{encode_image, compress, open_video};
+  static constexpr Encoders encoders{encode_image, compress, decode_image, open_video};
   return &encoders;
 }

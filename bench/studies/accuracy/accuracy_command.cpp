@@ -9,6 +9,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
+#include "bench/exchange/program/renderer_process.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/pipeline/scene_warnings.h"
@@ -31,6 +32,7 @@ struct Arguments {
   std::filesystem::path settings;
   int seeds = 0;  ///< 0: the plan's
   std::string gl = "auto";
+  std::vector<std::string> renderers;
 };
 
 AccuracyPlan plan_of(const Arguments& arguments) {
@@ -58,6 +60,7 @@ AccuracyScene::Setting setting_of(const AccuracyPlan& plan,
   for (const sim::Rung rung : plan.rungs) {
     read.scene = planned_scene(plan, scene, setting, rung, more);
     refuse_correction(read.scene, "accuracy");
+    check_program(read.scene.picture);
     check_memory_of_run(read.scene, available_memory_bytes());
   }
   return read;
@@ -194,7 +197,11 @@ Command add_accuracy_command(CLI::App& app) {
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
-  return {&command, [arguments] { return accuracy(*arguments); }};
+  add_renderer_option(command, arguments->renderers);
+  return {&command, [arguments] {
+            define_renderers(arguments->renderers);
+            return accuracy(*arguments);
+          }};
 }
 
 }  // namespace wobblebench::bench

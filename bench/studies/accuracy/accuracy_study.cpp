@@ -53,8 +53,8 @@ class Study {
         for (const auto& setting : planned.settings) measure(planned, setting, seed, evaluator);
       }
     }
-    const AccuracyBound bound =
-        bound_of(planned.name, evaluator, evaluator.render_options(planned.settings.front().scene));
+    const AccuracyBound bound = bound_of(
+        planned.name, evaluator, evaluator.render_setting(planned.settings.front().scene).options);
     if (bound.spacing.n > 0) results.bounds.push_back(bound);
   }
 
@@ -67,9 +67,10 @@ class Study {
                Evaluator& evaluator) {
     const std::string rung = sim::to_string(evaluator.rung());
     if (note_) note_(planned.name + " " + rung + " " + setting.name);
-    const render::RenderOptions options = evaluator.render_options(setting.scene);
-    Evaluation evaluation = evaluator.evaluate(options);
-    const double render_ms = evaluator.time_picture(options).volume_ms;
+    const RenderSetting rendered = evaluator.render_setting(setting.scene);
+    const render::RenderOptions& options = rendered.options;
+    Evaluation evaluation = evaluator.evaluate(rendered);
+    const double render_ms = evaluator.time_picture(rendered).volume_ms;
     add_rows({planned.name, rung, setting.name, seed, {}, render_ms}, evaluation);
     add_times(evaluation.times);
     parts_.finish_one();

@@ -49,6 +49,7 @@ JudgedScenes judged_scenes(const Arguments& arguments) {
   JudgedScenes scenes;
   for (const std::string& file : arguments.judged) {
     scenes.emplace_back(std::filesystem::path(file).stem().string(), load_scene(file, {}));
+    refuse_program(scenes.back().second, "fit");
   }
   return scenes;
 }
@@ -134,6 +135,7 @@ FitResults measure(const Scene& scene,
 
 int fit(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  refuse_program(scene, "fit");
   refuse_what_is_not_fitted(scene);
   const JudgedScenes judged = judged_scenes(arguments);
   check_memory_of_run(scene, available_memory_bytes());

@@ -65,6 +65,7 @@ void refuse_compared_settings(const Scene& scene) {
     }
   }
   refuse_correction(scene, "modes");
+  refuse_program(scene, "modes");
   if (scene.render.ray_casting.mode == render::RenderMode::volume) {
     throw UserError("render.ray_casting.mode = \"volume\": must be surface or both; z is compared");
   }

@@ -92,6 +92,7 @@ void warn_of_options(const Scene& given, Progress& progress) {
 
 int rungs(const Arguments& arguments) {
   const Scene scene = load_scene(arguments.scene.file, arguments.scene.settings);
+  refuse_program(scene, "rungs");
   refuse_compared_settings(scene);
   refuse_for_any_rung(scene);
   return run_in_folder(

@@ -108,6 +108,7 @@ int measure(const Arguments& arguments) {
       arguments.scene.file, arguments.scene.settings, "--set", render::RenderPreset::baseline);
   const BoardArguments board = parse_board(arguments.board);
   refuse_correction(scene, "tables");
+  refuse_program(scene, "tables");
   take_reference_settings(scene, arguments.tables.run());
   // Made before the echoes: where this machine lacks the GL, the command fails early.
   const auto context = render::make_context(arguments.gl);

@@ -10,6 +10,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
+#include "bench/exchange/program/renderer_process.h"
 #include "bench/output/image_io.h"
 #include "bench/output/report.h"
 #include "bench/studies/trade/trade_report.h"
@@ -29,6 +30,7 @@ struct Arguments {
   CacheArguments cache;
   OutputArguments output;
   std::string gl = "auto";
+  std::vector<std::string> renderers;
 };
 
 struct Shard {
@@ -220,7 +222,11 @@ Command add_trade_command(CLI::App& app) {
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
-  return {&command, [arguments] { return trade(*arguments); }};
+  add_renderer_option(command, arguments->renderers);
+  return {&command, [arguments] {
+            define_renderers(arguments->renderers);
+            return trade(*arguments);
+          }};
 }
 
 }  // namespace wobblebench::bench

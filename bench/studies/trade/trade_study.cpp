@@ -32,6 +32,7 @@ Scene load(const TradePlan& plan,
     refuse_plan(
         source, "render.correction", "must be empty; `run` corrects pictures, a study does not");
   }
+  check_program(read.picture);
   if (plan.of_one_scene) return read;
   if (read.acquisition.volumes != 1) {
     refuse_plan(source, "acquisition.volumes", "must be 1; one volume is rendered");
@@ -54,6 +55,8 @@ std::string text_without_names(const Scene& scene) {
   for (const char* file : {"file", "scatterers"}) options["phantom"].erase(file);
   std::string text = options.dump();
   for (const std::string& key : scene.given) text += "\n" + key;
+  const std::string& program = scene.picture.program;
+  if (!program.empty()) text += "\n" + renderer_command(program);
   return text;
 }
 
@@ -232,12 +235,12 @@ struct TradeMeasurement::Reference {
             PhantomCache& cache)
       : evaluator(work.reference(scene), context, cache) {
     evaluator.scan(evaluator.scene().simulation().fidelity, work.plan.seeds.front());
-    options = evaluator.render_options(work.reference(scene));
+    options = evaluator.render_setting(work.reference(scene));
     evaluator.time_picture(options);
   }
 
   Evaluator evaluator;
-  render::RenderOptions options;
+  RenderSetting options;
 };
 
 TradeMeasurement::TradeMeasurement(const TradeWork& work,
@@ -288,7 +291,7 @@ TradeMeasurement::Scan& TradeMeasurement::scan_of(const TradeUnit& unit, const S
 void TradeMeasurement::measure(const TradeUnit& unit, const Scene& scene, TradeRecord& record) {
   Reference& reference = reference_of(unit.scene);
   Evaluator& evaluator = scan_of(unit, scene).evaluator;
-  const render::RenderOptions options = evaluator.render_options(scene);
+  const RenderSetting options = evaluator.render_setting(scene);
   const EvaluationChoice choice{{.shaded = false, .distance = false}, false};
   const Evaluation evaluation = evaluator.evaluate(options, choice);
   record.measures = trade_measures(evaluation.measures);
@@ -313,7 +316,7 @@ Image<glm::vec3> TradeMeasurement::picture(const TradeUnit& unit) {
   const Scene scene = work_.scene(unit.scene, work_.points[unit.point]);
   Evaluator& evaluator = scan_of(unit, scene).evaluator;
   const EvaluationChoice choice{{.shaded = false, .distance = false}, false};
-  return evaluator.evaluate(evaluator.render_options(scene), choice).picture.surface;
+  return evaluator.evaluate(evaluator.render_setting(scene), choice).picture.surface;
 }
 
 TradeRecord TradeMeasurement::measure(const TradeUnit& unit) {

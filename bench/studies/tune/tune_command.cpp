@@ -8,6 +8,7 @@
 #include "bench/command/common_options.h"
 #include "bench/command/run_in_folder.h"
 #include "bench/command/software_renderer.h"
+#include "bench/exchange/program/renderer_process.h"
 #include "bench/output/report.h"
 #include "bench/studies/trade/trade_report.h"
 #include "bench/studies/tune/tune_journal.h"
@@ -28,6 +29,7 @@ struct Arguments {
   CacheArguments cache;
   OutputArguments output;
   std::string gl = "auto";
+  std::vector<std::string> renderers;
 };
 
 TuneOptions options_of(const Arguments& arguments) {
@@ -242,7 +244,11 @@ Command add_tune_command(CLI::App& app) {
   add_cache_options(command, arguments->cache);
   add_output_options(command, arguments->output);
   add_gl_option(command, arguments->gl);
-  return {&command, [arguments] { return tune(*arguments); }};
+  add_renderer_option(command, arguments->renderers);
+  return {&command, [arguments] {
+            define_renderers(arguments->renderers);
+            return tune(*arguments);
+          }};
 }
 
 }  // namespace wobblebench::bench

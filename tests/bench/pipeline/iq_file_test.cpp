@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "bench/exchange/files/numpy_arrays.h"
 #include "tests/support/bytes_of.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/folder_test.h"
@@ -53,7 +54,7 @@ TEST_F(IqFileOnDisk, HoldsEachStickAtItsVolumeFrameAndLine) {
   array.write({2, 0, 0}, stick_of({2, 0, 0}, iq_shape(plan, 1).back()));
   const IqShape shape = iq_shape(plan, 2);
   const std::string bytes = testing_support::bytes_of(file("iq.npy"));
-  const std::string header = npy_header(shape);
+  const std::string header = npy_header(shape, "c8");
   ASSERT_EQ(bytes.size(), header.size() + 2 * 2 * 3 * shape[3] * 8) << "two volumes and no more";
   EXPECT_EQ(bytes.substr(0, header.size()), header);
   const char* at = bytes.data() + header.size();

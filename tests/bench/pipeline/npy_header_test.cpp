@@ -1,6 +1,6 @@
 // Headers of arrays, byte for byte those that NumPy 1.24 writes
 // (numpy.lib.format.write_array_header_1_0).
-#include "bench/pipeline/iq_file.h"
+#include "bench/exchange/files/numpy_arrays.h"
 
 #include <gtest/gtest.h>
 
@@ -19,14 +19,15 @@ std::string of_numpy(const std::string& dictionary) {
 
 TEST(NpyHeader, IsThatOfNumPy) {
   const std::array<std::uint64_t, 4> volumes{2, 9, 16, 1024};
-  EXPECT_EQ(npy_header(volumes),
+  EXPECT_EQ(npy_header(volumes, "c8"),
             of_numpy("{'descr': '<c8', 'fortran_order': False, 'shape': (2, 9, 16, 1024), }"));
   const std::array<std::uint64_t, 4> largest{1000, 1024, 1024, 90112};
   EXPECT_EQ(
-      npy_header(largest),
+      npy_header(largest, "c8"),
       of_numpy("{'descr': '<c8', 'fortran_order': False, 'shape': (1000, 1024, 1024, 90112), }"));
   const std::array<std::uint64_t, 1> row{7};
-  EXPECT_EQ(npy_header(row), of_numpy("{'descr': '<c8', 'fortran_order': False, 'shape': (7,), }"));
+  EXPECT_EQ(npy_header(row, "c8"),
+            of_numpy("{'descr': '<c8', 'fortran_order': False, 'shape': (7,), }"));
 }
 
 }  // namespace

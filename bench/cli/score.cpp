@@ -1,0 +1,294 @@
+// The surface that another program found in a scene, compared with the truth.
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/file.h"
+#include "base/number_text.h"
+#include "base/units.h"
+#include "base/user_error.h"
+#include "bench/cache/phantom_cache.h"
+#include "bench/cli/picture_limits.h"
+#include "bench/cli/picture_report.h"
+#include "bench/cli/run_page.h"
+#include "bench/cli/run_pictures.h"
+#include "bench/command/commands.h"
+#include "bench/command/common_options.h"
+#include "bench/command/run_in_folder.h"
+#include "bench/evaluation/truth/shadows.h"
+#include "bench/exchange/surface/found_surface.h"
+#include "bench/output/camera_matrices.h"
+#include "bench/output/error_report.h"
+#include "bench/output/report.h"
+#include "render/reference/reference.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+struct Arguments {
+  const CLI::App* command = nullptr;
+  SurfaceFileOptions surface;
+  SceneArguments scene;
+  CacheArguments cache;
+  OutputArguments output;
+  std::string unit = "auto", kind = "ray", frame = "probe", far, point_mm;
+  std::vector<std::string> limits;
+};
+
+/// A scene to be scored in, and which of its volumes.
+struct ScoredScene {
+  Scene options;
+  std::uint32_t volume = 0;
+  Json camera = nullptr;  ///< as the scene's report has it; null: not known
+};
+
+UserError no_report(const std::filesystem::path& file, const std::string& why) {
+  return UserError("--scene = " + file.string() + ": " + why +
+                   "; must be report.json of `run`, or a scene in TOML");
+}
+
+ScoredScene scene_of_report(const SceneArguments& arguments) {
+  const std::filesystem::path& file = arguments.file;
+  const Json report = Json::parse(read_file(file), nullptr, false);
+  if (!report.is_object()) throw no_report(file, "is no JSON object");
+  for (const char* part : {"scene", "camera"}) {
+    if (!report.contains(part) || !report[part].is_object()) {
+      throw no_report(file, std::string("has no \"") + part + "\"");
+    }
+  }
+  if (!report["scene"].contains("phantom") || report["scene"]["phantom"].is_null()) {
+    throw no_report(file, "is of samples whose subject is not known: there is no truth");
+  }
+  ScoredScene scored{
+      load_resolved_scene(report["scene"], arguments.settings, "--scene = " + file.string())};
+  const Json volume = report.value(Json::json_pointer("/board/volume"), Json(0));
+  if (volume.is_number_unsigned()) scored.volume = volume.get<std::uint32_t>();
+  if (arguments.settings.empty()) scored.camera = report["camera"];
+  return scored;
+}
+
+/// With the settings of passes 3 and 4 alone: no volume is rendered, and no z corrected.
+ScoredScene load_scored_scene(const SceneArguments& arguments) {
+  ScoredScene scored = arguments.file.extension() == ".json"
+                           ? scene_of_report(arguments)
+                           : ScoredScene{load_scene(arguments.file, arguments.settings)};
+  scored.options.render.ray_casting.mode = render::RenderMode::surface;
+  scored.options.picture.correction.clear();
+  return scored;
+}
+
+/// The view must be the one that the report's pictures were made in, or its truth is another.
+void check_camera(const ScoredScene& scored, const render::Camera& camera) {
+  if (scored.camera.is_null()) return;
+  constexpr double kAllowed = 1e-6;  // of the twelve digits of the report's options
+  const auto matrix = [](const Json& from) {
+    return from.value("world_to_ndc", Json::array()).flatten();
+  };
+  const Json theirs = matrix(scored.camera), ours = matrix(camera_json(camera));
+  bool same = theirs.size() == ours.size();
+  for (const auto& [place, value] : ours.items()) {
+    same = same && theirs[place].is_number() &&
+           std::abs(theirs[place].get<double>() - value.get<double>()) <= kAllowed;
+  }
+  if (same) return;
+  throw UserError(
+      "--scene: its camera is not the one that this program makes of its options: it was written "
+      "by another version");
+}
+
+/// A number above 0; nullopt for "".
+std::optional<double> positive_number(const std::string& option, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && stop == text.data() + text.size() && std::isfinite(value) &&
+      value > 0) {
+    return value;
+  }
+  throw UserError(option + " = " + text + ": must be a number above 0");
+}
+
+SurfaceFileOptions surface_options(const Arguments& arguments) {
+  const auto given = [&](const char* option, const std::string& value) {
+    return arguments.command->get_option(option)->count() > 0 ? value : std::string();
+  };
+  SurfaceFileOptions options = arguments.surface;
+  options.unit = arguments.unit == "auto" ? "" : arguments.unit;
+  options.kind = given("--kind", arguments.kind);
+  options.frame = given("--frame", arguments.frame);
+  options.far = positive_number("--far", arguments.far);
+  options.point_m = positive_number("--point-mm", arguments.point_mm).value_or(0) * kMillimetre;
+  return options;
+}
+
+std::vector<ConditionalOption> conditional_options(SurfaceFileKind kind) {
+  const bool is_map = kind == SurfaceFileKind::depth_map;
+  const char *map = "a depth map", *points = "a point cloud";
+  return {{"--kind", is_map, map},
+          {"--channel", is_map, map},
+          {"--mask", is_map, map},
+          {"--far", is_map, map},
+          {"--frame", !is_map, "a mesh or a point cloud"},
+          {"--point-mm", kind == SurfaceFileKind::points, points}};
+}
+
+/// What passes 3 and 4 make of the depths that were found, and how far they are from the truth.
+PictureResult score_surface(const FoundSurface& found,
+                            const ResolvedScene& scene,
+                            Truth true_surface) {
+  TrueView truth(std::move(true_surface), scene.view().camera);
+  PictureResult result{.picture = render::shade_depth(found.depth_m, scene.render())};
+  result.picture.depth_m = found.depth_m;
+  Image<glm::vec3> shaded = shade_truth(truth.truth, scene.render(), {});
+  PictureMeasures error = measure_picture(result.picture, truth, scene.render(), {}, &shaded);
+  result.comparison = Comparison{.truth = std::move(truth.truth),
+                                 .error = std::move(error),
+                                 .shaded_truth = std::move(shaded)};
+  return result;
+}
+
+std::string shown_file(const FoundSurface& found, const Arguments& arguments) {
+  return std::string(to_string(found.kind)) + " " + arguments.surface.file.string() + " (" +
+         found.format + ")";
+}
+
+std::string score_summary(const FoundSurface& found,
+                          const PictureResult& result,
+                          const ResolvedScene& scene,
+                          const Arguments& arguments) {
+  std::string text = "scored      " + shown_file(found, arguments) + "\n";
+  for (const auto& [what, as] : found.taken) text += "            " + what + ": " + as + "\n";
+  const DepthError& raw = result.comparison->error.raw;
+  text += "found       " + rounded(raw.found_m2 * 1e4) + " cm2 of surface;";
+  for (const auto& [name, count] : found.counts) text += " " + name + " " + std::to_string(count);
+  return text + "\n" + error_text(*result.comparison, scene) + "results     " +
+         arguments.output.folder.string() + "\n";
+}
+
+Json scored_json(const FoundSurface& found, const Arguments& arguments) {
+  Json json = {{"file", arguments.surface.file.string()},
+               {"what", to_string(found.kind)},
+               {"format", found.format},
+               {"taken", Json::object()},
+               {"counts", Json::object()}};
+  for (const auto& [what, as] : found.taken) json["taken"][what] = as;
+  for (const auto& [name, count] : found.counts) json["counts"][name] = count;
+  return json;
+}
+
+std::string score_report(const FoundSurface& found,
+                         const PictureResult& result,
+                         const ResolvedScene& scene,
+                         const Arguments& arguments,
+                         const Progress& progress) {
+  Json report = report_head("score", provenance_of_this_machine(), scene.options());
+  report["scored"] = scored_json(found, arguments);
+  report["camera"] = camera_json(scene.view().camera);
+  report["truth"] = "simulated scene";
+  report["error"] = error_json(result.comparison->error, sought_in(scene));
+  report["wall_ms"] = wall_json(progress.times());
+  return report_text(report);
+}
+
+int score(const Arguments& arguments) {
+  const auto limits = parse_limits(arguments.limits, picture_measure_names());
+  const SurfaceFileOptions options = surface_options(arguments);
+  const ScoredScene scored = load_scored_scene(arguments.scene);
+  const auto work = [&](OutputFolder& out, Progress& progress) {
+    for (const char* name : {"depth.exr", "truth_depth.exr", "error_depth.exr"}) {
+      out.refuse_input(options.file, name);
+    }
+    PhantomCache cache = open_phantom_cache(arguments.cache.most_megabytes());
+    const auto phantom =
+        progress.step("phantom", [&] { return cache.phantom(scored.options.phantom); });
+    const ResolvedScene scene = resolve_scene(scored.options, phantom);
+    check_camera(scored, scene.view().camera);
+    const FoundSurface found =
+        progress.step("read", [&] { return read_found_surface(options, scene); });
+    progress.warn(idle_options_text(*arguments.command, conditional_options(found.kind)));
+    const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
+    Truth truth = progress.step("truth", [&] { return true_surface(scene, maps, scored.volume); });
+    const PictureResult result =
+        progress.step("compare", [&] { return score_surface(found, scene, std::move(truth)); });
+    progress.step("write", [&] { stage_score_images(out, result, scene); });
+    const std::string summary = score_summary(found, result, scene, arguments);
+    CommandResult done{.report = score_report(found, result, scene, arguments, progress),
+                       .summary = summary,
+                       .failure = {},
+                       .document = score_document(result, scene, summary)};
+    check_limits(limits, picture_figures(result.comparison->error), done);
+    return done;
+  };
+  return run_in_folder(arguments.output, {}, work);
+}
+
+void add_surface_options(CLI::App& command, Arguments& arguments) {
+  add_choice(command,
+             "--unit",
+             arguments.unit,
+             {"auto", "mm", "m"},
+             "Of the file's lengths; auto: as the file says, else mm");
+  add_choice(command,
+             "--kind",
+             arguments.kind,
+             {"ray", "z"},
+             "Of a depth map: the length of the pixel's ray, or z of the camera");
+  add_text(command,
+           "--channel",
+           arguments.surface.depths.channel,
+           "Of a depth map: the channel, or the array of an .npz, that holds the depths");
+  add_text(command,
+           "--mask",
+           arguments.surface.depths.mask,
+           "Of a depth map: the channel or array that is 0 where there is no surface (NaN, and "
+           "depths of 0 or less, are none anyway)");
+  add_text(command,
+           "--far",
+           arguments.far,
+           "Of a depth map: depths from this number on, in the file's unit, are no surface");
+  add_choice(command,
+             "--frame",
+             arguments.frame,
+             {"probe", "phantom"},
+             "Of a mesh or a point cloud: the frame of its coordinates (docs/units.md)");
+  add_text(command,
+           "--point-mm",
+           arguments.point_mm,
+           "Of a point cloud: radius of the disc that each point covers; without it the P95 of the "
+           "distance to the next point");
+}
+
+}  // namespace
+
+Command add_score_command(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& command = add_subcommand(
+      app, "score", "Another program's depth map, mesh or point cloud against a scene's truth");
+  arguments->command = &command;
+  add_required_path(command,
+                    "FILE",
+                    arguments->surface.file,
+                    "Depth map (.exr, .tif, .npy, .npz), mesh or point cloud (.ply, .stl, .obj)");
+  add_required_path(command,
+                    "--scene",
+                    arguments->scene.file,
+                    "report.json of a `run`, whose view and truth are taken, or a scene in TOML");
+  add_list(command,
+           "--set",
+           arguments->scene.settings,
+           "Override one option of the scene: section.key=value (repeatable)");
+  add_surface_options(command, *arguments);
+  add_cache_options(command, arguments->cache);
+  add_output_options(command, arguments->output);
+  add_limit_option(command, arguments->limits, picture_measure_names());
+  add_junit_option(command, arguments->output);
+  return {&command, [arguments] { return score(*arguments); }};
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,216 @@
+#!/usr/bin/python3
+"""score_files.py PROGRAM FOLDER: `score` on files that NumPy, OpenImageIO and VTK wrote."""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import OpenImageIO as oiio
+import vtk
+
+PROGRAM, FOLDER = sys.argv[1], sys.argv[2]
+RADIUS_MM, CENTER_MM = 20.0, np.array([7.0, -5.0, 108.0])
+SCENE = ["phantom.name=sphere", "placement.position_mm=[7, -5, 108]", "acquisition.frames_per_volume=21",
+         "render.ray_casting.image_size=96", "simulation.fidelity=geometry",
+         "render.ray_casting.incidence_correction_mm=0"]
+ASKEW = ["render.view.yaw_deg=20", "render.view.pitch_deg=10"]
+
+
+def path(name):
+    return os.path.join(FOLDER, name)
+
+
+def command(*words):
+    return subprocess.run([PROGRAM, *words], capture_output=True, text=True)
+
+
+def settings(keys):
+    return [word for key in keys for word in ("--set", key)]
+
+
+def score(file, *more, run="parallel"):
+    """Figures of report.json; the command must have succeeded."""
+    done = command("score", path(file), "--scene", path(run + "/report.json"), "--out", path("scored"), *more)
+    assert done.returncode == 0, (file, more, done.stderr)
+    return json.load(open(path("scored/report.json")))
+
+
+def refused(file, *more, says, run="parallel"):
+    done = command("score", path(file), "--scene", path(run + "/report.json"), "--out", path("refused"), *more)
+    lines = [line for line in done.stderr.splitlines() if line.startswith("wobblebench: ") and "warning" not in line]
+    assert done.returncode == 2 and len(lines) == 1 and says in lines[0], (file, done.returncode, done.stderr)
+    assert not os.path.exists(path("refused")), file
+
+
+def channel(file, name):
+    image = oiio.ImageInput.open(path(file))
+    return image.read_image("float")[:, :, list(image.spec().channelnames).index(name)]
+
+
+def write_picture(file, values, names=("Z",), kind="float", **attributes):
+    values = np.dstack([values]) if values.ndim == 2 else values
+    spec = oiio.ImageSpec(values.shape[1], values.shape[0], values.shape[2], kind)
+    spec.channelnames = names
+    for key, value in attributes.items():
+        spec.attribute(key, value)
+    image = oiio.ImageOutput.create(path(file))
+    assert image.open(path(file), spec) and image.write_image(np.ascontiguousarray(values)) and image.close()
+
+
+def same(a, b, allowed=2e-5):
+    a, b = a["error"], b["error"]
+    for key in ("bias", "rms", "median", "p95", "max"):
+        assert abs(a["depth_mm"][key] - b["depth_mm"][key]) < allowed, (key, a["depth_mm"], b["depth_mm"])
+    for key in ("missed_percent", "false_percent"):
+        assert abs(a[key] - b[key]) < 1e-9, (key, a[key], b[key])
+    assert a["depth_mm"]["n"] == b["depth_mm"]["n"]
+    assert abs(a["shaded_against_truth"]["ssim"] - b["shaded_against_truth"]["ssim"]) < 1e-3
+    assert abs(a["surface_distance_mm"]["p95"] - b["surface_distance_mm"]["p95"]) < 1e-4
+    assert len(a["regions"]) == len(b["regions"])
+
+
+def check_depth_maps(run):
+    """The picture of `run` itself, in other formats, units and meanings, has the figures of `run`."""
+    own = json.load(open(path(run + "/report.json")))
+    same(own, score(run + "/depth.exr", run=run))
+    z = channel(run + "/depth.exr", "Z").astype(float)
+    np.save(path("f4.npy"), z.astype("<f4"))
+    same(own, score("f4.npy", run=run))
+    np.save(path("f8.npy"), np.asfortranarray((z / 1000).astype(">f8")))
+    same(own, score("f8.npy", "--unit", "m", run=run))
+    np.savez_compressed(path("arrays.npz"), Z=np.nan_to_num(z)[..., None], other=z + 9)
+    same(own, score("arrays.npz", run=run))
+    np.savez(path("masked.npz"), depth=np.nan_to_num(z, nan=77), seen=~np.isnan(z))
+    same(own, score("masked.npz", "--channel", "depth", "--mask", "seen", run=run))
+    np.save(path("far.npy"), np.nan_to_num(z, nan=1e10))
+    same(own, score("far.npy", "--far", "1e10", run=run))
+    refused("far.npy", says="--far 1e+10", run=run)
+    write_picture("own.tif", np.nan_to_num(z).astype(np.float32))
+    same(own, score("own.tif", run=run))
+    write_picture("metres.exr", np.dstack([z * 0 + 1, z / 1000]).astype(np.float32), ("A", "Z"), units="m")
+    same(own, score("metres.exr", run=run))
+    # In steps of 0.01 mm and without a unit of its own: lengths as integers are the file's unit.
+    write_picture("integers.tif", np.rint(np.nan_to_num(z)).astype(np.uint16), ("Y",), "uint16")
+    figures = score("integers.tif", run=run)["error"]["depth_mm"]
+    rounded = np.rint(np.nan_to_num(z))
+    truth = channel(run + "/truth_depth.exr", "Z")
+    errors = (rounded - truth)[(rounded > 0) & ~np.isnan(truth)]
+    assert abs(figures["p95"] - np.percentile(abs(errors), 95)) < 1e-3, figures
+    return own, z
+
+
+def check_z(own, z):
+    """In perspective z of the camera is less than the length of the ray."""
+    camera = own["camera"]
+    to_world, n = np.linalg.inv(camera["world_to_ndc"]), z.shape[0]
+    middles = (2 * np.arange(n) + 1) / n - 1
+    x, y = np.meshgrid(middles, -middles)
+    at = np.stack([x, y, 0 * x + 0.5, 0 * x + 1], -1) @ to_world
+    in_camera = np.concatenate([at[..., :3] / at[..., 3:], np.ones((n, n, 1))], -1) @ np.array(camera["world_to_camera"])
+    cosine = in_camera[..., 2] / np.linalg.norm(in_camera[..., :3], axis=-1)
+    np.save(path("z.npy"), z * cosine)
+    same(own, score("z.npy", "--kind", "z", run="perspective"), 1e-4)
+    biased = score("z.npy", run="perspective")["error"]["depth_mm"]["bias"]
+    assert biased < own["error"]["depth_mm"]["bias"] - 0.1, biased
+
+
+def ball(center, radius, around=96):
+    source = vtk.vtkSphereSource()
+    source.SetCenter(*center)
+    source.SetRadius(radius)
+    source.SetThetaResolution(2 * around)
+    source.SetPhiResolution(around)
+    triangles = vtk.vtkTriangleFilter()
+    triangles.SetInputConnection(source.GetOutputPort())
+    triangles.Update()
+    return triangles.GetOutput()
+
+
+def write_mesh(file, mesh):
+    writer = {"ply": vtk.vtkPLYWriter, "stl": vtk.vtkSTLWriter, "obj": vtk.vtkOBJWriter}[file[-3:]]()
+    writer.SetFileName(path(file))
+    writer.SetInputData(mesh)
+    writer.Write()
+
+
+def check_true(report, p95_mm, missed_percent=0.0):
+    error = report["error"]
+    assert error["depth_mm"]["p95"] < p95_mm, error["depth_mm"]
+    assert error["missed_percent"] <= missed_percent, error["missed_percent"]
+    assert error["depth_mm"]["n"] > 300
+
+
+def check_meshes(run):
+    """A ball of triangles where the true ball is has next to no error."""
+    for file in ("ball.ply", "ball.stl", "ball.obj"):
+        write_mesh(file, ball(CENTER_MM, RADIUS_MM))
+        check_true(score(file, run=run), 0.03, 0.05)
+    write_mesh("metres.ply", ball(CENTER_MM / 1000, RADIUS_MM / 1000))
+    check_true(score("metres.ply", "--unit", "m", run=run), 0.03, 0.05)
+    write_mesh("centred.stl", ball((0, 0, 0), RADIUS_MM))
+    check_true(score("centred.stl", "--frame", "phantom", run=run), 0.03, 0.05)
+    refused("metres.ply", says="--unit m", run=run)
+    refused("ball.ply", "--unit", "m", says="--unit mm", run=run)
+    refused("centred.stl", says="--frame phantom", run=run)
+    # 0.5 mm too large: the near side lies half a millimetre nearer along the normal.
+    write_mesh("large.ply", ball(CENTER_MM, RADIUS_MM + 0.5))
+    assert -1.0 < score("large.ply", run=run)["error"]["depth_mm"]["median"] < -0.5
+
+
+def check_points(run):
+    golden = np.pi * (3 - 5 ** 0.5) * np.arange(40000)
+    height = np.linspace(-1, 1, 40000)
+    around = np.sqrt(1 - height ** 2)
+    at = CENTER_MM + RADIUS_MM * np.stack([around * np.cos(golden), around * np.sin(golden), height], -1)
+    with open(path("cloud.ply"), "w") as file:
+        file.write("ply\nformat ascii 1.0\nelement vertex 40000\n")
+        file.write("".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n")
+        np.savetxt(file, at, "%.4f")
+    report = score("cloud.ply", run=run)
+    check_true(report, 0.5, 0.3)
+    assert abs(report["error"]["depth_mm"]["bias"]) < 0.1, report["error"]["depth_mm"]
+    assert report["scored"]["what"] == "point cloud"
+
+
+def check_refusals():
+    z = channel("parallel/depth.exr", "Z")
+    np.save(path("small.npy"), z[::2, ::2])
+    refused("small.npy", says="has 48 x 48 pixels; must be 96 x 96")
+    np.save(path("none.npy"), z * np.nan)
+    refused("none.npy", says="holds no surface")
+    np.save(path("metres.npy"), z / 1000)
+    refused("metres.npy", says="--unit m")
+    np.save(path("complex.npy"), z.astype(complex))
+    refused("complex.npy", says="<c16")
+    np.save(path("cube.npy"), np.zeros((3, 4, 5)))
+    refused("cube.npy", says="3 x 4 x 5")
+    refused("parallel/depth.exr", says="another view", run="perspective")
+    refused("parallel/depth.exr", "--unit", "m", says="says mm")
+    refused("parallel/depth.exr", "--channel", "W", says="Z, Z_filtered")
+    np.savez(path("two.npz"), a=z, b=z)
+    refused("two.npz", says="--channel must name")
+    for file in ("f4.npy", "arrays.npz", "own.tif", "parallel/depth.exr", "ball.ply", "ball.stl"):
+        whole, kind = open(path(file), "rb").read(), file[-4:]
+        open(path("cut" + kind), "wb").write(whole[: len(whole) // 2])
+        refused("cut" + kind, says="cut" + kind)
+        open(path("noise" + kind), "wb").write(bytes(range(256)) * 40)
+        refused("noise" + kind, says="noise" + kind)
+    open(path("text.txt"), "w").write("1")
+    refused("text.txt", says="must be a depth map")
+    done = command("score", path("f4.npy"), "--scene", path("scored/report.html"), "--out", path("refused"))
+    assert done.returncode == 2, done.stderr
+    done = command("score", path("parallel/depth.exr"), "--scene", path("parallel/report.json"), "--out", path("limited"),
+                   "--limit", "p95_mm<=1e-3", "--limit", "missed_percent<=100")
+    assert done.returncode == 1 and "--limit p95_mm<=0.001: p95_mm is" in done.stderr, done.stderr
+
+
+for view, keys in {"parallel": [], "perspective": ASKEW + ["render.view.projection=perspective"]}.items():
+    done = command("run", "--out", path(view), *settings(SCENE + keys))
+    assert done.returncode == 0, done.stderr
+    own, z = check_depth_maps(view)
+    if view == "perspective":
+        check_z(own, z)
+    check_meshes(view)
+    check_points(view)
+check_refusals()
