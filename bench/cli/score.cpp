@@ -1,5 +1,6 @@
 // The surface that another program found in a scene, compared with the truth.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -165,8 +166,13 @@ std::string score_summary(const FoundSurface& found,
   std::string text = "scored      " + shown_file(found, arguments) + "\n";
   for (const auto& [what, as] : found.taken) text += "            " + what + ": " + as + "\n";
   const DepthError& raw = result.comparison->error.raw;
-  text += "found       " + rounded(raw.found_m2 * 1e4) + " cm2 of surface;";
-  for (const auto& [name, count] : found.counts) text += " " + name + " " + std::to_string(count);
+  text += "found       " + rounded(raw.found_m2 * 1e4) + " cm2 of surface";
+  for (const auto& [name, count] : found.counts) {
+    if (count == 0) continue;
+    std::string words = name;
+    std::ranges::replace(words, '_', ' ');
+    text += ", " + std::to_string(count) + " " + words;
+  }
   return text + "\n" + error_text(*result.comparison, scene) + "results     " +
          arguments.output.folder.string() + "\n";
 }

@@ -110,7 +110,8 @@ Image<float> depths_of(const DepthMapFile& map,
       depth_m.at(column, row) = static_cast<float>(map.values[pixel] * unit_m * scale);
     }
   }
-  const char* names[] = {"found", "nan", "zero_or_less", "masked", "far"};
+  const char* names[] = {
+      "pixels_found", "pixels_nan", "pixels_zero_or_less", "pixels_masked", "pixels_far"};
   for (std::size_t i = 0; i < counts.size(); ++i) found.counts.emplace_back(names[i], counts[i]);
   return depth_m;
 }
@@ -122,7 +123,8 @@ void check_any(const FoundSurface& found) {
     if (count == 0) continue;
     causes += (causes.empty() ? "" : ", ") + std::to_string(count) + " " + name;
   }
-  throw std::invalid_argument("holds no surface: of its pixels " + causes);
+  std::ranges::replace(causes, '_', ' ');
+  throw std::invalid_argument("holds no surface: " + causes);
 }
 
 /// Depths in the box of interest, of all rays.
