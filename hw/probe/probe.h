@@ -15,8 +15,9 @@ namespace wobblebench::hw {
 /// Geometry and bandwidth of the probe. Defaults: the paper's settings where it gives them, else
 /// acquisition notes in docs/references.md.
 struct ProbeOptions {
-  double radius_m = 40e-3;         ///< radius of curvature of the face, "a"
-  double wobble_radius_m = 27e-3;  ///< the wobble axis lies this far behind the face, "w" <= a
+  double radius_m = 40e-3;  ///< radius of curvature of the face, "a"
+  /// The wobble axis lies this far behind the face, "w"; beyond a, behind the centre of curvature.
+  double wobble_radius_m = 27e-3;
   double center_frequency_hz = 3.5e6;
   double fractional_bandwidth = 0.6;  ///< -6 dB bandwidth over centre frequency
   /// In the image plane, dynamic focus. At 4 the beams of the default 64 sticks nearly meet at 6
@@ -46,7 +47,7 @@ void describe(O& o, Visitor& v) {
   v.real("elevation_focus_mm", o.elevation_focus_m, kMillimetre, 5, 300);
 }
 
-/// Throws InvalidOption for a field out of range, or a wobble radius beyond the face's radius.
+/// Throws InvalidOption for a field out of range.
 void validate(const ProbeOptions& options);
 
 /// A point in the probe's polar coordinates.

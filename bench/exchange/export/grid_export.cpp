@@ -167,6 +167,15 @@ class GridWriter : public ScanWriter {
                         : content_ == Content::planes    ? "planes"
                         : content_ == Content::cartesian ? "cartesian"
                                                          : "labels");
+    if (content_ == Content::planes || content_ == Content::cartesian) {
+      // So that they come back as the sticks that they were made of.
+      const hw::AcquisitionOptions& a = scan_.plan().acquisition();
+      fields.emplace_back("wobblebench_lines", std::to_string(a.sticks_per_frame));
+      fields.emplace_back("wobblebench_samples", std::to_string(a.samples_per_stick));
+    }
+    if (content_ == Content::cartesian) {
+      fields.emplace_back("wobblebench_frames", std::to_string(frames()));
+    }
     if (content_ != Content::labels) return fields;
     const auto& names = scan_.labels.value().names();
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -262,6 +262,7 @@ void refuse_idle(const Described& described) {
   };
   refuse("center_px", layout == Layout::planes, "\"planes\"");
   refuse("lines", layout != Layout::polar, "\"planes\" or \"cartesian\"");
+  refuse("frames", layout == Layout::cartesian, "\"cartesian\"");
   refuse("samples", layout != Layout::polar, "\"planes\" or \"cartesian\"");
   refuse("motor_angles_deg", layout != Layout::cartesian, "\"polar\" or \"planes\"");
   refuse("spacing_mm", layout != Layout::polar, "\"planes\" or \"cartesian\"");

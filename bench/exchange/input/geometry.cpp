@@ -56,6 +56,9 @@ Geometry geometry_of_fields(const std::filesystem::path& path,
                                                 "full_scale_db",
                                                 "tgc_db_per_cm_mhz",
                                                 "frames_per_volume",
+                                                "lines",
+                                                "samples",
+                                                "frames",
                                                 "white"};
   toml::table table;
   for (const auto& [name, value] : fields) {
@@ -68,7 +71,7 @@ Geometry geometry_of_fields(const std::filesystem::path& path,
     }
     if (!numbers.contains(key)) continue;
     const double number = numbers_in(path, name, value, 1)[0];
-    if (key == "frames_per_volume") {
+    if (key.starts_with("frames") || key == "lines" || key == "samples") {
       table.insert(key, static_cast<std::int64_t>(std::clamp(number, -1e9, 1e9)));
     } else {
       table.insert(key, number);

@@ -48,9 +48,11 @@ struct Geometry {
   std::vector<std::string> reversed;  ///< of axes
   std::vector<double> spacing_m;      ///< of pixels or voxels, along each axis
   std::vector<double> center_px;      ///< planes: column and row of the centre of curvature
-  int lines = 0;                      ///< sticks that are made of a plane or a grid; 0: as many as
-  int samples = 0;                    ///< its pixels give
-  std::set<std::string> given;        ///< keys
+  /// Sticks that are made of a plane or a grid; 0: as many as its pixels give.
+  int lines = 0;
+  int samples = 0;
+  int frames = 0;               ///< likewise, of a grid
+  std::set<std::string> given;  ///< keys
 
   bool has(const std::string& key) const { return given.contains(key); }
 };
@@ -93,6 +95,7 @@ void describe(O& o, Visitor& v) {
   v.reals("center_px", o.center_px, 1, -1e5, 1e5);
   v.integer("lines", o.lines, 0, 1024);
   v.integer("samples", o.samples, 0, 4096);
+  v.integer("frames", o.frames, 0, 1024);
 }
 
 /// Reads [geometry] of a TOML file. Throws UserError "PATH: geometry.KEY = VALUE: what is allowed".

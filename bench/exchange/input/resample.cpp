@@ -100,6 +100,7 @@ StickCounts sticks_of(const Geometry& geometry, double pixel_m) {
                      count_within(geometry.sector_rad * middle_m / pixel_m + 1, kMostLines),
                      count_within(geometry.fan_rad * axis_m / pixel_m + 1, kMostLines)};
   if (geometry.samples > 0) counts.samples = static_cast<std::uint64_t>(geometry.samples);
+  if (geometry.frames > 0) counts.frames = static_cast<std::uint64_t>(geometry.frames);
   if (geometry.lines > 0) counts.lines = static_cast<std::uint64_t>(geometry.lines);
   return counts;
 }

@@ -166,6 +166,20 @@ class Resampled(Input):
             expected = (20000 + 60 * at_column + 90 * at_row + 1000 * f) / 65535
             np.testing.assert_allclose(scan["samples"][0][f][inside], expected[inside], atol=1e-5)
 
+    def test_own_planes_and_grids_come_back_as_their_sticks(self):
+        scene = settings("phantom.name=sphere", *SMALL_SCAN)
+        run("export", "sim", *scene, "--no-cache", "--to", self.path("s.npz") + ",content=polar",
+            "--to", self.path("s.mha") + ",spacing_mm=0.2,type=uint16",
+            "--to", self.path("s.nrrd") + ",spacing_mm=0.5,type=uint16")
+        scan = np.load(self.path("s.npz"))
+        for name, most in (("s.mha", 0.03), ("s.nrrd", 0.1)):
+            back = self.exported(self.board(self.path(name)))
+            for key in ("theta_deg", "range_mm", "motor_angle_deg"):
+                np.testing.assert_allclose(back[key], scan[key], atol=1e-6)
+            inner = (slice(1, -1),) * 3
+            wrong = abs(back["samples"][0] - scan["samples"][0])[inner]
+            self.assertLess(np.median(wrong), most, name)
+
     def test_grid_in_the_probe_frame(self):
         z, y, x = np.indices((90, 60, 80)).astype(float)
         turn = np.array([[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]]) * 1.5  # rows: axes of the grid
