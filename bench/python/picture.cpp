@@ -3,16 +3,18 @@
 
 #include <pybind11/stl.h>
 
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "base/user_error.h"
 #include "bench/evaluation/measures/picture_measures.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/exchange/surface/found_surface.h"
 #include "bench/output/camera_matrices.h"
 #include "bench/output/error_report.h"
 #include "bench/python/arrays.h"
@@ -271,25 +273,41 @@ std::string score_picture(const PictureData& picture, SceneHandle& scene) {
   return bench::error_json(measures, bench::sought_in(resolved)).dump();
 }
 
-/// No ray of a picture is longer: what is, is in millimetres, or a mark of pixels without a
-/// surface.
-constexpr float kMostDepth_m = 2;
+using DepthArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A depth map of another program, which is not shaded yet. Throws Refused.
-PicturePointer picture_of(
-    const py::array_t<float, py::array::c_style | py::array::forcecast>& depth_m) {
-  if (depth_m.ndim() != 2) throw py::value_error("depth_m must be [row, column]");
-  auto data = std::make_shared<PictureData>();
-  data->picture.depth_m =
-      Image<float>(static_cast<int>(depth_m.shape(1)), static_cast<int>(depth_m.shape(0)));
-  std::copy_n(depth_m.data(), depth_m.size(), data->picture.depth_m.pixels.begin());
-  for (const float value : data->picture.depth_m.pixels) {
-    if (std::isnan(value) || (value >= 0 && value <= kMostDepth_m)) continue;
-    throw Refused{{"score: depth_m = " + std::to_string(value) +
-                       ": must be within 0 and 2 m, or NaN where there is no surface",
-                   bench::kBadInput}};
+/// The words for a depth map are those of the command `score`.
+struct DepthMap {
+  bench::DepthMapFile map;
+  bench::SurfaceFileOptions options;
+};
+
+DepthMap depth_map(const DepthArray& depth,
+                   const std::string& unit,
+                   const std::string& kind,
+                   std::optional<double> far) {
+  if (depth.ndim() != 2) throw py::value_error("depth must be [row, column]");
+  if (unit != "m" && unit != "mm") throw py::value_error("unit must be \"m\" or \"mm\"");
+  if (kind != "ray" && kind != "z") throw py::value_error("kind must be \"ray\" or \"z\"");
+  return {{.format = "array",
+           .channel = "",
+           .width = static_cast<int>(depth.shape(1)),
+           .height = static_cast<int>(depth.shape(0)),
+           .values = std::vector<double>(depth.data(), depth.data() + depth.size()),
+           .mask = {}},
+          {.file = "depth", .unit = unit, .kind = kind, .frame = "", .depths = {}, .far = far}};
+}
+
+/// Filtered and shaded as the scene says.
+PictureData picture_of(const DepthMap& depth, const bench::ResolvedScene& scene) {
+  try {
+    auto found = bench::surface_of(depth.map, depth.options, scene.view());
+    PictureData data;
+    data.picture = render::shade_depth(found.depth_m, scene.render());
+    data.picture.depth_m = std::move(found.depth_m);
+    return data;
+  } catch (const std::invalid_argument& error) {
+    throw UserError(std::string("depth: ") + error.what());
   }
-  return data;
 }
 
 void add_score(py::module_& module) {
@@ -305,25 +323,23 @@ void add_score(py::module_& module) {
       "whose keys carry the unit. None: cannot be formed.");
   module.def(
       "score",
-      [](const py::array_t<float, py::array::c_style | py::array::forcecast>& depth_m,
-         const ScenePointer& scene) {
-        const auto picture = picture_of(depth_m);
-        return from_json(released([=] {
-          const auto& options = scene->resolved().render();
-          const int size = options.ray_casting.image_size;
-          auto& found = picture->picture;
-          if (found.depth_m.width == size && found.depth_m.height == size) {
-            auto shaded = render::shade_depth(found.depth_m, options);
-            found.filtered_depth_m = std::move(shaded.filtered_depth_m);
-            found.surface = std::move(shaded.surface);
-          }
-          return score_picture(*picture, *scene);
+      [](const DepthArray& depth,
+         const ScenePointer& scene,
+         const std::string& unit,
+         const std::string& kind,
+         std::optional<double> far) {
+        return from_json(released([map = depth_map(depth, unit, kind, far), scene] {
+          return score_picture(picture_of(map, scene->resolved()), *scene);
         }));
       },
-      py::arg("depth_m"),
+      py::arg("depth"),
       py::arg("scene"),
-      "The same of another renderer's depth map, as Picture.depth_m in metres, which is filtered "
-      "and shaded as the scene says.");
+      py::arg("unit") = "m",
+      py::arg("kind") = "ray",
+      py::arg("far") = py::none(),
+      "The same of another renderer's depth map [row, column], as the command `score`: in `unit`, "
+      "along the pixel's ray or as z of the camera (`kind`), NaN, 0 or less, and `far` or more "
+      "where there is no surface. It is filtered and shaded as the scene says.");
 }
 
 }  // namespace

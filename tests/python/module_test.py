@@ -94,6 +94,19 @@ class AgainstProgram(unittest.TestCase):
         shifted = wobblebench.score(self.picture.depth_m + numpy.float32(1e-3), self.scene)
         self.assertAlmostEqual(shifted["depth_mm"]["bias"] - figures["depth_mm"]["bias"], 1, places=3)
 
+    def test_score_of_a_depth_map_is_that_of_the_command(self):
+        depth_mm = 1e3 * self.picture.depth_m.astype(float)
+        depth_mm[numpy.isnan(depth_mm)] = 4000
+        file = os.path.join(self.folder.name, "depth.npy")
+        numpy.save(file, depth_mm)
+        out = os.path.join(self.folder.name, "score")
+        scene = pathlib.Path(self.folder.name, "scene.toml")
+        scene.write_text("")
+        done = run_program("score", file, "--scene", str(scene), *as_arguments(SETTINGS), "--unit", "mm", "--far", "4000", "--kind", "z", "--out", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        expected = json.loads(pathlib.Path(out, "report.json").read_text())["error"]
+        self.assertEqual(wobblebench.score(depth_mm, self.scene, unit="mm", kind="z", far=4000), expected)
+
     def test_resolved_options_and_camera_are_those_of_the_report(self):
         self.assertEqual(self.scene.options, self.report["scene"])
         self.assertEqual(self.picture.camera, self.report["camera"])
@@ -160,12 +173,14 @@ class AgainstProgram(unittest.TestCase):
 
     def test_depths_that_can_be_none_are_refused(self):
         size = SETTINGS["render.ray_casting.image_size"]
-        for wrong in (numpy.inf, -1.0, 100.0):
-            with self.assertRaisesRegex(wobblebench.BadInput, "depth_m = .* within 0 and 2 m"):
+        for wrong in (numpy.inf, numpy.nan, -1.0):
+            with self.assertRaisesRegex(wobblebench.BadInput, "depth: holds no surface"):
                 wobblebench.score(numpy.full((size, size), wrong, numpy.float32), self.scene)
-        nothing = wobblebench.score(numpy.full((size, size), numpy.nan), self.scene)
-        self.assertEqual(nothing["missed_surface_percent"], 100)
-        self.assertIsNone(nothing["depth_mm"]["p95"])
+        with self.assertRaisesRegex(wobblebench.BadInput, "in millimetres they would fit"):
+            wobblebench.score(1e3 * self.picture.depth_m, self.scene)
+        for words in ({"unit": "cm"}, {"kind": "depth"}):
+            with self.assertRaises(ValueError):
+                wobblebench.score(self.picture.depth_m, self.scene, **words)
 
     def test_settings_of_wrong_types_are_refused(self):
         for wrong in ("phantom.name=sphere", {1: 2}, {"phantom.name": None}, [1]):
@@ -177,7 +192,7 @@ class AgainstProgram(unittest.TestCase):
 
     def test_what_would_be_ignored_is_refused(self):
         with self.assertRaisesRegex(wobblebench.BadInput, "image_size"):
-            wobblebench.score(numpy.zeros((5, 5), numpy.float32), self.scene)
+            wobblebench.score(numpy.ones((5, 5), numpy.float32), self.scene)
         other = wobblebench.Scene(settings={**SETTINGS, "acquisition.frames_per_volume": 10})
         with self.assertRaisesRegex(wobblebench.BadInput, "plan"):
             wobblebench.Renderer(self.scene).render(self.volume, other)
