@@ -176,8 +176,7 @@ using KdTree =
 std::vector<glm::dvec3> without_copies(std::vector<glm::dvec3> points_m) {
   const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };
   std::ranges::sort(points_m, {}, key);
-  const auto copies = std::ranges::unique(points_m, {}, key);
-  points_m.erase(copies.begin(), copies.end());
+  points_m.erase(std::unique(points_m.begin(), points_m.end()), points_m.end());
   return points_m;
 }
 
