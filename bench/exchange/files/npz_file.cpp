@@ -127,7 +127,7 @@ std::vector<char32_t> code_points(const std::string& utf8) {
 
 void NpzFile::begin(const std::string& name,
                     const std::string& descr,
-                    std::vector<std::uint64_t> shape) {
+                    const std::vector<std::uint64_t>& shape) {
   const std::string header = npy_text(descr, shape);
   std::uint64_t items = 1;
   for (const auto size : shape) items *= size;

@@ -20,7 +20,9 @@ class NpzFile {
   explicit NpzFile(std::filesystem::path path) : file_(std::move(path)) {}
 
   /// `descr`: NumPy's name of the type, "<f4".
-  void begin(const std::string& name, const std::string& descr, std::vector<std::uint64_t> shape);
+  void begin(const std::string& name,
+             const std::string& descr,
+             const std::vector<std::uint64_t>& shape);
   void append(std::string_view bytes);
   /// Throws std::logic_error unless the pieces fill the shape.
   void end();

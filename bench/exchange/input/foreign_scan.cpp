@@ -303,7 +303,7 @@ ForeignScan polar_scan(const Described& described) {
     return read;
   };
   return {.path = described.file.path,
-          .plan = std::move(plan),
+          .plan = plan,
           .display_scale = scale_of(described.geometry),
           .motor_rad = std::move(motor_rad),
           .samples = samples,
