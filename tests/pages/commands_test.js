@@ -26,6 +26,9 @@ ${scene}[axes]
 writeFileSync(join(folder, 'scene.toml'), scene);
 writeFileSync(join(folder, 'plan.toml'), plan);
 
+// What that level changes is allowed.
+const limitsFile = join(folder, 'limits.toml');
+writeFileSync(limitsFile, '[limits]\np95_mm = { worse_by = 9 }\n');
 const sceneFile = join(folder, 'scene.toml');
 const planFile = join(folder, 'plan.toml');
 const commands = [
@@ -38,6 +41,9 @@ const commands = [
   ['validate', '--study', 'shear'],
   ['accuracy', sceneFile, '--seeds', '2'],
   ['trade', planFile],
+  ['compare', 'this', 'this', '--scene', sceneFile, '--seeds', '1', '--new-set', 'render.ray_casting.iso_level=0.71',
+    '--limits', limitsFile],
+  ['score', join(folder, 'run/depth.exr'), '--scene', join(folder, 'run/report.json')],
   ['conformance', sceneFile],
   ['tables', '--divisor', '8', '--repeats', '1'],
   ['latency', sceneFile, '--volumes', '10'],
