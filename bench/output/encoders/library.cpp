@@ -47,7 +47,7 @@ std::string compress(const std::string& png, int most_side) {
   if (!picture.read(0, 0, true, OIIO::TypeDesc::UINT8)) {
     throw std::runtime_error(picture.geterror());
   }
-  const OIIO::ImageSpec& given = picture.spec();
+  const OIIO::ImageSpec given = picture.spec();  // a copy: `picture` is replaced below
   const double scale = std::min(1.0, 1.0 * most_side / std::max(given.width, given.height));
   const auto scaled = [&](int side) {
     return std::max(1, static_cast<int>(std::lround(scale * side)));

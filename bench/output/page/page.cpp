@@ -130,14 +130,17 @@ class HtmlOf {
     return html + caption(figure.caption) + "</figure>\n";
   }
   std::string operator()(const Picture& picture) const {
-    return "<figure class=\"picture\">" + image(picture) + caption(said_of(picture)) +
+    const std::string bytes = read_picture_(picture.file);
+    return "<figure class=\"picture\">" + image(picture, bytes) + caption(said_of(picture, bytes)) +
            "</figure>\n";
   }
   std::string operator()(const PicturePair& both) const {
+    const std::string left = read_picture_(both.left.file), right = read_picture_(both.right.file);
     return "<figure class=\"comparison\"><div class=\"pair\">" +
-           image(both.left, " data-side=\"left\"") + image(both.right, " data-side=\"right\"") +
-           "</div>\n<figcaption><span>" + escaped(said_of(both.left)) + "</span> <span>" +
-           escaped(said_of(both.right)) + "</span></figcaption></figure>\n";
+           image(both.left, left, " data-side=\"left\"") +
+           image(both.right, right, " data-side=\"right\"") + "</div>\n<figcaption><span>" +
+           escaped(said_of(both.left, left)) + "</span> <span>" +
+           escaped(said_of(both.right, right)) + "</span></figcaption></figure>\n";
   }
   std::string operator()(const MapView& map) const {
     Json layers = Json::array(), classes = Json::array();
@@ -161,7 +164,9 @@ class HtmlOf {
       html += "<pre class=\"command\">" + escaped(detail.command) + "</pre>\n";
     }
     html += html_of_markdown(detail.text);
-    if (!detail.picture_file.empty()) html += image({detail.picture_file, detail.title});
+    if (!detail.picture_file.empty()) {
+      html += image({detail.picture_file, detail.title}, read_picture_(detail.picture_file));
+    }
     return html + "</template>\n";
   }
   std::string operator()(const Listing& listing) const {
@@ -173,13 +178,14 @@ class HtmlOf {
   }
 
  private:
-  std::string image(const Picture& picture, const char* more = "") const {
-    const std::string png = read_picture_(picture.file);
-    return "<img src=\"" + picture_address(png) + "\"" + attribute("alt", picture.caption) +
-           size_attributes(png) + more + ">";
+  static std::string image(const Picture& picture,
+                           const std::string& bytes,
+                           const char* more = "") {
+    return "<img src=\"" + picture_address(bytes) + "\"" + attribute("alt", picture.caption) +
+           size_attributes(bytes) + more + ">";
   }
-  std::string said_of(const Picture& picture) const {
-    if (!is_jpeg(read_picture_(picture.file))) return picture.caption;
+  static std::string said_of(const Picture& picture, const std::string& bytes) {
+    if (!is_jpeg(bytes)) return picture.caption;
     return picture.caption + " Compressed on this page; " + picture.file + " is exact.";
   }
   static Json layer_json(const MapLayer& layer) {

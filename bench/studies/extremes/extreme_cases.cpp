@@ -224,6 +224,9 @@ const std::vector<Ends>& replaced_ends() {
       {"render.preset", {}},
       {"render.reconstruction.spacing_mm", {"8", "100"}},
       {"render.pipeline.mid_volume", {}},
+      {"render.program_timeout_s",
+       {}},  // of a renderer in a process of its own, which has no passes
+      {"render.program_voxel_mm", {}},
       {"render.scan_conversion.slice_size", {"16", "48"}},
       {"render.scan_conversion.filter_size", {"1", "15"}},
       {"render.ray_casting.image_size", {"1", "20"}},

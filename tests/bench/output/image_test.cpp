@@ -2,6 +2,7 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 
 #include "base/file.h"
 #include "bench/evaluation/measures/picture_measures.h"
+#include "bench/output/encoders.h"
 #include "bench/output/image_io.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/process.h"
@@ -32,6 +34,38 @@ std::filesystem::path temporary(const std::string& name) {
   const auto path = std::filesystem::path(testing::TempDir()) / name;
   std::filesystem::remove(path);  // of a test that was stopped
   return path;
+}
+
+/// A picture of one colour, and a wide one at that, comes back scaled and with its colour.
+TEST(Encoders, CompressScalesWhatIsLargerThanItMayBe) {
+  const auto compressed = [](int width, int height) {
+    Raster raster{.width = width,
+                  .height = height,
+                  .channels = {"R", "G", "B"},
+                  .bytes = true,
+                  .values = {},
+                  .attributes = {}};
+    for (int i = 0; i < width * height; ++i) {
+      raster.values.insert(raster.values.end(), {1.0F, 0.5F, 0.25F});
+    }
+    const std::vector<char> png = encoders().encode(raster, ".png");
+    return encoders().compress({png.begin(), png.end()}, 1024);
+  };
+  for (const auto& [width, height, scaled_width, scaled_height] :
+       {std::array{1500, 500, 1024, 341}, {300, 2048, 150, 1024}, {1024, 3, 1024, 3}}) {
+    const std::string jpeg = compressed(width, height);
+    const auto path = temporary("compressed.jpg");
+    write_new_file(path, {jpeg.data(), jpeg.size()});
+    const auto read = OIIO::ImageInput::open(path.string());
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->spec().width, scaled_width);
+    EXPECT_EQ(read->spec().height, scaled_height);
+    std::vector<float> pixels(static_cast<std::size_t>(3 * scaled_width * scaled_height));
+    ASSERT_TRUE(read->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, pixels.data()));
+    EXPECT_NEAR(pixels[0], 1, 0.03);
+    EXPECT_NEAR(pixels[1], 0.5, 0.03);
+    EXPECT_NEAR(pixels[2], 0.25, 0.03);
+  }
 }
 
 void write_exr(const std::filesystem::path& path, const std::vector<NamedMap>& maps) {
