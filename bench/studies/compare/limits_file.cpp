@@ -87,7 +87,7 @@ class LimitReader {
 }  // namespace
 
 std::string text_of(const ChangeLimit& limit) {
-  const std::string says = name_of(limit.allowed).says;
+  std::string says = name_of(limit.allowed).says;
   if (limit.allowed == Allowed::equal) return says;
   if (limit.allowed == Allowed::ratio) return says + significant(limit.most, 4) + " times";
   const std::string unit = unit_of_figure(limit.figure);
