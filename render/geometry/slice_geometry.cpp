@@ -122,8 +122,8 @@ SlicePoint SliceGeometry::locate(const glm::dvec3& position_m, int sweep) const 
 }
 
 VolumeOfInterest field_box(const SliceGeometry& g) {
-  // |x| <= R sin(s/2); y and z lie within |r cos(theta) - b| of the wobble axis, which is at most R,
-  // or R - b where the axis lies behind the centre of curvature (b < 0).
+  // |x| <= R sin(s/2); y and z lie within |r cos(theta) - b| of the wobble axis, which is at most
+  // R, or R - b where the axis lies behind the centre of curvature (b < 0).
   const double reach_m = g.r_max_m() + std::max(0.0, -g.axis_z_m());
   return {{0, 0, g.axis_z_m()}, {2 * g.x_max_m(), 2 * reach_m, 2 * reach_m}};
 }
