@@ -3,6 +3,7 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
 
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -138,7 +139,7 @@ void add_acquisition(Item& item, const DicomVolume& volume) {
       .text(DCM_BurnedInAnnotation, "NO")
       .empty_sequence(DCM_AcquisitionContextSequence)
       .number(DCM_DepthsOfFocus, volume.focus_mm)
-      .decimal(DCM_DepthOfScanField, static_cast<long>(volume.depth_mm + 0.5));
+      .decimal(DCM_DepthOfScanField, std::round(volume.depth_mm));
   // No sound was sent.
   for (const auto& tag : {DCM_MechanicalIndex,
                           DCM_BoneThermalIndex,
