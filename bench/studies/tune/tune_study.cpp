@@ -308,7 +308,7 @@ void check_quantity(const std::string& option, const std::string& name) {
 }
 
 TuneLimit parse_limit(const std::string& text) {
-  const TuneLimit limit = parse_limit(text, tune_quantities());
+  TuneLimit limit = parse_limit(text, tune_quantities());
   if (limit.most > 0) return limit;
   throw UserError("--limit = " + text + ": must be NAME<=NUMBER with a number above 0");
 }
