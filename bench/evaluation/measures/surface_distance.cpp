@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <nanoflann.hpp>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -14,27 +13,11 @@
 #include "base/parallel.h"
 #include "base/statistics.h"
 #include "bench/evaluation/measures/depth_error.h"
+#include "bench/evaluation/measures/point_tree.h"
 
 namespace wobblebench::bench {
 
 namespace {
-
-/// Points in the form that nanoflann asks for.
-struct Points {
-  const std::vector<glm::dvec3>& at;
-
-  std::size_t kdtree_get_point_count() const { return at.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return at[i][static_cast<glm::length_t>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-using KdTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3>;
 
 double segment_distance_m(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 along = b - a;
@@ -89,8 +72,8 @@ double triangle_distance_m(const glm::dvec3& p,
 
 struct DepthSurface::Tree {
   explicit Tree(const std::vector<glm::dvec3>& at) : points{at}, index(3, points) {}
-  Points points;
-  KdTree index;
+  TreePoints points;
+  PointTree index;
 };
 
 DepthSurface::DepthSurface(const Image<float>& depth_m, const render::Camera& camera)

@@ -7,11 +7,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <nanoflann.hpp>
 #include <utility>
 
 #include "base/parallel.h"
 #include "base/statistics.h"
+#include "bench/evaluation/measures/point_tree.h"
 
 namespace wobblebench::bench {
 
@@ -156,23 +156,6 @@ void splat_row(const std::vector<SplatPoint>& splats,
   }
 }
 
-/// Points in the form that nanoflann asks for.
-struct Points {
-  const std::vector<glm::dvec3>& at;
-
-  std::size_t kdtree_get_point_count() const { return at.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return at[i][static_cast<glm::length_t>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-using KdTree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Points>, Points, 3>;
-
 std::vector<glm::dvec3> without_copies(std::vector<glm::dvec3> points_m) {
   const auto key = [](const glm::dvec3& p) { return std::array{p.x, p.y, p.z}; };
   std::ranges::sort(points_m, {}, key);
@@ -245,8 +228,8 @@ double point_spacing_m(const std::vector<glm::dvec3>& points_m) {
   constexpr std::size_t kMostQueries = 20000;
   const std::vector<glm::dvec3> different = without_copies(points_m);
   if (different.size() < 2) return std::numeric_limits<double>::quiet_NaN();
-  const Points points{different};
-  const KdTree tree(3, points);
+  const TreePoints points{different};
+  const PointTree tree(3, points);
   const std::size_t step = (different.size() + kMostQueries - 1) / kMostQueries;
   std::vector<double> distances_m;
   for (std::size_t i = 0; i < different.size(); i += step) {

@@ -1,11 +1,9 @@
 // Two programs, settings or kept figures on the same scenes and seeds, judged by limits.
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <stdexcept>
 
 #include "base/user_error.h"
 #include "bench/command/commands.h"
@@ -31,24 +29,6 @@ struct Arguments {
 };
 
 constexpr int kSeeds = 5;
-
-/// A folder below the system's for temporary files that is gone with this.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_((fs::temp_directory_path() / "wobblebench-compare-XXXXXX").string()) {
-    if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error(path_ + ": cannot be made");
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  fs::path path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 struct Pictures {
   KeptPictures base, now;
@@ -87,27 +67,23 @@ std::vector<std::uint64_t> seeds_of(const Measurement& all, const std::string& s
 void measure_if_program(ComparedSide& side,
                         const ComparedScene& scene,
                         std::uint64_t seed,
-                        const fs::path& scratch,
                         KeptPictures& pictures) {
   if (!side.program) return;
-  KeptPictures made = measure(side, scene, seed, scratch);
+  KeptPictures made = measure(side, scene, seed);
   if (pictures.surface.empty()) pictures = std::move(made);
 }
 
 /// Runs of both sides in turn, the new one first at every second seed, so that what the machine
 /// does meanwhile meets both.
 void measure_all(Measurement& all, int wanted_seeds, const PartDone& done) {
-  const ScratchFolder scratch;
   std::size_t made = 0, planned = 0;
   for (const auto& scene : all.scenes) planned += seeds_of(all, scene.name, wanted_seeds).size();
   for (const ComparedScene& scene : all.scenes) {
     Pictures& pictures = all.pictures[scene.name];
     for (const std::uint64_t seed : seeds_of(all, scene.name, wanted_seeds)) {
-      const auto run_base = [&] {
-        measure_if_program(all.base, scene, seed, scratch.path(), pictures.base);
-      };
+      const auto run_base = [&] { measure_if_program(all.base, scene, seed, pictures.base); };
       if (seed % 2 == 1) run_base();
-      measure_if_program(all.now, scene, seed, scratch.path(), pictures.now);
+      measure_if_program(all.now, scene, seed, pictures.now);
       if (seed % 2 == 0) run_base();
       done(++made, planned);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <stdexcept>
 
 #include "base/file.h"
@@ -67,6 +68,21 @@ std::vector<std::string> arguments_of(const ProgramSide& of,
   return words;
 }
 
+/// Where a run's results go, until they are read. The run makes the folder itself, and removes it
+/// where it is interrupted.
+struct RunFolder {
+  fs::path path =
+      fs::temp_directory_path() / ("wobblebench-compare-" + std::to_string(std::random_device()()));
+
+  RunFolder() = default;
+  ~RunFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+};
+
 void check_end(const ChildEnd& end, const fs::path& program) {
   constexpr int kBadInput = 2;
   if (end.exit_code == 0) return;
@@ -115,12 +131,10 @@ ComparedSide parse_side(const std::string& option,
           .measured = {.what = text + settings_text(settings)}};
 }
 
-KeptPictures measure(ComparedSide& side,
-                     const ComparedScene& scene,
-                     std::uint64_t seed,
-                     const fs::path& scratch) {
+KeptPictures measure(ComparedSide& side, const ComparedScene& scene, std::uint64_t seed) {
   const ProgramSide& of = side.program.value();
-  const fs::path out = scratch / "run";
+  const RunFolder folder;
+  const fs::path& out = folder.path;
   check_end(run_child(of.program, arguments_of(of, scene, seed, out)), of.program);
   const Json report = read_report(out / "report.json");
   const MeasuredSide run = kept_side(report, of.program.string());
@@ -130,9 +144,7 @@ KeptPictures measure(ComparedSide& side,
   measured.gl_renderer = run.gl_renderer;
   measured.settings[scene.name] = settings_in(report);
   measured.runs.push_back({scene.name, seed, run.runs.front().figures});
-  KeptPictures pictures{read_if_there(out / "surface.png"), read_if_there(out / "error.png")};
-  fs::remove_all(out);
-  return pictures;
+  return {read_if_there(out / "surface.png"), read_if_there(out / "error.png")};
 }
 
 std::string compared_picture(const std::string& side,

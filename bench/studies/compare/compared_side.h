@@ -45,13 +45,9 @@ ComparedSide parse_side(const std::string& option,
                         const std::string& text,
                         const std::vector<std::string>& settings);
 
-/// One run of the side, added to what is measured; `scratch`: a folder for its files. Returns its
-/// pictures. Throws UserError where the program refuses the scene, and std::runtime_error where it
-/// fails.
-KeptPictures measure(ComparedSide& side,
-                     const ComparedScene& scene,
-                     std::uint64_t seed,
-                     const std::filesystem::path& scratch);
+/// One run of the side, added to what is measured. Returns its pictures. Throws UserError where the
+/// program refuses the scene, and std::runtime_error where it fails.
+KeptPictures measure(ComparedSide& side, const ComparedScene& scene, std::uint64_t seed);
 
 /// The name of a picture's file in the folder of `compare`: "new_default_surface.png".
 std::string compared_picture(const std::string& side,
