@@ -129,7 +129,7 @@ struct Renderer::Pipeline {
   void tap_slices() const {
     if (!taps.slices) return;
     const SliceVolume& shown = complete ? *complete : *incoming;
-    VolumeSlices made{shown.pixels(), {}};
+    VolumeSlices made{shown.pixels(), shown.sweep, {}};
     for (int f = 0; f < factory.geometry().frames(); ++f) {
       made.slices.push_back(shown.download_slice(f));
     }

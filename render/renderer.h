@@ -23,6 +23,7 @@ namespace wobblebench::render {
 /// What pass 1 made of a volume, as pass 2 reads it.
 struct VolumeSlices {
   Region pixels;                     ///< of a slice, those that are stored
+  int sweep = 1;                     ///< of the motor, as hw::AcquisitionPlan::sweep_direction
   std::vector<Image<float>> slices;  ///< one for each frame, of `pixels`; samples in [0, 1]
 };
 

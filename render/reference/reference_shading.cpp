@@ -81,7 +81,9 @@ glm::dvec3 HeightMap::tangent(int column, int row, int right, int down) const {
 glm::dvec3 HeightMap::normal(int column, int row) const {
   const glm::dvec3 away = glm::cross(tangent(column, row, 1, 0), tangent(column, row, 0, 1));
   const double size = glm::length(away);
-  return size > 0 ? -away / size : -camera_.ray(column, row).direction;
+  // right x down points away from the viewer, but in a mirrored picture towards them.
+  if (size > 0) return (camera_.flipped ? away : -away) / size;
+  return -camera_.ray(column, row).direction;
 }
 
 HeightMap::Lighting HeightMap::light_at(const glm::dvec3& from, const glm::dvec3& to_viewer) const {

@@ -235,6 +235,7 @@ const ShadingCase kShadingCases[] = {
     {"unfiltered", [](RenderOptions& o) { o.shading.depth_filter_size = 1; }},
     {"widest_filter", [](RenderOptions& o) { o.shading.depth_filter_size = 15; }},
     {"no_shadows", [](RenderOptions& o) { o.shading.shadows = false; }},
+    {"mirrored", [](RenderOptions& o) { o.view.flip = true; }},
     {"directional_from_the_left",
      [](RenderOptions& o) {
        o.shading.light = Light::directional;
