@@ -282,11 +282,19 @@ struct Passes {
   std::unique_ptr<render::GlContext> context;
   std::unique_ptr<render::Renderer> renderer;
   std::unique_ptr<GlStreamRenderer> stream;
+  render::VolumeSlices slices;  ///< where they are kept
 
-  Passes(const std::string& gl, const ResolvedScene& scene)
+  Passes(const std::string& gl, const ResolvedScene& scene, bool keeps_slices)
       : context(render::make_context(gl)),
         renderer(std::make_unique<render::Renderer>(*context, scene.plan(), scene.render())),
-        stream(std::make_unique<GlStreamRenderer>(*renderer)) {}
+        stream(std::make_unique<GlStreamRenderer>(*renderer)) {
+    if (!keeps_slices) return;
+    render::RenderTaps taps;
+    taps.slices = [this](const render::VolumeSlices& made) { slices = made; };
+    renderer->set_taps(taps);
+  }
+  Passes(const Passes&) = delete;
+  Passes& operator=(const Passes&) = delete;
 };
 
 std::vector<PlannedStep> planned_steps() {
@@ -314,8 +322,10 @@ int export_scan(const Arguments& arguments) {
   const auto options = chosen(requests, scene.plan(), volumes, scene.subject().has_value());
   const bool needs_passes =
       std::ranges::any_of(options, [](const auto& one) { return needs_picture(one.content); });
+  const bool keeps_slices =
+      std::ranges::any_of(options, [](const auto& one) { return one.content == Content::slices; });
   const auto passes =
-      needs_passes ? std::optional<Passes>(std::in_place, arguments.gl, scene) : std::nullopt;
+      needs_passes ? std::make_unique<Passes>(arguments.gl, scene, keeps_slices) : nullptr;
   const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
   const StreamSource stream = progress.step("scene", [&] { return board.connect(scene, maps); });
   ExportedScan scan{.scene = scene,
@@ -336,7 +346,7 @@ int export_scan(const Arguments& arguments) {
   std::optional<ExportedPicture> picture;
   if (passes) {
     auto truth = progress.step("truth", [&] { return truth_of(scene, maps, exported); });
-    picture.emplace(ExportedPicture{exported.picture, std::move(truth)});
+    picture.emplace(ExportedPicture{exported.picture, passes->slices, std::move(truth)});
   }
   progress.step("write", [&] {
     for (const auto& writer : writers) writer->finish(picture ? &*picture : nullptr);

@@ -15,6 +15,7 @@
 #include "hw/probe/polar_volume.h"
 #include "hw/wire/configuration.h"
 #include "render/picture.h"
+#include "render/renderer.h"
 #include "sim/probe_simulator.h"
 #include "sim/tissue/tissue_map.h"
 
@@ -30,6 +31,7 @@ enum class Content {
   labels,      ///< materials on a grid of equal spacing
   found,       ///< the surface that the renderer found
   truth,       ///< the true surface
+  slices,      ///< what pass 1 of the renderer makes of the last volume
 };
 
 enum class SampleType { usual, u8, u16, f32 };
@@ -52,7 +54,8 @@ void describe(O& o, Visitor& v) {
             {"planes", Content::planes},
             {"labels", Content::labels},
             {"found", Content::found},
-            {"truth", Content::truth}});
+            {"truth", Content::truth},
+            {"slices", Content::slices}});
   v.choice("type",
            o.type,
            {{"usual", SampleType::usual},
@@ -95,9 +98,11 @@ struct ExportedScan {
   std::vector<std::pair<std::string, std::string>> fields() const;
 };
 
-/// The picture of the last volume, and the truth about it where that is known.
+/// The picture of the last volume, the slices that it was made of where a file holds them, and the
+/// truth about it where that is known.
 struct ExportedPicture {
   render::Picture picture;
+  render::VolumeSlices slices;
   std::optional<Truth> truth;
 };
 

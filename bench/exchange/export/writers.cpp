@@ -23,7 +23,7 @@ const std::vector<Format>& formats() {
       {".mha",
        ExportFormat::meta_image,
        {Content::planes, Content::polar, Content::cartesian, Content::labels}},
-      {".npz", ExportFormat::npz, {Content::everything, Content::polar}},
+      {".npz", ExportFormat::npz, {Content::everything, Content::polar, Content::slices}},
       {".dcm", ExportFormat::dicom, {Content::cartesian}},
       {".hdf5", ExportFormat::zea, {Content::polar}},
       {".vol", ExportFormat::kretz, {Content::polar}},
@@ -76,7 +76,8 @@ bool has_spacing(Content content) {
 }
 
 bool needs_picture(Content content) {
-  return content == Content::everything || content == Content::found || content == Content::truth;
+  return content == Content::everything || content == Content::found || content == Content::truth ||
+         content == Content::slices;
 }
 
 FileOptions chosen_options(const std::string& name,
@@ -129,6 +130,7 @@ std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
                                         const ExportedScan& scan) {
   switch (format) {
     case ExportFormat::npz:
+      if (options.content == Content::slices) return make_slices_writer(path, scan);
       return make_npz_writer(path, options, scan);
     case ExportFormat::nrrd:
     case ExportFormat::nrrd_sequence:

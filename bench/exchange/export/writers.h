@@ -45,6 +45,9 @@ std::unique_ptr<ScanWriter> make_writer(ExportFormat format,
 std::unique_ptr<ScanWriter> make_npz_writer(const std::filesystem::path& path,
                                             const FileOptions& options,
                                             const ExportedScan& scan);
+/// Of pass 1's slices.
+std::unique_ptr<ScanWriter> make_slices_writer(const std::filesystem::path& path,
+                                               const ExportedScan& scan);
 std::unique_ptr<ScanWriter> make_grid_writer(ExportFormat format,
                                              const std::filesystem::path& path,
                                              const FileOptions& options,

@@ -216,6 +216,41 @@ class Ball(InFolder):
         return scan["labels"][0][off < -1][0]
 
 
+class Slices(InFolder):
+    """Pass 1 of plain sticks without a filter: each pixel is interpolated between the samples around it."""
+
+    def test_slices_are_interpolated_samples(self):
+        for motor in ("stepped", "alternating"):
+            run("export", "sim", *BALL_SCENE, *settings(
+                f"acquisition.motor={motor}", "render.reconstruction.sticks=plain",
+                "render.scan_conversion.filter_size=1", "render.ray_casting.kernel_3d=1",
+                "render.scan_conversion.format=r32f",
+                "render.scan_conversion.slice_size=200"), "--volumes", 2, "--no-cache", "--to",
+                self.path(f"{motor}.npz") + ",content=polar", "--to", self.path(f"{motor}_slices.npz") + ",content=slices")
+            scan, made = np.load(self.path(f"{motor}.npz")), np.load(self.path(f"{motor}_slices.npz"))
+            self.assertEqual(int(made["volume"]), 1)
+            # Motor angles of the second volume's sticks: those of the slices, turned with the stick.
+            angles = made["motor_angle_deg"][:, None] + float(made["turn"]) * scan["theta_deg"]
+            np.testing.assert_allclose(angles, scan["motor_angle_deg"][1], atol=1e-9)
+            self.assertEqual(float(made["turn"]) != 0, motor == "alternating")
+            self.assertAlmostEqual(float(made["axis_mm"]), float(scan["radius_mm"] - scan["wobble_radius_mm"]))
+            x, depth = np.meshgrid(made["x_mm"], made["depth_mm"])
+            theta, r = np.degrees(np.arctan2(x, depth)), np.hypot(x, depth) - float(scan["radius_mm"])
+            line = (theta - scan["theta_deg"][0]) / np.diff(scan["theta_deg"]).mean()
+            sample = (r - scan["range_mm"][0]) / np.diff(scan["range_mm"]).mean()
+            within = ((line > 0) & (line < len(scan["theta_deg"]) - 1) &
+                      (sample > 0) & (sample < len(scan["range_mm"]) - 1))
+            self.assertGreater(within.mean(), 0.3)
+            i, k = line[within].astype(int), sample[within].astype(int)
+            u, v = line[within] - i, sample[within] - k
+            for frame in (0, 9, 20):
+                s = scan["samples"][1, frame].astype(np.float64)
+                expected = ((1 - u) * ((1 - v) * s[i, k] + v * s[i, k + 1]) +
+                            u * ((1 - v) * s[i + 1, k] + v * s[i + 1, k + 1]))
+                self.assertLess(np.abs(made["slices"][frame][within] - expected).max(), 1e-3)
+            self.assertGreater(made["slices"].max(), 0.3)
+
+
 class FetalFace(InFolder):
     """The hand lies at one side of the face: the picture's left and right stay what they are."""
 
