@@ -97,38 +97,22 @@ struct Source {
   Scene scene;
 };
 
-/// "section.key=value" of each option that a report lists.
-void add_settings(const nlohmann::json& table,
-                  const std::string& section,
-                  std::vector<std::string>& settings) {
-  for (const auto& [key, value] : table.items()) {
-    const std::string name = section.empty() ? key : section + "." + key;
-    if (value.is_object()) {
-      add_settings(value, name, settings);
-    } else if (!value.is_null()) {
-      settings.push_back(name + "=" + value.dump());
-    }
-  }
-}
-
 /// The scene of a run's folder. Its picture is made again.
 Source source_of_run(const Arguments& arguments) {
   const fs::path file = fs::path(arguments.from) / "report.json";
   const auto refuse = [&](const std::string& why) { throw UserError(file.string() + ": " + why); };
   if (!fs::is_regular_file(file)) refuse("is missing; FROM must be a folder of `wobblebench run`");
-  const auto report = nlohmann::json::parse(read_file(file), nullptr, false);
+  const auto report = nlohmann::ordered_json::parse(read_file(file), nullptr, false);
   if (!report.is_object() || report.value("command", "") != "run" || !report.contains("scene")) {
     refuse("is no report of `wobblebench run`");
   }
-  const auto board = report.value(nlohmann::json::json_pointer("/provenance/board"), std::string());
+  const auto board =
+      report.value(nlohmann::ordered_json::json_pointer("/provenance/board"), std::string());
   if (board != "simulated") {
     refuse("the run was of " + board +
            " samples, which its folder does not hold; FROM must be the recording, with --scene");
   }
-  std::vector<std::string> settings;
-  add_settings(report["scene"], "", settings);
-  settings.insert(settings.end(), arguments.scene.settings.begin(), arguments.scene.settings.end());
-  return {"sim", load_scene({}, settings, file.string())};
+  return {"sim", load_resolved_scene(report["scene"], arguments.scene.settings, file.string())};
 }
 
 Source source_of(const Arguments& arguments) {
