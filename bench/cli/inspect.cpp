@@ -303,7 +303,7 @@ int inspect(const Arguments& arguments) {
   }
   if (!arguments.geometry.empty()) {
     throw UserError(
-        "--geometry: acts with a file of another program (.mha, .nrrd, .vol, .raw, "
+        "--geometry: acts with a file of another program (.mha, .nrrd, .vol, .hdf5, .raw, "
         ".img); " +
         arguments.recording.string() + " is none");
   }
@@ -328,7 +328,7 @@ Command add_inspect_command(CLI::App& app) {
       command,
       "RECORDING",
       arguments->recording,
-      "File that `record` wrote, or another program's: .mha, .nrrd, .vol, .raw, .img");
+      "File that `record` wrote, or another program's: .mha, .nrrd, .vol, .hdf5, .raw, .img");
   add_path(command,
            "--geometry",
            arguments->geometry,

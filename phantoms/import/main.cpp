@@ -55,6 +55,12 @@ void write_message(const std::string& format, const std::filesystem::path& path,
   out.put(kImportResult);
   if (format == "vdb") {
     write_vdb_message(path, out);
+  } else if (format == "zea") {
+#if defined(WOBBLEBENCH_HDF5)
+    write_zea_message(path, out);
+#else
+    throw std::invalid_argument("this build does not read HDF5, which needs libhdf5-dev");
+#endif
   } else if (format == "hdf5") {
 #if defined(WOBBLEBENCH_HDF5)
     write_hdf5_message(path, out);

@@ -26,4 +26,10 @@ void write_mesh_message(const std::filesystem::path& path, MessageWriter& out);
 /// more than kMostScattererRows. Only in builds with WOBBLEBENCH_HDF5.
 void write_hdf5_message(const std::filesystem::path& path, MessageWriter& out);
 
+/// Reads an HDF5 file of zea (github.com/tue-bmd/zea): writes the path of its image or envelope,
+/// its description, and whether the values are bytes, their sizes (volumes, z, x, y, slowest first)
+/// and values; then 1 and the same of their coordinates, m, or 0. Only in builds with
+/// WOBBLEBENCH_HDF5.
+void write_zea_message(const std::filesystem::path& path, MessageWriter& out);
+
 }  // namespace wobblebench::phantoms

@@ -69,6 +69,8 @@ const char* name_of(ImportFormat format) {
       return "mesh";
     case ImportFormat::hdf5:
       return "hdf5";
+    case ImportFormat::zea:
+      return "zea";
   }
   throw std::logic_error("ImportFormat: no such format");
 }

@@ -14,7 +14,7 @@ class ImportUnavailable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-enum class ImportFormat { vdb, mesh, hdf5 };
+enum class ImportFormat { vdb, mesh, hdf5, zea };
 
 /// The message that wobblebench-import makes of a file, as memory.
 class ImportedBytes {

@@ -42,7 +42,9 @@ class ZeaWriter : public ScanWriter {
   static std::vector<std::pair<std::string, std::string>> attributes(const ExportedScan& scan) {
     std::string description =
         scan.simulated ? "SIMULATED by wobblebench;" : "exported by wobblebench;";
-    for (const auto& [key, value] : scan.fields()) {
+    auto fields = scan.fields();
+    fields.emplace_back("wobblebench_content", "polar");
+    for (const auto& [key, value] : fields) {
       description.append(" ").append(key).append(" ").append(value).append(";");
     }
     return {{"probe_name", "wobbling curvilinear"},

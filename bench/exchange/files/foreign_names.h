@@ -5,7 +5,7 @@
 
 namespace wobblebench::bench {
 
-enum class ForeignFormat { none, meta_image, nrrd, raw, kretz };
+enum class ForeignFormat { none, meta_image, nrrd, raw, kretz, zea };
 
 /// `none`: a recording of ours, as far as the name says.
 inline ForeignFormat foreign_format(const std::filesystem::path& path) {
@@ -14,6 +14,7 @@ inline ForeignFormat foreign_format(const std::filesystem::path& path) {
   if (extension == ".nrrd") return ForeignFormat::nrrd;
   if (extension == ".raw" || extension == ".img") return ForeignFormat::raw;
   if (extension == ".vol") return ForeignFormat::kretz;
+  if (extension == ".hdf5" || extension == ".h5") return ForeignFormat::zea;
   return ForeignFormat::none;
 }
 

@@ -5,10 +5,13 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/file.h"
 
 namespace wobblebench::bench {
 
@@ -22,9 +25,10 @@ inline constexpr std::size_t kMostAxes = 4;
 
 /// What a file's header says, and where its voxels are.
 struct VoxelFile {
-  std::filesystem::path path;       ///< of the header
-  std::filesystem::path data_path;  ///< of the voxels
-  std::uint64_t offset = 0;         ///< in data_path, of the first voxel
+  std::filesystem::path path;                    ///< of the header
+  std::filesystem::path data_path;               ///< of the voxels
+  std::shared_ptr<const FileDescriptor> memory;  ///< where data_path is a file in memory
+  std::uint64_t offset = 0;                      ///< in data_path, of the first voxel
   Element element = Element::uint8;
   bool big_endian = false;
   std::vector<std::uint64_t> sizes;  ///< fastest axis first

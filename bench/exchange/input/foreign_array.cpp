@@ -25,6 +25,12 @@ ForeignArray::ForeignArray(VoxelFile file,
     : file_(std::move(file)), names_(std::move(names)) {
   place_axes(geometry);
   split_volumes(geometry);
+  for (std::size_t i = 0; i < 3; ++i) {
+    stride_.at(i) = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (place_.at(k) < place_.at(i)) stride_.at(i) *= sizes_.at(k);
+    }
+  }
 }
 
 void ForeignArray::refuse(const std::string& why) const {
@@ -83,26 +89,23 @@ void ForeignArray::split_volumes(const Geometry& geometry) {
 std::vector<float> ForeignArray::values(std::uint64_t volume) const {
   const std::uint64_t count = sizes_[0] * sizes_[1] * sizes_[2];
   const std::vector<float> in_file = read_voxels(file_, volume * count, count);
-  std::array<std::uint64_t, 3> stride{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    std::uint64_t step = 1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (place_.at(k) < place_.at(i)) step *= sizes_.at(k);
-    }
-    stride.at(i) = step;
-  }
-  const auto at = [&](std::size_t axis, std::uint64_t index) {
-    return stride.at(axis) * (reversed_.at(axis) ? sizes_.at(axis) - 1 - index : index);
-  };
   std::vector<float> values;
   values.reserve(count);
   for (std::uint64_t k = 0; k < sizes_[2]; ++k) {
     for (std::uint64_t j = 0; j < sizes_[1]; ++j) {
-      const std::uint64_t row = at(2, k) + at(1, j);
-      for (std::uint64_t i = 0; i < sizes_[0]; ++i) values.push_back(in_file[row + at(0, i)]);
+      for (std::uint64_t i = 0; i < sizes_[0]; ++i) values.push_back(in_file[index(i, j, k)]);
     }
   }
   return values;
+}
+
+std::uint64_t ForeignArray::index(std::uint64_t first,
+                                  std::uint64_t second,
+                                  std::uint64_t third) const {
+  const auto along = [&](std::size_t axis, std::uint64_t number) {
+    return stride_[axis] * (reversed_[axis] ? sizes_[axis] - 1 - number : number);
+  };
+  return along(0, first) + along(1, second) + along(2, third);
 }
 
 }  // namespace wobblebench::bench

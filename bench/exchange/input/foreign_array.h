@@ -25,6 +25,9 @@ class ForeignArray {
   /// Index of an axis in the file, for what the file says of it.
   std::size_t axis_in_file(std::size_t axis) const { return place_.at(axis); }
 
+  /// Index of a voxel within its volume, where it lies in the file.
+  std::uint64_t index(std::uint64_t first, std::uint64_t second, std::uint64_t third) const;
+
   /// Values of a volume, [(third * size(1) + second) * size(0) + first].
   std::vector<float> values(std::uint64_t volume) const;
 
@@ -38,6 +41,7 @@ class ForeignArray {
   std::array<std::size_t, 3> place_{};
   std::array<std::uint64_t, 3> sizes_{1, 1, 1};
   std::array<bool, 3> reversed_{};
+  std::array<std::uint64_t, 3> stride_{};
   std::uint64_t volumes_ = 1;
 };
 

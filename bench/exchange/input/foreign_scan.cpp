@@ -15,6 +15,8 @@
 #include "bench/exchange/files/kretz.h"
 #include "bench/exchange/files/meta_image.h"
 #include "bench/exchange/files/nrrd.h"
+#include "bench/exchange/files/zea.h"
+#include "bench/exchange/input/coordinates.h"
 #include "bench/exchange/input/foreign_array.h"
 #include "bench/exchange/input/geometry.h"
 #include "bench/exchange/input/resample.h"
@@ -30,6 +32,7 @@ struct Described {
   VoxelFile file;
   Geometry geometry;
   std::string geometry_source;  ///< for refusals
+  Coordinates coordinates_m;    ///< of a volume's voxels; empty: the file gives none
 
   [[noreturn]] void refuse(const std::string& why) const {
     throw UserError(geometry_source + ": " + why);
@@ -111,6 +114,27 @@ void add_kretz_geometry(const KretzScan& kretz, Described& described) {
   geometry.motor_angles_rad = kretz.frame_rad;
 }
 
+/// Axes and values as zea has them, where the geometry does not say them.
+void add_zea_geometry(const ZeaPicture& zea, Described& described) {
+  Geometry& geometry = described.geometry;
+  described.coordinates_m = zea.coordinates_m;
+  if (!geometry.has("axes")) {
+    const bool has_y = zea.file.sizes.size() == 4;
+    using Names = std::vector<std::string>;
+    geometry.axes = geometry.layout == Layout::polar    ? Names{"line", "sample"}
+                    : geometry.layout == Layout::planes ? Names{"column", "row"}
+                                                        : Names{"x", "z"};
+    const std::string third = geometry.layout == Layout::cartesian ? "y" : "frame";
+    geometry.axes.insert(has_y ? geometry.axes.begin() : geometry.axes.end(), third);
+    if (has_y) geometry.axes.emplace_back("volume");
+  }
+  if (zea.is_envelope && !geometry.has("values")) geometry.values = ValueScale::linear;
+  if (zea.is_envelope || zea.file.element == Element::uint8) return;
+  if (!geometry.has("white")) geometry.white = 0;
+  if (!geometry.has("black")) geometry.black = geometry.white - geometry.dynamic_range_db;
+  geometry.given.insert({"white", "black"});
+}
+
 Described describe_file(const fs::path& path, const fs::path& geometry) {
   Described described{.file = {},
                       .geometry = {},
@@ -136,14 +160,22 @@ Described describe_file(const fs::path& path, const fs::path& geometry) {
     add_kretz_geometry(kretz, described);
     return described;
   }
-  described.file = format == ForeignFormat::nrrd ? read_nrrd(path) : read_meta_image(path);
+  std::optional<ZeaPicture> zea;
+  if (format == ForeignFormat::zea) zea = read_zea(path);
+  described.file = zea                             ? zea->file
+                   : format == ForeignFormat::nrrd ? read_nrrd(path)
+                                                   : read_meta_image(path);
   refuse_raw_keys(described);
-  if (!geometry.empty()) return described;
+  if (!geometry.empty()) {
+    if (zea) add_zea_geometry(*zea, described);
+    return described;
+  }
   if (!is_of_export(described.file)) {
     throw UserError(path.string() +
                     ": does not say how it was scanned; must be given with geometry=FILE.toml");
   }
   described.geometry = geometry_of_fields(path, described.file.fields);
+  if (zea) add_zea_geometry(*zea, described);
   return described;
 }
 
@@ -297,6 +329,9 @@ ForeignScan polar_scan(const Described& described) {
   const Values values(described);
   auto motor_rad = frame_angles(described, array.size(2));
   auto plan = plan_of(described, array.size(0), array.size(1), array.volumes(), motor_rad);
+  if (!described.coordinates_m.empty()) {
+    check_sticks(described.coordinates_m, array, plan, motor_rad);
+  }
   const auto samples = [array, values](std::uint32_t volume) {
     std::vector<float> read = array.values(volume);
     for (float& value : read) value = static_cast<float>(values.sample(double{value}));
@@ -342,6 +377,9 @@ ForeignScan planes_scan(const Described& described) {
       .rows = array.size(1),
       .step_m = pixel_m(described, array),
       .center = {described.geometry.center_px[0], described.geometry.center_px[1]}};
+  if (!described.coordinates_m.empty()) {
+    check_steps(described.coordinates_m, array, pixels.step_m);
+  }
   const StickCounts counts =
       sticks_of(described.geometry, std::min(pixels.step_m[0], pixels.step_m[1]));
   auto plan = plan_of(described, counts.samples, counts.lines, array.volumes(), motor_rad);
@@ -394,6 +432,7 @@ VoxelGrid grid_of(const Described& described, const ForeignArray& array) {
 }
 
 ForeignScan cartesian_scan(Described described) {
+  if (!described.coordinates_m.empty()) place_by(described.coordinates_m, described.file);
   ForeignArray array(described.file, described.geometry, {"x", "y", "z"});
   VoxelGrid grid = grid_of(described, array);
   const double step_m = grid.least_step_m();

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Scans in files of other programs, through --board file=: against NumPy's own computation, against the
 published picture of a real probe, and bad files of each format."""
+import functools
 import os
 import random
 import re
@@ -8,6 +9,7 @@ import struct
 import subprocess
 import unittest
 
+import h5py
 import numpy as np
 
 from support import InFolder, PROGRAM, SMALL_SCAN, positions, run, settings
@@ -81,7 +83,7 @@ POLAR = {"layout": "polar", "radius_mm": 30.0, "wobble_radius_mm": 55.0, "sector
 class Polar(Input):
     def test_own_files_come_back(self):
         scene = settings("phantom.name=sphere", "probe.wobble_radius_mm=70", "acquisition.fan_deg=35", *SMALL_SCAN)
-        names = {"a.nrrd,content=polar,type=uint16": 1 / 65535, "a.mha,content=polar": 1 / 255, "a.vol": 1 / 255}
+        names = {"a.nrrd,content=polar,type=uint16": 1 / 65535, "a.mha,content=polar": 1 / 255, "a.vol": 1 / 255, "a.hdf5": 0}
         to = [word for name in names for word in ("--to", self.path(name))]
         run("export", "sim", *scene, "--no-cache", "--to", self.path("a.npz") + ",content=polar", *to)
         scan = np.load(self.path("a.npz"))
@@ -248,6 +250,89 @@ class RealProbe(Input):
             header, data = whole.read().split(b"ElementDataFile = LOCAL\n", 1)
         size = re.search(rb"DimSize = (\d+) (\d+) 1", header)
         return np.frombuffer(data, np.uint8).reshape(int(size[2]), int(size[1]))
+
+
+class Zea(Input):
+    """HDF5 files as zea (tue-bmd/zea, zea/data/spec.py) has them, written by h5py."""
+
+    def zea(self, values, coordinates=None, name="image", group="tracks/track_0/data", file="z.hdf5"):
+        with h5py.File(self.path(file), "w") as out:
+            out[f"{group}/{name}/values"] = values
+            if coordinates is not None:
+                out[f"{group}/{name}/coordinates"] = coordinates.astype(np.float32)
+        return self.path(file)
+
+    def sticks(self):
+        """Positions (z, x, y, 3) of the samples of POLAR, in m, from the face's apex."""
+        theta, phi = np.linspace(-33, 33, 6), np.linspace(-22, 22, 4)
+        r = (np.arange(9) + 0.5) * 10
+        at = positions(theta, np.repeat(phi[:, None], 6, 1), r, 30.0, 55.0) - [0, 0, 30.0]
+        return at.transpose(2, 1, 0, 3) / 1000
+
+    def test_decibels_greys_and_envelopes(self):
+        db = np.random.default_rng(5).uniform(-70, 0, (2, 9, 6, 4)).astype(np.float32)
+        db[0, 3, 2, 1] = -np.inf
+        expected = np.maximum(0, 1 + db / 60).transpose(0, 3, 2, 1)
+        scan = self.exported(self.board(self.zea(db, self.sticks()), **POLAR), "--volumes", 2)
+        np.testing.assert_allclose(scan["samples"], expected, atol=1e-5)
+        linear = self.zea(10 ** (db / 20) * 7, name="envelope_data", group="data")
+        scan = self.exported(self.board(linear, **POLAR, white=7.0), "--volumes", 2)
+        np.testing.assert_allclose(scan["samples"], expected, atol=1e-5)
+        grey = np.random.default_rng(6).integers(0, 256, (1, 9, 6, 4), dtype=np.uint8)
+        with h5py.File(self.path("old.h5"), "w") as out:
+            out.create_dataset("data/image", data=grey, compression="gzip")
+        scan = self.exported(self.board(self.path("old.h5"), **POLAR))
+        np.testing.assert_allclose(scan["samples"][0], grey[0].transpose(2, 1, 0) / 255, atol=1e-6)
+
+    def test_grid_lies_where_its_coordinates_put_it(self):
+        z, x, y = np.meshgrid(np.arange(20, 140) * 1e-3, np.arange(-70, 70) * 1e-3, np.arange(-40, 45, 1.5) * 1e-3,
+                              indexing="ij")
+        at = np.stack([x, y, z], -1)
+        ball = np.linalg.norm(at - np.array([14, -9, 90]) / 1000, axis=-1) < 0.018
+        db = np.where(ball, 0, -80).astype(np.float32)[None]
+        keys = {"layout": "cartesian", "radius_mm": 40.0, "wobble_radius_mm": 27.0, "sector_deg": 70.0, "fan_deg": 50.0,
+                "depth_mm": 120.0, "dynamic_range_db": 60.0}
+        scan = self.exported(self.board(self.zea(db, at), **keys))
+        place = positions(scan["theta_deg"], scan["motor_angle_deg"][0], scan["range_mm"], 40.0, 27.0)
+        found, true = scan["samples"][0] > 0.5, np.linalg.norm(place - [14, -9, 90], axis=-1) < 18
+        self.assertGreater(true.sum(), 3000)
+        self.assertLess((found != true).sum() / true.sum(), 0.12)
+        np.testing.assert_allclose(place[found].mean(0), place[true].mean(0), atol=0.3)
+
+    def test_planes(self):
+        frames = np.random.default_rng(7).integers(0, 256, (4, 50, 60), dtype=np.uint8)
+        keys = {"layout": "planes", "spacing_mm": [1.0, 1.0], "center_px": [29.5, -20.0], "radius_mm": 25.0,
+                "wobble_radius_mm": 20.0, "sector_deg": 40.0, "fan_deg": 30.0, "depth_mm": 40.0, "dynamic_range_db": 60.0,
+                "lines": 12, "samples": 40}
+        scan = self.exported(self.board(self.zea(frames), **keys))
+        again = self.exported(self.board(self.write("p.mha", mha(frames)), **keys))
+        np.testing.assert_array_equal(scan["samples"], again["samples"])
+
+    def test_refusals(self):
+        db = np.full((1, 9, 6, 4), -30, np.float32)
+        at = self.sticks()
+        refused = functools.partial(Bad.refused, self)
+        refused("file=" + self.zea(db), "must be given with geometry=FILE.toml")
+        turned = {**POLAR, "sector_deg": 50.0}
+        refused(self.board(self.zea(db, at), **turned), "its coordinates lie up to", "must be within 10 mm")
+        refused(self.board(self.zea(db, at), **{**POLAR, "reversed": ["frame"]}), "its coordinates lie up to")
+        refused(self.board(self.zea(db, at), layout="cartesian", dynamic_range_db=60.0), "grid of equal steps")
+        refused(self.board(self.zea(db, at[:-1]), **POLAR), "not those of its values")
+        refused(self.board(self.zea(db[0, 0]), **POLAR), "has values of 2 axes")
+        refused(self.board(self.zea(db * np.nan), **POLAR), "voxel 0 is no finite number")
+        refused(self.board(self.zea(db.astype(complex)), **POLAR), "must hold numbers")
+        refused(self.board(self.zea(db, name="beamformed_data"), **POLAR), "holds neither data/image nor")
+        refused(self.board(self.write("n.hdf5", b"no HDF5"), **POLAR), "it cannot be opened as one")
+        two = self.zea(db)
+        with h5py.File(two, "a") as out:
+            out["tracks/track_1/data/image/values"] = db
+        refused(self.board(two, **POLAR), "holds several tracks")
+        with open(self.zea(db, at), "rb") as whole:
+            data = whole.read()
+        for size in (100, 2000, len(data) - 300):
+            line = run("run", "--board", self.board(self.write("cut.hdf5", data[:size]), **POLAR), "--out",
+                       self.path("out"), code=2)
+            self.assertEqual(line.count("\n"), 1, line)
 
 
 class Bad(Input):
