@@ -403,12 +403,18 @@ class Bad(Input):
         self.refused("file=" + self.write("b.vol", good), "geometry.dynamic_range_db: is missing")
         self.refused(self.board(self.write("b.vol", good), dynamic_range_db=60.0, radius_mm=40.0), "says it itself")
 
+    def zea_bytes(self, grid):
+        with h5py.File(self.path("whole.hdf5"), "w") as out:
+            out["data/image/values"] = grid.transpose(2, 1, 0)[None]
+        with open(self.path("whole.hdf5"), "rb") as whole:
+            return whole.read()
+
     def test_damaged_files_crash_nothing(self):
         """Bytes that were changed and files that were cut: read, or refused with one line."""
         rng = random.Random(20261126)
         grid = np.random.default_rng(1).integers(0, 256, (3, 4, 9), dtype=np.uint8)
         files = {"z.mha": (mha(grid, "1 1 1"), POLAR), "z.nrrd": (nrrd(grid, "uint8"), {"layout": "cartesian", "dynamic_range_db": 60.0}),
-                 "z.vol": (kretz(grid), {"dynamic_range_db": 60.0}),
+                 "z.vol": (kretz(grid), {"dynamic_range_db": 60.0}), "z.hdf5": (self.zea_bytes(grid), POLAR),
                  "z.toml": (geometry_text(**POLAR, element="uint8", sizes=[9, 4, 3]).encode(), None)}
         for name, (data, keys) in files.items():
             for turn in range(int(os.environ.get("WOBBLEBENCH_DAMAGED", "60"))):
