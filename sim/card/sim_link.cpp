@@ -92,7 +92,7 @@ class SimLink::Impl {
   std::condition_variable_any changed_;
   bool has_news_ = false;  ///< for probe_: the epoch, or a block
   CardModel card_;
-  std::uint64_t sequence_ = 0;         ///< of the stick that is sent next
+  std::uint64_t sequence_;             ///< of the stick that is sent next
   bool inside_volume_ = false;         ///< its configuration was sent
   bool over_ = false;                  ///< all volumes were sent
   std::vector<float> block_;           ///< samples that were taken from feed_ last
@@ -102,6 +102,7 @@ class SimLink::Impl {
   std::optional<hw::HostTime> epoch_;  ///< host time of device time 0; set by the first read
   hw::SharedEpoch shared_epoch_;       ///< realtime: the same
   const hw::DeviceDuration stick_period_;
+  const std::uint64_t first_sequence_;
   StickFeed feed_;      ///< its thread calls notify()
   std::jthread probe_;  ///< last: joined before what it uses is destroyed
 };
@@ -115,9 +116,12 @@ SimLink::Impl::Impl(StickSource source,
       statistics_(statistics ? std::move(statistics) : std::make_shared<SimLinkStatistics>()),
       time_(time),
       card_(options.card),
+      sequence_(source_.plan.first_sequence(static_cast<std::uint32_t>(options.first_volume))),
       stick_period_(std::llround(source_.plan.stick_period_s() * 1e9)),
+      first_sequence_(sequence_),
       feed_(timed(source_.block, statistics_),
             source_.plan,
+            options.first_volume,
             options.pace == hw::Pace::realtime,
             options.volumes_ahead,
             [this] { notify(); }) {
@@ -152,7 +156,9 @@ hw::ReadResult SimLink::Impl::read_card(std::span<std::byte> buffer, hw::HostTim
     hw::HostTime event;
     {
       const std::lock_guard lock(mutex_);
-      if (!epoch_) set_epoch(now());
+      if (!epoch_) {
+        set_epoch(now() - source_.plan.stick_time(first_sequence_).time_since_epoch());
+      }
       if (const auto taken = take_bytes(buffer)) return *taken;
       event = next_event();
     }
@@ -264,7 +270,7 @@ void SimLink::Impl::delay_probe(hw::DeviceTime begin, hw::HostTime ready) {
   const hw::HostTime due = *epoch_ + begin.time_since_epoch();
   if (time_ != nullptr || ready <= due) return;
   set_epoch(*epoch_ + (ready - due));
-  if (sequence_ > 0) statistics_->late_ms += to_milliseconds(ready - due);
+  if (sequence_ > first_sequence_) statistics_->late_ms += to_milliseconds(ready - due);
 }
 
 void SimLink::Impl::push_bytes(hw::DeviceTime time, bool ends_volume) {
@@ -307,7 +313,8 @@ void SimLink::Impl::end_volume(std::uint32_t volume) {
   hw::encode(hw::VolumeEndPacket{.sequence = sequence_, .volume = volume, .time = end}, bytes_);
   push_bytes(end, true);
   inside_volume_ = false;
-  over_ = volume + 1 == static_cast<std::uint32_t>(source_.plan.acquisition().volumes);
+  const int volumes = options_.first_volume + source_.plan.acquisition().volumes;
+  over_ = volume + 1 == static_cast<std::uint32_t>(volumes);
 }
 
 SimLink::SimLink(StickSource source,

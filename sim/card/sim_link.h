@@ -22,12 +22,14 @@ struct SimLinkOptions {
   /// Sticks of this number of volumes are computed before they are sent. 0: read() computes them,
   /// and cannot be cancelled meanwhile.
   int volumes_ahead = 1;
+  int first_volume = 0;  ///< that is sent; the scene's `volumes` count from it
 };
 
 template <OptionsOf<SimLinkOptions> O, class Visitor>
 void describe(O& o, Visitor& v) {
   hw::describe_pace(o.pace, v);
   v.integer("volumes_ahead", o.volumes_ahead, 0, 16);
+  v.integer("first_volume", o.first_volume, 0, hw::kMostVolumes - 1);
   describe(o.card, v);
 }
 
@@ -60,13 +62,14 @@ struct SimLinkStatistics {
   std::atomic<double> late_ms = 0;
 };
 
-/// Sends `acquisition.volumes` volumes as wire packets through a CardModel. asap: in virtual time,
-/// where device time passes only while the link is read, so that slow reading loses nothing; sticks
-/// are sent while the following blocks of their volume are computed. realtime: by the host's clock
-/// from the first read on, on a thread of its own (not with `time`), whether the link is read or
-/// not: packets that find the card's ring full are dropped. A probe does not pause within a volume:
-/// the link waits until the whole volume is computed, and only a volume that is not computed in
-/// time delays the probe, as the statistics report.
+/// Sends `acquisition.volumes` volumes from `first_volume` on, at the device times that they have
+/// in a stream from volume 0, as wire packets through a CardModel. asap: in virtual time, where
+/// device time passes only while the link is read, so that slow reading loses nothing; sticks are
+/// sent while the following blocks of their volume are computed. realtime: by the host's clock from
+/// the first read on, on a thread of its own (not with `time`), whether the link is read or not:
+/// packets that find the card's ring full are dropped. A probe does not pause within a volume: the
+/// link waits until the whole volume is computed, and only a volume that is not computed in time
+/// delays the probe, as the statistics report.
 ///
 /// @code
 /// #include "hw/board/board.h"

@@ -6,6 +6,7 @@ namespace wobblebench::sim {
 
 StickFeed::StickFeed(Make make,
                      const hw::AcquisitionPlan& plan,
+                     int first_volume,
                      bool whole_volumes,
                      int ahead,
                      std::function<void()> notify)
@@ -14,10 +15,11 @@ StickFeed::StickFeed(Make make,
                       static_cast<std::size_t>(plan.acquisition().samples_per_stick)),
       stick_samples_(static_cast<std::size_t>(plan.acquisition().samples_per_stick)),
       most_samples_(static_cast<std::size_t>(ahead) * volume_samples_),
-      sticks_(static_cast<std::uint64_t>(plan.acquisition().volumes) *
-              static_cast<std::uint64_t>(plan.sticks_per_volume())),
+      end_(plan.first_sequence(
+          static_cast<std::uint32_t>(first_volume + plan.acquisition().volumes))),
       whole_volumes_(whole_volumes),
-      notify_(std::move(notify)) {
+      notify_(std::move(notify)),
+      next_(plan.first_sequence(static_cast<std::uint32_t>(first_volume))) {
   if (most_samples_ > 0) thread_ = std::jthread([this] { fill_queue(); });
 }
 
@@ -61,7 +63,7 @@ TimedBlock StickFeed::make() {
 }
 
 void StickFeed::fill_queue() {
-  while (next_ < sticks_) {
+  while (next_ < end_) {
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return stopping_ || queued_samples_ < most_samples_; });

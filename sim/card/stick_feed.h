@@ -29,11 +29,12 @@ class StickFeed {
   /// Samples of the sticks from a sequence number on; a block lies within one volume.
   using Make = std::function<std::vector<float>(std::uint64_t first_sequence)>;
 
-  /// `whole_volumes`: blocks are joined to volumes. `ahead`: volumes that may wait in the queue; 0:
-  /// no thread, take() computes the block itself. `notify` is called on the thread when a block is
-  /// ready.
+  /// The plan's volumes from `first_volume` on. `whole_volumes`: blocks are joined to volumes.
+  /// `ahead`: volumes that may wait in the queue; 0: no thread, take() computes the block itself.
+  /// `notify` is called on the thread when a block is ready.
   StickFeed(Make make,
             const hw::AcquisitionPlan& plan,
+            int first_volume,
             bool whole_volumes,
             int ahead,
             std::function<void()> notify);
@@ -54,10 +55,10 @@ class StickFeed {
   const std::size_t volume_samples_;
   const std::size_t stick_samples_;
   const std::size_t most_samples_;  ///< that may wait before another block is computed
-  const std::uint64_t sticks_;      ///< of all volumes
+  const std::uint64_t end_;         ///< sequence number behind the last volume
   const bool whole_volumes_;
   const std::function<void()> notify_;
-  std::uint64_t next_ = 0;  ///< sequence number of the stick that is computed next
+  std::uint64_t next_;  ///< sequence number of the stick that is computed next
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<TimedBlock> queue_;

@@ -24,10 +24,12 @@ hw::AcquisitionPlan small_plan(int volumes = 1, hw::MotorMode motor = hw::MotorM
 }
 
 std::vector<std::byte> all_bytes(const hw::AcquisitionPlan& plan,
-                                 const SimulationOptions& options) {
+                                 const SimulationOptions& options,
+                                 const SimLinkOptions& link_options = {}) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .voxel_m = 1e-3});
   SimLink link(
-      stick_source({phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options}));
+      stick_source({phantoms::still_at(phantom, phantom.suggested_position_m()), plan, options}),
+      link_options);
   std::vector<std::byte> bytes, chunk(777);
   for (;;) {
     const auto result = link.read(chunk, hw::HostTime::max());
@@ -92,6 +94,34 @@ TEST(SimLink, EveryStickCarriesItsOwnTimeAndAngle) {
   EXPECT_EQ(configurations, 2u);
   EXPECT_EQ(ends, 2u);
   EXPECT_EQ(decoder.damage().bytes_skipped, 0u);
+}
+
+std::vector<hw::Stick> sticks_of(const std::vector<std::byte>& bytes) {
+  hw::Decoder decoder;
+  decoder.feed(bytes);
+  std::vector<hw::Stick> sticks;
+  while (const auto packet = decoder.next()) {
+    if (const auto* found = std::get_if<hw::StickPacket>(&*packet)) sticks.push_back(found->stick);
+  }
+  return sticks;
+}
+
+TEST(SimLink, ALaterFirstVolumeIsThatOfTheWholeStream) {
+  for (const int ahead : {0, 1}) {
+    const auto whole = sticks_of(all_bytes(small_plan(5, hw::MotorMode::alternating), {}));
+    const auto part = sticks_of(all_bytes(small_plan(2, hw::MotorMode::alternating),
+                                          {},
+                                          {.volumes_ahead = ahead, .first_volume = 3}));
+    ASSERT_EQ(part.size(), 2u * 16 * 9);
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      const hw::Stick& expected = whole.at(3u * 16 * 9 + i);
+      ASSERT_EQ(part[i].sequence, expected.sequence);
+      ASSERT_EQ(part[i].index.volume, expected.index.volume);
+      ASSERT_EQ(part[i].time, expected.time);
+      ASSERT_EQ(part[i].motor_angle_rad, expected.motor_angle_rad);
+      ASSERT_EQ(part[i].samples, expected.samples) << i;
+    }
+  }
 }
 
 TEST(SimLink, VolumesAtRestShareSpeckleButNotNoise) {
