@@ -17,6 +17,7 @@ Command add_run_command(CLI::App& app);
 Command add_compare_command(CLI::App& app);
 Command add_score_command(CLI::App& app);
 Command add_stream_command(CLI::App& app);
+Command add_live_command(CLI::App& app);
 Command add_latency_command(CLI::App& app);
 Command add_record_command(CLI::App& app);
 Command add_inspect_command(CLI::App& app);

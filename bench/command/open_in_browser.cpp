@@ -10,8 +10,12 @@
 namespace wobblebench::bench {
 
 std::string open_in_browser(const std::filesystem::path& page) {
-  std::string program = "xdg-open", path = std::filesystem::absolute(page).string();
-  const std::array<char*, 3> words = {program.data(), path.data(), nullptr};
+  return open_address(std::filesystem::absolute(page).string());
+}
+
+std::string open_address(const std::string& address) {
+  std::string program = "xdg-open", place = address;
+  const std::array<char*, 3> words = {program.data(), place.data(), nullptr};
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   // A browser's messages are not ours, and it may outlive a pipe that reads our output.
@@ -24,7 +28,7 @@ std::string open_in_browser(const std::filesystem::path& page) {
   ::posix_spawn_file_actions_destroy(&actions);
   if (error == 0) return "";
   return std::string("--open: xdg-open cannot be started: ") + std::strerror(error) +
-         "; the page is " + path;
+         "; the page is " + place;
 }
 
 }  // namespace wobblebench::bench

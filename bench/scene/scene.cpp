@@ -16,6 +16,7 @@
 #include "base/near_name.h"
 #include "base/text.h"
 #include "bench/scene/scene_cost.h"
+#include "bench/scene/scene_text.h"
 #include "bench/scene/toml_depth.h"
 #include "bench/scene/toml_file.h"
 #include "sim/fidelity.h"
@@ -253,6 +254,18 @@ toml::table table_of(const nlohmann::ordered_json& resolved, const std::string& 
   }
 }
 
+/// The file's table with the settings.
+toml::table scene_table(const std::filesystem::path& path,
+                        const std::vector<std::string>& settings,
+                        const std::string& settings_of) {
+  // Settings first where they alone are wrong: what a shell made of a list may stand as the path.
+  toml::table alone;
+  for (const auto& setting : settings) apply_setting(alone, setting, settings_of);
+  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
+  for (const auto& setting : settings) apply_setting(table, setting, settings_of);
+  return table;
+}
+
 /// Another program blends no volume.
 void seek_surface_alone(Scene& scene) {
   if (scene.picture.program.empty()) return;
@@ -317,11 +330,7 @@ Scene load_scene(const std::filesystem::path& path,
                  const std::vector<std::string>& settings,
                  const std::string& settings_of,
                  render::RenderPreset preset) {
-  // Settings first where they alone are wrong: what a shell made of a list may stand as the path.
-  toml::table alone;
-  for (const auto& setting : settings) apply_setting(alone, setting, settings_of);
-  toml::table table = path.empty() ? toml::table{} : parse_toml_file(path, "a scene");
-  for (const auto& setting : settings) apply_setting(table, setting, settings_of);
+  toml::table table = scene_table(path, settings, settings_of);
   std::string source = path.empty() ? "defaults" : path.string();
   if (!settings.empty()) source = path.empty() ? settings_of : source + " with " + settings_of;
   Scene scene;
@@ -330,6 +339,13 @@ Scene load_scene(const std::filesystem::path& path,
   seek_surface_alone(scene);
   validate(scene, source);
   return scene;
+}
+
+std::string scene_text(const std::filesystem::path& path,
+                       const std::vector<std::string>& settings) {
+  std::ostringstream text;
+  text << scene_table(path, settings, "--set") << "\n";
+  return text.str();
 }
 
 Scene load_resolved_scene(const nlohmann::ordered_json& resolved,

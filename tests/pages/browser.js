@@ -38,8 +38,8 @@ export function linesOf(program, args) {
   return stdout.trim().split('\n');
 }
 
-/** Opens a file, calls `use(page)`, and checks that nothing was complained of, loaded or run from the file's texts. */
-export async function withPage(file, use, {viewport = desktop, colorScheme = 'light', javaScriptEnabled = true} = {}) {
+/** A page, and what it complained of or asked for besides addresses for which `isOwn(address)`. */
+export async function newPage(isOwn, {viewport = desktop, colorScheme = 'light', javaScriptEnabled = true} = {}) {
   const context = await browser.newContext({viewport, colorScheme, javaScriptEnabled});
   const page = await context.newPage();
   page.setDefaultTimeout(patience_ms);
@@ -49,8 +49,15 @@ export async function withPage(file, use, {viewport = desktop, colorScheme = 'li
   });
   page.on('pageerror', (error) => problems.push(error.message));
   page.on('request', (request) => {
-    if (!/^(data|blob):/.test(request.url()) && request.url() !== `file://${file}`) problems.push(request.url());
+    if (!/^(data|blob):/.test(request.url()) && !isOwn(request.url())) problems.push(request.url());
   });
+  return {context, page, problems};
+}
+
+/** Opens a file, calls `use(page)`, and checks that nothing was complained of, loaded or run from the file's texts. */
+export async function withPage(file, use, options = {}) {
+  const {javaScriptEnabled = true} = options;
+  const {context, page, problems} = await newPage((address) => address === `file://${file}`, options);
   try {
     await open(page, `file://${file}`);
     if (javaScriptEnabled) await drawn(page);
@@ -64,7 +71,7 @@ export async function withPage(file, use, {viewport = desktop, colorScheme = 'li
 }
 
 /** Opens an address, a second time where a busy machine has kept the browser's processes waiting. */
-async function open(page, url) {
+export async function open(page, url) {
   try {
     await page.goto(url);
   } catch (error) {

@@ -16,6 +16,7 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr std::chrono::milliseconds kAskEvery{20};
+constexpr std::chrono::milliseconds kIdleEvery{5};
 
 /// Spans that one thread reports.
 class Spans {
@@ -126,7 +127,10 @@ void Running::watch(const std::stop_token& done) {
 
 void Running::render() {
   auto asked = hw::HostClock::now();
-  while (auto frame = frames_.pop()) {
+  for (;;) {
+    while (!frames_.wait_for(kIdleEvery)) renderer_.idle();
+    auto frame = frames_.pop();
+    if (!frame) return;
     const auto popped = hw::HostClock::now();
     current_.waited_ms += to_milliseconds(popped - asked);
     take_frame(std::move(*frame));
@@ -140,6 +144,7 @@ void Running::take_frame(StreamFrame frame) {
   if (volume_frames_ == 0) {
     current_.begun = begin;
     current_.first = frame.first;
+    renderer_.begin_volume(frame.volume);
   }
   add_acquisition(frame);
   ++volume_frames_;
@@ -176,6 +181,8 @@ void Running::render_picture(const StreamFrame& newest) {
   current_.complete = newest.complete;
   current_.uploaded = hw::HostClock::now();
   ShownPicture shown{.times = {}, .picture = renderer_.render()};
+  shown.waiting_volumes = frames_.volumes();
+  shown.superseded = frames_.statistics().superseded.volumes;
   current_.ready = current_.written = hw::HostClock::now();
   current_.passes = shown.picture.passes;
   render_spans_.add({StreamSpan::Kind::picture_rendered,

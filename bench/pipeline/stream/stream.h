@@ -70,6 +70,10 @@ struct StreamResult {
 class StreamRenderer {
  public:
   virtual ~StreamRenderer() = default;
+  /// Before the first frame of a volume.
+  virtual void begin_volume(std::uint32_t) {}
+  /// While no frame waits, some 200 times a second: for a picture of what is there.
+  virtual void idle() {}
   /// Uploads a frame; pass 1 of what that completes. Returns the wall time of pass 1, ms.
   virtual double add_frame(int frame, const hw::PolarFrame& samples) = 0;
   /// Passes 2 to 4.

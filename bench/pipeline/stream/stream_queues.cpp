@@ -70,11 +70,19 @@ void VolumeQueue::stop() {
   changed_.notify_all();
 }
 
+bool VolumeQueue::is_ready() const {
+  return !waiting_.empty() && !waiting_.front().frames.empty();
+}
+
+bool VolumeQueue::wait_for(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, time, [&] { return stopped_ || is_ready() || closed_; });
+}
+
 std::optional<StreamFrame> VolumeQueue::pop() {
   std::unique_lock lock(mutex_);
-  const auto ready = [&] { return !waiting_.empty() && !waiting_.front().frames.empty(); };
-  changed_.wait(lock, [&] { return stopped_ || ready() || closed_; });
-  if (stopped_ || !ready()) return {};
+  changed_.wait(lock, [&] { return stopped_ || is_ready() || closed_; });
+  if (stopped_ || !is_ready()) return {};
   count_occupancy();
   Waiting& volume = waiting_.front();
   StreamFrame frame = std::move(volume.frames.front());
@@ -87,7 +95,7 @@ std::optional<StreamFrame> VolumeQueue::pop() {
 
 bool VolumeQueue::empty() const {
   const std::lock_guard lock(mutex_);
-  return waiting_.empty() || waiting_.front().frames.empty();
+  return !is_ready();
 }
 
 int VolumeQueue::volumes() const {

@@ -2,6 +2,7 @@
 // to the renderer, pictures from there to the sink.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -61,6 +62,8 @@ struct PictureTimes {
 struct ShownPicture {
   PictureTimes times;
   render::Picture picture;
+  int waiting_volumes = 0;       ///< in the queue of frames when the picture was ready
+  std::uint64_t superseded = 0;  ///< volumes that the queue has dropped so far
 };
 
 /// What happens to volumes that come faster than they are rendered.
@@ -117,6 +120,8 @@ class VolumeQueue {
   /// Wakes and refuses both threads.
   void stop();
 
+  /// Waits until pop() would not, or for this time; false: pop() would still wait.
+  bool wait_for(std::chrono::milliseconds time);
   /// The next frame, waiting for it. None: closed and empty, or stopped.
   std::optional<StreamFrame> pop();
   /// Whether pop() would wait.
@@ -135,6 +140,7 @@ class VolumeQueue {
     bool whole = false;
   };
 
+  bool is_ready() const;  ///< a frame can be popped; with the lock
   bool has_room(std::uint32_t volume) const;
   void drop_superseded();
   void count_occupancy();

@@ -1,0 +1,234 @@
+#include "bench/live/live_pipeline.h"
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "bench/command/program.h"
+#include "bench/evaluation/truth/shadows.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPausedWait{50};
+
+void add_to(hw::BoardAccount& sum, const hw::BoardAccount& account) {
+  sum.emitted += account.emitted;
+  sum.delivered += account.delivered;
+  sum.lost.ring_full += account.lost.ring_full;
+  sum.lost.link += account.lost.link;
+  sum.lost.corrupt += account.lost.corrupt;
+  sum.lost.out_of_order += account.lost.out_of_order;
+}
+
+}  // namespace
+
+/// A scan under way: its board, and the renderer of its plan.
+struct LivePipeline::Stream {
+  std::unique_ptr<BoardConnection> board;
+  ResolvedScene scene;
+  sim::TissueMapSource maps;
+  std::optional<StreamSource> source;  ///< not run yet; none: to be connected again
+  std::unique_ptr<LiveRenderer> renderer;
+  std::string faults;
+};
+
+LivePipeline::LivePipeline(BoardArguments board,
+                           const hw::BoardOptions& options,
+                           render::GlContext& context,
+                           PhantomCache& cache,
+                           Progress& progress,
+                           LivePanel& panel)
+    : arguments_(std::move(board)),
+      options_(options),
+      context_(context),
+      cache_(cache),
+      progress_(progress),
+      panel_(panel) {}
+
+LivePipeline::~LivePipeline() = default;
+
+BoardArguments LivePipeline::board_arguments(std::uint32_t first_volume) const {
+  BoardArguments arguments = arguments_;
+  const std::string faults = panel_.orders().faults;
+  arguments.faults = faults.empty() ? hw::FaultPlan{} : hw::parse_faults(faults);
+  if (is_simulated(arguments) && first_volume > 0) {
+    arguments.link.settings["first_volume"] = std::to_string(first_volume);
+  }
+  return arguments;
+}
+
+void LivePipeline::prepare() {
+  connect(panel_.wanted());
+}
+
+void LivePipeline::connect(const WantedScene& wanted) {
+  const std::string faults = panel_.orders().faults;
+  auto board = std::make_unique<BoardConnection>(board_arguments(0), options_);
+  ResolvedScene scene = board->resolve(wanted.given, cache_, progress_);
+  auto maps = kept_maps(cache_.tissue_maps());
+  const StreamSource source = progress_.step("scene", [&] { return board->connect(scene, maps); });
+  panel_.adopt(wanted, scene);
+  auto renderer = progress_.step("shaders", [&] {
+    return std::make_unique<LiveRenderer>(
+        context_, panel_, [this](SharedPicture picture) { show(std::move(picture)); });
+  });
+  stream_ = std::make_unique<Stream>(Stream{.board = std::move(board),
+                                            .scene = std::move(scene),
+                                            .maps = std::move(maps),
+                                            .source = source,
+                                            .renderer = std::move(renderer),
+                                            .faults = faults});
+  const std::lock_guard lock(mutex_);
+  shown_.reset();  // of another scan
+}
+
+/// False: the scene that is wanted was refused, and the last one stays.
+bool LivePipeline::try_to_connect() {
+  const auto before = panel_.state();
+  panel_.set_stage("preparing");
+  stop_analysis();  // it uses the maps of the last phantom
+  try {
+    connect(panel_.wanted());
+  } catch (const render::ContextLost&) {
+    throw;
+  } catch (const std::exception&) {
+    panel_.revert(before, refusal_of(std::current_exception()).line);
+    cache_.phantom(before->given.phantom);
+    start_analysis();
+    return false;
+  }
+  start_analysis();
+  return true;
+}
+
+/// The same scan from its next volume on; what is not simulated begins anew.
+void LivePipeline::reconnect() {
+  stop_analysis();
+  Stream& stream = *stream_;
+  stream.source.reset();
+  stream.board.reset();  // a card is opened by one
+  stream.faults = panel_.orders().faults;
+  stream.board = std::make_unique<BoardConnection>(board_arguments(next_volume()), options_);
+  if (!is_simulated(arguments_)) {
+    stream.scene = stream.board->resolve(panel_.state()->given, cache_, progress_);
+  }
+  stream.source.emplace(stream.board->connect(stream.scene, stream.maps));
+  start_analysis();
+}
+
+std::uint32_t LivePipeline::next_volume() const {
+  const auto last = stream_->renderer->last_volume();
+  if (!last) return 0;
+  return (*last + 1) % static_cast<std::uint32_t>(hw::kMostVolumes);
+}
+
+void LivePipeline::run(LiveServer& server) {
+  server_ = &server;
+  encoder_ = std::make_unique<Worker>([this](const SharedPicture& picture) { encode(*picture); });
+  start_analysis();
+  while (!stop_requested()) {
+    if (panel_.is_scan_wanted() && !try_to_connect()) continue;
+    const LiveOrders orders = panel_.orders();
+    if (orders.is_playing) {
+      play(orders);
+    } else {
+      panel_.set_stage("paused");
+      stream_->renderer->idle();
+      panel_.wait(orders, panel_.state()->serial, kPausedWait);
+    }
+  }
+  stop_analysis();
+  stop(encoder_);
+}
+
+void LivePipeline::play(const LiveOrders& orders) {
+  try {
+    if (!stream_->source || stream_->faults != orders.faults) reconnect();
+    stream_->renderer->begin_stream();
+    panel_.set_stage("playing");
+    const StreamResult result = run_one(orders);
+    add(result);
+    if (!result.failure.empty()) return panel_.end_stage(orders, "ended", result.failure);
+    if (panel_.interrupts() != orders.interrupts || stop_requested()) return;
+    panel_.end_stage(orders, orders.is_step ? "paused" : "ended");
+  } catch (const render::ContextLost&) {
+    throw;
+  } catch (const std::exception&) {
+    panel_.end_stage(orders, "ended", refusal_of(std::current_exception()).line);
+  }
+}
+
+StreamResult LivePipeline::run_one(const LiveOrders& orders) {
+  const StreamSource source = *std::exchange(stream_->source, std::nullopt);
+  const double sound_ms = to_milliseconds(stream_->scene.plan().volume_duration());
+  const PictureSink sink = [&](const ShownPicture& shown) {
+    const std::uint64_t pictures = ++account_.pictures;
+    server_->publish(
+        Channel::times,
+        times_message(shown, pictures, source.board.account(), source.board.damage(), sound_ms));
+  };
+  const StreamOptions options{.queue = {},
+                              .volumes = orders.is_step ? std::uint64_t{1} : std::uint64_t{0},
+                              .mid_volume = panel_.state()->scene.render().pipeline.mid_volume};
+  return run_stream(source, *stream_->renderer, options, sink, [&] {
+    return stop_requested() || panel_.interrupts() != orders.interrupts;
+  });
+}
+
+void LivePipeline::add(const StreamResult& result) {
+  add_to(account_.sticks, result.reader.account);
+  account_.volumes += result.reader.volumes;
+  account_.superseded += result.queue.superseded.volumes + result.superseded_pictures.volumes;
+}
+
+void LivePipeline::show(SharedPicture picture) {
+  const std::lock_guard lock(mutex_);
+  shown_ = picture;
+  if (encoder_) encoder_->give(picture);
+  if (analysis_) analysis_->give(std::move(picture));
+}
+
+SharedPicture LivePipeline::shown() const {
+  const std::lock_guard lock(mutex_);
+  return shown_;
+}
+
+void LivePipeline::refresh() {
+  if (auto picture = shown()) show(std::move(picture));
+}
+
+void LivePipeline::start_analysis() {
+  const auto truth = std::make_shared<LiveTruth>(stream_->maps);
+  auto worker = std::make_unique<Worker>(
+      [this, truth](const SharedPicture& picture) { analyse(*picture, *truth); });
+  const std::lock_guard lock(mutex_);
+  analysis_ = std::move(worker);
+}
+
+void LivePipeline::stop(std::unique_ptr<Worker>& worker) {
+  std::unique_ptr<Worker> stopped;
+  const std::lock_guard lock(mutex_);
+  stopped.swap(worker);
+}
+
+void LivePipeline::publish(Channel channel, const std::function<LiveMessage()>& make) const {
+  if (!server_->is_wanted(channel)) return;
+  try {
+    server_->publish(channel, make());
+  } catch (const std::exception& error) {
+    progress_.warn(error.what());
+  }
+}
+
+void LivePipeline::encode(const LivePicture& picture) const {
+  publish(Channel::picture, [&] { return picture_message(picture); });
+}
+
+void LivePipeline::analyse(const LivePicture& picture, LiveTruth& truth) const {
+  if (picture.frames) publish(Channel::planes, [&] { return planes_message(picture); });
+  publish(Channel::maps, [&] { return maps_message(picture, truth); });
+}
+
+}  // namespace wobblebench::bench

@@ -1,0 +1,122 @@
+#include "bench/live/live_renderer.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "bench/command/program.h"
+
+namespace wobblebench::bench {
+
+namespace {
+
+bool is_here(const hw::PolarFrame& frame) {
+  return !frame.samples.empty();
+}
+
+int lost_sticks(const std::vector<hw::PolarFrame>& frames) {
+  std::ptrdiff_t lost = 0;
+  for (const hw::PolarFrame& frame : frames) lost += std::ranges::count(frame.arrived, 0);
+  return static_cast<int>(lost);
+}
+
+}  // namespace
+
+LiveRenderer::LiveRenderer(render::GlContext& context,
+                           LivePanel& panel,
+                           std::function<void(SharedPicture)> show)
+    : context_(context), panel_(panel), show_(std::move(show)), state_(panel.state()) {
+  renderer_ =
+      std::make_unique<render::Renderer>(context_, state_->scene.plan(), state_->scene.render());
+  renderer_->compile();
+  const auto frames = state_->scene.plan().acquisition().frames_per_volume;
+  current_.resize(static_cast<std::size_t>(frames));
+}
+
+void LiveRenderer::begin_volume(std::uint32_t volume) {
+  volume_ = volume;
+}
+
+double LiveRenderer::add_frame(int frame, const hw::PolarFrame& samples) {
+  follow();
+  current_.at(static_cast<std::size_t>(frame)) = samples;
+  renderer_->add_frame(frame, samples);
+  const double ms = renderer_->update().ms;
+  if (!std::ranges::all_of(current_, is_here)) return ms;
+  whole_ = std::make_shared<const std::vector<hw::PolarFrame>>(
+      std::exchange(current_, std::vector<hw::PolarFrame>(current_.size())));
+  last_volume_ = volume_;
+  return ms;
+}
+
+render::Picture LiveRenderer::render() {
+  const auto state = panel_.state();
+  if (state != state_) take(state);
+  return make_picture();
+}
+
+/// Whether there is a new picture.
+bool LiveRenderer::follow() {
+  const auto state = panel_.state();
+  if (state == state_) return false;
+  take(state);
+  if (whole_) make_picture();
+  return whole_ != nullptr;
+}
+
+/// A state that this machine cannot render is refused, and the last one stays.
+void LiveRenderer::take(const std::shared_ptr<const LiveState>& state) {
+  const auto& options = state->scene.render();
+  try {
+    if (renderer_->keeps_slices(options)) {
+      renderer_->set_options(options);
+    } else {
+      rebuild(state);
+    }
+    state_ = state;
+  } catch (const render::ContextLost&) {
+    throw;
+  } catch (const std::exception&) {
+    panel_.revert(state_, refusal_of(std::current_exception()).line);
+    state_ = panel_.state();
+  }
+}
+
+/// A renderer of other slices, with the volumes that are here.
+void LiveRenderer::rebuild(const std::shared_ptr<const LiveState>& state) {
+  auto renderer =
+      std::make_unique<render::Renderer>(context_, state->scene.plan(), state->scene.render());
+  renderer_ = std::move(renderer);
+  if (whole_) add_all(*whole_);
+  add_all(current_);
+}
+
+void LiveRenderer::add_all(const std::vector<hw::PolarFrame>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (is_here(frames[i])) renderer_->add_frame(static_cast<int>(i), frames[i]);
+  }
+  renderer_->update();
+}
+
+void LiveRenderer::begin_stream() {
+  const bool has_part = std::ranges::any_of(current_, is_here);
+  current_.assign(current_.size(), {});
+  if (!has_part) return;
+  // The last whole volume takes the place of the part.
+  whole_ ? add_all(*whole_) : rebuild(state_);
+}
+
+render::Picture LiveRenderer::make_picture() {
+  const auto begin = hw::HostClock::now();
+  render::Picture picture = renderer_->render();
+  LivePicture shown{.picture = picture,
+                    .state = state_,
+                    .volume = last_volume_.value_or(volume_),
+                    .frames = whole_,
+                    .lost_sticks = whole_ ? lost_sticks(*whole_) : 0,
+                    .render_ms = to_milliseconds(hw::HostClock::now() - begin)};
+  show_(std::make_shared<const LivePicture>(std::move(shown)));
+  return picture;
+}
+
+}  // namespace wobblebench::bench

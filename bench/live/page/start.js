@@ -1,0 +1,150 @@
+// The page: what the parts are connected by.
+
+const stages = {preparing: 'Preparing the stream …', playing: 'Playing', paused: 'Paused', ended: 'The stream has ended'};
+const rareFaults = {unplug: 0.0002, stall: 0.0005, delay: 0.001};
+
+class Page {
+  constructor() {
+    this.wanted = {maps: false, planes: false};
+    this.sentAt = new Map();
+    this.link = new Link((header, parts) => this.take(header, parts), (isOpen) => this.opened(isOpen));
+    this.sender = new Sender(this.link);
+  }
+
+  element(id) {
+    return document.getElementById(id);
+  }
+
+  async opened(isOpen) {
+    document.body.classList.toggle('offline', !isOpen);
+    if (!isOpen) {
+      this.element('stage').textContent = 'The program does not answer; trying again …';
+      return;
+    }
+    this.stage = null;
+    const hello = await this.link.ask({do: 'hello'});
+    if (hello.type !== 'hello') return;
+    if (!this.controls) this.build(hello);
+    this.link.ask({do: 'show', ...this.wanted});
+  }
+
+  build(hello) {
+    const set = (key, text, done) => this.set(key, text, done);
+    this.controls = new Controls(hello.controls, set, (key) => this.reset(key));
+    this.picture = new Picture((key, value) => this.turn(key, value), (maps) => this.want({maps}), hello.has_truth);
+    this.planes = new Planes((planes) => this.want({planes}));
+    this.times = new Times(hello.has_truth);
+    this.element('source').textContent = `${hello.scene || 'default scene'} · --board ${hello.board} · ${hello.renderer}`;
+    this.element('view').replaceChildren(this.transport(), this.picture.element, this.faults(hello.faults), this.planes.element, this.times.element);
+    this.element('panel').replaceChildren(...this.controls.elements);
+    document.body.append(statusLine);
+    if (this.status) this.showStatus(this.status);
+  }
+
+  transport() {
+    const ask = (what) => () => this.link.ask({do: what});
+    this.play = make('button', {type: 'button', class: 'play', onclick: () => this.link.ask({do: this.isPlaying ? 'pause' : 'play'})}, 'Pause');
+    this.step = make('button', {type: 'button', onclick: ask('step')}, 'One volume');
+    this.saveButton = make('button', {type: 'button', onclick: () => this.save()}, 'Save scene');
+    this.savedText = make('div', {class: 'saved', hidden: true});
+    return make('div', {}, make('div', {class: 'tools transport'}, this.play, this.step, this.saveButton), this.savedText);
+  }
+
+  faults(kinds) {
+    this.faultButtons = kinds.map((kind) => make('button', {type: 'button', 'aria-pressed': 'false', 'data-fault': kind,
+      onclick: ({target}) => {
+        target.setAttribute('aria-pressed', String(target.getAttribute('aria-pressed') !== 'true'));
+        this.sendFaults();
+      }}, kind.replaceAll('_', ' ')));
+    return make('fieldset', {class: 'faults'}, make('legend', {}, 'Faults of the link'), ...this.faultButtons);
+  }
+
+  sendFaults() {
+    const pressed = this.faultButtons.filter((button) => button.getAttribute('aria-pressed') === 'true');
+    const terms = pressed.map(({dataset}) => `${dataset.fault}:${rareFaults[dataset.fault] ?? 0.01}`);
+    this.link.ask({do: 'faults', faults: terms.join('+')});
+  }
+
+  set(key, text, done = () => {}) {
+    this.sender.set(key, text, (answer) => {
+      if (answer.serial) this.sentAt.set(answer.serial, answer.since);
+      done(answer);
+    });
+  }
+
+  /** Angles of the picture: a refusal stands in their controls. */
+  turn(key, value) {
+    const control = this.controls.controls.find((each) => each.key === key);
+    this.set(key, String(value), (answer) => control?.tell(answer.type === 'refused' ? answer.why : ''));
+  }
+
+  reset(key) {
+    this.controls.clear(key);
+    this.link.ask({do: 'reset', keys: key ? [key] : []});
+  }
+
+  want(change) {
+    Object.assign(this.wanted, change);
+    this.link.ask({do: 'show', ...this.wanted});
+  }
+
+  async take(header, parts) {
+    if (header.type === 'status') return this.showStatus(header);
+    if (!this.controls) return undefined;
+    if (header.type === 'times') return this.times.take(header);
+    if (header.type === 'planes') return this.planes.take(header, parts);
+    if (header.type === 'maps') {
+      this.times.lines.error?.add(header.p95_mm ?? null);
+      return this.picture.takeMaps(header, parts);
+    }
+    await this.picture.takePicture(header, parts);
+    return this.measure(header.serial);
+  }
+
+  /** The time from a setting to its picture. */
+  measure(serial) {
+    const answered = [...this.sentAt].filter(([each]) => each <= serial);
+    if (answered.length === 0) return;
+    for (const [each] of answered) this.sentAt.delete(each);
+    const took = performance.now() - Math.max(...answered.map(([, since]) => since));
+    this.times.lines.browser.add(took);
+    (this.took ??= []).push(took);
+    if (this.took.length > 1000) this.took.shift();
+    document.body.dataset.took = JSON.stringify(this.took);
+  }
+
+  showStatus(status) {
+    this.status = status;
+    this.isPlaying = ['playing', 'preparing'].includes(status.stage);
+    this.element('stage').textContent = stages[status.stage];
+    this.element('why').textContent = status.why;
+    this.element('why').hidden = !status.why;
+    document.body.dataset.serial = status.serial;
+    if (!this.controls) return;
+    this.play.textContent = this.isPlaying ? 'Pause' : 'Play';
+    this.picture.values = status.values;
+    this.controls.show(status);
+    const on = new Set(status.faults.split('+').map((term) => term.split(/[:@]/)[0]));
+    for (const button of this.faultButtons) button.setAttribute('aria-pressed', String(on.has(button.dataset.fault)));
+  }
+
+  async save() {
+    const saved = await this.link.ask({do: 'save'});
+    this.savedText.hidden = false;
+    if (saved.type !== 'saved') {
+      this.savedText.replaceChildren(make('p', {class: 'problem', role: 'alert'}, saved.why));
+      return;
+    }
+    const file = (name, text, type) => make('a', {download: name, href: URL.createObjectURL(new Blob([text], {type}))}, name);
+    const picture = make('a', {download: 'surface.png', href: `data:image/png;base64,${saved.picture}`}, 'surface.png');
+    const command = make('pre', {class: 'command', tabindex: '0'}, saved.command);
+    const scene = file('scene.toml', saved.toml, 'application/toml');
+    this.savedText.replaceChildren(make('p', {}, 'Download ', scene, ' and the picture ', picture, '. This command makes it again:'), command,
+      ...(saved.why_not_the_same ? [make('p', {class: 'problem'}, `Not to the byte: ${saved.why_not_the_same}.`)] : []),
+      make('details', {}, make('summary', {}, 'scene.toml'), make('pre', {class: 'toml', tabindex: '0'}, saved.toml)));
+    addCopyButton(command);
+    announce('The scene is saved');
+  }
+}
+
+new Page();

@@ -1,0 +1,310 @@
+// The live page: its pictures are those of `run`, and its server answers nobody but its own pages.
+import assert from 'node:assert/strict';
+import {spawn, spawnSync} from 'node:child_process';
+import {randomBytes} from 'node:crypto';
+import {once} from 'node:events';
+import {readFileSync, writeFileSync} from 'node:fs';
+import {request} from 'node:http';
+import {join} from 'node:path';
+import {after, test} from 'node:test';
+
+import {desktop, linesOf, newPage, open, phone, scratch, seriousFindings} from './browser.js';
+
+const folder = scratch('live');
+const sceneFile = join(folder, 'scene.toml');
+writeFileSync(sceneFile, `phantom = { name = "sphere", voxel_mm = 2 }
+acquisition = { frames_per_volume = 17, sticks_per_frame = 32 }
+simulation.fidelity = "geometry"
+render.scan_conversion.slice_size = 64
+render.ray_casting.image_size = 64
+`);
+const program = process.env.PAGES_PROGRAM;
+const started = [];
+
+/** `wobblebench live`, and the address that it prints. */
+async function start(args = [], port = '0') {
+  const child = spawn(program, ['live', sceneFile, '--port', port, ...args], {stdio: ['ignore', 'pipe', 'inherit']});
+  started.push(child);
+  const [line] = await Promise.race([once(child.stdout, 'data'), once(child, 'exit')]);
+  return {child, address: String(line).split('\n')[0]};
+}
+after(() => { for (const child of started) child.kill('SIGKILL'); });
+const live = await start();
+
+async function withLive(use, {address = live.address, ...options} = {}) {
+  const {origin} = new URL(address);
+  const isOwn = (url) => url.startsWith(origin) || url.startsWith(origin.replace('http', 'ws'));
+  const {context, page, problems} = await newPage(isOwn, options);
+  try {
+    await open(page, address);
+    await pictureOf(page);
+    await use(page);
+    assert.deepEqual(problems, []);
+  } finally {
+    await context.close();
+  }
+}
+
+/** Until the page shows a picture of this state or a later one. */
+function pictureOf(page, serial = 0) {
+  return page.waitForFunction((least) => Number(document.querySelector('.picture canvas')?.dataset.serial ?? -1) >= least, serial);
+}
+
+/** The answer to a request, over a connection of its own. */
+function ask(page, message) {
+  return page.evaluate((asked) => new Promise((resolve) => {
+    const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/socket${location.search}`);
+    socket.onopen = () => socket.send(JSON.stringify({...asked, id: 1}));
+    socket.onmessage = ({data}) => {
+      if (typeof data !== 'string') return;
+      const answer = JSON.parse(data);
+      if (answer.id !== 1) return;
+      socket.close();
+      resolve(answer);
+    };
+  }), message);
+}
+
+async function set(page, settings) {
+  const answer = await ask(page, {do: 'set', settings});
+  assert.equal(answer.type, 'done', answer.why);
+  return answer.serial;
+}
+
+/** The saved scene of a picture of this state or a later one. */
+async function savedOf(page, serial) {
+  for (;;) {
+    const saved = await ask(page, {do: 'save'});
+    if (saved.serial >= serial) return saved;
+    await page.waitForTimeout(50);
+  }
+}
+
+/** Whether `run` makes the picture of a saved scene, byte for byte. */
+function checkSaved(saved, name) {
+  assert.equal(saved.why_not_the_same, '');
+  const file = join(folder, `${name}.toml`);
+  const out = scratch(join('live', name));
+  writeFileSync(file, saved.toml);
+  const words = saved.command.split(' ').slice(1).map((word) => word === 'scene.toml' ? file : word);
+  linesOf(program, [...words, '--out', out]);
+  const isSame = readFileSync(join(out, 'surface.png')).equals(Buffer.from(saved.picture, 'base64'));
+  assert.ok(isSame, `${saved.command}\n${saved.toml}`);
+}
+
+/** The status of the answer to a request with these headers. */
+async function statusOf(address, headers, path) {
+  const {port, search} = new URL(address);
+  const asked = request({host: '127.0.0.1', port, path: path ?? `/${search}`, headers});
+  asked.end();
+  const [answer] = await Promise.race([once(asked, 'response'), once(asked, 'upgrade')]);
+  answer.destroy();
+  return answer.statusCode;
+}
+
+const upgrade = {Connection: 'Upgrade', Upgrade: 'websocket', 'Sec-WebSocket-Version': '13', 'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ=='};
+
+test('a slider moves, and the picture becomes that of run with this setting', () => withLive(async (page) => {
+  const control = page.locator('[data-key="render.shading.light_left_deg"]');
+  await control.locator('input[type="range"]').focus();
+  for (let i = 0; i < 20; ++i) await page.keyboard.press('ArrowRight');
+  const value = await control.locator('input[type="text"]').inputValue();
+  assert.ok(Number(value) > 0, value);
+  await page.waitForFunction(() => !document.querySelector('[data-key="render.shading.light_left_deg"] .reset').hidden);
+  const saved = await savedOf(page, await set(page, [`render.shading.light_left_deg=${value}`]));
+  checkSaved(saved, 'slider');
+  // The page shows that picture, too, but for the loss of JPEG.
+  await pictureOf(page, saved.serial);
+  const [difference, contrast] = await page.evaluate(async (picture) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${picture}`;
+    await image.decode();
+    const canvas = document.querySelector('.picture canvas');
+    const other = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height});
+    other.getContext('2d').drawImage(image, 0, 0);
+    const [one, two] = [canvas, other].map((each) => each.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data);
+    const mean = one.reduce((sum, number) => sum + number, 0) / one.length;
+    return [one.reduce((sum, number, index) => sum + Math.abs(number - two[index]), 0) / one.length,
+      one.reduce((sum, number) => sum + Math.abs(number - mean), 0) / one.length];
+  }, saved.picture);
+  assert.ok(difference < 3 && contrast > 20, `${difference} of ${contrast}`);
+  await ask(page, {do: 'reset', keys: []});
+}));
+
+test('random states are saved as scenes that make the same picture', () => withLive(async (page) => {
+  // The minimal standard generator (Park and Miller, 1988).
+  let seed = Number(process.env.PAGES_LIVE_SEED ?? 42);
+  const random = (low, high) => {
+    seed = seed * 48271 % 2147483647;
+    return Number((low + (high - low) * seed / 2147483647).toPrecision(4));
+  };
+  const pick = (...names) => names[Math.floor(random(0, names.length - 1e-3))];
+  for (let i = 0; i < Number(process.env.PAGES_LIVE_STATES ?? 3); ++i) {
+    if (i % 2 === 1) {
+      await set(page, [`phantom.radius_mm=${random(15, 40)}`, `simulation.noise_db=${random(-60, -20)}`]);
+    }
+    const serial = await set(page, [`render.view.yaw_deg=${random(-180, 180)}`, `render.view.pitch_deg=${random(-60, 60)}`,
+      `render.view.projection=${pick('parallel', 'perspective')}`, `render.view.flip=${pick('true', 'false')}`,
+      `render.ray_casting.detector=${pick('paper', 'iso', 'floor')}`, `render.ray_casting.iso_level=${random(0.3, 0.9)}`,
+      `render.ray_casting.threshold=${random(0.05, 0.5)}`, `render.ray_casting.kernel_3d=${pick(1, 3, 5)}`,
+      `render.shading.light_up_deg=${random(-80, 80)}`, `render.shading.ambient=${random(0, 0.5)}`,
+      `render.smoothing.filter=${pick('box', 'bilateral', 'guided')}`, `render.pipeline.mode=${pick('fast', 'plain')}`,
+      `render.reconstruction.sticks=${pick('plain', 'aligned')}`]);
+    checkSaved(await savedOf(page, serial), `state_${i}`);
+  }
+  await ask(page, {do: 'reset', keys: []});
+}));
+
+test('a setting out of range is refused with the line of the command line', () => withLive(async (page) => {
+  const control = page.locator('[data-key="render.ray_casting.iso_level"]');
+  await control.locator('input[type="text"]').fill('9');
+  await control.locator('input[type="text"]').press('Enter');
+  const said = await control.locator('.problem:not([hidden])').textContent();
+  const {status, stderr} = spawnSync(program, ['run', sceneFile, '--set', 'render.ray_casting.iso_level=9'], {encoding: 'utf8'});
+  assert.equal(status, 2);
+  assert.equal(`wobblebench: ${said}\n`, stderr);
+}));
+
+test('dragging turns the head, with Shift moves the light', () => withLive(async (page) => {
+  const box = await page.locator('.picture canvas').boundingBox();
+  const drag = async (right, down) => {
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + right, box.y + box.height / 2 + down, {steps: 4});
+    await page.mouse.up();
+  };
+  const becomes = (key, expected) => page.waitForFunction(([of, value]) =>
+    Math.abs(Number(document.querySelector(`[data-key="${of}"] input[type="text"]`).value) - value) < 1, [key, expected]);
+  await drag(box.width / 6, box.width / 9);
+  await becomes('render.view.yaw_deg', -30);
+  await becomes('render.view.pitch_deg', 20);
+  await page.keyboard.down('Shift');
+  await drag(box.width / 6, 0);
+  await page.keyboard.up('Shift');
+  await becomes('render.shading.light_left_deg', -30);
+  await page.getByRole('button', {name: 'Reset all'}).click();
+  await becomes('render.view.yaw_deg', 0);
+}));
+
+test('the error of each pixel is found less true depth', () => withLive(async (page) => {
+  await page.getByText('Error', {exact: true}).click();
+  await page.locator('.legend .figures').filter({hasText: 'P95'}).waitFor();
+  await page.locator('.picture canvas').hover();
+  const text = await page.locator('.reading').filter({hasText: 'error'}).textContent();
+  const [found, truth, error] = [...text.matchAll(/(−?[\d.]+) mm/g)].map(([, number]) => Number(number.replace('−', '-')));
+  assert.ok(Math.abs(found - truth - error) < 0.011, text);
+  assert.ok(found > 1 && Math.abs(error) < 5, text);
+}));
+
+test('planes, faults, pause and one volume do what they say', () => withLive(async (page) => {
+  await page.getByText('B-mode planes').click();
+  await page.locator('.planes[data-ready]').waitFor();
+  await page.getByRole('button', {name: 'drop', exact: true}).click();
+  await page.locator('.times .account').filter({hasText: /lost \d+/}).waitFor();
+  await page.getByRole('button', {name: 'drop', exact: true}).click();
+  await page.getByRole('button', {name: 'Pause'}).click();
+  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  const before = (await ask(page, {do: 'save'})).volume;
+  await page.getByRole('button', {name: 'One volume'}).click();
+  await page.waitForFunction((volume) => Number(document.querySelector('.picture canvas').dataset.volume) === volume + 1, before);
+  await page.locator('#stage').filter({hasText: 'Paused'}).waitFor();
+  assert.equal((await ask(page, {do: 'save'})).volume, before + 1);
+  await page.getByRole('button', {name: 'Play'}).click();
+  await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();
+}));
+
+test('two viewers see the same state, beside one that reads nothing', () => withLive(async (page) => {
+  const silent = request({host: '127.0.0.1', port: new URL(live.address).port, path: '/socket',
+    headers: {...upgrade, Origin: new URL(live.address).origin}});
+  silent.end();
+  const [, socket] = await once(silent, 'upgrade');
+  socket.pause();
+  await withLive(async (other) => {
+    const serial = await set(page, ['render.view.roll_deg=12']);
+    await Promise.all([pictureOf(page, serial), pictureOf(other, serial)]);
+    for (const each of [page, other]) {
+      assert.equal(await each.locator('[data-key="render.view.roll_deg"] input[type="text"]').inputValue(), '12');
+    }
+  });
+  socket.destroy();
+  await ask(page, {do: 'reset', keys: []});
+}));
+
+test('a page finds the program again', async () => {
+  const first = await start();
+  const {port} = new URL(first.address);
+  const {context, page} = await newPage(() => true);
+  await open(page, first.address);
+  await pictureOf(page);
+  first.child.kill('SIGINT');
+  const [code] = await once(first.child, 'exit');
+  assert.equal(code, 0);
+  await page.locator('body.offline').waitFor();
+  const second = await start([], port);
+  await page.locator('body:not(.offline)').waitFor();
+  const serial = await set(page, ['render.view.roll_deg=30']);
+  await pictureOf(page, serial);
+  await context.close();
+  second.child.kill();
+});
+
+test('1 000 malformed messages are refused one by one', () => withLive(async (page) => {
+  const texts = ['', '{', '[]', 'null', '{"do": 3}', '{"do": "fly"}', '{"do": "set"}', '{"do": "set", "settings": "a"}',
+    '{"do": "set", "settings": [1]}', '{"do": "set", "settings": ["phantom.file=/etc/passwd"]}',
+    '{"do": "set", "settings": ["render.correction=/etc/passwd"]}', '{"do": "set", "settings": ["render.program=sh"]}',
+    '{"do": "set", "settings": ["render.view.yaw_deg=[[[[[[1"]}', '{"do": "faults", "faults": "drop:7"}', '['.repeat(60000),
+    ...Array.from({length: 85}, () => randomBytes(40).toString('latin1'))];
+  const answers = await page.evaluate(async (messages) => {
+    const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/socket`);
+    await new Promise((resolve) => { socket.onopen = resolve; });
+    const types = [];
+    for (let i = 0; i < 1000; ++i) {
+      const answer = new Promise((resolve) => {
+        socket.onmessage = ({data}) => typeof data === 'string' && 'id' in JSON.parse(data) && resolve(JSON.parse(data).type);
+      });
+      socket.send(messages[i % messages.length]);
+      types.push(await answer);
+    }
+    socket.close();
+    return types;
+  }, texts);
+  assert.deepEqual([answers.length, new Set(answers)], [1000, new Set(['refused'])]);
+  await pictureOf(page, await set(page, ['render.view.roll_deg=0']));
+}));
+
+test('other sites, names and methods are refused', async () => {
+  const {host, origin, port} = new URL(live.address);
+  const socket = (headers) => statusOf(live.address, {...upgrade, ...headers}, '/socket');
+  assert.equal(await statusOf(live.address, {}), 200);
+  assert.equal(await statusOf(live.address, {Host: `localhost:${port}`}), 200);
+  assert.equal(await statusOf(live.address, {Host: `evil.example:${port}`}), 403);
+  assert.equal(await statusOf(live.address, {Origin: 'http://evil.example'}), 403);
+  assert.equal(await statusOf(live.address, {}, '/../../etc/passwd'), 404);
+  assert.equal(await socket({Host: host, Origin: origin}), 101);
+  assert.equal(await socket({Host: host}), 403);
+  assert.equal(await socket({Host: host, Origin: 'http://evil.example'}), 403);
+  assert.equal(await socket({Host: `evil.example:${port}`, Origin: `http://evil.example:${port}`}), 403);
+});
+
+test('with --listen nobody comes in without the token', async () => {
+  const other = await start(['--listen', '127.0.0.1']);
+  const {host, origin, search} = new URL(other.address);
+  assert.match(search, /^\?token=[0-9a-f]{32}$/);
+  const socket = (query) => statusOf(other.address, {...upgrade, Host: host, Origin: origin}, `/socket${query}`);
+  assert.equal(await statusOf(other.address, {}, '/'), 403);
+  assert.equal(await statusOf(other.address, {}, '/?token=0'), 403);
+  assert.equal(await socket(''), 403);
+  assert.equal(await socket(search), 101);
+  await withLive((page) => pictureOf(page), {address: other.address});
+  other.child.kill();
+});
+
+for (const [name, viewport] of [['desktop', desktop], ['phone', phone]]) {
+  for (const colorScheme of ['light', 'dark']) {
+    test(`the page is accessible and fits a ${name}, ${colorScheme}`, () => withLive(async (page) => {
+      assert.deepEqual(await seriousFindings(page), []);
+      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), viewport.width);
+      await page.screenshot({path: join(folder, `${name}_${colorScheme}.png`), fullPage: true});
+    }, {viewport, colorScheme}));
+  }
+}
