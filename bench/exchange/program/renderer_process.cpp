@@ -108,9 +108,13 @@ void define_renderers(const std::vector<std::string>& definitions) {
   }
 }
 
-const std::string& renderer_command(const std::string& name) {
+const std::string* defined_renderer(const std::string& name) {
   const auto found = commands().find(name);
-  if (found != commands().end()) return found->second;
+  return found != commands().end() ? &found->second : nullptr;
+}
+
+const std::string& renderer_command(const std::string& name) {
+  if (const std::string* command = defined_renderer(name)) return *command;
   throw UserError("render.program = " + name +
                   ": is not defined; the command line must say which program that is: --renderer " +
                   name + "='COMMAND'");

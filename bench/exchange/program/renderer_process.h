@@ -16,7 +16,9 @@ namespace wobblebench::bench {
 /// names one, and the command line alone says which command that is, as a file of somebody else
 /// must not start programs. `definitions`: "NAME=COMMAND" each. Throws UserError "--renderer = …".
 void define_renderers(const std::vector<std::string>& definitions);
-/// The command of a name. Throws UserError "render.program = NAME: …" for one that is not defined.
+/// The command of a name; null: it is not defined.
+const std::string* defined_renderer(const std::string& name);
+/// The same. Throws UserError "render.program = NAME: …" for one that is not defined.
 const std::string& renderer_command(const std::string& name);
 
 /// Started with `sh -c`, in a process group of its own and with a folder of its own, which is

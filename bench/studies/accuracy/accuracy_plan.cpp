@@ -7,6 +7,7 @@
 #include "base/near_name.h"
 #include "base/text.h"
 #include "base/user_error.h"
+#include "bench/exchange/program/renderer_process.h"
 #include "bench/scene/toml_file.h"
 #include "bench/studies/validate/common/statistics.h"
 #include "sim/fidelity.h"
@@ -274,8 +275,15 @@ std::string run_command_line(const std::filesystem::path& scene,
                              const std::vector<std::string>& settings) {
   std::string command = "wobblebench run";
   if (!scene.empty()) command.append(" ").append(shell_word(scene.string()));
-  for (const std::string& setting : settings)
+  for (const std::string& setting : settings) {
     command.append(" --set ").append(setting_word(setting));
+    constexpr std::string_view kProgram = "render.program=";
+    if (!setting.starts_with(kProgram)) continue;
+    const std::string name = plain_value(setting.substr(kProgram.size()));
+    if (const std::string* program = defined_renderer(name)) {
+      command.append(" --renderer ").append(shell_word(std::string(name) + "=" + *program));
+    }
+  }
   return command;
 }
 

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "base/user_error.h"
+#include "bench/exchange/program/renderer_process.h"
 #include "tests/support/folder_test.h"
 
 namespace wobblebench::bench {
@@ -105,6 +106,15 @@ TEST_F(PlanFile, IsRefusedWithKeyAndWhatIsAllowed) {
     EXPECT_NE(line.find(words), std::string::npos) << text << "\n" << line;
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
+}
+
+TEST(RunCommand, StartsTheRendererThatASettingNames) {
+  define_renderers({"first=python3 a.py --level '0.4'"});
+  EXPECT_EQ(run_command_line({}, {"render.program=\"first\""}),
+            "wobblebench run --set render.program=first "
+            R"(--renderer 'first=python3 a.py --level '\''0.4'\''')");
+  EXPECT_EQ(run_command_line({}, {"render.program=\"\""}),
+            R"(wobblebench run --set 'render.program=""')");
 }
 
 }  // namespace
