@@ -364,6 +364,7 @@ CommandResult record_to(OutputFolder& out,
                              (loss.empty() ? "sent no configuration" : loss) +
                              "; nothing is recorded");
   }
+  progress.warn(left_out_warning(board));
   if (result.progress.acquisitions > 1) {
     progress.warn("the recording holds " + std::to_string(result.progress.acquisitions) +
                   " acquisitions, one after the other (`wobblebench inspect` lists them); the "

@@ -254,6 +254,15 @@ std::vector<LimitedFigure> limited_figures(const RunResult& result, const Resolv
                                why_no_measures(result, scene));
 }
 
+void warn_of_samples(const RunResult& result,
+                     const BoardConnection& board,
+                     const ResolvedScene& scene,
+                     Progress& progress) {
+  progress.warn(board.left_out());
+  warn_of_motor(result.motor, scene.plan(), progress);
+  warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
+}
+
 int run(const Arguments& arguments) {
   const auto limits = parse_limits(arguments.limits, timed_picture_names());
   define_renderers(arguments.renderers);
@@ -289,8 +298,7 @@ int run(const Arguments& arguments) {
         progress.step("stream", [&] { return stream_volume(board, source, painter); });
     result.kept = cache.kept();
     result.motor = hw::motor_deviation(result.acquisition.volume);
-    warn_of_motor(result.motor, scene.plan(), progress);
-    warn_of_times(result.acquisition.off_plan_s, scene.plan(), scene.moves(), progress);
+    warn_of_samples(result, board, scene, progress);
     if (correction) warn_of_unknown_scale(result.acquisition, progress);
     const auto found = correct_picture(result, correction, scene, painter.renderer.get(), progress);
     result.comparison = compare(result, found, scene, maps, arguments.register_surface, progress);

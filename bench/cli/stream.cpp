@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@
 #include "bench/command/software_renderer.h"
 #include "bench/evaluation/measures/depth_error.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/exchange/send/stream_sender.h"
 #include "bench/output/image_io.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/motor_warning.h"
@@ -132,6 +134,8 @@ double StreamSink::time_s(const PictureTimes& times) const {
   return to_seconds(plan_.stick_time(newest) - begin);
 }
 
+constexpr const char* kNotSent = "none";
+
 struct Arguments {
   const CLI::App* command = nullptr;
   SceneArguments scene;
@@ -144,6 +148,7 @@ struct Arguments {
   int queue = QueueOptions{}.volumes;
   int ring = hw::BoardOptions{}.ring_slots;
   std::string codec = "mjpg";
+  std::string send = kNotSent;
   int errors = 8;
   std::vector<std::string> limits;
   bool trace = false;
@@ -245,22 +250,51 @@ StreamResult stream_to(StreamSink& sink,
                        render::Renderer& renderer,
                        const ResolvedScene& scene,
                        const Arguments& arguments,
+                       StreamSender* sender,
                        Progress& progress) {
   const auto volumes = static_cast<std::size_t>(arguments.volumes);
   return progress.step("stream", [&](const PartDone& done) {
     std::uint64_t pictures = 0;
     const PictureSink show = [&](const ShownPicture& shown) {
       sink.take(shown);
+      if (sender != nullptr) sender->take(shown);
       progress.note(std::to_string(++pictures) + " pictures, volume " +
                     std::to_string(shown.times.volume));
       if (volumes > 0) done(std::min<std::size_t>(shown.times.volume + 1, volumes), volumes);
     };
-    const StreamOptions options{.queue = queue_options(arguments),
-                                .volumes = volumes,
-                                .mid_volume = scene.render().pipeline.mid_volume};
+    StreamOptions options{.queue = queue_options(arguments),
+                          .volumes = volumes,
+                          .mid_volume = scene.render().pipeline.mid_volume};
+    if (sender != nullptr) {
+      options.frames = [sender](const StreamFrame& frame) { sender->add_frame(frame); };
+    }
     GlStreamRenderer passes(renderer);
     return run_stream(source, passes, options, show, stop_requested);
   });
+}
+
+ExportedScan scan_to_send(const StreamSource& source, const ResolvedScene& scene) {
+  const sim::SimulationOptions& simulation = scene.simulation();
+  const hw::DisplayScale simulated{
+      simulation.full_scale_db, simulation.dynamic_range_db, simulation.tgc_db_per_cm_mhz};
+  return {.scene = scene,
+          .display_scale = source.configuration ? source.configuration->display_scale : simulated,
+          .simulated = scene.subject().has_value(),
+          .labels = {}};
+}
+
+/// The port is said at once, so that clients can connect.
+void begin_sending(StreamSender& sender, const ExportedScan& scan) {
+  sender.begin(scan);
+  std::cerr << "wobblebench: sending by OpenIGTLink at " + sender.address() + "\n" << std::flush;
+}
+
+/// What the last status message says.
+std::string end_of(const StreamResult& result) {
+  const hw::BoardAccount& account = result.reader.account;
+  return "stream ends: " + std::to_string(result.shown.volumes) + " volumes shown, " +
+         std::to_string(account.lost.total()) + " of " + std::to_string(account.emitted) +
+         " sticks lost";
 }
 
 /// Delays of whole volumes by the card's model; nullopt: another board, or one that does not keep
@@ -363,12 +397,26 @@ std::vector<std::string> limited_names() {
   return names;
 }
 
+void warn_of_stream(const StreamResult& result,
+                    const render::Picture& last,
+                    const BoardConnection& board,
+                    const ResolvedScene& scene,
+                    Progress& progress) {
+  progress.warn(board.left_out());
+  warn_of_motor(result.reader.motor, scene.plan(), progress);
+  warn_of_times(result.reader.off_plan_s, scene.plan(), scene.moves(), progress);
+  for (const auto& warning : picture_warnings(last, scene, nullptr)) progress.warn(warning);
+}
+
 int stream(const Arguments& arguments) {
   const auto limits = parse_limits(arguments.limits, limited_names());
   const auto codec = codec_of(arguments.codec);
+  const auto send = arguments.send == kNotSent ? std::optional<SendArguments>()
+                                               : std::optional(parse_send(arguments.send));
   const Scene given = scene_of(arguments);
   check_memory_of_run(given, available_memory_bytes());
   BoardConnection board(parse_board(arguments.board), {.ring_slots = arguments.ring});
+  const auto sender = send ? std::make_unique<StreamSender>(*send) : nullptr;
   const auto context = render::make_context(arguments.gl);
 
   return run_in_folder(arguments.output, {}, [&](OutputFolder& out, Progress& progress) {
@@ -385,18 +433,17 @@ int stream(const Arguments& arguments) {
     progress.step("shaders", [&] { renderer.compile(); });
     const sim::TissueMapSource maps = kept_maps(cache.tissue_maps());
     const auto source = progress.step("scene", [&] { return board.connect(scene, maps); });
+    const ExportedScan scan = scan_to_send(source, scene);
+    if (sender) begin_sending(*sender, scan);
     // Until here an interrupt ends the command at once, as there is nothing to keep.
     stop_in_order();
 
     StreamReport report;
     report.queue = queue_options(arguments);
-    report.result = stream_to(sink, source, renderer, scene, arguments, progress);
+    report.result = stream_to(sink, source, renderer, scene, arguments, sender.get(), progress);
+    if (sender) report.sent = sender->finish(end_of(report.result));
     if (!sink.last_picture()) throw std::runtime_error(why_nothing(report.result, arguments));
-    warn_of_motor(report.result.reader.motor, scene.plan(), progress);
-    warn_of_times(report.result.reader.off_plan_s, scene.plan(), scene.moves(), progress);
-    for (const auto& warning : picture_warnings(*sink.last_picture(), scene, nullptr)) {
-      progress.warn(warning);
-    }
+    warn_of_stream(report.result, *sink.last_picture(), board, scene, progress);
     report.simulated = board.simulated();
     const bool in_real_time = !report.result.link.waits_for_reader || source.board.epoch();
     report.summary = summary_of(report, in_real_time, scene, arguments);
@@ -454,6 +501,10 @@ Command add_stream_command(CLI::App& app) {
              arguments->codec,
              codec_names(),
              "Of the video: mjpg (.avi), mp4v or avc1 (.mp4), or none");
+  add_text(command,
+           "--send",
+           arguments->send,
+           "Send it by OpenIGTLink while it runs: igtl=PORT or igtl=HOST:PORT, then ,key=value …");
   add_integer(command,
               "--errors",
               arguments->errors,

@@ -191,6 +191,11 @@ Document stream_document(const StreamReport& report, const ResolvedScene& scene)
   page.add(Heading{"Losses"});
   page.add(board_table(report.result.account));
   page.add(dropped_table(report.result));
+  if (report.sent) {
+    page.add(Heading{"Sent to other programs"});
+    page.add(sent_table(*report.sent));
+    page.add(clients_table(*report.sent));
+  }
   page.add(Heading{"Depth errors"});
   if (report.errors.empty()) {
     page.add(Text{"None: " + report.why_no_errors + "."});

@@ -170,6 +170,7 @@ std::string stream_report(const StreamReport& report,
                      {"encoder", video->backend},
                      {"seconds", video->seconds}};
   }
+  json["send"] = report.sent ? send_json(*report.sent) : Json(nullptr);
   json["errors"] = errors_json(report);
   json["no_errors_because"] =
       report.why_no_errors.empty() ? Json(nullptr) : Json(report.why_no_errors);
@@ -191,6 +192,7 @@ std::string stream_text(const StreamReport& report, const std::filesystem::path&
     text += "video       " + video->name + ": " + fixed(video->seconds, 1) + " s, " + video->codec +
             " by " + video->backend + "\n";
   }
+  if (report.sent) text += send_text(*report.sent);
   return text + "written to  " + folder.string() + "\n";
 }
 

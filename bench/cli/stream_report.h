@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/evaluation/measures/depth_error.h"
+#include "bench/exchange/send/send_report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/pipeline/stream/stream_summary.h"
@@ -33,6 +34,7 @@ struct StreamReport {
   QueueOptions queue;
   std::optional<SimulatedVolume> simulated;  ///< sums over all volumes
   std::optional<VideoSummary> video;
+  std::optional<SendReport> sent;
   std::vector<VolumeError> errors;
   std::string why_no_errors;  ///< empty: there are
 };

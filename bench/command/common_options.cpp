@@ -176,7 +176,8 @@ void add_board_option(CLI::App& command, std::string& board) {
   add_value(command,
             "--board",
             "TEXT",
-            "Where sticks come from: sim, file=RECORDING or xdma=DEVICE, then ,key=value …",
+            "Where sticks come from: sim, file=RECORDING, xdma=DEVICE or igtl=HOST:PORT, then "
+            ",key=value …",
             [&board](const std::string& text) { board = text; })
       .default_str(board);
 }

@@ -44,6 +44,7 @@ const std::map<std::string, Paths>& paths_by_command() {
         "/stream/broke_off",
         "/latency",
         "/queues",
+        "/send",
         "/video/seconds",
         "/errors",
         "/no_errors_because"}},

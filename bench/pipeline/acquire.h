@@ -72,6 +72,8 @@ class BoardConnection {
   [[nodiscard]] Acquisition acquire(const ResolvedScene& scene,
                                     const sim::TissueMapSource& maps = {});
 
+  /// left_out_warning() of its link.
+  std::string left_out() const { return left_out_warning(arguments_); }
   /// Throws UserError for a simulated scene of several volumes.
   void check_one_volume(const Scene& scene) const;
   /// The simulator's report on the volumes so far, times as sums; none: sticks come from elsewhere.

@@ -3,17 +3,36 @@
 #include <utility>
 
 #include "bench/exchange/files/foreign_names.h"
+#include "bench/exchange/igtl/left_out.h"
+#include "bench/exchange/igtl/sockets.h"
 #include "bench/exchange/input/foreign_scan.h"
+#include "bench/exchange/input/igtl_link.h"
 #include "hw/recording/file_link.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
-constexpr const char* kLinks = "must be sim, file=RECORDING or xdma=DEVICE, then ,key=value …";
+constexpr const char* kLinks =
+    "must be sim, file=RECORDING, xdma=DEVICE or igtl=HOST:PORT, then ,key=value …";
 
 bool is_foreign(const BoardArguments& board) {
   return board.link.link == "file" && foreign_format(board.link.value) != ForeignFormat::none;
+}
+
+bool is_igtl(const BoardArguments& board) {
+  return board.link.link == "igtl";
+}
+
+BoardArguments with_igtl(BoardArguments board) {
+  of_board(board.text, [&] { return read_link_options<IgtlLinkOptions>(board); });
+  try {
+    parse_endpoint(board.link.value, 1);
+  } catch (const std::invalid_argument& error) {
+    throw board_refusal(board.text, std::string("igtl: ") + error.what());
+  }
+  board.left_out = std::make_shared<LeftOut>();
+  return board;
 }
 
 /// Takes the key that recordings of ours do not have.
@@ -31,7 +50,8 @@ BoardArguments with_geometry(BoardArguments board) {
 
 BoardArguments parse_board(const std::string& text) {
   BoardArguments board = split_board(text);
-  if (is_foreign(board)) board = with_geometry(std::move(board));
+  if (is_foreign(board) || is_igtl(board)) board = with_geometry(std::move(board));
+  if (is_igtl(board)) return with_igtl(std::move(board));
   if (!is_simulated(board)) {
     check_outside(board, kLinks);
     return board;
@@ -48,6 +68,15 @@ bool is_simulated(const BoardArguments& board) {
 }
 
 std::unique_ptr<hw::Link> open_recorded_link(const BoardArguments& board) {
+  if (is_igtl(board)) {
+    return of_board(board.text, [&] {
+      return with_faults(std::make_unique<IgtlLink>(board.link.value,
+                                                    board.geometry,
+                                                    read_link_options<IgtlLinkOptions>(board),
+                                                    board.left_out),
+                         board);
+    });
+  }
   if (!is_foreign(board)) return open_outside_link(board);
   return of_board(board.text, [&] {
     const ForeignScan scan = open_foreign_scan(board.link.value, board.geometry);
@@ -65,6 +94,11 @@ std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
         make_sticks(), read_link_options<sim::SimLinkOptions>(board), std::move(figures));
     return with_faults(std::move(link), board);
   });
+}
+
+std::string left_out_warning(const BoardArguments& board) {
+  const std::string text = board.left_out ? board.left_out->text() : "";
+  return text.empty() ? "" : "--board = " + board.text + ": left out: " + text;
 }
 
 }  // namespace wobblebench::bench

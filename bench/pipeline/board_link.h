@@ -28,4 +28,7 @@ std::unique_ptr<hw::Link> open_board_link(const BoardArguments& board,
 /// The same for a board that is not simulated.
 std::unique_ptr<hw::Link> open_recorded_link(const BoardArguments& board);
 
+/// What a link that takes messages of other programs has not taken so far; empty: nothing.
+std::string left_out_warning(const BoardArguments& board);
+
 }  // namespace wobblebench::bench

@@ -12,12 +12,16 @@
 
 namespace wobblebench::bench {
 
+class LeftOut;
+
 /// --board ARGS, parsed and checked without opening anything.
 struct BoardArguments {
   std::string text;  ///< as given
   hw::LinkArguments link;
   std::string geometry = {};  ///< file that describes one of another program; empty: none
   hw::FaultPlan faults;       ///< injected into the link
+  /// What a link that takes messages of other programs did not take; null: another link.
+  std::shared_ptr<LeftOut> left_out = {};
 };
 
 /// "--board = ARGS: why".

@@ -326,6 +326,7 @@ int export_scan(const Arguments& arguments) {
   const Exported exported = progress.step("stream", [&](const PartDone& done) {
     return stream_to(writers, stream, passes ? passes->stream.get() : nullptr, volumes, done);
   });
+  progress.warn(board.left_out());
   warn_of_motor(exported.motor, scene.plan(), progress);
   std::optional<ExportedPicture> picture;
   if (passes) {

@@ -1,7 +1,6 @@
 // Regular grids of samples or labels, as NRRD and MetaImage files.
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <limits>
 #include <span>
 
@@ -10,6 +9,7 @@
 #include "base/units.h"
 #include "base/user_error.h"
 #include "bench/exchange/export/polar_sampler.h"
+#include "bench/exchange/export/sample_grid.h"
 #include "bench/exchange/export/writers.h"
 #include "bench/exchange/files/dicom_volume.h"
 #include "bench/exchange/files/meta_image.h"
@@ -26,45 +26,8 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 constexpr double kMostVoxels = 2e9;
 constexpr std::size_t kLongText = 64;  // characters of DICOM's Long String
 
-/// Grid points of equal spacing in a box of the probe frame.
-struct Grid {
-  glm::dvec3 low_m{0};  ///< the first point
-  double spacing_m = 1;
-  glm::ivec3 size{1};
-
-  glm::dvec3 point_m(int x, int y, int z) const { return low_m + spacing_m * glm::dvec3(x, y, z); }
-  std::vector<std::uint64_t> sizes() const {
-    return {static_cast<std::uint64_t>(size.x),
-            static_cast<std::uint64_t>(size.y),
-            static_cast<std::uint64_t>(size.z)};
-  }
-};
-
-/// Middle and ends of an interval: the extremes of the scan's corners lie there.
-std::vector<double> ends(double half) {
-  return {-half, 0, half};
-}
-
-/// Around all samples, with points at whole multiples of the spacing.
-Grid grid_around(const hw::AcquisitionPlan& plan, double spacing_m) {
-  const hw::ProbeGeometry geometry = plan.geometry();
-  const hw::AcquisitionOptions& scan = plan.acquisition();
-  glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
-  for (const double range_m : {0.0, scan.depth_m}) {
-    for (const double theta_rad : ends(0.5 * scan.sector_rad)) {
-      for (const double phi_rad : ends(0.5 * scan.fan_rad)) {
-        const glm::dvec3 point = geometry.to_cartesian({range_m, theta_rad, phi_rad});
-        low = glm::min(low, point);
-        high = glm::max(high, point);
-      }
-    }
-  }
-  const glm::dvec3 first = glm::floor(low / spacing_m), last = glm::ceil(high / spacing_m);
-  return {spacing_m * first, spacing_m, glm::ivec3(last - first) + 1};
-}
-
 /// Pixels of the image plane at rest: x along the array, depth from the centre of curvature.
-Grid plane_of(const hw::AcquisitionPlan& plan, double spacing_m) {
+SampleGrid plane_of(const hw::AcquisitionPlan& plan, double spacing_m) {
   const hw::AcquisitionOptions& scan = plan.acquisition();
   const double far_m = plan.probe().radius_m + scan.depth_m, half_rad = 0.5 * scan.sector_rad;
   const double first = std::floor(plan.probe().radius_m * std::cos(half_rad) / spacing_m);
@@ -86,21 +49,11 @@ class SampleBytes {
   void write(std::span<const float> samples, OutFile& file) const {
     if (type_ == SampleType::f32) return file.write_values(samples);
     if (type_ == SampleType::u16)
-      return file.write_values<std::uint16_t>(rounded<std::uint16_t>(samples));
-    file.write_values<std::uint8_t>(rounded<std::uint8_t>(samples));
+      return file.write_values<std::uint16_t>(whole_numbers<std::uint16_t>(samples));
+    file.write_values<std::uint8_t>(whole_numbers<std::uint8_t>(samples));
   }
 
  private:
-  template <class T>
-  static std::vector<T> rounded(std::span<const float> samples) {
-    constexpr double kMost = std::numeric_limits<T>::max();
-    std::vector<T> values(samples.size());
-    std::ranges::transform(samples, values.begin(), [](float sample) {
-      return static_cast<T>(std::lround(kMost * std::clamp<double>(sample, 0, 1)));
-    });
-    return values;
-  }
-
   SampleType type_;
 };
 
@@ -372,7 +325,7 @@ class GridWriter : public ScanWriter {
   Content content_;
   const ExportedScan& scan_;
   SampleBytes samples_;
-  Grid grid_;
+  SampleGrid grid_;
   OutFile file_;
   std::optional<std::uint32_t> first_;  ///< volume that was exported first
 };
@@ -429,7 +382,7 @@ class DicomWriter : public ScanWriter {
   }
 
   std::filesystem::path path_;
-  Grid grid_;
+  SampleGrid grid_;
   const ExportedScan& scan_;
   std::vector<std::uint8_t> voxels_;
 };
@@ -440,9 +393,9 @@ void check_grid(const std::string& name,
                 const FileOptions& options,
                 const hw::AcquisitionPlan& plan) {
   if (!has_spacing(options.content)) return;
-  const Grid grid = options.content == Content::planes ? plane_of(plan, options.spacing_m)
-                                                       : grid_around(plan, options.spacing_m);
-  const double voxels = double{1} * grid.size.x * grid.size.y * grid.size.z;
+  const SampleGrid grid = options.content == Content::planes ? plane_of(plan, options.spacing_m)
+                                                             : grid_around(plan, options.spacing_m);
+  const double voxels = grid.voxels();
   if (voxels <= kMostVoxels) return;
   throw UserError("--to = " + name +
                   ": spacing_mm = " + significant(options.spacing_m / kMillimetre, 4) +

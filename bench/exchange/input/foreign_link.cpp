@@ -26,6 +26,19 @@ void check_memory(const ForeignScan& scan) {
 }
 
 void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
+  const std::vector<std::byte> bytes = packets_of_volume(scan, volume, scan.samples(volume));
+  if (!write_all(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+    throw std::runtime_error(scan.path.string() +
+                             ": cannot be kept in memory: " + std::strerror(errno));
+  }
+}
+
+}  // namespace
+
+std::vector<std::byte> packets_of_volume(const ForeignScan& scan,
+                                         std::uint32_t volume,
+                                         const std::vector<float>& values,
+                                         const std::vector<bool>& frames) {
   const hw::AcquisitionPlan& plan = scan.plan;
   std::vector<std::byte> bytes;
   const std::uint64_t first = plan.first_sequence(volume);
@@ -38,10 +51,10 @@ void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
                                      .display_scale = scan.display_scale},
              bytes);
   const auto samples = static_cast<std::size_t>(plan.acquisition().samples_per_stick);
-  const std::vector<float> values = scan.samples(volume);
   for (std::size_t i = 0; i < static_cast<std::size_t>(plan.sticks_per_volume()); ++i) {
     hw::Stick stick;
     hw::schedule(stick, plan, first + i);
+    if (!frames.empty() && !frames[stick.index.frame]) continue;
     stick.motor_angle_rad = scan.motor_rad.at(stick.index.frame);
     const float* at = values.data() + i * samples;
     stick.samples.assign(at, at + samples);
@@ -52,13 +65,8 @@ void write_volume(const ForeignScan& scan, std::uint32_t volume, int file) {
                           .volume = volume,
                           .time = plan.volume_end_time(volume)},
       bytes);
-  if (!write_all(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
-    throw std::runtime_error(scan.path.string() +
-                             ": cannot be kept in memory: " + std::strerror(errno));
-  }
+  return bytes;
 }
-
-}  // namespace
 
 FileDescriptor recorded(const ForeignScan& scan) {
   check_memory(scan);

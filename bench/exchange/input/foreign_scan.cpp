@@ -135,6 +135,17 @@ void add_zea_geometry(const ZeaPicture& zea, Described& described) {
   geometry.given.insert({"white", "black"});
 }
 
+/// Of a file that the geometry file describes, or else its own fields.
+void add_geometry(Described& described, const fs::path& geometry) {
+  refuse_raw_keys(described);
+  if (!geometry.empty()) return;
+  if (!is_of_export(described.file)) {
+    throw UserError(described.file.path.string() +
+                    ": does not say how it was scanned; must be given with geometry=FILE.toml");
+  }
+  described.geometry = geometry_of_fields(described.file.path, described.file.fields);
+}
+
 Described describe_file(const fs::path& path, const fs::path& geometry) {
   Described described{.file = {},
                       .geometry = {},
@@ -165,16 +176,7 @@ Described describe_file(const fs::path& path, const fs::path& geometry) {
   described.file = zea                             ? zea->file
                    : format == ForeignFormat::nrrd ? read_nrrd(path)
                                                    : read_meta_image(path);
-  refuse_raw_keys(described);
-  if (!geometry.empty()) {
-    if (zea) add_zea_geometry(*zea, described);
-    return described;
-  }
-  if (!is_of_export(described.file)) {
-    throw UserError(path.string() +
-                    ": does not say how it was scanned; must be given with geometry=FILE.toml");
-  }
-  described.geometry = geometry_of_fields(path, described.file.fields);
+  add_geometry(described, geometry);
   if (zea) add_zea_geometry(*zea, described);
   return described;
 }
@@ -458,10 +460,7 @@ ForeignScan cartesian_scan(Described described) {
           .summary = summary_of(described, values, layout)};
 }
 
-}  // namespace
-
-ForeignScan open_foreign_scan(const fs::path& path, const fs::path& geometry) {
-  Described described = describe_file(path, geometry);
+ForeignScan scan_of(Described described) {
   described.need("layout", "polar, planes or cartesian");
   refuse_idle(described);
   switch (described.geometry.layout) {
@@ -473,6 +472,20 @@ ForeignScan open_foreign_scan(const fs::path& path, const fs::path& geometry) {
       return cartesian_scan(std::move(described));
   }
   throw std::logic_error("a layout without a reader");
+}
+
+}  // namespace
+
+ForeignScan open_foreign_scan(const fs::path& path, const fs::path& geometry) {
+  return scan_of(describe_file(path, geometry));
+}
+
+ForeignScan scan_of_voxels(VoxelFile file, const fs::path& geometry) {
+  Described described{.file = std::move(file), .geometry = {}, .geometry_source = {}};
+  described.geometry_source = geometry.empty() ? described.file.path.string() : geometry.string();
+  if (!geometry.empty()) described.geometry = read_geometry(geometry);
+  add_geometry(described, geometry);
+  return scan_of(std::move(described));
 }
 
 }  // namespace wobblebench::bench

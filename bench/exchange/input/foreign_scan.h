@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "bench/exchange/files/voxel_file.h"
 #include "hw/link/link.h"
 #include "hw/probe/acquisition_plan.h"
 #include "hw/recording/file_link.h"
@@ -30,6 +31,16 @@ struct ForeignScan {
 /// for a file that is damaged, or does not say what is needed.
 ForeignScan open_foreign_scan(const std::filesystem::path& path,
                               const std::filesystem::path& geometry);
+
+/// The same of voxels that are described already, raw or with fields of `export`.
+ForeignScan scan_of_voxels(VoxelFile file, const std::filesystem::path& geometry);
+
+/// A volume's packets of the wire format, of hardware: its configuration, the sticks of `values`,
+/// [frame][line][sample], and its end. `frames`: those whose sticks there are; empty: all.
+std::vector<std::byte> packets_of_volume(const ForeignScan& scan,
+                                         std::uint32_t volume,
+                                         const std::vector<float>& values,
+                                         const std::vector<bool>& frames = {});
 
 /// The scan as a recording in memory, in the wire format; of hardware, so that nothing compares it
 /// with a truth. Throws UserError where it is larger than half of the memory, and as `samples`.

@@ -140,6 +140,7 @@ bool FrameReader::take_stick(const hw::StickSlot& slot) {
   }
   frame_.last.received = slot.received();
   frame_.last.acquired = hw::HostClock::now();
+  frame_.last.device = stick.time;
   assembly_.place(stick);
   note_time(stick);
   ++statistics_.account.emitted;
@@ -234,7 +235,12 @@ void FrameReader::finish_volume() {
 void FrameReader::set_times() {
   const auto now = frame_.complete = hw::HostClock::now();
   if (frame_.sticks == 0) {
-    frame_.last = {.fired = {}, .received = now, .acquired = now, .placed = now};
+    frame_.last = {.fired = {},
+                   .received = now,
+                   .acquired = now,
+                   .placed = now,
+                   .device = plan_.stick_time(plan_.sequence(
+                       {frame_.volume, static_cast<std::uint32_t>(frame_.frame), 0}))};
     frame_.first = frame_.last;
   }
   const auto& arrived = assembly_.volume()->frame(frame_.frame).arrived;

@@ -45,6 +45,7 @@ class Running {
         plan_(source.plan),
         renderer_(renderer),
         mid_volume_(options.mid_volume),
+        tap_(options.frames),
         sink_(sink),
         stopped_(stopped),
         frames_(options.queue),
@@ -69,6 +70,7 @@ class Running {
   const hw::AcquisitionPlan& plan_;
   StreamRenderer& renderer_;
   const bool mid_volume_;
+  const FrameTap& tap_;
   const PictureSink& sink_;
   const std::function<bool()>& stopped_;
   VolumeQueue frames_;
@@ -147,6 +149,7 @@ void Running::take_frame(StreamFrame frame) {
     renderer_.begin_volume(frame.volume);
   }
   add_acquisition(frame);
+  if (tap_) tap_(frame);
   ++volume_frames_;
   volume_sticks_ += static_cast<std::uint64_t>(frame.sticks);
   current_.pass_1_ms = renderer_.add_frame(frame.frame, frame.samples);

@@ -20,11 +20,16 @@ inline constexpr std::size_t kMostRecords = 100000;
 /// Spans that each thread keeps for a trace, from the beginning on.
 inline constexpr std::size_t kMostSpans = 20000;
 
+/// Is shown each frame before pass 1 takes it, on the thread that runs the stream, which it holds
+/// up.
+using FrameTap = std::function<void(const StreamFrame&)>;
+
 struct StreamOptions {
   QueueOptions queue;
   std::uint64_t volumes = 0;  ///< 0: to the end of the stream, or until it is stopped
   bool mid_volume = false;    ///< also a picture whenever no frame waits (PipelineOptions)
   bool keep_volume = false;   ///< StreamResult::kept
+  FrameTap frames = {};       ///< unset: none
 };
 
 /// What one thread did from when to when. Of sticks the first and the last of each frame that

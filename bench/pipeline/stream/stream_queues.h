@@ -25,6 +25,7 @@ struct StickTimes {
   hw::HostTime received;  ///< by the board, which the device notified (StickSlot::received())
   hw::HostTime acquired;  ///< taken from the board
   hw::HostTime placed;    ///< copied into its frame
+  hw::DeviceTime device;  ///< of firing, as the stick says: the device's clock
   bool arrived = true;    ///< false: all times but `fired` are those of the nearest that did
 };
 
