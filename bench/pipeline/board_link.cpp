@@ -35,6 +35,19 @@ BoardArguments with_igtl(BoardArguments board) {
   return board;
 }
 
+std::unique_ptr<hw::Link> open_igtl_link(const BoardArguments& board) try {
+  return of_board(board.text, [&] {
+    const auto options = read_link_options<IgtlLinkOptions>(board);
+    return with_faults(
+        std::make_unique<IgtlLink>(board.link.value, board.geometry, options, board.left_out),
+        board);
+  });
+} catch (const UserError& error) {
+  // Of what a server sent: it names the server.
+  const std::string why = error.what();
+  throw why.starts_with("--board") ? error : board_refusal(board.text, why);
+}
+
 /// Takes the key that recordings of ours do not have.
 BoardArguments with_geometry(BoardArguments board) {
   const auto found = board.link.settings.find("geometry");
@@ -68,15 +81,7 @@ bool is_simulated(const BoardArguments& board) {
 }
 
 std::unique_ptr<hw::Link> open_recorded_link(const BoardArguments& board) {
-  if (is_igtl(board)) {
-    return of_board(board.text, [&] {
-      return with_faults(std::make_unique<IgtlLink>(board.link.value,
-                                                    board.geometry,
-                                                    read_link_options<IgtlLinkOptions>(board),
-                                                    board.left_out),
-                         board);
-    });
-  }
+  if (is_igtl(board)) return open_igtl_link(board);
   if (!is_foreign(board)) return open_outside_link(board);
   return of_board(board.text, [&] {
     const ForeignScan scan = open_foreign_scan(board.link.value, board.geometry);

@@ -61,6 +61,7 @@ bool IgtlServer::has_clients() const {
 }
 
 void IgtlServer::greet(std::shared_ptr<const std::string> message) {
+  send("", message);
   const std::lock_guard lock(mutex_);
   greeting_ = std::move(message);
 }

@@ -51,12 +51,12 @@ class IgtlServer {
   /// "127.0.0.1:18944".
   const std::string& address() const { return address_; }
   bool has_clients() const;
-  /// What each client that connects from now on gets first.
+  /// What each client gets first: those that are connected now, those that connect later at once.
   void greet(std::shared_ptr<const std::string> message);
   void send(const std::string& device, std::shared_ptr<const std::string> message);
 
-  /// Waits while clients take what waits, until none has taken a byte for `patience`, and closes. To
-  /// be called once.
+  /// Waits while clients take what waits, until none has taken a byte for `patience`, and closes.
+  /// To be called once.
   IgtlServerReport finish(std::chrono::milliseconds patience);
 
  private:

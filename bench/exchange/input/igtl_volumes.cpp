@@ -211,7 +211,8 @@ std::vector<std::byte> IgtlVolumes::add(const ReceivedImage& received) {
     volume_ = place->volume;
   }
   store(received, place->frame);
-  if (std::ranges::find(there_, false) != there_.end()) return packets;
+  const bool is_last = !is_numbered_ && place->frame + 1 == frames_;
+  if (!is_last && std::ranges::find(there_, false) != there_.end()) return packets;
   const std::vector<std::byte> ended = end_volume();
   packets.insert(packets.end(), ended.begin(), ended.end());
   return packets;

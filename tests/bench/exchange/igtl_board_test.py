@@ -3,6 +3,7 @@
 against the same voxels in files; and what must not get in."""
 import json
 import os
+import pathlib
 import socket
 import struct
 import subprocess
@@ -71,7 +72,7 @@ class Received(InFolder):
         return "geometry=" + file
 
     def expect(self, scan, count):
-        self.assertEqual(str(scan["source"]), "recording of hardware")
+        self.assertEqual(str(scan["source"][0]), "recording of hardware")
         expected = np.stack([polar(v) for v in range(count)]) / 255
         np.testing.assert_allclose(scan["samples"], expected, atol=1e-6)
         np.testing.assert_allclose(scan["motor_angle_deg"][0][:, 0], np.linspace(-25, 25, FRAMES))
@@ -183,12 +184,12 @@ class Received(InFolder):
         with socket.create_server(("127.0.0.1", 0)) as free:
             port = free.getsockname()[1]
         example = subprocess.Popen([os.environ["WOBBLEBENCH_IGTL_IMAGER_SERVER"], str(port), "50", folder],
-                                   stderr=subprocess.DEVNULL)
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(example.wait)
         self.addCleanup(example.terminate)
         for _ in range(100):
             time.sleep(0.05)
-            if f":{port:04X} 00000000:0000 0A" in open("/proc/net/tcp", encoding="ascii").read():
+            if f":{port:04X} 00000000:0000 0A" in pathlib.Path("/proc/net/tcp").read_text(encoding="ascii"):
                 break
         scan = self.exported("example", f"igtl=127.0.0.1:{port},planes=in_order,"
                              + self.geometry("frames_per_volume = 5"), 2)
@@ -213,7 +214,7 @@ class Hostile(InFolder):
 
         server = igtl.Server(send)
         self.addCleanup(server.close)
-        out = self.path("hostile")
+        out = self.path(f"hostile{server.port}")
         answer = run("record", "--board", f"igtl=127.0.0.1:{server.port}{keys}", "--out", out, code=code)
         lines = [line for line in answer.splitlines() if "--board" in line]
         self.assertEqual(len(lines), 1, answer)

@@ -137,13 +137,15 @@ class Sent(InFolder):
         self.assertLess(np.linalg.norm(bright.mean(0)[:2] - BALL[:2]), 6)
         self.assertLess(abs(np.median(np.linalg.norm(bright - BALL, axis=-1)) - RADIUS), 6)
 
-    def test_polar_samples_are_those_of_the_grid(self):
+    def test_polar_samples_are_the_exported_ones(self):
+        file = self.path("polar.npz")
+        run("export", "sim", *SCENE, "--volumes", "3", "--to", file + ",content=polar", "--no-cache")
         message = self.stream.of("Polar")[-1]
         voxels = igtl.Image(message).voxels
         self.assertEqual(voxels.shape, (21, 40, 192))
         self.assertEqual(message.metadata["wobblebench_content"], "polar")
         self.assertEqual(float(message.metadata["wobblebench_depth_mm"]), 160)
-        self.assertEqual(voxels.max(), 65535)
+        np.testing.assert_allclose(voxels / 65535, np.load(file)["samples"][2], atol=1e-5)
 
     def test_the_surface_is_the_ball(self):
         for message in self.stream.of("Surface"):
@@ -169,8 +171,8 @@ class Sent(InFolder):
         # Where the picture shows the ball, a ray along its normal meets the ball.
         at = image.positions()[0] * TO_RAS
         lit = image.voxels[0].max(-1) > image.voxels[0].min() + 40
-        self.assertLess(np.abs(at[lit][:, :2].mean(0) - BALL[:2]).max(), 3)
-        self.assertLess((np.linalg.norm(at[lit][:, :2] - BALL[:2], axis=-1) > RADIUS + 2).mean(), 0.01)
+        self.assertGreater(lit.sum(), 500)
+        self.assertLess((np.linalg.norm(at[lit][:, :2] - BALL[:2], axis=-1) > RADIUS + 2).mean(), 0.05)
 
     def test_poses_turn_the_plane_at_rest_into_the_frame(self):
         poses = self.stream.of("MotorToProbe")
@@ -186,7 +188,7 @@ class Sent(InFolder):
             self.assertAlmostEqual(message.seconds, last * PERIOD_S, 8)
 
     def test_the_report_counts_what_each_client_got(self):
-        sent = self.stream.report["send"]
+        sent = self.stream.report["timing"]["send"]
         self.assertEqual(len(sent["clients"]), 2)
         self.assertEqual(sorted(client["sent"] for client in sent["clients"]),
                          sorted(len(messages) for messages in self.stream.received))
@@ -198,13 +200,18 @@ class Sent(InFolder):
         self.assertIn("2 clients", self.stream.output)
 
 
+class Checksum(unittest.TestCase):
+    def test_the_reader_s_own_is_the_published_one(self):
+        self.assertEqual(igtl.crc64(b"123456789"), 0x6C40DF5F0B497347)  # of catalogues of CRCs
+
+
 class Clients(InFolder):
     def test_one_that_does_not_read_and_one_that_leaves_hold_nothing_up(self):
         stream = Stream(self.folder, "igtl=0,spacing_mm=1,content=volume+picture", "--volumes", "8",
                         "--policy", "every", clients=(igtl.receive_all, never_reads, leaves))
         self.assertEqual(stream.report["timing"]["latency"]["shown"]["volumes"], 8)
         self.assertEqual(igtl.status(stream.received[0][-1])[0], 1)
-        clients = stream.report["send"]["clients"]
+        clients = stream.report["timing"]["send"]["clients"]
         self.assertEqual(len(clients), 3)
         endings = {client["ending"] for client in clients}
         self.assertTrue(endings - {"connected to the end"}, endings)
@@ -220,8 +227,8 @@ class Clients(InFolder):
     def test_more_clients_than_allowed_are_sent_away(self):
         stream = Stream(self.folder, "igtl=0,content=pose,clients=1", "--volumes", "2",
                         clients=(igtl.receive_all, igtl.receive_all, igtl.receive_all))
-        self.assertEqual(len(stream.report["send"]["clients"]), 1)
-        self.assertEqual(stream.report["send"]["refused_clients"], 2)
+        self.assertEqual(len(stream.report["timing"]["send"]["clients"]), 1)
+        self.assertEqual(stream.report["timing"]["send"]["refused_clients"], 2)
 
 
 def program(name):
@@ -230,6 +237,7 @@ def program(name):
 
     def receive(connection):
         port = connection.getpeername()[1]
+        connection.close()
         command = [os.environ[name], *(["127.0.0.1"] if name.endswith("CLIENT") else []), str(port)]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True,
                               timeout=600)
@@ -273,7 +281,7 @@ class Library(InFolder):
         stream = Stream(self.folder, "igtl=0,header=1,content=picture+volume+pose", "--volumes", "2", "--policy",
                         "every", clients=(receive,))
         text = "\n".join(printed)
-        (client,) = [each for each in stream.report["send"]["clients"] if each["sent"] > 2]
+        client = max(stream.report["timing"]["send"]["clients"], key=lambda each: each["sent"])
         self.assertEqual(text.count("data type."), client["sent"])
         # It says more of an image whose CRC is right.
         self.assertEqual(text.count("Scalar Type           : 3"), text.count("Receiving IMAGE"))
