@@ -125,10 +125,11 @@ int live(const Arguments& arguments) {
   LivePipeline pipeline(board, {.ring_slots = arguments.ring}, *context, cache, progress, panel);
   LiveRequests requests(panel, pipeline, arguments.board, context->renderer_string());
   const ServerOptions options = server_options(arguments);
-  pipeline.prepare();
   const auto server = make_live_server(
       options,
       {.asset = live_asset, .take = [&](const std::string& text) { return requests.take(text); }});
+  // Until here an interrupt ends the command at once, as there is nothing to keep.
+  pipeline.prepare();
   stop_in_order();
   const std::string address = page_address(options, server->port());
   std::printf("%s\n", address.c_str());

@@ -134,7 +134,7 @@ void LivePipeline::run(LiveServer& server) {
     if (orders.is_playing) {
       play(orders);
     } else {
-      panel_.set_stage("paused");
+      panel_.rest();
       stream_->renderer->idle();
       panel_.wait(orders, panel_.state()->serial, kPausedWait);
     }

@@ -12,14 +12,6 @@ namespace wobblebench::bench {
 
 namespace {
 
-Scene load(const SceneArguments& arguments, const std::vector<std::string>& settings) {
-  Scene scene = load_scene(arguments.file, settings);
-  refuse_correction(scene, "live");
-  refuse_program(scene, "live");
-  if (!scene.given.contains("acquisition.volumes")) scene.acquisition.volumes = hw::kMostVolumes;
-  return scene;
-}
-
 std::string_view key_of(std::string_view setting) {
   return setting.substr(0, setting.find('='));
 }
@@ -46,10 +38,18 @@ ResolvedScene with_stream_of(Scene scene, const ResolvedScene& stream) {
 
 }  // namespace
 
+Scene load_live_scene(const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Scene scene = load_scene(file, settings);
+  refuse_correction(scene, "live");
+  refuse_program(scene, "live");
+  if (!scene.given.contains("acquisition.volumes")) scene.acquisition.volumes = hw::kMostVolumes;
+  return scene;
+}
+
 LivePanel::LivePanel(SceneArguments arguments, bool with_scan, std::string faults)
     : arguments_(std::move(arguments)),
       with_scan_(with_scan),
-      given_(load(arguments_, arguments_.settings)) {
+      given_(load_live_scene(arguments_.file, arguments_.settings)) {
   orders_.faults = std::move(faults);
 }
 
@@ -81,7 +81,7 @@ std::uint64_t LivePanel::reset(const std::vector<std::string>& keys) {
 
 /// With the lock. Nothing changes where this throws.
 std::uint64_t LivePanel::take(std::vector<std::string> page) {
-  Scene given = load(arguments_, all_settings(page));
+  Scene given = load_live_scene(arguments_.file, all_settings(page));
   const bool wants_scan = !state_ || stream_part(given) != stream_part(state_->given);
   if (!wants_scan) {
     state_ = std::make_shared<const LiveState>(
@@ -182,6 +182,13 @@ void LivePanel::revert(const std::shared_ptr<const LiveState>& to, const std::st
 void LivePanel::set_stage(const std::string& stage) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(stage_, stage) != stage) note_change();
+}
+
+void LivePanel::rest() {
+  const std::lock_guard lock(mutex_);
+  if (stage_ == "ended" || stage_ == "paused") return;
+  stage_ = "paused";
+  note_change();
 }
 
 void LivePanel::end_stage(const LiveOrders& known,

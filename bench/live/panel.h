@@ -16,6 +16,9 @@
 
 namespace wobblebench::bench {
 
+/// The scene of the command line's file with these settings, as `live` takes it. Throws UserError.
+Scene load_live_scene(const std::filesystem::path& file, const std::vector<std::string>& settings);
+
 /// A scene that pictures are made by; never changed.
 struct LiveState {
   std::uint64_t serial = 0;           ///< of the change that led to it
@@ -70,6 +73,8 @@ class LivePanel {
   void revert(const std::shared_ptr<const LiveState>& to, const std::string& why);
   /// What is done: "preparing" a stream, "playing" it.
   void set_stage(const std::string& stage);
+  /// Nothing is played: "paused", unless the stream has "ended".
+  void rest();
   /// The stream is "paused" or has "ended"; it is played on if orders have changed meanwhile.
   void end_stage(const LiveOrders& known, const std::string& stage, const std::string& why = "");
 

@@ -49,11 +49,14 @@ std::string run_command(const std::string& board) {
 }
 
 /// Why `run` makes another picture; empty: it makes the same.
-std::string why_not_the_same(const LivePicture& shown, bool is_simulated) {
-  if (shown.state->scene.render().pipeline.mid_volume) {
+std::string why_not_the_same(const LivePicture& shown, const LivePanel& panel) {
+  const LiveState& state = *shown.state;
+  const Scene again = load_live_scene(panel.arguments().file, state.settings);
+  if (resolved(again) != resolved(state.given)) return "the scene file has changed since the start";
+  if (state.scene.render().pipeline.mid_volume) {
     return "the picture may show two volumes (render.pipeline.mid_volume); run shows one";
   }
-  if (!is_simulated) {
+  if (!panel.with_scan()) {
     return "run shows the first volume that the board sends, here it is volume " +
            std::to_string(shown.volume);
   }
@@ -123,6 +126,7 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
 Json LiveRequests::hello() {
   pipeline_.refresh();
   const auto state = panel_.state();
+  if (!state) throw UserError("the first stream is being prepared");
   return {{"type", "hello"},
           {"controls", controls_json(state->given, panel_.with_scan())},
           {"scene", panel_.arguments().file.string()},
@@ -152,7 +156,7 @@ Json LiveRequests::saved() const {
           {"volume", shown->volume},
           {"toml", heading(command, *shown) + scene_text(panel_.arguments().file, settings)},
           {"command", command},
-          {"why_not_the_same", why_not_the_same(*shown, is_simulated)},
+          {"why_not_the_same", why_not_the_same(*shown, panel_)},
           {"picture", base64({picture.data(), picture.size()})}};
 }
 

@@ -308,3 +308,21 @@ for (const [name, viewport] of [['desktop', desktop], ['phone', phone]]) {
     }, {viewport, colorScheme}));
   }
 }
+
+test('a recording ends, and is played again', async () => {
+  const record = scratch(join('live', 'recording'));
+  linesOf(program, ['record', sceneFile, '--set', 'acquisition.volumes=3', '--out', record]);
+  const other = await start(['--board', `file=${join(record, 'recording.wbst')}`]);
+  await withLive(async (page) => {
+    const ended = page.locator('#stage').filter({hasText: 'ended'});
+    await ended.waitFor();
+    assert.equal(await page.locator('[data-section="phantom"]').count(), 0);
+    await page.getByRole('button', {name: 'Play'}).click();
+    await page.locator('#stage').filter({hasText: 'Playing'}).or(ended).waitFor();
+    await ended.waitFor();
+    const saved = await ask(page, {do: 'save'});
+    assert.equal(saved.volume, 2);
+    assert.match(saved.why_not_the_same, /first volume/);
+  }, {address: other.address});
+  other.child.kill();
+});

@@ -29,6 +29,10 @@ class Link {
     this.socket.onclose = () => this.reconnect();
   }
 
+  isOpen() {
+    return this.socket.readyState === WebSocket.OPEN;
+  }
+
   reconnect() {
     for (const answer of this.answers.values()) answer({type: 'refused', why: 'The connection was lost.'});
     this.answers.clear();
@@ -54,7 +58,7 @@ class Link {
 
   /** The answer to a request. */
   ask(request) {
-    if (this.socket.readyState !== WebSocket.OPEN) return Promise.resolve({type: 'refused', why: 'Not connected.'});
+    if (!this.isOpen()) return Promise.resolve({type: 'refused', why: 'Not connected.'});
     const id = ++this.ids;
     this.socket.send(JSON.stringify({...request, id}));
     return new Promise((resolve) => { this.answers.set(id, resolve); });

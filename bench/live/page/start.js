@@ -15,15 +15,23 @@ class Page {
     return document.getElementById(id);
   }
 
-  async opened(isOpen) {
+  opened(isOpen) {
     document.body.classList.toggle('offline', !isOpen);
-    if (!isOpen) {
-      this.element('stage').textContent = 'The program does not answer; trying again …';
+    if (isOpen) this.greet();
+    else this.element('stage').textContent = 'The program does not answer; trying again …';
+  }
+
+  async greet() {
+    const {id, ...hello} = await this.link.ask({do: 'hello'});
+    if (hello.type !== 'hello') {
+      // The first stream is being prepared.
+      if (this.link.isOpen()) setTimeout(() => this.greet(), 500);
       return;
     }
-    this.stage = null;
-    const hello = await this.link.ask({do: 'hello'});
-    if (hello.type !== 'hello') return;
+    // Another program than before has other controls.
+    const known = JSON.stringify(hello);
+    if (this.controls && known !== this.known) location.reload();
+    this.known = known;
     if (!this.controls) this.build(hello);
     this.link.ask({do: 'show', ...this.wanted});
   }

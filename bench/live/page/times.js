@@ -25,7 +25,7 @@ class TimeLine {
     const most = Math.max(...this.values.filter((each) => each !== null), 0);
     this.most.textContent = most > 0 ? `max ${text(most)}` : '';
     const points = this.values.map((each, index) => each === null ? '' :
-      `${(240 * index / (mostPoints - 1)).toFixed(1)},${(34 - 32 * each / (most || 1)).toFixed(1)}`);
+      `${(240 - 240 * (this.values.length - 1 - index) / (mostPoints - 1)).toFixed(1)},${(34 - 32 * each / (most || 1)).toFixed(1)}`);
     this.line.setAttribute('points', points.filter(Boolean).join(' '));
   }
 }

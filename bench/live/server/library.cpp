@@ -287,7 +287,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class BeastServer : public LiveServer {
  public:
-  BeastServer(const ServerOptions& options, ServerCalls calls) : acceptor_(shared_.context) {
+  BeastServer(const ServerOptions& options, ServerCalls calls)
+      : acceptor_(shared_.context), retry_(shared_.context) {
     shared_.options = options;
     shared_.calls = std::move(calls);
     bind();
@@ -340,18 +341,26 @@ class BeastServer : public LiveServer {
 
   void accept() {
     acceptor_.async_accept([this](Error error, Tcp::socket socket) {
-      if (!error) {
-        socket.set_option(Tcp::no_delay(true), error);
-        if (shared_.connections < kMostConnections) {
-          std::make_shared<Connection>(shared_, viewers_, std::move(socket))->read();
-        }
+      if (error) return accept_later();
+      socket.set_option(Tcp::no_delay(true), error);
+      if (shared_.connections < kMostConnections) {
+        std::make_shared<Connection>(shared_, viewers_, std::move(socket))->read();
       }
       accept();
     });
   }
 
+  /// The system has no descriptors left, say.
+  void accept_later() {
+    retry_.expires_after(std::chrono::milliseconds(100));
+    retry_.async_wait([this](Error error) {
+      if (!error) accept();
+    });
+  }
+
   Shared shared_;
   Tcp::acceptor acceptor_;
+  asio::steady_timer retry_;
   Viewers viewers_;
   std::thread thread_;
 };
