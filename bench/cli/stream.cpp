@@ -285,8 +285,8 @@ ExportedScan scan_to_send(const StreamSource& source, const ResolvedScene& scene
 
 /// The port is said at once, so that clients can connect.
 void begin_sending(StreamSender& sender, const ExportedScan& scan) {
-  sender.begin(scan);
   std::cerr << "wobblebench: sending by OpenIGTLink at " + sender.address() + "\n" << std::flush;
+  sender.begin(scan);
 }
 
 /// What the last status message says.

@@ -60,20 +60,25 @@ bool IgtlServer::has_clients() const {
   return !clients_.empty();
 }
 
+void IgtlServer::wait_for_clients(int count) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return clients_.size() >= static_cast<std::size_t>(count); });
+}
+
 void IgtlServer::greet(std::shared_ptr<const std::string> message) {
   send("", message);
   const std::lock_guard lock(mutex_);
   greeting_ = std::move(message);
 }
 
-void IgtlServer::send(const std::string& device, std::shared_ptr<const std::string> message) {
+void IgtlServer::send(const std::string& place, std::shared_ptr<const std::string> message) {
   {
     const std::lock_guard lock(mutex_);
     for (Client& client : clients_) {
       const auto found =
-          std::ranges::find(client.waiting, device, &std::pair<std::string, Message>::first);
+          std::ranges::find(client.waiting, place, &std::pair<std::string, Message>::first);
       if (found == client.waiting.end()) {
-        client.waiting.emplace_back(device, message);
+        client.waiting.emplace_back(place, message);
       } else {
         found->second = message;
         ++client.report.replaced;
@@ -124,6 +129,7 @@ void IgtlServer::accept_client() {
   client.socket = std::move(socket);
   client.since = std::chrono::steady_clock::now();
   if (greeting_) client.waiting.emplace_back("", greeting_);
+  changed_.notify_all();
 }
 
 void IgtlServer::work(Client& client, short events) {

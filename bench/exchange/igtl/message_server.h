@@ -23,7 +23,7 @@ struct IgtlClientReport {
   double seconds = 0;   ///< that it was connected
   std::uint64_t sent = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t replaced = 0;  ///< for a later message of the same device: the client was too slow
+  std::uint64_t replaced = 0;  ///< by a later message of the same place: the client was too slow
   std::uint64_t left = 0;      ///< not sent when the connection ended
   std::string ending;          ///< why it did
 };
@@ -34,7 +34,7 @@ struct IgtlServerReport {
   std::uint64_t refused = 0;              ///< connections beyond those at once that are allowed
 };
 
-/// Messages wait, for each client, in one place a device: a later one replaces the one that waits,
+/// Messages wait, for each client, in one place a name: a later one replaces the one that waits,
 /// which is counted, so that slow clients get the newest and memory is bounded. What clients send
 /// is read and ignored. Functions may be called from any thread, and do not wait for a client.
 class IgtlServer {
@@ -51,9 +51,10 @@ class IgtlServer {
   /// "127.0.0.1:18944".
   const std::string& address() const { return address_; }
   bool has_clients() const;
+  void wait_for_clients(int count);
   /// What each client gets first: those that are connected now, those that connect later at once.
   void greet(std::shared_ptr<const std::string> message);
-  void send(const std::string& device, std::shared_ptr<const std::string> message);
+  void send(const std::string& place, std::shared_ptr<const std::string> message);
 
   /// Waits while clients take what waits, until none has taken a byte for `patience`, and closes.
   /// To be called once.
@@ -65,7 +66,7 @@ class IgtlServer {
     FileDescriptor socket;
     IgtlClientReport report;
     std::chrono::steady_clock::time_point since;
-    std::deque<std::pair<std::string, Message>> waiting;  ///< by device
+    std::deque<std::pair<std::string, Message>> waiting;  ///< by place
     Message current;
     std::size_t done = 0;  ///< bytes of `current`
     bool is_over = false;

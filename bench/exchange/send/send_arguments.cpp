@@ -58,6 +58,11 @@ SendArguments parse_send(const std::string& text) {
     settings.finish("igtl");
     choose_content(arguments);
     refuse_idle(given, arguments);
+    if (arguments.options.wait > arguments.options.clients) {
+      throw InvalidOption("wait",
+                          std::to_string(arguments.options.wait),
+                          "must be at most clients=" + std::to_string(arguments.options.clients));
+    }
   } catch (const InvalidOption& error) {
     throw refusal(error.what());
   } catch (const std::invalid_argument& error) {

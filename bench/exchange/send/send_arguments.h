@@ -22,6 +22,7 @@ struct SendOptions {
   SendAxes axes = SendAxes::ras;
   int header = 2;   ///< version of message headers; 1: without metadata
   int clients = 8;  ///< at once
+  int wait = 0;     ///< clients that must be connected before the stream begins
 };
 
 template <OptionsOf<SendOptions> O, class Visitor>
@@ -32,6 +33,7 @@ void describe(O& o, Visitor& v) {
   v.choice("axes", o.axes, {{"ras", SendAxes::ras}, {"lps", SendAxes::lps}});
   v.integer("header", o.header, 1, 2);
   v.integer("clients", o.clients, 1, 64);
+  v.integer("wait", o.wait, 0, 64);
 }
 
 struct SendArguments {

@@ -13,6 +13,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMegabyte = 1e6;
 
+std::string dropped_text(const IgtlClientReport& client) {
+  const std::uint64_t dropped = client.replaced + client.left;
+  if (dropped == 0) return "";
+  return "; " + std::to_string(dropped) + " dropped, because the client was slower";
+}
+
 }  // namespace
 
 Json send_json(const SendReport& report) {
@@ -51,8 +57,7 @@ std::string send_text(const SendReport& report) {
   for (const IgtlClientReport& client : report.server.clients) {
     text += "  " + client.address + "  " + std::to_string(client.sent) + " messages, " +
             significant(static_cast<double>(client.bytes) / kMegabyte, 4) + " MB in " +
-            fixed(client.seconds, 1) + " s; " + std::to_string(client.replaced + client.left) +
-            " dropped, because the client was slower; " + client.ending + "\n";
+            fixed(client.seconds, 1) + " s" + dropped_text(client) + "; " + client.ending + "\n";
   }
   if (report.server.refused > 0) {
     text += "  " + std::to_string(report.server.refused) + " connections refused: beyond clients=" +

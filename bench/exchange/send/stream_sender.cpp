@@ -78,20 +78,18 @@ void StreamSender::begin(const ExportedScan& scan) {
                    .version = IgtlHeaderVersion{arguments_.options.header}},
                   "stream begins")));
   thread_ = std::jthread([this] { work(); });
+  server_.wait_for_clients(arguments_.options.wait);
 }
 
 glm::dvec3 StreamSender::on_axes(const glm::dvec3& v) const {
   return arguments_.options.axes == SendAxes::lps ? v : glm::dvec3(-v.x, -v.y, v.z);
 }
 
-void StreamSender::count(const std::string& device) {
+void StreamSender::send(const std::string& device, std::string message, int part) {
+  server_.send(device + std::to_string(part),
+               std::make_shared<const std::string>(std::move(message)));
   const std::lock_guard lock(mutex_);
   ++kinds_[device].made;
-}
-
-void StreamSender::send(const std::string& device, std::string message) {
-  server_.send(device, std::make_shared<const std::string>(std::move(message)));
-  count(device);
 }
 
 IgtlHead StreamSender::head(const char* device,
@@ -137,7 +135,8 @@ void StreamSender::send_pose(const StreamFrame& frame) {
                       {sign * on_axes({1, 0, 0}),
                        sign * on_axes({0, cosine, sine}),
                        on_axes({0, -sine, cosine})},
-                      on_axes({0, axis_mm * sine, axis_mm * (1 - cosine)})));
+                      on_axes({0, axis_mm * sine, axis_mm * (1 - cosine)})),
+       frame.frame);
 }
 
 /// Puts frames together to their volume.

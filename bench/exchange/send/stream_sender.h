@@ -44,7 +44,8 @@ class StreamSender {
   StreamSender& operator=(const StreamSender&) = delete;
 
   const std::string& address() const { return server_.address(); }
-  /// Before the first frame. `scan` must outlive this. Throws UserError.
+  /// Before the first frame. `scan` must outlive this. Waits for the clients that it is to wait
+  /// for. Throws UserError.
   void begin(const ExportedScan& scan);
   /// On the thread that renders: a frame as it arrived, in the order of their arrival.
   void add_frame(const StreamFrame& frame);
@@ -64,8 +65,8 @@ class StreamSender {
   void work();
   template <class Job>
   void post(std::optional<Job>& place, Job job, const char* device);
-  void count(const std::string& device);
-  void send(const std::string& device, std::string message);
+  /// `part`: of several of one device that do not replace each other.
+  void send(const std::string& device, std::string message, int part = 0);
   void send_pose(const StreamFrame& frame);
   void collect(const StreamFrame& frame);
   void send_picture(const ShownPicture& shown);

@@ -31,6 +31,8 @@ class Stream:
 
     def __init__(self, folder, send, *options, clients=(igtl.receive_all,)):
         self.out = os.path.join(folder, f"out{id(self)}")
+        if "clients=" not in send and "wait=" not in send:
+            send += f",wait={len(clients)}"
         command = [PROGRAM, "stream", *SCENE, *options, "--send", send, "--out", self.out,
                    "--no-cache", "--codec", "none", "--errors", "0"]
         self.received = [[] for _ in clients]
@@ -79,7 +81,7 @@ def never_reads(connection):
 
 
 def leaves(connection):
-    igtl.receive_exactly(connection, 1000)
+    igtl.receive_exactly(connection, 20000)
     return iter(())
 
 
@@ -232,12 +234,11 @@ class Clients(InFolder):
 
 
 def program(name):
-    """A client of the library in the place of one that is written here; its lines are kept."""
+    """A client of the library beside one that reads nothing; its lines are kept."""
     lines = []
 
     def receive(connection):
         port = connection.getpeername()[1]
-        connection.close()
         command = [os.environ[name], *(["127.0.0.1"] if name.endswith("CLIENT") else []), str(port)]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True,
                               timeout=600)
@@ -252,7 +253,7 @@ class Library(InFolder):
     @unittest.skipUnless("WOBBLEBENCH_IGTL_PEER" in os.environ, "built without libopenigtlink-dev")
     def test_it_reads_the_numbers_that_are_sent(self):
         receive, printed = program("WOBBLEBENCH_IGTL_PEER")
-        stream = Stream(self.folder, "igtl=0,header=1", "--volumes", "3", "--policy", "every",
+        stream = Stream(self.folder, "igtl=0,header=1,wait=3", "--volumes", "3", "--policy", "every",
                         clients=(igtl.receive_all, receive))
         lines = [line.split() for line in printed]
         self.assertEqual({words[0] for words in lines}, {"STATUS", "IMAGE", "POLYDATA", "TRANSFORM"}, printed[:5])
@@ -278,8 +279,8 @@ class Library(InFolder):
     @unittest.skipUnless("WOBBLEBENCH_IGTL_RECEIVE_CLIENT" in os.environ, "built without openigtlink-examples")
     def test_its_example_reads_every_message(self):
         receive, printed = program("WOBBLEBENCH_IGTL_RECEIVE_CLIENT")
-        stream = Stream(self.folder, "igtl=0,header=1,content=picture+volume+pose", "--volumes", "2", "--policy",
-                        "every", clients=(receive,))
+        stream = Stream(self.folder, "igtl=0,header=1,content=picture+volume+pose,wait=2", "--volumes", "2",
+                        "--policy", "every", clients=(receive,))
         text = "\n".join(printed)
         client = max(stream.report["timing"]["send"]["clients"], key=lambda each: each["sent"])
         self.assertEqual(text.count("data type."), client["sent"])
@@ -308,6 +309,7 @@ class Refusals(unittest.TestCase):
                           ("igtl=0,content=pose+pose", "content = pose+pose: must be of"),
                           ("igtl=0,content=pose,spacing_mm=2", "spacing_mm = 2: acts with content=volume"),
                           ("igtl=0,spacing_mm=0", "spacing_mm = 0: must be"),
+                          ("igtl=0,clients=2,wait=3", "wait = 3: must be at most clients=2"),
                           ("igtl=0,type=float", "type = float: must be one of uint8, uint16"),
                           ("igtl=0,speed=1", "speed = 1: no such key; igtl takes content"),
                           ("igtl=203.0.113.1:18944", "cannot listen at 203.0.113.1:18944: Cannot assign")):
