@@ -5,6 +5,12 @@
 
 namespace wobblebench::sim {
 
+namespace {
+
+constexpr int kPieces = 20;  ///< of BandLoss
+
+}  // namespace
+
 double roughness(const phantoms::Material& before, const phantoms::Material& behind) {
   return std::max(before.roughness, behind.roughness);
 }
@@ -49,12 +55,30 @@ double two_way_nepers_per_m(const hw::AcquisitionPlan& plan, double alpha_db_per
 BandLoss::BandLoss(const hw::ProbeOptions& probe) {
   const double sigma = probe.fractional_bandwidth / (2 * std::sqrt(2 * std::log(2.0)));
   variance_ = sigma * sigma;
-  most_nepers_ = (1 - kLowest) / variance_;
+  step_nepers_ = (1 - kLowest) / kPieces / variance_;
+  // Logarithm of the normal distribution function, up to a constant.
+  const auto log_phi = [](double x) { return std::log(std::erfc(-x / std::sqrt(2.0))); };
+  const double all = (1 - kBandEnd) / sigma;
+  const auto gain = [&](double nepers) {
+    return 0.5 * nepers * nepers * variance_ + log_phi(all - nepers * sigma) - log_phi(all);
+  };
+  for (int i = 0; i < kPieces; ++i) {
+    const double from = i * step_nepers_, to = from + step_nepers_;
+    const double first = gain(from), middle = gain(from + 0.5 * step_nepers_), last = gain(to);
+    pieces_.push_back({from,
+                       to,
+                       first,
+                       (4 * middle - 3 * first - last) / step_nepers_,
+                       2 * (first - 2 * middle + last) / (step_nepers_ * step_nepers_)});
+  }
+  const Piece& before = pieces_.back();
+  const double slope = before.slope + 2 * before.curvature * step_nepers_;
+  pieces_.push_back({before.to, HUGE_VAL, before.at(before.to), slope, 0});
 }
 
-double BandLoss::log_gain(double nepers) const {
-  const double within = std::min(nepers, most_nepers_);
-  return variance_ * within * (nepers - 0.5 * within);
+const BandLoss::Piece& BandLoss::piece(double nepers) const {
+  const double at = std::clamp(nepers / step_nepers_, 0.0, static_cast<double>(kPieces));
+  return pieces_[static_cast<std::size_t>(at)];
 }
 
 double BandLoss::frequency_ratio(double nepers) const {

@@ -43,29 +43,47 @@ double two_way_nepers_per_m(const hw::AcquisitionPlan& plan, double alpha_db_per
 /// Attenuation of a pulse with a bandwidth: absorption grows with frequency, so that the pulse's
 /// centre frequency falls.
 ///
-/// A Gaussian amplitude spectrum of standard deviation s f0 about f0 is multiplied by exp(-n f /
-/// f0). It keeps its width, its centre moves to f0 (1 - n s^2), and its integral, the echo's peak,
-/// becomes exp(-n + n^2 s^2 / 2). The loss is linear in frequency only within the band: the centre
-/// falls to kLowest f0 at most, and the logarithm of the peak continues linearly from there. n is
-/// in nepers at f0 for the whole path, transmit and receive.
+/// A Gaussian amplitude spectrum of standard deviation s f0 about f0, which ends at kBandEnd f0, is
+/// multiplied by exp(-n f / f0). Its integral, the peak of a flat response's echo, is then
+///   exp(-n + n^2 s^2 / 2) Phi((1 - n s^2 - kBandEnd) / s) / Phi((1 - kBandEnd) / s),
+/// where Phi is the normal distribution function. n is in nepers at f0 for the whole path, transmit
+/// and receive. TissueGain adds what the beam does to the echo of tissue.
 class BandLoss {
  public:
-  static constexpr double kLowest = 0.4;
+  /// Lower end of the band, relative to f0.
+  static constexpr double kBandEnd = 0.2;
+  /// Lower bound of frequency_ratio().
+  static constexpr double kLowest = -1;
 
   explicit BandLoss(const hw::ProbeOptions& probe);
 
+  /// log_gain() from `from` to `to` nepers: gain + (slope + curvature x) x, x = nepers - from.
+  struct Piece {
+    double from;
+    double to;
+    double gain;
+    double slope;
+    double curvature;
+
+    double at(double nepers) const {
+      return gain + (slope + curvature * (nepers - from)) * (nepers - from);
+    }
+  };
+
   /// Squared relative standard deviation of the spectrum.
   double variance() const { return variance_; }
-  /// Loss at which the centre reaches kLowest.
-  double most_nepers() const { return most_nepers_; }
   /// Natural logarithm of the echo's peak relative to that of a pulse of the single frequency f0.
-  double log_gain(double nepers) const;
-  /// Centre frequency relative to f0.
+  double log_gain(double nepers) const { return piece(nepers).at(nepers); }
+  /// The piece of log_gain() that contains a loss.
+  const Piece& piece(double nepers) const;
+  /// 1 - n s^2: the centre, relative to f0, of the Gaussian of which the spectrum is the part above
+  /// kBandEnd. It stands for the shape of the spectrum, which keeps that of kLowest beyond.
   double frequency_ratio(double nepers) const;
 
  private:
   double variance_;
-  double most_nepers_;
+  double step_nepers_;  ///< length of a piece
+  std::vector<Piece> pieces_;
 };
 
 /// Two-way losses in tissue and at its interfaces; those that the options switch off are 0.

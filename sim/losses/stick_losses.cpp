@@ -14,6 +14,18 @@ struct StickLosses::LevelLine {
   double log_transmitted = 0;
   double nepers = 0;  ///< at the first sample
   double per_sample = 0;
+
+  double at(int sample) const { return nepers + sample * per_sample; }
+  /// Calls `fill(first, end, piece)` for each run of the `count` samples within one piece.
+  template <class Fill>
+  void for_pieces(const BandLoss& band, int count, const Fill& fill) const {
+    for (int first = 0, end = 0; first < count; first = end) {
+      const BandLoss::Piece& piece = band.piece(at(first));
+      const double left = per_sample > 0 ? std::ceil((piece.to - at(first)) / per_sample) : count;
+      end = static_cast<int>(std::clamp<double>(first + left, first + 1, count));
+      fill(first, end, piece);
+    }
+  }
 };
 
 namespace {
@@ -82,24 +94,23 @@ void add_interpolated(
   }
 }
 
-/// values[i] = the amplitude of a StickLosses::LevelLine, times exp(values[i]); at most 1, at least
-/// 1e-35. `variance` and `most_nepers` are those of the BandLoss, `most_narrow` bounds the loss at
-/// f0.
-WOBBLEBENCH_SIMD void fill_levels(double log_transmitted,
+/// values[i] = exp of the logarithm of the amplitude at f0, narrow - i * step, but at least
+/// -most_narrow, plus the band's gain along a piece and plus values[i]; at most 1, at least 1e-35.
+/// `from`: nepers of the first sample, from the beginning of the piece on.
+WOBBLEBENCH_SIMD void fill_levels(double narrow,
                                   double from,
                                   double step,
-                                  double variance,
-                                  double most_nepers,
+                                  const BandLoss::Piece& piece,
                                   double most_narrow,
                                   int count,
                                   float* __restrict values) {
   constexpr float kLowest = -80;  // 1e-35 is a normal number
+  const double gain = piece.gain, slope = piece.slope, curvature = piece.curvature;
   for (int i = 0; i < count; ++i) {
     const double nepers = from + i * step;
-    const double within = nepers < most_nepers ? nepers : most_nepers;
-    const double narrow = log_transmitted - nepers;
-    const double bounded = narrow < -most_narrow ? -most_narrow : narrow;
-    const double level = bounded + variance * within * (nepers - 0.5 * within);
+    const double here = narrow - i * step;
+    const double bounded = here < -most_narrow ? -most_narrow : here;
+    const double level = bounded + gain + (slope + curvature * nepers) * nepers;
     const float log_level = static_cast<float>(level) + values[i];
     const float least = log_level < kLowest ? kLowest : log_level;
     values[i] = fast_exp(least > 0.0f ? 0.0f : least);
@@ -220,23 +231,17 @@ void StickLosses::append(const PathState& path, const Stretch& stretch, int end)
 
 void StickLosses::fill_on_axis(const LevelLine& line, double amplitude, int first) {
   const int count = static_cast<int>(remaining_.size()) - first;
-  const double step = line.per_sample, variance = band_.variance();
-  const double most = band_.most_nepers();
-  const double until = step > 0 ? std::ceil((most - line.nepers) / step) : count;
-  const int curved = static_cast<int>(std::clamp(until, 0.0, static_cast<double>(count)));
-  const auto at = [&](double nepers) {
-    return amplitude * std::exp(band_.log_gain(nepers) - nepers);
-  };
+  const double step = line.per_sample;
   float* values = remaining_.data() + first;
-  if (curved > 0) {
-    // The logarithm's first difference is -step (1 - variance (n + step / 2)).
-    const double ratio = std::exp(step * (variance * (line.nepers + 0.5 * step) - 1));
-    fill_decay(at(line.nepers), ratio, std::exp(variance * step * step), curved, values);
-  }
-  if (curved < count) {
-    const double ratio = std::exp(-BandLoss::kLowest * step);
-    fill_decay(at(line.nepers + curved * step), ratio, 1, count - curved, values + curved);
-  }
+  line.for_pieces(band_, count, [&](int from, int end, const BandLoss::Piece& piece) {
+    const double nepers = line.at(from), curved = piece.curvature * step * step;
+    const double slope = piece.slope + 2 * piece.curvature * (nepers - piece.from);
+    fill_decay(amplitude * std::exp(piece.at(nepers) - nepers),
+               std::exp(step * (slope - 1) + curved),
+               std::exp(2 * curved),
+               end - from,
+               values + from);
+  });
 }
 
 void StickLosses::fill_corrected(const LevelLine& line,
@@ -248,14 +253,15 @@ void StickLosses::fill_corrected(const LevelLine& line,
   float* values = remaining_.data() + first;
   std::fill_n(values, count, 0.0f);
   add_interpolated(correction_.log_gain, from, per_sample, count, values);
-  fill_levels(line.log_transmitted,
-              line.nepers,
-              line.per_sample,
-              band_.variance(),
-              band_.most_nepers(),
-              2 * kMostNepers,
-              count,
-              values);
+  line.for_pieces(band_, count, [&](int begin, int end, const BandLoss::Piece& piece) {
+    fill_levels(line.log_transmitted - line.at(begin),
+                line.at(begin) - piece.from,
+                line.per_sample,
+                piece,
+                2 * kMostNepers,
+                end - begin,
+                values + begin);
+  });
   if (!absorbs_) return;
   float* ratios = frequency_ratio_.data() + first;
   add_interpolated(correction_.frequency, from, per_sample, count, ratios);

@@ -43,14 +43,13 @@ class StickLosses {
   /// Computes one stick; reuses the memory of the stick before.
   void compute(const StickTrack& track, const ApertureCorrection& correction = {});
 
-  /// Two-way amplitude that remains at each sample, after the transmission 1 - R^2 of each
-  /// interface and the absorption of the pulse's band (BandLoss). Ends where an echo is invisible,
-  /// but not within kBehindInterface_m of a visible interface; never 0.
+  /// Two-way amplitude that remains of a mirror's echo at each sample, after the transmission
+  /// 1 - R^2 of each interface and the absorption of the pulse's band (BandLoss). Ends where an
+  /// echo is invisible, but not within kBehindInterface_m of a visible interface; never 0.
   const std::vector<float>& remaining() const { return remaining_; }
   /// Number of samples up to the last visible one.
   int visible_samples() const { return visible_samples_; }
-  /// Centre frequency of the pulse at each sample of remaining(), relative to the transmitted one;
-  /// empty where no material absorbs.
+  /// BandLoss::frequency_ratio() at each sample of remaining(); empty where no material absorbs.
   const std::vector<float>& frequency_ratio() const { return frequency_ratio_; }
   /// Two-way amplitude that remains at each interface of the track; 0 beyond the last sample.
   const std::vector<double>& at_interface() const { return at_interface_; }

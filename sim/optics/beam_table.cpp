@@ -203,9 +203,9 @@ int BeamTable::part(double range_m, int parts) const {
   return std::clamp(static_cast<int>(within * parts), 0, parts - 1);
 }
 
-double BeamTable::area_m2(int row, double frequency_ratio) const {
+double BeamTable::area_m2(int row) const {
   const auto& power_m2 = power_m2_[static_cast<std::size_t>(row)];
-  const auto weights = band_.weights(frequency_ratio);
+  const auto weights = band_.weights();
   return std::inner_product(power_m2.begin(), power_m2.end(), weights.begin(), 0.0);
 }
 

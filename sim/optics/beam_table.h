@@ -94,9 +94,8 @@ class BeamTable {
   double lateral_reach_m(int row) const;
 
   /// Equivalent area of the middle stick's beam: the integral of the echo power over the
-  /// cross-section, relative to that of a scatterer whose echo has a peak of 1. `frequency_ratio`:
-  /// centre frequency of the pulse relative to the transmitted one.
-  double area_m2(int row, double frequency_ratio = 1) const;
+  /// cross-section, relative to that of a scatterer whose echo has a peak of 1.
+  double area_m2(int row) const;
 
  private:
   int columns_;

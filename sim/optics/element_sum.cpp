@@ -92,10 +92,12 @@ ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
   return paths;
 }
 
-ElementSum::Band ElementSum::band(double spread_m) const {
+ElementSum::Band ElementSum::band(double spread_m, double frequency_ratio) const {
   // A Gaussian pulse of sigma s over range is one of sigma 1 / 2 s over wavenumber.
   const double sigma = 0.5 / sigma_m_;
-  const double half = std::min(kBandSigmas * sigma, (1 - PulseBand::kLowest) * wavenumber_per_m_);
+  const double down = (1 - frequency_ratio) * wavenumber_per_m_;
+  const double half =
+      std::min(kBandSigmas * sigma + down, (1 - PulseBand::kLowest) * wavenumber_per_m_);
   // Sampling over wavenumber repeats the echo over range: a period of pi in k r.
   const double step = kPi / (kPeriodSlack * (spread_m + 2 * kPulseSigmas * sigma_m_));
   const int steps = static_cast<int>(std::ceil(half / step));
@@ -104,10 +106,10 @@ ElementSum::Band ElementSum::band(double spread_m) const {
   for (int i = -steps; i <= steps; ++i) {
     const double away = half * i / steps;
     band.wavenumber_per_m.push_back(wavenumber_per_m_ + away);
-    band.power.push_back(std::exp(-0.5 * away * away / (sigma * sigma)));
-    sum += band.power.back();
+    band.amplitude.push_back(std::exp(-(0.5 * away + down) * away / (sigma * sigma)));
+    sum += band.amplitude.back();
   }
-  for (double& power : band.power) power /= sum;
+  for (double& power : band.amplitude) power /= sum;
   return band;
 }
 
@@ -115,7 +117,7 @@ std::vector<Complex> ElementSum::element_spectra(const Paths& paths,
                                                  const Band& band,
                                                  double range_m,
                                                  double last_m) const {
-  const std::size_t count = band.power.size(),
+  const std::size_t count = band.amplitude.size(),
                     each = kColumnsPerElement * optics_.lens().height_m.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   const auto& elements = aperture_.elements();
@@ -137,7 +139,7 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
                            const std::vector<Complex>& sent,
                            const Band& band,
                            double range_m) const {
-  const std::size_t count = band.power.size();
+  const std::size_t count = band.amplitude.size();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   std::vector<Complex> received(count);
   const auto& elements = aperture_.elements();
@@ -186,7 +188,7 @@ ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const 
 std::vector<Complex> ElementSum::transmitted_spectrum(const std::vector<Complex>& spectra,
                                                       const Band& band,
                                                       double range_m) const {
-  const std::size_t count = band.power.size();
+  const std::size_t count = band.amplitude.size();
   std::vector<Complex> sent(count);
   const auto& elements = aperture_.elements();
   for (std::size_t e = 0; e < elements.size(); ++e) {
@@ -208,11 +210,11 @@ void ElementSum::add(const BeamPoint& point,
   const double margin_m = kPulseSigmas * sigma_m_;
   const Paths paths = paths_to(point.at_m);
   const Extent extent = this->extent(paths, point.at_m.x);
-  const Band band = this->band(extent.last_m - extent.first_m);
+  const Band band = this->band(extent.last_m - extent.first_m, point.frequency_ratio);
   const std::vector<Complex> spectra =
       element_spectra(paths, band, point.at_m.x, extent.last_m + margin_m);
   std::vector<Complex> sent = transmitted_spectrum(spectra, band, point.at_m.x);
-  for (std::size_t f = 0; f < sent.size(); ++f) sent[f] *= point.amplitude * band.power[f];
+  for (std::size_t f = 0; f < sent.size(); ++f) sent[f] *= point.amplitude * band.amplitude[f];
 
   const int samples = static_cast<int>(iq.size());
   const int from = std::max(0, static_cast<int>((extent.first_m + delay_m - margin_m) / spacing_m));

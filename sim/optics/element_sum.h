@@ -16,6 +16,7 @@ namespace wobblebench::sim {
 struct BeamPoint {
   glm::dvec3 at_m{0};  ///< beam coordinates: axial, lateral, elevation
   double amplitude = 1;
+  double frequency_ratio = 1;  ///< as for PulseBand::pulses()
 };
 
 /// The probe's elements as one stick uses them (StickAperture), each divided into point sources:
@@ -55,7 +56,7 @@ class ElementSum {
   /// The pulse's spectrum.
   struct Band {
     std::vector<double> wavenumber_per_m;
-    std::vector<double> power;  ///< sum 1
+    std::vector<double> amplitude;  ///< sum 1
   };
 
   /// Ranges at which an echo can begin and end.
@@ -66,7 +67,7 @@ class ElementSum {
 
   Paths paths_to(const glm::dvec3& point_m) const;
   Extent extent(const Paths& paths, double range_m) const;
-  Band band(double spread_m) const;
+  Band band(double spread_m, double frequency_ratio) const;
   std::vector<std::complex<double>> element_spectra(const Paths& paths,
                                                     const Band& band,
                                                     double range_m,

@@ -133,19 +133,34 @@ PulseBand::Rule::Rule(double lowest, double cut_at)
 
 PulseBand::Values PulseBand::Rule::pulses_at(double x, double down) const {
   Values sum = {};
+  double flat = 0;
   const double lowest = down > 0 ? cut : low;
   std::complex<double> phasor = std::polar(1.0, samples_.front().x * x);
   const std::complex<double> step = std::polar(1.0, (samples_[1].x - samples_[0].x) * x);
   for (const Sample& sample : samples_) {
     if (sample.x >= lowest) {
-      const double left = down > 0 ? std::exp(-down * (sample.x + 0.5 * down)) : 1;
+      const double left = std::exp(-down * (sample.x - lowest));
       for (std::size_t node = 0; node < sum.size(); ++node) {
         sum[node] += left * sample.share[node] * phasor;
+        flat += left * sample.share[node];
       }
     }
     phasor *= step;
   }
+  for (std::complex<double>& value : sum) value /= flat;
   return sum;
+}
+
+double PulseBand::Rule::length(double down) const {
+  const double lowest = down > 0 ? cut : low;
+  double sum = 0, square = 0;
+  for (const Sample& sample : samples_) {
+    if (sample.x < lowest) continue;
+    const double left = std::exp(-0.5 * sample.x * sample.x - down * (sample.x - lowest));
+    sum += left;
+    square += left * left;
+  }
+  return 2 * kPi * square / (sum * sum * (samples_[1].x - samples_[0].x));  // by Parseval
 }
 
 PulseBand::PulseBand(const hw::AcquisitionPlan& plan)
@@ -170,6 +185,10 @@ double PulseBand::offset_per_m(int node) const {
 
 PulseBand::Values PulseBand::pulses(double offset_m, double frequency_ratio) const {
   return rule_->pulses_at(offset_m / sigma_m_, down(frequency_ratio));
+}
+
+double PulseBand::length_m(double frequency_ratio) const {
+  return sigma_m_ * rule_->length(down(frequency_ratio));
 }
 
 std::array<double, PulseBand::kNodes> PulseBand::weights(double frequency_ratio) const {

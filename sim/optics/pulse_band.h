@@ -34,6 +34,9 @@ double power_sigma(double amplitude_fwhm);
 /// The centre frequency of the pulses of a scene as a function of range, relative to the
 /// transmitted one: absorption lowers it.
 struct FrequencyCourse {
+  /// A spectrum that ends at PulseBand::kLowest has its centre above this.
+  static constexpr float kLowest = 0.4F;
+
   double step_m = 0;
   /// Values at ranges (i + 1/2) * step_m; the last one holds beyond. Empty: 1 at every range.
   std::vector<float> ratio;
@@ -41,7 +44,7 @@ struct FrequencyCourse {
   double at(double range_m) const {
     if (ratio.empty()) return 1;
     const auto i = static_cast<std::size_t>(std::max(0.0, range_m / step_m));
-    return static_cast<double>(ratio[std::min(i, ratio.size() - 1)]);
+    return static_cast<double>(std::max(ratio[std::min(i, ratio.size() - 1)], kLowest));
   }
 };
 
@@ -93,6 +96,8 @@ class PulseBand {
   explicit PulseBand(const hw::AcquisitionPlan& plan);
 
   static constexpr int nodes() { return kNodes; }
+  /// True if the spectrum sent ends with a step, so that the ends of the pulse die out slowly.
+  bool ends_with_step() const { return rule_->low == rule_->cut; }
   /// The last node below the centre frequency.
   int below_center() const;
 
@@ -110,9 +115,11 @@ class PulseBand {
   double weight(int node) const { return rule_->gauss.weights()[static_cast<std::size_t>(node)]; }
 
   /// phi of all nodes, `offset_m` behind the echo's range, demodulated by the transmitted centre
-  /// frequency. The echo of a flat response has a peak of 1; with a lower centre frequency it lacks
-  /// the part of the spectrum that is below kLowest.
+  /// frequency. The echo of a flat response has a peak of 1. `frequency_ratio`: centre of the
+  /// Gaussian, whose part below kLowest is left out; it may itself lie below.
   Values pulses(double offset_m, double frequency_ratio = 1) const;
+  /// Equivalent length of the echo of a flat response: the integral of its power over range.
+  double length_m(double frequency_ratio = 1) const;
   /// Largest magnitude of the echo.
   double peak(const Values& response) const;
   /// Energy of the echo relative to the energy of the pulse.
@@ -131,6 +138,8 @@ class PulseBand {
     /// phi of all nodes, `x` standard deviations of the pulse behind the echo's range, for a
     /// spectrum whose centre is lower by `down`.
     Values pulses_at(double x, double down) const;
+    /// PulseBand::length_m() in standard deviations of the pulse.
+    double length(double down) const;
 
    private:
     struct Sample {

@@ -44,7 +44,8 @@ bool is_just_behind(const TrackNode& node) {
 void widen(const std::vector<float>& frequency_ratio, int sample, BeamAtSample& beam) {
   if (frequency_ratio.empty()) return;
   const auto at = std::min(static_cast<std::size_t>(sample), frequency_ratio.size() - 1);
-  const float wider2 = 1 / (frequency_ratio[at] * frequency_ratio[at]);
+  const float ratio = std::max(frequency_ratio[at], FrequencyCourse::kLowest);
+  const float wider2 = 1 / (ratio * ratio);
   beam.lateral2 *= wider2;
   beam.elevation2 *= wider2;
 }

@@ -95,6 +95,7 @@ MeanPower::MeanPower(const ProbeOptics& optics,
                      double reach_m)
     : spacing_m_(spacing_m),
       beam_(optics.plan(), optics.profile(), spacing_m, samples),
+      gain_(optics, spacing_m, samples),
       nodes_(optics, options, materials, spacing_m, samples, reach_m) {
   for (const auto& material : materials) {
     const double mean = amplitude_of_db(material.backscatter_db);
@@ -128,15 +129,14 @@ bool MeanPower::compute(const StickTrack& track,
   }
   const BeamAtSample* beam = beam_.of(theta_rad);
   nodes_.compute(track, losses, beam);
-  remaining_ = losses.remaining();
+  gain_.apply(losses, remaining_);
   for (const Section& section : sections_) begin_section(track, section);
   std::fill_n(interface_.begin(), end, 0.0f);
   blend_first_layers();
   for (const Section& section : sections_) {
     for (int layer = 1; layer < section.piece->layers; ++layer) blend_layer(track, section, layer);
   }
-  sum_and_attenuate(
-      tissue_.data(), interface_.data(), losses.remaining().data(), beam, end, power.data());
+  sum_and_attenuate(tissue_.data(), interface_.data(), remaining_.data(), beam, end, power.data());
   std::fill(power.begin() + static_cast<std::ptrdiff_t>(end), power.end(), 0.0f);
   return true;
 }

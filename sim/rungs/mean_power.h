@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/losses/tissue_gain.h"
 #include "sim/rungs/beam_nodes.h"
 
 namespace wobblebench::sim {
@@ -67,11 +68,12 @@ class MeanPower {
 
   double spacing_m_;
   BeamAtSamples beam_;
+  TissueGain gain_;
   BeamNodes nodes_;
   std::vector<float> material_power_;
   std::vector<Section> sections_;
-  std::span<const float> remaining_;  ///< of the current stick
   // One element per sample.
+  std::vector<float> remaining_;     ///< of the echo of tissue, of the current stick
   std::vector<std::int32_t> node_;   ///< node before the sample
   std::vector<float> node_share_;    ///< fraction of the distance to the next node
   std::vector<NodePair> node_pair_;  ///< of the current layer

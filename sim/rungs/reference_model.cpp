@@ -124,7 +124,11 @@ void ReferenceScene::add_points(const StickPath& path,
         path.delay_m.empty() ? 0 : at_range(path.delay_m, path.spacing_m, position_m.x);
     const double left = at_range(path.remaining, path.spacing_m, position_m.x + delay_m);
     const double amplitude = left * static_cast<double>(point.amplitude) / on_axis(position_m.x);
-    sum.add({position_m, amplitude}, delay_m, path.spacing_m, echoes);
+    const double frequency_ratio =
+        path.frequency_ratio.empty()
+            ? 1
+            : at_range(path.frequency_ratio, path.spacing_m, position_m.x + delay_m);
+    sum.add({position_m, amplitude, frequency_ratio}, delay_m, path.spacing_m, echoes);
   }
   for (std::size_t i = 0; i < iq.size(); ++i) iq[i] += std::complex<float>(echoes[i]);
 }

@@ -128,6 +128,15 @@ class SpeckleField(unittest.TestCase):
         width = Speckle(STANDARD, 0.0, FOCUS).axial_width()
         self.assertAlmostEqual(width / STANDARD.axial_fwhm, 1, delta=0.04)
 
+    def test_power_at_the_focus_falls_as_the_square_of_frequency(self):
+        """In focus the two-way beam of each frequency is the same function of place times frequency. Narrow
+        elements send all frequencies alike."""
+        probe = dataclasses.replace(STANDARD, elements=512, pitch=STANDARD.pitch / 4)
+        band = es.Band(probe, 12, 2.0)
+        field = Speckle(probe, 0.0, probe.transmit_focus, wider=1.5, band=band)
+        constant = field.power_spectrum() / field.pulse_power * band.f ** 2
+        np.testing.assert_allclose(constant / constant.mean(), 1, atol=0.05)
+
     def test_speckle_stays_where_nothing_moves_and_changes_the_more_the_farther(self):
         field = Speckle(STANDARD, 0.0, 46e-3)
         near, far = (field.moved_correlation(shift) for shift in (1e-3, 4e-3))
@@ -156,7 +165,8 @@ class SpeckleField(unittest.TestCase):
 class Tables(unittest.TestCase):
     SAMPLE = {"point_widths": [("standard", 0, 75), ("c5_2v", 0.88, 60)],
               "speckle": [("standard", 0.88, 75), ("curvilinear_60", 0, 60)],
-              "neighbours": [(75,)], "moved": [(62,)], "attenuation": [(0.5, 75)], "shadow": [("lateral", 130)],
+              "neighbours": [(75,)], "moved": [(62,)], "attenuation": [(0.5, 75)],
+              "short_arrays": [(16, 6, 75)], "tissue_band": [("standard", 0, 60), ("c5_2v", 1, 30)], "shadow": [("lateral", 130)],
               "stick_beam": [("standard", 1.0, 30)],
               "echo_points": [(7, 0.4, 75)], "echoes": [(7, 0.4, 75)],
               "main_lobe_points": [(7, 0.4, 75)], "main_lobe_echoes": [(7, 0.4, 75)]}

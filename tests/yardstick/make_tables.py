@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the tables of the yardstick beside this script: make_tables.py [--only NAME]..."""
 import argparse
+import dataclasses
 import functools
 import math
 import multiprocessing
@@ -116,6 +117,20 @@ def attenuation(alpha, depth_mm):
              spread.axial_width() * 1e3, spread.lateral_width() * 1e3, spread.elevation_width() * 1e3)]
 
 
+def short_arrays(elements, angle_deg, depth_mm):
+    probe = dataclasses.replace(es.PRESETS["standard"], elements=elements)
+    echo, middle = (PointSpread(probe, angle * es.DEGREE, depth_mm * 1e-3).peak() for angle in (angle_deg, 0))
+    return [(decibel(echo / middle),)]
+
+
+def tissue_band(preset, fraction, depth_mm):
+    probe = es.PRESETS[preset]
+    band = es.Band(probe, 72, 3.3)
+    field = Speckle(probe, stick_angle(preset, fraction), depth_mm * 1e-3, wider=1.5, band=band)
+    power = field.power_spectrum()
+    return [(f * 1e-6, share) for f, share in zip(band.f, power / power.sum())]
+
+
 def half_plane(edge, depth_mm):
     crossings = np.arange(-24, 25) * 0.5e-3
     across = {"lateral": shadow.across_lines, "elevation": shadow.across_frames}[edge]
@@ -212,6 +227,21 @@ TABLES = {
         ("alpha_db_cm_mhz", "depth_mm"),
         ("level_db", "centre_frequency_loss_db", "centre_mhz", "axial_mm", "lateral_mm", "elevation_mm"),
         [(alpha, depth) for alpha in (0, 0.3, 0.5, 1.0) for depth in DEPTHS_MM], attenuation),
+    "short_arrays": Table(
+        "Standard probe with fewer elements, an array shorter than the aperture that the F-number asks for: echo "
+        "of a point on the axis of the stick at an angle re the middle stick's at the same depth. All elements "
+        "within that length about the stick are used",
+        ("elements", "angle_deg", "depth_mm"), ("level_db",),
+        [(elements, angle, depth) for elements in (1, 16, 32) for angle in (2, 6) for depth in (75, 110, 150)],
+        short_arrays),
+    "tissue_band": Table(
+        "Even tissue without losses: the share of each of 72 evenly spaced frequencies in the mean echo power of "
+        "a stick. Losses that grow with frequency multiply each share by its own; their sum is the power that "
+        "is left. No frequency below 0.2 of the centre's",
+        ("preset", "sector_fraction", "depth_mm"), ("mhz", "share"),
+        [(preset, fraction, depth) for preset in es.PRESETS
+         for fraction, depths in ((0, (20, 30, 40, 60, 80, 100, 120, 140)), (1, (30, 60, 100, 140))) for depth in depths],
+        tissue_band),
     "shadow": Table(
         "Standard probe: mean echo power of even tissue re no plane, behind a half plane at 60 mm that "
         "passes 0.1 of the amplitude each way and lies at lateral > 0 (or elevation > 0); crossing: where "

@@ -49,9 +49,9 @@ void EchoQueue::commit(int count) {
   if (pending_ >= kBatch) make_echoes();
 }
 
-std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq, std::span<const float> factor) {
+std::uint64_t EchoQueue::finish(std::span<std::complex<float>> iq) {
   make_echoes();
-  bins_.finish(scene_->taps, {path_->remaining, path_->frequency_ratio, factor}, iq);
+  bins_.finish(scene_->taps, {path_->remaining, path_->frequency_ratio}, iq);
   return total_;
 }
 

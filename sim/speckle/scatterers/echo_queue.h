@@ -34,8 +34,8 @@ class EchoQueue {
   /// Appends the first `count` scatterers written to the reserved memory. Computes echoes when a
   /// batch is complete.
   void commit(int count);
-  /// Adds all echoes to `iq`, scaled by a factor for each sample (empty: 1). Returns their number.
-  std::uint64_t finish(std::span<std::complex<float>> iq, std::span<const float> factor = {});
+  /// Adds all echoes to `iq`. Returns their number.
+  std::uint64_t finish(std::span<std::complex<float>> iq);
 
  private:
   void make_echoes();

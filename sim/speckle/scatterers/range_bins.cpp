@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sim/losses/losses.h"
 #include "sim/math/fast_math.h"
@@ -130,9 +131,11 @@ WOBBLEBENCH_SIMD void convolve_bins(const BinSeries& bins,
   }
 }
 
-/// The nodes' pulses are below 0.5 % of their peaks there; at the lowest frequency, whose spectrum
-/// is cut, below 7 %.
+/// The nodes' pulses are below 0.5 % of their peaks there.
 constexpr double kPulseSigmas = 5.5;
+/// Of a spectrum that ends with a step, absorption leaves little but the step: with 5.5 deep tissue
+/// would lose 0.7 dB.
+constexpr double kStepSigmas = 14;
 constexpr double kLastLevel = 100 * (1 - BandLoss::kLowest);
 static_assert(kLastLevel > PulseTaps::kLevels - 1.5 && kLastLevel < PulseTaps::kLevels - 0.5);
 
@@ -140,10 +143,12 @@ static_assert(kLastLevel > PulseTaps::kLevels - 1.5 && kLastLevel < PulseTaps::k
 
 PulseTaps::PulseTaps(const PulseBand& band, double spacing_m)
     : spacing_m_(spacing_m),
-      half_length_(static_cast<int>(std::ceil(kPulseSigmas * band.sigma_m() / spacing_m))),
+      half_length_(static_cast<int>(std::ceil((band.ends_with_step() ? kStepSigmas : kPulseSigmas) *
+                                              band.sigma_m() / spacing_m))),
       nodes_(band.nodes()) {
   for (int level = 0; level < kLevels; ++level) {
     auto& taps = taps_.emplace_back(static_cast<std::size_t>(2 * nodes_ * length()));
+    double energy = 0;
     for (int t = 0; t < length(); ++t) {
       // From the middle of bin m + t - half to sample m.
       const PulseBand::Values pulses =
@@ -154,7 +159,11 @@ PulseTaps::PulseTaps(const PulseBand& band, double spacing_m)
         taps[at] = static_cast<float>(pulse.real());
         taps[at + static_cast<std::size_t>(length())] = static_cast<float>(pulse.imag());
       }
+      energy += std::norm(std::accumulate(pulses.begin(), pulses.end(), std::complex<double>()));
     }
+    // Tissue keeps its mean power without the ends of the pulse.
+    const double whole = band.length_m(frequency_ratio(level)) / spacing_m;
+    for (float& tap : taps) tap *= static_cast<float>(std::sqrt(whole / energy));
   }
 }
 
@@ -174,8 +183,7 @@ void RangeBins::add(const ProjectedScatterers& scatterers,
 void RangeBins::sort(const PulseTaps& taps, int count, const EchoLosses& losses, std::size_t room) {
   sorted_.assign(2 * static_cast<std::size_t>(taps.nodes()) * room, 0.0f);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    float amplitude = losses.remaining[std::min(i, losses.remaining.size() - 1)];
-    if (!losses.factor.empty()) amplitude *= losses.factor[std::min(i, losses.factor.size() - 1)];
+    const float amplitude = losses.remaining[std::min(i, losses.remaining.size() - 1)];
     float* to = sorted_.data() + static_cast<std::size_t>(taps.half_length()) + i;
     const BandValues& bin = bins_[i + 1];
     for (int node = 0; node < taps.nodes(); ++node, to += 2 * room) {

@@ -43,7 +43,7 @@ class PulseTaps {
 
   /// Steps of 1 % of the transmitted frequency: at the default bandwidth the phase changes by at
   /// most 0.1 rad per step, at the ends of the pulse.
-  static constexpr int kLevels = 61;
+  static constexpr int kLevels = 201;
   static double frequency_ratio(int level) { return 1 - 0.01 * level; }
   /// Nearest level; BandLoss::kLowest is the last one.
   static int level(float frequency_ratio) {
@@ -68,8 +68,7 @@ class PulseTaps {
 /// Losses of the echoes at each sample's range; the last values hold beyond.
 struct EchoLosses {
   std::span<const float> remaining;        ///< amplitude
-  std::span<const float> frequency_ratio;  ///< of the pulse's centre; empty: 1
-  std::span<const float> factor;           ///< further factor on the amplitude; empty: 1
+  std::span<const float> frequency_ratio;  ///< BandLoss::frequency_ratio(); empty: 1
 };
 
 /// The bins of one stick; working memory of one thread.

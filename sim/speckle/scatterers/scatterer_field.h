@@ -32,8 +32,7 @@ struct StickPath {
   std::span<const float> remaining;
   /// Apparent minus true range; empty: 0 everywhere (one sound speed).
   std::span<const float> delay_m;
-  /// Centre frequency of the pulse relative to the transmitted one; empty: 1 everywhere (no
-  /// absorption).
+  /// BandLoss::frequency_ratio(); empty: 1 everywhere (no absorption).
   std::span<const float> frequency_ratio = {};
 };
 

@@ -55,14 +55,13 @@ ScattererScene::ScattererScene(const ScannedTissue& scanned,
       course(settings.course),
       resolution(optics.profile(), optics.plan().acquisition().depth_m),
       per_m3(options.scatterers_per_cell / resolution.smallest_m3),
-      pulse_m(std::sqrt(kPi) * optics.band().sigma_m()),
+      pulse_m(optics.band().length_m()),
       cells(per_m3, resolution.largest_m3 / resolution.smallest_m3, options.seed),
       blocks(scanned, optics, options, cells),
       rim(settings.beam == BeamShape::side_lobes ? BeamRim::diamond : BeamRim::ellipse),
       taps(optics.band(), optics.iq_spacing_m()) {
   const double per_cell = settings.all_octaves ? HUGE_VAL : options.scatterers_per_cell;
   compute_octave_gains(per_cell);
-  compute_tissue_gain();
   for (int i = 0; i < kBinPositions; ++i) {
     const double from_middle_m = ((i + 0.5) / kBinPositions - 0.5) * taps.spacing_m();
     BandValues& phasors = bin_phasors.emplace_back();
@@ -129,17 +128,6 @@ void ScattererScene::compute_octave_gains(double per_cell) {
       const int from = std::max(0, row - window());
       const int to = std::min(table.rows() - 1, row + window());
       std::fill(gain.contributes.begin() + from, gain.contributes.begin() + to + 1, char{1});
-    }
-  }
-}
-
-void ScattererScene::compute_tissue_gain() {
-  for (int row = 0; row < table.rows(); ++row) {
-    const double sent_m2 = table.area_m2(row);
-    auto& gains_at = tissue_gain.emplace_back();
-    for (int level = 0; level < PulseTaps::kLevels; ++level) {
-      const double area_m2 = table.area_m2(row, PulseTaps::frequency_ratio(level));
-      gains_at[static_cast<std::size_t>(level)] = static_cast<float>(std::sqrt(sent_m2 / area_m2));
     }
   }
 }

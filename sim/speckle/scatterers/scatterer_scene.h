@@ -61,10 +61,6 @@ struct ScattererScene {
   ScattererCells cells;
   TissueBlocks blocks;
   std::vector<OctaveGain> gains;
-  /// [row][level of PulseTaps]: gain that keeps the mean echo of uniform tissue constant when the
-  /// centre frequency, and with it the beam width, changes with depth. The part of the spectrum
-  /// that PulseBand cuts off below kLowest is not compensated.
-  std::vector<std::array<float, PulseTaps::kLevels>> tissue_gain;
   /// [angle][1: the angle is negative]
   std::vector<std::array<StickBeam, 2>> beams;
   BeamRim rim;
@@ -92,7 +88,6 @@ struct ScattererScene {
  private:
   /// `per_cell`: least number of scatterers in a resolution cell.
   void compute_octave_gains(double per_cell);
-  void compute_tissue_gain();
   /// Amplitudes of the octaves at a row, for the density that is needed there.
   std::vector<OctaveAtRow> octaves_at(int row, double needed_per_m3) const;
   /// Density of scatterers needed at each row.

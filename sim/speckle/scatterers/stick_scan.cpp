@@ -53,7 +53,7 @@ std::uint64_t StickScan::run(std::span<std::complex<float>> iq) {
   }
   if (!begun_) return 0;
   project_pending();
-  return buffers_.echoes.finish(iq, tissue_gain());
+  return buffers_.echoes.finish(iq);
 }
 
 std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::complex<float>> iq) {
@@ -69,17 +69,6 @@ std::uint64_t StickScan::run(std::span<const PointEcho> points, std::span<std::c
     echoes.commit(project_point(scatterer, scene_.projection(beam_), echoes.reserve(1)));
   }
   return echoes.finish(iq);
-}
-
-std::span<const float> StickScan::tissue_gain() const {
-  buffers_.gain.clear();
-  for (std::size_t i = 0; i < path_.frequency_ratio.size(); ++i) {
-    const int row = scene_.table.row((static_cast<double>(i) + 0.5) * path_.spacing_m);
-    const int level = PulseTaps::level(path_.frequency_ratio[i]);
-    buffers_.gain.push_back(
-        scene_.tissue_gain[static_cast<std::size_t>(row)][static_cast<std::size_t>(level)]);
-  }
-  return buffers_.gain;
 }
 
 void StickScan::begin() {

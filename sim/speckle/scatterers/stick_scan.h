@@ -28,7 +28,6 @@ struct ScanBuffers {
   std::int32_t list[kFlags];  ///< numbers of the current cells
   std::vector<InterfaceHit> hits;
   EchoQueue echoes;
-  std::vector<float> gain;  ///< tissue_gain() at each sample
 };
 
 class StickScan {
@@ -54,9 +53,6 @@ class StickScan {
     std::uint32_t key = 0;  ///< of the current octave
   };
 
-  /// Gain of the tissue's echoes at each sample (ScattererScene::tissue_gain); empty where nothing
-  /// absorbs.
-  std::span<const float> tissue_gain() const;
   /// Prepares the buffers, when the first block has been found.
   void begin();
   void fill_grids(const RestToBeam& map, std::vector<OctaveCells>& octaves) const;

@@ -87,19 +87,19 @@ TEST(Losses, EnergyIsReciprocalAtAnyAngle) {
   }
 }
 
-/// A Gaussian amplitude spectrum, -6 dB at the edges of the default band, after a loss of this
-/// number of nepers at the centre frequency that grows in proportion to frequency. Summed over
-/// frequency.
+/// A Gaussian amplitude spectrum, -6 dB at the edges of the default band and nothing below
+/// `lowest`, after a loss of this number of nepers at the centre frequency that grows in proportion
+/// to frequency. Summed over frequency.
 struct Received {
   double amplitude = 0;  ///< of the echo's peak, over that without loss
   double frequency = 0;  ///< centre of the spectrum, over that without loss
 };
 
-Received received(double nepers) {
+Received received(double nepers, double lowest = 0.2) {
   const double half = plan().probe().fractional_bandwidth / 2;
   double sum = 0, first = 0, sent = 0;
-  for (int i = -4000; i <= 4000; ++i) {
-    const double f = 1 + 1e-3 * i;
+  for (int i = 0; i <= 5000; ++i) {
+    const double f = lowest + 1e-3 * (i + 0.5);
     const double before = std::pow(0.5, (f - 1) * (f - 1) / (half * half));
     const double after = before * std::exp(-nepers * f);
     sent += before;
@@ -123,8 +123,9 @@ TEST(Losses, AttenuationIsThatOfTheWholeBand) {
   ASSERT_EQ(losses.frequency_ratio().size(), remaining.size());
   for (std::size_t i = 0; i < remaining.size(); i += 37) {
     const auto at = received(nepers(tissue, (static_cast<double>(i) + 0.5) * kSpacing_m));
-    EXPECT_NEAR(db(static_cast<double>(remaining[i])), db(at.amplitude), 1e-3) << i;
-    EXPECT_NEAR(losses.frequency_ratio()[i], at.frequency, 1e-5) << i;
+    EXPECT_NEAR(db(static_cast<double>(remaining[i])), db(at.amplitude), 2e-3) << i;
+    const auto whole = received(nepers(tissue, (static_cast<double>(i) + 0.5) * kSpacing_m), -3);
+    EXPECT_NEAR(losses.frequency_ratio()[i], whole.frequency, 5e-5) << i;
   }
   // Issue 6: from 3.5 to 2.6 MHz in 10 cm.
   EXPECT_NEAR(3.5 * static_cast<double>(losses.frequency_ratio().back()), 2.58, 0.01);
@@ -138,28 +139,23 @@ TEST(Losses, ABandsLossesAddUpOverMaterials) {
   const double both = nepers(materials[0], 30e-3) + nepers(materials[1], 20e-3);
   const auto at = received(both);
   EXPECT_NEAR(db(static_cast<double>(losses.remaining()[500])), db(at.amplitude), 0.05);
-  EXPECT_NEAR(losses.frequency_ratio()[500], at.frequency, 1e-3);
+  EXPECT_NEAR(losses.frequency_ratio()[500], received(both, -3).frequency, 1e-3);
 }
 
 /// A Gaussian spectrum has energy at any low frequency, a transducer's has not.
-TEST(Losses, ThePulseKeepsFourTenthsOfItsFrequency) {
+TEST(Losses, BelowAFifthOfTheFrequencyNothingIsLeft) {
   const Material& bone = material("cortical_bone");
   const auto losses = losses_of(one_material(), {bone}, no_threshold());
   const auto& remaining = losses.remaining();
-  const double step = nepers(bone, kSpacing_m);
-  int kept = 0;
-  for (std::size_t i = 1; i + 1 < 400; ++i) {
-    EXPECT_GE(losses.frequency_ratio()[i], 0.4f);
-    const double here = std::log(static_cast<double>(remaining[i] / remaining[i - 1]));
-    const double next = std::log(static_cast<double>(remaining[i + 1] / remaining[i]));
-    // The level falls ever more slowly, without a step, and at last at the lowest frequency's rate.
-    EXPECT_GE(next, here - 1e-5) << i;
-    EXPECT_LT(next - here, 0.07 * step * step + 1e-5) << i;
-    if (losses.frequency_ratio()[i - 1] > 0.4f) continue;
-    ++kept;
-    EXPECT_NEAR(here, -0.4 * step, 1e-5) << i;
+  for (std::size_t i = 0; i < 700; i += 23) {
+    const double lost = nepers(bone, (static_cast<double>(i) + 0.5) * kSpacing_m);
+    EXPECT_NEAR(db(static_cast<double>(remaining[i])), db(received(lost).amplitude), 0.02) << i;
   }
-  EXPECT_GT(kept, 100);
+  // At last the level falls at the rate of the lowest frequencies.
+  const double step = nepers(bone, kSpacing_m);
+  const double last = std::log(static_cast<double>(remaining[999] / remaining[998]));
+  EXPECT_LT(last, -0.2 * step);
+  EXPECT_GT(last, -0.27 * step);
 }
 
 TEST(Losses, WithoutAbsorptionThePulseKeepsItsFrequency) {
@@ -250,7 +246,7 @@ TEST(Losses, TimeGainCompensatesTheCentreFrequency) {
     const double range_m = (i + 0.5) * kSpacing_m, lost = nepers(tissue, range_m);
     const double gained = static_cast<double>(losses.remaining()[static_cast<std::size_t>(i)]) *
                           time_gain(plan(), options, range_m);
-    EXPECT_NEAR(db(gained), db(received(lost).amplitude * std::exp(lost)), 1e-3);
+    EXPECT_NEAR(db(gained), db(received(lost).amplitude * std::exp(lost)), 2e-3);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -185,6 +186,30 @@ std::vector<BeamRow> speckle_rows(hw::ProbePreset preset) {
 
 std::vector<BeamRow> stick_beam_rows(hw::ProbePreset preset) {
   return beam_rows("stick_beam.csv", preset);
+}
+
+TissueBand::TissueBand(hw::ProbePreset preset) {
+  for_lines("tissue_band.csv", [&](const TableLine& line) {
+    if (line.text("preset") != table_name(preset) || line.number("sector_fraction") != 0) return;
+    shares_[line.metres("depth_mm")].push_back({line.number("mhz") * 1e6, line.number("share")});
+  });
+}
+
+double TissueBand::level_db(double loss_db, double center_hz, double range_m) const {
+  const auto left_db = [&](const std::vector<Share>& shares) {
+    double left = 0;
+    for (const Share& share : shares) {
+      left += share.power * std::pow(10.0, -loss_db * share.hz / center_hz / 10);
+    }
+    return 10 * std::log10(left);
+  };
+  auto behind = shares_.lower_bound(range_m);
+  if (behind == shares_.begin()) ++behind;
+  if (behind == shares_.end()) --behind;
+  const auto before = std::prev(behind);
+  return std::lerp(left_db(before->second),
+                   left_db(behind->second),
+                   (range_m - before->first) / (behind->first - before->first));
 }
 
 std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz) {

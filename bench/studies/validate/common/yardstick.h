@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -77,6 +78,24 @@ std::vector<NeighbourRow> neighbour_rows();
 /// Echo of a point on the middle stick in tissue of this one-way attenuation, over that in tissue
 /// without any: attenuation.csv.
 std::vector<BeamRow> attenuated_rows(double db_per_cm_mhz);
+
+/// What losses that grow with frequency leave of the mean echo of uniform tissue on the middle
+/// stick, each frequency attenuated by itself: tissue_band.csv.
+class TissueBand {
+ public:
+  explicit TissueBand(hw::ProbePreset preset);
+
+  /// Power left after a two-way loss of `loss_db` at `center_hz`, between the table's ranges linear
+  /// in dB.
+  double level_db(double loss_db, double center_hz, double range_m) const;
+
+ private:
+  struct Share {
+    double hz;
+    double power;
+  };
+  std::map<double, std::vector<Share>> shares_;  ///< by range
+};
 
 /// Uniform tissue behind a half plane across the middle stick: shadow.csv.
 struct ShadowRow {

@@ -22,18 +22,13 @@ struct AttenuationInputs {
   double fan_rad = 61 * kDegree;
 };
 
-/// Level of a Gaussian spectrum's echo after a two-way loss of `loss_db` at its centre, which grows
-/// in proportion to frequency: -n + n^2 s^2 / 2 nepers, s the relative standard deviation of the
-/// amplitude over frequency.
-double band_level_db(double loss_db, const hw::AcquisitionPlan& plan);
-
 /// Mean echo of homogeneous tissue over depth.
 struct SlopeResult {
   std::vector<double> range_m;
   std::vector<double> level_db;     ///< mean intensity, 0 dB: a perfect mirror
-  std::vector<double> expected_db;  ///< closed form, from the first level on
+  std::vector<double> expected_db;  ///< the band's sum, from the first level on
   double slope_db_per_cm = 0;       ///< of a line through the levels
-  double expected_db_per_cm = 0;    ///< of a line through the closed form
+  double expected_db_per_cm = 0;    ///< of a line through the band's sum
   long n = 0;
 };
 SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs& inputs);
@@ -42,13 +37,13 @@ SlopeResult measure_slope(sim::Rung rung, bool speckle, const AttenuationInputs&
 struct ShadowResult {
   std::vector<double> range_m;
   std::vector<double> change_db;    ///< of the mean intensity, in bins of range
-  std::vector<double> expected_db;  ///< closed form at the bin's middle; NaN within the body
+  std::vector<double> expected_db;  ///< of the band at the bin's middle; NaN within the body
   double behind_db = 0;             ///< mean intensity behind the body over that without it
   double expected_behind_db = 0;
   long n = 0;
 };
-/// Closed form: two-way transmission (1 - R^2) of both faces, and band_level_db() of the path with
-/// the plate less that of the path without it.
+/// Expected: two-way transmission (1 - R^2) of both faces, and what TissueBand leaves of the path
+/// with the plate less what it leaves of the path without it.
 ShadowResult measure_bone_shadow(sim::Rung rung, const AttenuationInputs& inputs);
 /// The same for a sphere of fluid, with each stick's chord through it.
 ShadowResult measure_cyst_enhancement(sim::Rung rung, const AttenuationInputs& inputs);

@@ -46,39 +46,28 @@ ScattererField field_of(const hw::AcquisitionPlan& of, const FrequencyCourse& co
   return {tissue, ProbeOptics(of), options, ScattererSettings::of(options, course)};
 }
 
-/// Number of contributing scatterers and mean power of sticks whose frequency falls.
-struct Heard {
-  std::uint64_t count = 0;
-  double power = 0;
-};
-
-Heard heard(float lowest) {
+/// Number of contributing scatterers of sticks whose frequency falls.
+std::uint64_t heard(float lowest) {
   const FrequencyCourse course = falling_to(lowest);
   const ScattererField field = field_of(plan(), course);
   const std::size_t samples = course.ratio.size();
   const std::vector<float> remaining(samples, 1.0f);
-  Heard all;
+  std::uint64_t count = 0;
   for (std::uint32_t frame = 10; frame < 28; ++frame) {
     for (std::uint32_t line = 26; line < 38; ++line) {
       Stick iq(samples);
       const TimedRay stick = stick_ray(plan(), {0, frame, line});
-      field.add_echoes({stick, course.step_m, remaining, {}, course.ratio}, iq, &all.count);
-      for (std::size_t i = samples / 2; i < samples * 5 / 8; ++i) {
-        all.power += static_cast<double>(std::norm(iq[i]));
-      }
+      field.add_echoes({stick, course.step_m, remaining, {}, course.ratio}, iq, &count);
     }
   }
-  return all;
+  return count;
 }
 
-TEST(AttenuatedBeam, HearsAsManyScatterersOfMoreTissueAtTheSameLevel) {
-  const Heard sent = heard(1), lower = heard(0.5f);
+TEST(AttenuatedBeam, HearsAsManyScatterersOfMoreTissue) {
+  const auto sent = static_cast<double>(heard(1)), lower = static_cast<double>(heard(0.5f));
   // Half way along, the beam is a third wider in both directions: at the same density it would
   // contain about twice as many scatterers.
-  EXPECT_NEAR(static_cast<double>(lower.count),
-              static_cast<double>(sent.count),
-              0.25 * static_cast<double>(sent.count));
-  EXPECT_NEAR(lower.power / sent.power, 1, 0.1);
+  EXPECT_NEAR(lower, sent, 0.25 * sent);
 }
 
 /// Points on the middle stick, all tissue absorbing the same.
@@ -119,13 +108,14 @@ class AttenuatedPoints {
 TEST(AttenuatedBeam, APointOutOfFocusIsAsLoudAsTheElementSumSays) {
   const hw::AcquisitionPlan plan({}, {.depth_m = 0.17, .samples_per_stick = 4096});
   const AttenuatedPoints unattenuated(plan, 0);
-  for (const double alpha : {0.3, 0.5}) {
+  for (const double alpha : {0.3, 0.5, 1.0}) {
     const AttenuatedPoints points(plan, alpha);
     for (const auto& row : yardstick("attenuation")) {
       const double range_m = row.number("depth_mm") * 1e-3;
       if (range_m < 30e-3 || row.number("alpha_db_cm_mhz") != alpha) continue;
-      EXPECT_NEAR(
-          points.level_db(range_m) - unattenuated.level_db(range_m), row.number("level_db"), 0.25)
+      EXPECT_NEAR(points.level_db(range_m) - unattenuated.level_db(range_m),
+                  row.number("level_db"),
+                  alpha < 1 ? 0.25 : 0.5)
           << range_m << " " << alpha;
     }
   }
