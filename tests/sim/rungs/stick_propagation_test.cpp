@@ -67,5 +67,46 @@ TEST(HighestFrequency, IsThatOfTheSticksThatLoseLeast) {
       highest_frequency(uniform_tissue("soft_tissue"), ProbeOptics(plan()), {}).at(0.12) + 0.1);
 }
 
+/// Sound enters skin at less than 73 degrees: at a ball's rim a zone narrower than the beam
+/// reflects totally, where the beam beside it enters.
+TEST(StickPropagation, NoStickIsBlackBesideItsNeighbours) {
+  const auto ball = phantoms::make_phantom({.name = "sphere", .radius_m = 20e-3});
+  auto materials = ball.materials();
+  materials[static_cast<std::size_t>(ball.surfaces().front().inside)] =
+      phantoms::material("fetal_skin");
+  const ScannedTissue tissue{std::make_shared<const TissueMap>(ball, 2e-3, 1),
+                             materials,
+                             {glm::dmat3(1.0), ball.suggested_position_m()},
+                             {}};
+  const hw::AcquisitionPlan dense({},
+                                  {.sector_rad = 30 * kDegree,
+                                   .fan_rad = 30 * kDegree,
+                                   .sticks_per_frame = 60,
+                                   .frames_per_volume = 9});  // lines about 1 mm apart at the ball
+  SimulationOptions options;
+  options.attenuation = false;
+  options.noise_db = kZeroAmplitude_db;
+  options.output = hw::SampleScale::linear_envelope;
+  StickPropagation propagation(tissue, ProbeOptics(dense), options, Surfaces::crossed);
+  for (std::uint32_t frame = 0; frame < 9; ++frame) {
+    std::vector<std::vector<float>> remaining;
+    for (std::uint32_t line = 0; line < 60; ++line) {
+      propagation.follow({0, frame, line});
+      remaining.push_back(propagation.losses().remaining());
+    }
+    for (std::size_t line = 1; line + 1 < remaining.size(); ++line) {
+      for (double range_m = 40e-3; range_m < 110e-3; range_m += 1e-3) {
+        const auto db = [&](std::size_t of) {
+          const auto sample = static_cast<std::size_t>(range_m / propagation.spacing_m());
+          const auto& stick = remaining[of];
+          return sample < stick.size() ? 20 * std::log10(static_cast<double>(stick[sample])) : -200;
+        };
+        EXPECT_GT(db(line), std::min(db(line - 1), db(line + 1)) - 10)
+            << frame << " " << line << " " << range_m;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace wobblebench::sim
