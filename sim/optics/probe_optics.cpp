@@ -96,12 +96,19 @@ StickAperture::StickAperture(const ProbeOptics& optics, double theta_rad) : opti
   }
 }
 
+/// `aperture_m`: length that the F-number asks for, about the stick. The array may be shorter: then
+/// its elements are used as far as they lie within, and the window's middle is that of the length
+/// `half_m` to either side that lies closest to the array.
 double StickAperture::weight(const Element& element, double aperture_m) const {
   // The focus is not visible from an element on the far side of the face.
   if (std::abs(element.angle_rad) >= 0.5 * kPi) return 0;
   const auto& probe = optics_.probe();
-  const double half_m = 0.5 * aperture_m;
-  const double position_m = element.angle_rad * probe.radius_m;  // along the face
+  const double half_m = 0.5 * std::min(aperture_m, probe.elements * probe.pitch_m);
+  const double most_m = 0.5 * aperture_m - half_m;
+  const double array_m =
+      0.5 * (elements_.front().angle_rad + elements_.back().angle_rad) * probe.radius_m;
+  const double middle_m = std::clamp(array_m, -most_m, most_m);
+  const double position_m = element.angle_rad * probe.radius_m - middle_m;  // along the face
   const double share = std::clamp((half_m - std::abs(position_m)) / probe.pitch_m + 0.5, 0.0, 1.0);
   if (share == 0) return 0;
   // Near the face the aperture is narrower than two elements, whose centres lie beyond its ends:
@@ -120,11 +127,11 @@ bool StickAperture::whole(double range_m) const {
 }
 
 double StickAperture::transmit_weight(const Element& element, double range_m) const {
-  return weight(element, optics_.transmit_aperture_m(range_m));
+  return weight(element, optics_.transmit_focus_m(range_m) / optics_.probe().f_number);
 }
 
 double StickAperture::receive_weight(const Element& element, double range_m) const {
-  return weight(element, optics_.receive_aperture_m(range_m));
+  return weight(element, range_m / optics_.probe().f_number);
 }
 
 double StickAperture::excess_m(const Element& element, double focus_m) {

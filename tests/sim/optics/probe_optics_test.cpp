@@ -4,7 +4,11 @@
 
 #include <cmath>
 
+#include "base/units.h"
+#include "sim/optics/element_sum.h"
+#include "sim/optics/plane_response.h"
 #include "sim/speckle/iq_field.h"
+#include "tests/support/yardstick.h"
 
 namespace wobblebench::sim {
 namespace {
@@ -40,6 +44,31 @@ TEST(PointSpread, ApertureEndsWithTheElements) {
   EXPECT_NEAR(ProbeOptics(few).receive_aperture_m(160e-3), 32 * 0.42e-3, 1e-12);
   EXPECT_NEAR(ProbeOptics(few).transmit_aperture_m(40e-3), 32 * 0.42e-3, 1e-12);
   EXPECT_NEAR(ProbeOptics(default_plan()).transmit_aperture_m(40e-3), 75e-3 / 4, 1e-12);
+}
+
+/// A short array lies aside of most sticks: all its elements within the F-number's length are used.
+TEST(PointSpread, ShortArraysUseTheElementsThatExist) {
+  for (const auto& row : yardstick("short_arrays")) {
+    hw::ProbeOptions probe;
+    probe.elements = static_cast<int>(row.number("elements"));
+    const ProbeOptics optics{hw::AcquisitionPlan(probe, {})};
+    const double range_m = row.number("depth_mm") * 1e-3;
+    const double theta_rad = row.number("angle_deg") * kDegree;
+    const auto level_db = [&](double of_rad) {
+      return 20 * std::log10(ElementSum(optics, of_rad).on_axis(range_m));
+    };
+    EXPECT_NEAR(level_db(theta_rad) - level_db(0), row.number("level_db"), 0.2)
+        << probe.elements << " " << row.text("angle_deg") << " " << range_m;
+    const auto beam_db = [&](double of_rad) {
+      const StickAperture aperture(optics, of_rad);
+      auto echo = PlaneResponse::lateral(aperture, range_m).on_axis(range_m);
+      const auto across = PlaneResponse::elevation(optics, range_m).on_axis(range_m);
+      for (std::size_t node = 0; node < echo.size(); ++node) echo[node] *= across[node];
+      return 20 * std::log10(optics.band().peak(echo));
+    };
+    EXPECT_NEAR(beam_db(theta_rad) - beam_db(0), row.number("level_db"), 0.3)
+        << probe.elements << " " << row.text("angle_deg") << " " << range_m;
+  }
 }
 
 TEST(PointSpread, KernelKeepsThePowerOfWhiteNoise) {
