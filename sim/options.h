@@ -65,10 +65,10 @@ struct SimulationOptions {
 
   // Receive chain.
   double tgc_db_per_cm_mhz = 0.22;  ///< nominal one-way loss that TGC compensates, both ways
-  double noise_db = -95;           ///< RMS electronic noise before TGC; -200: none
-  double full_scale_db = -15;      ///< echo amplitude after TGC that becomes sample value 1
-  double dynamic_range_db = 60;    ///< below full scale; log compression maps it to [0, 1]
-  bool low_pass = true;            ///< average the envelope over each output sample, then decimate
+  double noise_db = -95;            ///< RMS electronic noise before TGC; -200: none
+  double full_scale_db = -15;       ///< echo amplitude after TGC that becomes sample value 1
+  double dynamic_range_db = 60;     ///< below full scale; log compression maps it to [0, 1]
+  bool low_pass = true;             ///< average the envelope over each output sample, then decimate
   hw::SampleScale output = hw::SampleScale::log_compressed;
 };
 
