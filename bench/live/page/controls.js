@@ -28,9 +28,9 @@ function valueOf(values, section, key) {
 }
 
 /** A slider's ends: the whole range, or where that is far wider than the value at the start, the values around that. */
-function sliderEnds({min, max, kind}, start) {
-  const reach = 4 * Math.max(Math.abs(start), kind === 'integer' ? 4 : 0.05);
-  if (max - min <= 4 * reach) return [min, max];
+function sliderEnds({min, max}, start) {
+  const reach = 4 * Math.abs(start) || 100;
+  if (max - min <= 10 * reach) return [min, max];
   return [Math.max(min, start - reach), Math.min(max, start + reach)];
 }
 
@@ -108,7 +108,7 @@ class Control {
     if (document.activeElement === this.slider) return;
     const [low, high] = sliderEnds(this.shape, start);
     const step = this.shape.kind === 'integer' ? 1 : 10 ** Math.floor(Math.log10((high - low) / 200));
-    Object.assign(this.slider, {min: low, max: high, step, value});
+    Object.assign(this.slider, {min: low.toPrecision(6), max: high.toPrecision(6), step, value});
   }
 }
 

@@ -367,9 +367,10 @@ class BeastServer : public LiveServer {
 
 }  // namespace
 
-extern "C" std::unique_ptr<LiveServer> wobblebench_make_live_server(const ServerOptions& options,
-                                                                    ServerCalls calls) {
-  return std::make_unique<BeastServer>(options, std::move(calls));
+/// For the caller to own.
+extern "C" LiveServer* wobblebench_make_live_server(const ServerOptions& options,
+                                                    ServerCalls calls) {
+  return new BeastServer(options, std::move(calls));
 }
 
 }  // namespace wobblebench::bench

@@ -29,8 +29,8 @@ struct ServerOptions {
   int port = 0;       ///< 0: any that is free
   std::string token;  ///< that each page and socket must bring; empty: none
   int most_viewers = 8;
-  std::size_t most_message_bytes = 64 * 1024;  ///< of a viewer's message
-  int most_messages_per_s = 200;               ///< of a viewer; those beyond it wait
+  std::size_t most_message_bytes = 65536;  ///< of a viewer's message
+  int most_messages_per_s = 200;           ///< of a viewer; those beyond it wait
 };
 
 /// What the server's thread asks for. Neither function may throw or block.
