@@ -71,7 +71,7 @@ void IgtlServer::greet(std::shared_ptr<const std::string> message) {
   greeting_ = std::move(message);
 }
 
-void IgtlServer::send(const std::string& place, std::shared_ptr<const std::string> message) {
+void IgtlServer::send(const std::string& place, const std::shared_ptr<const std::string>& message) {
   {
     const std::lock_guard lock(mutex_);
     for (Client& client : clients_) {

@@ -54,7 +54,7 @@ class IgtlServer {
   void wait_for_clients(int count);
   /// What each client gets first: those that are connected now, those that connect later at once.
   void greet(std::shared_ptr<const std::string> message);
-  void send(const std::string& place, std::shared_ptr<const std::string> message);
+  void send(const std::string& place, const std::shared_ptr<const std::string>& message);
 
   /// Waits while clients take what waits, until none has taken a byte for `patience`, and closes.
   /// To be called once.

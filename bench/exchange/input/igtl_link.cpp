@@ -193,7 +193,7 @@ std::string IgtlLink::Impl::loss() const {
 IgtlLink::IgtlLink(const std::string& server,
                    const std::filesystem::path& geometry,
                    const IgtlLinkOptions& options,
-                   std::shared_ptr<LeftOut> left_out) {
+                   const std::shared_ptr<LeftOut>& left_out) {
   check_options(options);
   impl_ = std::make_unique<Impl>(server, geometry, options, left_out);
 }

@@ -46,7 +46,7 @@ class IgtlLink : public hw::Link {
   IgtlLink(const std::string& server,
            const std::filesystem::path& geometry,
            const IgtlLinkOptions& options,
-           std::shared_ptr<LeftOut> left_out);
+           const std::shared_ptr<LeftOut>& left_out);
   ~IgtlLink() override;
 
   hw::ReadResult read(std::span<std::byte> buffer, hw::HostTime deadline) override;

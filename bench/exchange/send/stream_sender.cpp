@@ -243,7 +243,9 @@ IgtlHead StreamSender::volume_head(const char* device,
   return about;
 }
 
-void StreamSender::send_samples(IgtlHead about, IgtlImage image, std::span<const float> samples) {
+void StreamSender::send_samples(const IgtlHead& about,
+                                IgtlImage image,
+                                std::span<const float> samples) {
   image.lps = arguments_.options.axes == SendAxes::lps;
   std::vector<std::uint8_t> bytes;
   std::vector<std::uint16_t> words;

@@ -73,7 +73,7 @@ class StreamSender {
   void send_surface(const ShownPicture& shown);
   void send_volume(const VolumeJob& job);
   void send_polar(const VolumeJob& job);
-  void send_samples(IgtlHead head, IgtlImage image, std::span<const float> samples);
+  void send_samples(const IgtlHead& head, IgtlImage image, std::span<const float> samples);
   IgtlHead head(const char* device,
                 std::uint32_t volume,
                 const StickTimes& first,
