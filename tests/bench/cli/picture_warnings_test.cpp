@@ -1,5 +1,5 @@
 // Warnings of what a picture shows, for pictures made by hand.
-#include "bench/cli/picture_warnings.h"
+#include "bench/cli/picture/picture_warnings.h"
 
 #include <gtest/gtest.h>
 

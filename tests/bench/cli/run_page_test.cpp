@@ -1,11 +1,11 @@
 // What report.html of `run` makes of a result.
-#include "bench/cli/run_page.h"
+#include "bench/cli/run/run_page.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "bench/cli/run_pictures.h"
+#include "bench/cli/run/run_pictures.h"
 
 namespace wobblebench::bench {
 namespace {

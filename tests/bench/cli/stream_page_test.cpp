@@ -1,5 +1,5 @@
 // What report.html and ages.csv of `stream` make of a stream's records.
-#include "bench/cli/stream_page.h"
+#include "bench/cli/stream/stream_page.h"
 
 #include <gtest/gtest.h>
 

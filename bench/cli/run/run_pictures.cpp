@@ -1,4 +1,4 @@
-#include "bench/cli/run_pictures.h"
+#include "bench/cli/run/run_pictures.h"
 
 #include <algorithm>
 #include <cmath>

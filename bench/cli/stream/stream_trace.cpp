@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "bench/cli/stream_report.h"
+#include "bench/cli/stream/stream_report.h"
 
 namespace wobblebench::bench {
 

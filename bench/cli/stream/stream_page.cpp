@@ -1,4 +1,4 @@
-#include "bench/cli/stream_page.h"
+#include "bench/cli/stream/stream_page.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/cache/phantom_cache.h"
-#include "bench/cli/picture_report.h"
+#include "bench/cli/picture/picture_report.h"
 #include "bench/output/report_parts.h"
 #include "bench/pipeline/acquire.h"
 #include "bench/scene/resolved_scene.h"

@@ -1,4 +1,4 @@
-#include "bench/cli/picture_report.h"
+#include "bench/cli/picture/picture_report.h"
 
 #include <cmath>
 #include <iomanip>

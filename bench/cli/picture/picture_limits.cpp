@@ -1,4 +1,4 @@
-#include "bench/cli/picture_limits.h"
+#include "bench/cli/picture/picture_limits.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "bench/cli/stream_report.h"
+#include "bench/cli/stream/stream_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

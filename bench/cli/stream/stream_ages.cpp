@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/duration.h"
-#include "bench/cli/stream_page.h"
+#include "bench/cli/stream/stream_page.h"
 
 namespace wobblebench::bench {
 

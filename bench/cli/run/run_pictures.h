@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bench/cli/run_report.h"
+#include "bench/cli/run/run_report.h"
 #include "bench/output/output_folder.h"
 #include "bench/output/picture/panels.h"
 #include "bench/scene/resolved_scene.h"

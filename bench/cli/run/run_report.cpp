@@ -1,4 +1,4 @@
-#include "bench/cli/run_report.h"
+#include "bench/cli/run/run_report.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "bench/cli/picture_warnings.h"
+#include "bench/cli/picture/picture_warnings.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "bench/cli/run_page.h"
+#include "bench/cli/run/run_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "base/number_text.h"
 #include "base/units.h"
 #include "bench/cli/board_report.h"
-#include "bench/cli/run_pictures.h"
+#include "bench/cli/run/run_pictures.h"
 #include "bench/output/error_report.h"
 #include "bench/output/picture/map_codes.h"
 #include "bench/output/report.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "bench/cli/run_report.h"
+#include "bench/cli/run/run_report.h"
 #include "bench/output/document/document.h"
 #include "bench/scene/resolved_scene.h"
 

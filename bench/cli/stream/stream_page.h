@@ -1,7 +1,7 @@
 // What report.html of the command `stream` shows.
 #pragma once
 
-#include "bench/cli/stream_report.h"
+#include "bench/cli/stream/stream_report.h"
 #include "bench/output/document/document.h"
 
 namespace wobblebench::bench {
