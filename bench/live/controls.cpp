@@ -50,7 +50,7 @@ class ControlWriter {
   const Json& json() const { return controls_; }
 
  private:
-  void add(std::string_view key, std::string_view kind, Json limits) {
+  void add(std::string_view key, std::string_view kind, const Json& limits) {
     Json control = {{"key", key}, {"kind", kind}};
     control.update(limits);
     controls_.push_back(std::move(control));
