@@ -37,7 +37,7 @@ double detected(const std::string& array, std::size_t first, std::size_t each, i
   for (std::size_t i = 0; i < each; ++i) {
     envelope += std::abs(iq_at(array, first + i)) / static_cast<double>(each);
   }
-  const double tgc_db = 2 * 0.3 * 3.5 * 16 * (k + 0.5) / 128;
+  const double tgc_db = 2 * 0.22 * 3.5 * 16 * (k + 0.5) / 128;
   return std::clamp(1 + (20 * std::log10(envelope) + tgc_db + 15) / 60, 0.0, 1.0);
 }
 

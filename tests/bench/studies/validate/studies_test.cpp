@@ -2,6 +2,7 @@
 // whole.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bench/studies/validate/losses/attenuation.h"
@@ -153,13 +154,17 @@ TEST(AttenuationStudy, SlopeIsThatOfTheBand) {
   AttenuationInputs inputs;
   inputs.seeds = {1};
   const auto steady = measure_slope(Rung::field, false, inputs);
-  // -n + n^2 s^2 / 2 is a parabola: its line from 20 to 120 mm has the slope at 70 mm, where
-  // n = 0.5 * 3.5 * 2 * 7 dB and s = 0.6 / 2.3548.
-  const double nepers = 0.5 * 3.5 * 2 * 7 / 8.685890;
-  const double expected = -3.5 * (1 - nepers * std::pow(0.6 / 2.354820, 2));
-  EXPECT_NEAR(steady.expected_db_per_cm, expected, 1e-3);
-  EXPECT_NEAR(steady.slope_db_per_cm, expected, 1e-3);
-  EXPECT_NEAR(measure_slope(Rung::field, true, inputs).slope_db_per_cm, expected, 0.07);
+  const auto level_db = [&](double range_m) {
+    const auto at = std::ranges::min_element(
+        steady.range_m, {}, [&](double other_m) { return std::abs(other_m - range_m); });
+    return steady.level_db.at(static_cast<std::size_t>(at - steady.range_m.begin()));
+  };
+  // A sum over strips, heights and frequencies by another program: -16.9 dB at 60 mm, -25.9 at 100.
+  EXPECT_NEAR(level_db(100e-3) - level_db(60e-3), -9.0, 0.3);
+  EXPECT_NEAR(steady.slope_db_per_cm, steady.expected_db_per_cm, 0.02);
+  EXPECT_NEAR(measure_slope(Rung::field, true, inputs).slope_db_per_cm,
+              steady.expected_db_per_cm,
+              0.07);
 }
 
 TEST(AttenuationStudy, BoneAndFluidChangeTheLevelBehindThem) {
@@ -167,10 +172,11 @@ TEST(AttenuationStudy, BoneAndFluidChangeTheLevelBehindThem) {
   inputs.seeds = {1};
   inputs.sticks = inputs.frames = 8;
   const auto shadow = measure_bone_shadow(Rung::field, inputs);
-  EXPECT_LT(shadow.expected_behind_db, -15);
+  EXPECT_NEAR(shadow.expected_behind_db, -13.9, 0.3) << "by the same other program";
   EXPECT_NEAR(shadow.behind_db, shadow.expected_behind_db, 1);
   const auto enhancement = measure_cyst_enhancement(Rung::field, inputs);
-  EXPECT_GT(enhancement.expected_behind_db, 10);
+  EXPECT_GT(enhancement.expected_behind_db, 8);
+  EXPECT_LT(enhancement.expected_behind_db, 11) << "what the pulse alone would give";
   EXPECT_NEAR(enhancement.behind_db, enhancement.expected_behind_db, 1);
 }
 
