@@ -162,9 +162,8 @@ TEST(AttenuationStudy, SlopeIsThatOfTheBand) {
   // A sum over strips, heights and frequencies by another program: -16.9 dB at 60 mm, -25.9 at 100.
   EXPECT_NEAR(level_db(100e-3) - level_db(60e-3), -9.0, 0.3);
   EXPECT_NEAR(steady.slope_db_per_cm, steady.expected_db_per_cm, 0.02);
-  EXPECT_NEAR(measure_slope(Rung::field, true, inputs).slope_db_per_cm,
-              steady.expected_db_per_cm,
-              0.07);
+  EXPECT_NEAR(
+      measure_slope(Rung::field, true, inputs).slope_db_per_cm, steady.expected_db_per_cm, 0.07);
 }
 
 TEST(AttenuationStudy, BoneAndFluidChangeTheLevelBehindThem) {
