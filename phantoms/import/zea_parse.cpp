@@ -35,7 +35,7 @@ std::string picture_in(hid_t file) {
     throw std::invalid_argument("holds several tracks; must hold one");
   for (const char* data : {"tracks/track_0/data", "data"}) {
     for (const char* name : {"image", "envelope_data"}) {
-      const std::string path = std::string(data) + "/" + name;
+      std::string path = std::string(data) + "/" + name;
       if (exists(file, path)) return path;
     }
   }

@@ -101,7 +101,9 @@ void TissueGain::tabulate(const ProbeOptics& optics, int range) {
   const PowerOfFrequency power(optics.band(), beam_powers(optics, ranges_.range_m(range)));
   const double sigma = std::sqrt(band.variance());
   std::array<double, kRatios> left = {};
-  for (double f = BandLoss::kBandEnd + 0.5 * kStep; f < 1 + kSigmas * sigma; f += kStep) {
+  const double end = 1 + kSigmas * sigma;
+  for (int step = 0; BandLoss::kBandEnd + (step + 0.5) * kStep < end; ++step) {
+    const double f = BandLoss::kBandEnd + (step + 0.5) * kStep;
     const double away = (f - 1) / sigma;
     const double share = std::exp(power.log_at(f) - away * away);
     for (std::size_t i = 0; i < left.size(); ++i) {
