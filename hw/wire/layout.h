@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 
+#include "base/unsigned_of.h"
 #include "hw/wire/crc32c.h"
 #include "hw/wire/packet.h"
 
@@ -29,21 +30,6 @@ inline constexpr std::size_t kSamplesOffset = 56;
 inline constexpr std::size_t kCrcOffset = 60;
 
 using Bytes = std::span<const std::byte>;
-
-template <std::size_t size>
-struct UnsignedOf;
-template <>
-struct UnsignedOf<2> {
-  using type = std::uint16_t;
-};
-template <>
-struct UnsignedOf<4> {
-  using type = std::uint32_t;
-};
-template <>
-struct UnsignedOf<8> {
-  using type = std::uint64_t;
-};
 
 /// Little-endian on every machine, at any alignment.
 template <class T>

@@ -19,6 +19,7 @@
 #include "bench/cli/picture/picture_warnings.h"
 #include "bench/cli/stream/stream_page.h"
 #include "bench/cli/stream/stream_report.h"
+#include "bench/cli/stream/stream_sink.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
 #include "bench/command/limits.h"
@@ -45,94 +46,6 @@ namespace wobblebench::bench {
 namespace {
 
 constexpr double kNotFormed = std::numeric_limits<double>::quiet_NaN();
-
-/// The depth image of a volume.
-struct KeptDepth {
-  std::uint32_t volume = 0;
-  Image<float> depth_m;
-};
-
-/// Depth images of some volumes of a stream, spread evenly over it, in bounded memory: those of
-/// volumes 0, n, 2 n …; n doubles whenever there would be more than `most`.
-class KeptDepths {
- public:
-  /// `most`: 0: none are kept.
-  explicit KeptDepths(int most) : most_(static_cast<std::size_t>(most)) {}
-
-  void add(std::uint32_t volume, const Image<float>& depth_m) {
-    if (most_ == 0 || volume % every_ != 0) return;
-    kept_.push_back({volume, depth_m});
-    while (kept_.size() > most_) {
-      every_ *= 2;
-      std::erase_if(kept_, [&](const KeptDepth& kept) { return kept.volume % every_ != 0; });
-    }
-  }
-  const std::vector<KeptDepth>& kept() const { return kept_; }
-
- private:
-  std::size_t most_;
-  std::uint32_t every_ = 1;
-  std::vector<KeptDepth> kept_;
-};
-
-/// take() is called on the stream's writing thread, the rest before and after the stream.
-class StreamSink {
- public:
-  /// `video`: null: none. `most_depths`: 0: none are kept.
-  StreamSink(const hw::AcquisitionPlan& plan, std::unique_ptr<Video> video, int most_depths);
-
-  void take(const ShownPicture& shown);
-
-  /// Shows the last picture for the time of one volume. Null: there is no video, or no picture.
-  const Video* finish_video();
-  /// The last picture of a whole volume.
-  const std::optional<render::Picture>& last_picture() const { return picture_; }
-  const std::vector<KeptDepth>& depths() const { return depths_.kept(); }
-
- private:
-  double time_s(const PictureTimes& times) const;
-
-  const hw::AcquisitionPlan plan_;
-  std::unique_ptr<Video> video_;
-  KeptDepths depths_;
-  std::optional<render::Picture> picture_;
-  std::optional<std::uint32_t> first_;  ///< volume of the first picture
-  std::uint32_t last_ = 0;
-};
-
-/// So that a stream of hours makes no file that players refuse.
-constexpr double kLongestVideo_s = 1200;
-
-StreamSink::StreamSink(const hw::AcquisitionPlan& plan,
-                       std::unique_ptr<Video> video,
-                       int most_depths)
-    : plan_(plan), video_(std::move(video)), depths_(most_depths) {}
-
-void StreamSink::take(const ShownPicture& shown) {
-  const PictureTimes& times = shown.times;
-  if (!first_) first_ = times.volume;
-  if (video_ && time_s(times) < kLongestVideo_s) video_->add(shown.picture.surface, time_s(times));
-  last_ = times.volume;
-  if (!times.whole) return;
-  depths_.add(times.volume, shown.picture.depth_m);
-  picture_ = shown.picture;
-}
-
-const Video* StreamSink::finish_video() {
-  if (!video_ || !first_) return nullptr;
-  const double end_s = (last_ - *first_ + 1) * to_seconds(plan_.volume_duration());
-  video_->finish(std::min(kLongestVideo_s, end_s));
-  return video_.get();
-}
-
-/// On the device's clock, after the first picture's volume began: of a whole volume its first
-/// stick, of a part of one its newest.
-double StreamSink::time_s(const PictureTimes& times) const {
-  const auto begin = plan_.stick_time(plan_.first_sequence(*first_));
-  const int part = times.whole ? 0 : std::max(times.sticks + times.lost - 1, 0);
-  const auto newest = plan_.first_sequence(times.volume) + static_cast<std::uint64_t>(part);
-  return to_seconds(plan_.stick_time(newest) - begin);
-}
 
 constexpr const char* kNotSent = "none";
 

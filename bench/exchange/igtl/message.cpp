@@ -5,6 +5,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/unsigned_of.h"
+
 namespace wobblebench::bench {
 
 namespace {
@@ -29,25 +31,6 @@ constexpr std::array<std::uint64_t, 256> make_crc_table() {
 }
 
 constexpr auto kCrcTable = make_crc_table();
-
-template <std::size_t size>
-struct UnsignedOf;
-template <>
-struct UnsignedOf<1> {
-  using type = std::uint8_t;
-};
-template <>
-struct UnsignedOf<2> {
-  using type = std::uint16_t;
-};
-template <>
-struct UnsignedOf<4> {
-  using type = std::uint32_t;
-};
-template <>
-struct UnsignedOf<8> {
-  using type = std::uint64_t;
-};
 
 /// A message under way: first its content, then finish().
 class Writer {
