@@ -48,7 +48,8 @@ struct Picture {
   Image<float> depth_m;
   Image<float> filtered_depth_m;  ///< z after pass 3's homogeneous filter
   /// scan_conversion, ray_casting, surface_shading, smoothing; behind ray_casting `correction`,
-  /// where a tap (RenderTaps::depth) has replaced z.
+  /// where a tap (RenderTaps::depth) has replaced z. Without ray_casting where rays were kept
+  /// (Renderer::render()).
   std::vector<PassTime> passes;
   std::optional<SurfaceLevels> levels;  ///< none: no setting needs them
 };

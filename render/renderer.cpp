@@ -76,8 +76,10 @@ struct Renderer::Pipeline {
     const std::vector<int> layers =
         options.pipeline.mid_volume ? frames.take_changed() : frames.take_complete();
     if (!layers.empty()) incoming->make_layers(layers, frames);
+    if (!complete) has_cast = false;
     if (!frames.volume_complete()) return;
     frames.begin_volume();
+    has_cast = false;
     if (!complete) return;
     std::swap(incoming, complete);
     std::swap(incoming_levels, complete_levels);
@@ -118,12 +120,15 @@ struct Renderer::Pipeline {
     cast_rays();
     shade_surface();
     smooth_picture();
+    has_cast = false;
   }
 
   /// Pass 2, section 3.2: slices to z-buffer and volume picture.
   void cast_rays() {
+    has_cast = false;
     ray_caster.cast(complete ? *complete : *incoming);
     depth = &incidence.correct(ray_caster.depth());
+    has_cast = !taps.depth;
   }
 
   void tap_slices() const {
@@ -194,6 +199,7 @@ struct Renderer::Pipeline {
     SurfaceShader new_shader(given);
     Smoother new_smoother(given.smoothing, given.ray_casting.image_size, given.pipeline.mode);
     options = given;
+    has_cast = false;
     ray_caster = std::move(new_ray_caster);
     incidence = std::move(new_incidence);
     surface_shader = std::move(new_shader);
@@ -202,12 +208,21 @@ struct Renderer::Pipeline {
     if (complete) set_options_of(*complete, complete_levels);
   }
 
+  /// Passes 3 and 4 for other settings.
+  void set_shading(const RenderOptions& given) {
+    Smoother new_smoother(given.smoothing, given.ray_casting.image_size, given.pipeline.mode);
+    surface_shader.set_shading(given);
+    smoother = std::move(new_smoother);
+    options = given;
+  }
+
   void set_options_of(SliceVolume& volume, const std::optional<EchoLevels>& levels) const {
     volume.set_options(options);
     if (levels) volume.set_level(detection_level(*levels, options.ray_casting));
   }
 
   void set_view() {
+    has_cast = false;
     incoming->set_view(options);
     if (complete) complete->set_view(options);
     incidence.set_view(options);
@@ -259,6 +274,7 @@ struct Renderer::Pipeline {
   PassTimer timer;
   PassTime scan_conversion{kScanConversion};  ///< since the last picture
   bool has_new_frames = false;                ///< since the last update()
+  bool has_cast = false;                      ///< z and volume picture are those of now
 };
 
 Renderer::Renderer(GlContext& context,
@@ -317,7 +333,7 @@ PassTime Renderer::update() {
   return pipeline_->update();
 }
 
-Picture Renderer::render() {
+Picture Renderer::render(Rays rays) {
   Pipeline& p = *pipeline_;
   p.context.make_current();
   const HostState host;
@@ -325,7 +341,9 @@ Picture Renderer::render() {
   Picture picture;
   picture.passes.push_back(std::exchange(p.scan_conversion, {kScanConversion}));
   p.tap_slices();
-  picture.passes.push_back(p.timed("ray_casting", &Pipeline::cast_rays));
+  if (rays == Rays::cast || !p.has_cast) {
+    picture.passes.push_back(p.timed("ray_casting", &Pipeline::cast_rays));
+  }
   if (auto correction = p.tap_depth()) picture.passes.push_back(*std::move(correction));
   picture.passes.push_back(p.timed("surface_shading", &Pipeline::shade_surface));
   if (p.taps.shaded) p.taps.shaded(download_rgb(p.surface_shader.surface()));
@@ -337,6 +355,7 @@ Picture Renderer::render() {
 
 void Renderer::set_taps(RenderTaps taps) {
   pipeline_->taps = std::move(taps);
+  pipeline_->has_cast = false;
 }
 
 bool Renderer::keeps_slices(const RenderOptions& options) const {
@@ -357,9 +376,14 @@ void Renderer::set_options(const RenderOptions& options) {
   turned.view.pitch_rad = options.view.pitch_rad;
   turned.view.roll_rad = options.view.roll_rad;
   turned.view.flip = options.view.flip;
+  RenderOptions shaded = p.options;
+  shaded.shading = options.shading;
+  shaded.smoothing = options.smoothing;
   if (options == turned) {
     p.options = options;
     p.set_view();
+  } else if (options == shaded) {
+    p.set_shading(options);
   } else {
     p.set_options(options);
   }

@@ -68,6 +68,11 @@ struct RenderTaps {
   std::function<void(const Image<glm::vec3>&)> smoothed;
 };
 
+/// What Renderer::render() does about pass 2. `keep`: leaves it out where its last z and volume
+/// picture are those of this picture, too, because nothing but shading and smoothing has changed
+/// since. Pictures are the same by either.
+enum class Rays { cast, keep };
+
 /// Renders the volumes of one acquisition plan. The context must outlive the renderer; all calls
 /// come from the thread that owns the context.
 ///
@@ -132,8 +137,10 @@ class Renderer {
   /// their acquisition; render() calls it too. Returns its cost.
   PassTime update();
 
-  /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture.
-  Picture render();
+  /// Passes 2 to 4. `scan_conversion` is the cost of all updates since the last picture. With
+  /// Rays::keep, Picture::passes has no `ray_casting` where that was left out; with a tap of depth
+  /// it never is.
+  Picture render(Rays rays = Rays::cast);
 
   /// For the pictures that follow; replaces those set before.
   void set_taps(RenderTaps taps);

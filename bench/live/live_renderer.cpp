@@ -108,7 +108,7 @@ void LiveRenderer::begin_stream() {
 
 render::Picture LiveRenderer::make_picture() {
   const auto begin = hw::HostClock::now();
-  render::Picture picture = renderer_->render();
+  render::Picture picture = renderer_->render(render::Rays::keep);
   LivePicture shown{.picture = picture,
                     .state = state_,
                     .volume = last_volume_.value_or(volume_),

@@ -60,27 +60,22 @@ FragmentProgram nearest_program(int block) {
 }
 
 FragmentProgram lit_depth_program(const RenderOptions& options) {
-  FragmentProgram program({"view.glsl", "shadow_lit_depth.frag.glsl"},
-                          Defines()
-                              .add("BIND_QUADRANTS", tiles::kQuadrants)
-                              .add("BIND_WIDE_QUADRANTS", tiles::kWideQuadrants)
-                              .add("BIND_NEAREST", tiles::kNearest)
-                              .add("TILE", kShadowTile)
-                              .add("PERSPECTIVE", 0)
-                              .add("POINT_LIGHT", options.shading.light == Light::point));
-  const Camera camera = make_camera(options);
-  program.set("pixel_m", camera.pixel_m())
-      .set("image_size", static_cast<double>(camera.image_size))
-      .set("light_position_m", light_position_m(options.shading, camera))
-      .set("light_direction", light_direction(options.shading))
-      .set("shadow_bias_m", options.shading.shadow_bias_m);
-  return program;
+  return {{"view.glsl", "shadow_lit_depth.frag.glsl"},
+          Defines()
+              .add("BIND_QUADRANTS", tiles::kQuadrants)
+              .add("BIND_WIDE_QUADRANTS", tiles::kWideQuadrants)
+              .add("BIND_NEAREST", tiles::kNearest)
+              .add("TILE", kShadowTile)
+              .add("PERSPECTIVE", 0)
+              .add("POINT_LIGHT", options.shading.light == Light::point)};
 }
 
 }  // namespace
 
 SurfaceShader::SurfaceShader(const RenderOptions& options)
-    : leaps_(options.shading.shadows && options.pipeline.mode == PipelineMode::fast),
+    : depth_filter_size_(options.shading.depth_filter_size),
+      defines_(shade_defines(options).text()),
+      leaps_(options.shading.shadows && options.pipeline.mode == PipelineMode::fast),
       filter_(options, options.shading.depth_filter_size),
       shade_(shade_program(options)) {
   const int size = options.ray_casting.image_size;
@@ -91,6 +86,17 @@ SurfaceShader::SurfaceShader(const RenderOptions& options)
   target_ = Framebuffer({&surface_});
   if (leaps_) tiles_ = ShadowTiles(options);
   set_uniforms(shade_, options);
+  check_gl("surface shading: setting up");
+}
+
+void SurfaceShader::set_shading(const RenderOptions& options) {
+  if (options.shading.depth_filter_size != depth_filter_size_ ||
+      shade_defines(options).text() != defines_) {
+    *this = SurfaceShader(options);
+    return;
+  }
+  set_uniforms(shade_, options);
+  if (leaps_) tiles_.set_light(options);
   check_gl("surface shading: setting up");
 }
 
@@ -133,6 +139,17 @@ ShadowTiles::ShadowTiles(const RenderOptions& options) {
   lit_depth_ = map(TexelFormat::rg32f, side);
   lit_depth_target_ = Framebuffer({&lit_depth_});
   trace_ = lit_depth_program(options);
+  set_light(options);
+}
+
+void ShadowTiles::set_light(const RenderOptions& options) {
+  if (!trace_) return;
+  const Camera camera = make_camera(options);
+  trace_.set("pixel_m", camera.pixel_m())
+      .set("image_size", static_cast<double>(camera.image_size))
+      .set("light_position_m", light_position_m(options.shading, camera))
+      .set("light_direction", light_direction(options.shading))
+      .set("shadow_bias_m", options.shading.shadow_bias_m);
 }
 
 void ShadowTiles::update(const Texture& depth) {

@@ -2,6 +2,8 @@
 // that the trace of shadows leaps over.
 #pragma once
 
+#include <string>
+
 #include "render/gl/program.h"
 #include "render/options.h"
 #include "render/passes/surface_depth.h"
@@ -33,6 +35,9 @@ class ShadowTiles {
   /// perspective projection.
   const Texture& lit_depth() const { return lit_depth_; }
 
+  /// Another direction, place or bias of the same kind of light.
+  void set_light(const RenderOptions& options);
+
  private:
   Texture tiles_, quadrants_, wide_quadrants_, nearest_, lit_depth_;
   Framebuffer tiles_target_, quadrants_target_, nearest_target_, lit_depth_target_;
@@ -44,6 +49,10 @@ class SurfaceShader {
  public:
   explicit SurfaceShader(const RenderOptions& options);
 
+  /// Options that differ from those before in shading alone. What the shaders hold as a number
+  /// costs next to nothing.
+  void set_shading(const RenderOptions& options);
+
   /// The filter of z alone, as shade() does it first.
   void filter(const Texture& depth) { filter_.filter(depth); }
   /// Shades RayCaster::depth(); with ShadingBase::rendered, RayCaster::color() on it.
@@ -54,6 +63,8 @@ class SurfaceShader {
   const Texture& surface() const { return surface_; }
 
  private:
+  int depth_filter_size_;
+  std::string defines_;  ///< of shade_
   bool leaps_;
   DepthFilter filter_;
   ShadowTiles tiles_;

@@ -1,7 +1,9 @@
 // Settings of a living renderer: its pictures are those of a new one in a new context.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
+#include <optional>
 #include <random>
 
 #include "render/gl/program.h"
@@ -37,6 +39,23 @@ Picture in_a_new_context(const RenderOptions& options) {
 class RandomSettings {
  public:
   explicit RandomSettings(unsigned seed) : random_(seed) {}
+
+  /// Other settings of passes 3 and 4.
+  RenderOptions shaded(RenderOptions o) {
+    ShadingOptions& s = o.shading;
+    s.depth_filter_size = pick({1, 5});
+    s.light = pick({Light::point, Light::directional});
+    s.light_left_rad = real(-80, 80) * kDegree;
+    s.light_up_rad = real(-80, 80) * kDegree;
+    s.light_distance_m = real(0.05, 0.5);
+    s.ambient = real(0, 0.3);
+    s.base = pick({ShadingBase::constant, ShadingBase::rendered});
+    s.shadows = pick({true, true, false});
+    s.shadow_bias_m = real(0, 2e-3);
+    o.smoothing.filter = pick({SmoothingFilter::box, SmoothingFilter::guided});
+    o.smoothing.filter_size = pick({1, 5});
+    return o;
+  }
 
   /// Other settings of passes 2 to 4.
   RenderOptions changed(RenderOptions o) {
@@ -123,6 +142,82 @@ TEST_P(SetOptions, HoldsForVolumesThatFollow) {
             0);  // of the blank volume, the last whole one
   for (int frame = 10; frame < 21; ++frame) renderer.add_frame(frame, scene.frame(frame));
   expect_same(renderer.render(), in_a_new_context(options));
+}
+
+bool has_cast(const Picture& picture) {
+  return std::ranges::any_of(picture.passes,
+                             [](const PassTime& pass) { return pass.name == "ray_casting"; });
+}
+
+TEST_P(SetOptions, KeepsRaysWhereShadingAloneHasChanged) {
+  for (const Projection projection : {Projection::parallel, Projection::perspective}) {
+    RenderOptions first = options_of(GetParam());
+    first.view.projection = projection;
+    first.ray_casting.mode = RenderMode::both;
+    first.ray_casting.incidence_correction_m = 0.5e-3;
+    RandomSettings random(11);
+    Renderer renderer(gl_context(), testing::noisy_scene().plan(), first);
+    renderer.add_volume(testing::noisy_scene());
+    EXPECT_TRUE(has_cast(renderer.render(Rays::keep)));
+    RenderOptions options = first;
+    for (int i = 0; i < 12; ++i) {
+      // Every third changes numbers of the shaders alone.
+      if (i % 3 > 0) options = random.shaded(first);
+      options.shading.light_left_rad += 0.1;
+      renderer.set_options(options);
+      const Picture picture = renderer.render(Rays::keep);
+      EXPECT_FALSE(has_cast(picture));
+      expect_same(picture, in_a_new_context(options));
+    }
+  }
+}
+
+TEST_P(SetOptions, CastsRaysWhereMoreHasChanged) {
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  RenderOptions options = options_of(GetParam());
+  Renderer renderer(gl_context(), scene.plan(), options);
+  renderer.add_volume(scene);
+  renderer.render(Rays::keep);
+  const auto expect_cast = [&](bool expected) {
+    renderer.set_options(options);
+    const Picture picture = renderer.render(Rays::keep);
+    EXPECT_EQ(has_cast(picture), expected);
+    expect_same(picture, in_a_new_context(options));
+  };
+  expect_cast(false);
+  options.view.yaw_rad = 0.3;
+  expect_cast(true);
+  options.ray_casting.steps = 100;
+  expect_cast(true);
+  renderer.add_frame(0, scene.frame(0));
+  options.shading.ambient = 0.2;
+  expect_cast(false);
+  for (int frame = 1; frame < scene.plan().acquisition().frames_per_volume; ++frame) {
+    renderer.add_frame(frame, scene.frame(frame));
+  }
+  expect_cast(true);
+  RenderTaps nearer;
+  nearer.depth = [](const CastDepth& depth) { return std::optional(depth.filtered_m); };
+  renderer.set_taps(nearer);
+  EXPECT_TRUE(has_cast(renderer.render(Rays::keep)));
+  EXPECT_TRUE(has_cast(renderer.render(Rays::keep)));
+  renderer.set_taps({});
+  expect_cast(true);
+  renderer.compile();
+  expect_cast(true);
+}
+
+TEST(SetOptions, EachFrameIsCastInPicturesOfTwoVolumes) {
+  const hw::PolarVolume& scene = testing::noisy_scene();
+  RenderOptions options = testing::small_options();
+  options.pipeline.mid_volume = true;
+  Renderer renderer(gl_context(), scene.plan(), options);
+  renderer.add_volume(scene);
+  renderer.render();
+  renderer.add_frame(3, scene.frame(4));
+  const Picture kept = renderer.render(Rays::keep);
+  EXPECT_TRUE(has_cast(kept));
+  expect_same(kept, renderer.render());
 }
 
 INSTANTIATE_TEST_SUITE_P(
