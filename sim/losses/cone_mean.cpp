@@ -109,19 +109,19 @@ void ConeMean::follow(int frame,
   find_differing(frame);
   const auto differs = std::ranges::find(differs_, 1) - differs_.begin();
   for (int node = 1; node < grid_.nodes; ++node) {
-    const bool same_losses = node < differs + 2;
+    const bool same_losses = node <= differs;
     if (!same_losses || elevations_ > 1) follow_to(node, frame);
-    if (!same_losses) average(node, frame, log_gain, frequency);
+    const double* power = same_losses ? nullptr : average(node, frame, log_gain, frequency);
     if (elevations_ > 1) {
       const auto first = static_cast<std::size_t>(node * ApertureCone::kElevation * grid_.lines);
-      average_parts(node, parts.data() + first);
+      average_parts(node, frame, power, parts.data() + first);
     }
   }
 }
 
 void ConeMean::add_elevation(int frame, std::span<const float> parts, std::span<float> log_gain) {
   if (elevations_ == 1) return;
-  for (int node = first_differing(frame) + 2; node < grid_.nodes; ++node) {
+  for (int node = first_differing(frame) + 1; node < grid_.nodes; ++node) {
     const double* power = elevation_.power_over_mean(frame, node, parts.data());
     for (int line = 0; line < grid_.lines; ++line) {
       log_gain[static_cast<std::size_t>(line * grid_.nodes + node)] +=
@@ -131,7 +131,7 @@ void ConeMean::add_elevation(int frame, std::span<const float> parts, std::span<
 }
 
 int ConeMean::first_differing(int frame) const {
-  for (int node = 0; node + 2 < grid_.nodes; ++node) {
+  for (int node = 0; node + 1 < grid_.nodes; ++node) {
     const int reach = cone_.most_frames(node) + section_.most_frames() + 1;
     if (table_.differs(
             node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1))) {
@@ -143,7 +143,7 @@ int ConeMean::first_differing(int frame) const {
 
 void ConeMean::find_differing(int frame) {
   differs_.clear();
-  for (int node = 0; node + 2 < grid_.nodes; ++node) {
+  for (int node = 0; node + 1 < grid_.nodes; ++node) {
     const int reach = cone_.most_frames(node);
     const bool differs =
         table_.differs(node, std::max(frame - reach, 0), std::min(frame + reach, grid_.frames - 1));
@@ -261,11 +261,14 @@ double ConeMean::nepers_aside(int end, int node, int line) const {
   return absorbed / sum;
 }
 
-void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span<float> frequency) {
+const double* ConeMean::average(int node,
+                                int frame,
+                                std::span<float> log_gain,
+                                std::span<float> frequency) {
   const auto row = static_cast<std::ptrdiff_t>(frame) * grid_.lines;
   load_lateral();
   const double* power =
-      lateral_.power(node, {table_.transmitted(node - 1) + row, table_.material(node) + row});
+      lateral_.power(node, {table_.transmitted(node) + row, table_.material(node) + row});
   for (int line = 0; line < grid_.lines; ++line) {
     const double axis_nepers = 2 * static_cast<double>(table_.absorbed(node)[row + line]) /
                                static_cast<double>(table_.transmitted(node)[row + line]);
@@ -277,6 +280,7 @@ void ConeMean::average(int node, int frame, std::span<float> log_gain, std::span
     frequency[to] =
         static_cast<float>(band_.frequency_ratio(nepers) - band_.frequency_ratio(axis_nepers));
   }
+  return power;
 }
 
 void ConeMean::load_lateral() {
@@ -293,7 +297,7 @@ void ConeMean::load_lateral() {
   }
 }
 
-void ConeMean::average_parts(int node, float* parts) const {
+void ConeMean::average_parts(int node, int frame, const double* power, float* parts) const {
   std::fill_n(parts, ApertureCone::kElevation * grid_.lines, 0.0f);
   for (int end = 0; end < ApertureCone::kEnds; ++end) {
     for (int part = 0; part < ApertureCone::kLateral; ++part) {
@@ -303,6 +307,19 @@ void ConeMean::average_parts(int node, float* parts) const {
         float* to = parts + static_cast<std::ptrdiff_t>(elevation) * grid_.lines;
         add_products(followed.relative.data(), on_array, grid_.lines, to);
       }
+    }
+  }
+  const float* axis = table_.transmitted(node) + static_cast<std::ptrdiff_t>(frame) * grid_.lines;
+  for (int line = 0; line < grid_.lines; ++line) {
+    const auto part = [&](int elevation) -> float& {
+      return parts[elevation * grid_.lines + line];
+    };
+    double mean = 0;
+    for (int i = 0; i < elevations_; ++i) mean += static_cast<double>(part(i)) / elevations_;
+    const double relative = power == nullptr ? 1 : std::sqrt(std::sqrt(power[line]));
+    const double arriving = static_cast<double>(axis[line]) * relative;
+    for (int i = 0; i < elevations_; ++i) {
+      part(i) = static_cast<float>(static_cast<double>(part(i)) / mean * arriving);
     }
   }
 }

@@ -51,8 +51,8 @@ class ConeMean {
   static std::size_t parts_size(const LossGrid& grid);
 
   /// Computes the corrections [line][node] of a frame for the paths and sample points in the image
-  /// plane, and for each part across the image plane the sum of its paths' amplitudes relative to
-  /// the axis, weighted by their fractions on the array. The LossTable must be finished for all
+  /// plane, and for each part across the image plane the one-way amplitude that arrives on its
+  /// paths, averaged over the beam in the image plane. The LossTable must be finished for all
   /// frames that a path crosses. Nodes before the losses first differ between sticks stay 0.
   void follow(int frame,
               std::span<float> log_gain,
@@ -82,8 +82,10 @@ class ConeMean {
   LossRows rows_at(int lines_aside) const;
   void step(int elevation, int from, int to);
   double nepers_aside(int end, int node, int line) const;
-  void average(int node, int frame, std::span<float> log_gain, std::span<float> frequency);
-  void average_parts(int node, float* parts) const;
+  /// Returns the power of each line relative to that on its axis.
+  const double* average(int node, int frame, std::span<float> log_gain, std::span<float> frequency);
+  /// `power`: result of average(); null where it is 1.
+  void average_parts(int node, int frame, const double* power, float* parts) const;
   void load_lateral();
   std::size_t path(int end, int lateral, int elevation) const {
     return static_cast<std::size_t>((end * ApertureCone::kLateral + lateral) * elevations_ +

@@ -16,25 +16,26 @@ struct PointRows {
   const float* own;
 };
 
-/// Weight of a neighbouring stick at a sample point, of which it has the fraction `share`:
-/// weight[i] = share[i] times the amplitude that reaches it, relative to the amplitude that reaches
-/// the stick itself, and own[i], the stick's own weight, decreases by share[i]. A neighbour in
-/// another material has the weight 0 and leaves own[i] unchanged.
-WOBBLEBENCH_SIMD void weigh_beside(const Reaching& beside,
-                                   const Reaching& stick,
+/// Weight of a neighbouring stick at a sample point, of which it has the fraction `share`: own[i],
+/// the stick's own weight, decreases by weight[i]. It is 0 for a neighbour in another material.
+WOBBLEBENCH_SIMD void weigh_beside(const float* __restrict material,
+                                   const float* __restrict own_material,
                                    const float* __restrict share,
                                    int count,
                                    float* __restrict weight,
                                    float* __restrict own) {
-  const float* __restrict amplitude = beside.amplitude;
-  const float* __restrict material = beside.material;
-  const float* __restrict own_amplitude = stick.amplitude;
-  const float* __restrict own_material = stick.material;
   for (int i = 0; i < count; ++i) {
-    const float counts = material[i] == own_material[i] ? share[i] : 0.0f;
-    weight[i] = counts * amplitude[i] / own_amplitude[i];
-    own[i] -= counts;
+    weight[i] = material[i] == own_material[i] ? share[i] : 0.0f;
+    own[i] -= weight[i];
   }
+}
+
+/// weight[i] *= amplitude[i] / own_amplitude[i].
+WOBBLEBENCH_SIMD void scale_to_axis(const float* __restrict amplitude,
+                                    const float* __restrict own_amplitude,
+                                    int count,
+                                    float* __restrict weight) {
+  for (int i = 0; i < count; ++i) weight[i] *= amplitude[i] / own_amplitude[i];
 }
 
 /// Adds wave * part[i] * the weighted sum of the rows' amplitudes. `part`: fraction of the
@@ -137,12 +138,13 @@ void LateralSum::weigh(float aside, const Reaching& reaching) {
   for (int i = 0; i < 2; ++i) {
     const int lines = margin_ + static_cast<int>(whole) + i;
     std::ranges::fill(shares_, i == 0 ? 1 - (aside - whole) : aside - whole);
-    weigh_beside({row(kPaths) + lines, row(kPaths + 1) + lines},
-                 reaching,
+    weigh_beside(row(kPaths + 1) + lines,
+                 reaching.material,
                  shares_.data(),
                  grid_.lines,
                  weights_[i].data(),
                  weights_[2].data());
+    scale_to_axis(row(kPaths) + lines, reaching.amplitude, grid_.lines, weights_[i].data());
   }
 }
 
@@ -217,15 +219,14 @@ void ElevationSum::weigh(int frame, int node, int point) {
                 before_.data(),
                 shares_[1].data());
   std::ranges::transform(shares_[1], shares_[0].begin(), [](float share) { return 1 - share; });
-  const auto reaching = [&](int of_frame, int line) {
-    const auto at = static_cast<std::ptrdiff_t>(of_frame) * grid_.lines + line;
-    return Reaching{table_.transmitted(node - 1) + at, table_.material(node) + at};
+  const auto material = [&](int of_frame, int line) {
+    return table_.material(node) + static_cast<std::ptrdiff_t>(of_frame) * grid_.lines + line;
   };
   std::ranges::fill(weights_[2], 1.0f);
   for_runs([&](int first, int count, int before) {
     for (int i = 0; i < 2; ++i) {
-      weigh_beside(reaching(before + i, first),
-                   reaching(frame, first),
+      weigh_beside(material(before + i, first),
+                   material(frame, first),
                    shares_[i].data() + first,
                    count,
                    weights_[i].data() + first,

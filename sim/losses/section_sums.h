@@ -23,8 +23,7 @@ void locate_frames(int frame,
                    std::int32_t* before,
                    float* share);
 
-/// For the sticks of a row: one-way amplitude at the previous node, and the material at the
-/// current one.
+/// For the sticks of a row at a node: one-way amplitude on the axis, and the material.
 struct Reaching {
   const float* amplitude;
   const float* material;
@@ -85,7 +84,7 @@ class ElevationSum {
 
   /// Power on each line of a frame, divided by the fourth power of the mean amplitude of the
   /// frame's own parts. `parts`: [frame][node][part][line] with ApertureCone::kElevation parts,
-  /// sums of the amplitudes of the paths to each stick relative to its axis. Frames within
+  /// one-way amplitudes that arrive on the paths from each part (ConeMean::follow()). Frames within
   /// BeamSection::most_frames() are read.
   const double* power_over_mean(int frame, int node, const float* parts);
 

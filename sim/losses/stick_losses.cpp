@@ -8,10 +8,10 @@
 
 namespace wobblebench::sim {
 
-/// The logarithm of an amplitude along a stretch: log_transmitted - n + BandLoss::log_gain(n),
-/// where n = nepers + i * per_sample at sample i.
+/// The logarithm of an amplitude along a stretch: BandLoss::log_gain(n) - n - reflected, where n =
+/// nepers + i * per_sample at sample i.
 struct StickLosses::LevelLine {
-  double log_transmitted = 0;
+  double reflected = 0;
   double nepers = 0;  ///< at the first sample
   double per_sample = 0;
 
@@ -75,25 +75,6 @@ WOBBLEBENCH_SIMD void add_ramp(double from,
   for (int i = 0; i < count; ++i) values[i] += static_cast<float>(from + i * per_sample);
 }
 
-/// Adds linear interpolation in `nodes` at the positions from + i * per_sample, from 0 on; beyond
-/// the last node its value.
-void add_interpolated(
-    std::span<const float> nodes, double from, double per_sample, int count, float* values) {
-  const int intervals = static_cast<int>(nodes.size()) - 1;
-  for (int first = 0, node = 0; first < count; ++node) {
-    const bool is_last = node >= intervals;
-    const double samples = std::ceil((node + 1 - from) / per_sample);
-    const int end = is_last ? count : static_cast<int>(std::clamp<double>(samples, first, count));
-    const auto near =
-        static_cast<double>(nodes[static_cast<std::size_t>(std::min(node, intervals))]);
-    const double rise =
-        is_last ? 0 : static_cast<double>(nodes[static_cast<std::size_t>(node) + 1]) - near;
-    const double at = from + first * per_sample - node;
-    add_ramp(near + at * rise, rise * per_sample, end - first, values + first);
-    first = end;
-  }
-}
-
 /// values[i] = exp of the logarithm of the amplitude at f0, narrow - i * step, but at least
 /// -most_narrow, plus the band's gain along a piece and plus values[i]; at most 1, at least 1e-35.
 /// `from`: nepers of the first sample, from the beginning of the piece on.
@@ -117,13 +98,12 @@ WOBBLEBENCH_SIMD void fill_levels(double narrow,
   }
 }
 
-double interpolated(std::span<const float> nodes, double position) {
-  const auto last = static_cast<double>(nodes.size() - 1);
-  const double within = std::clamp(position, 0.0, last);
-  const auto node = std::min(static_cast<std::size_t>(within), nodes.size() - 2);
-  const double share = within - static_cast<double>(node);
-  return (1 - share) * static_cast<double>(nodes[node]) +
-         share * static_cast<double>(nodes[node + 1]);
+/// Nepers between two nodes that the correction takes for spread evenly, so that it changes evenly
+/// where the axis loses nothing.
+constexpr double kEvenNepers = 0.1;
+
+double reflected_nepers(double transmission) {
+  return -std::log(std::max(transmission, TissueLosses::kLeastTransmission));
 }
 
 }  // namespace
@@ -153,6 +133,7 @@ void StickLosses::compute(const StickTrack& track, const ApertureCorrection& cor
   delay_m_.clear();
   at_interface_.assign(track.interfaces.size(), 0);
   apparent_from_m_.clear();
+  if (!correction.empty()) find_losses_at_nodes(track);
   keep_ = 0;
   visible_samples_ = samples_;
   PathState path;
@@ -174,14 +155,43 @@ void StickLosses::compute(const StickTrack& track, const ApertureCorrection& cor
   trim();
 }
 
+void StickLosses::find_losses_at_nodes(const StickTrack& track) {
+  at_node_.clear();
+  double passed = 0;
+  for (std::size_t s = 0; s < track.stretches.size(); ++s) {
+    const Stretch& stretch = track.stretches[s];
+    if (s > 0) passed += reflected_nepers(tissue_.transmission(track.interfaces[s - 1]));
+    const double per_m = tissue_.nepers_per_m(stretch.material);
+    const bool is_last = s + 1 == track.stretches.size();
+    while (at_node_.size() < correction_.log_gain.size()) {
+      const double node_m = static_cast<double>(at_node_.size()) * correction_.step_m;
+      if (!is_last && node_m >= stretch.to_m) break;
+      at_node_.push_back(passed + per_m * (node_m - stretch.from_m));
+    }
+    passed += per_m * (stretch.to_m - stretch.from_m);
+  }
+}
+
+double StickLosses::share_passed(std::size_t node, double true_m, double passed) const {
+  const double within = true_m / correction_.step_m - static_cast<double>(node);
+  const double all = at_node_[node + 1] - at_node_[node];
+  return (passed - at_node_[node] + kEvenNepers * within) / (all + kEvenNepers);
+}
+
 double StickLosses::level(const PathState& path, double true_m) const {
   const double gain = band_.log_gain(path.nepers);
   if (correction_.empty()) {
     return path.lost ? 0 : path.transmitted * std::exp(gain - path.nepers);
   }
-  const double narrow = std::max(std::log(path.transmitted) - path.nepers, -2 * kMostNepers);
-  const double aside = interpolated(correction_.log_gain, true_m / correction_.step_m);
-  return std::exp(std::min(narrow + gain + aside, 0.0));
+  const double passed = path.reflected + path.nepers;
+  const auto last = static_cast<int>(at_node_.size()) - 2;
+  const auto node =
+      static_cast<std::size_t>(std::clamp(static_cast<int>(true_m / correction_.step_m), 0, last));
+  const double share = std::clamp(share_passed(node, true_m, passed), 0.0, 1.0);
+  const auto near = static_cast<double>(correction_.log_gain[node]);
+  const auto far = static_cast<double>(correction_.log_gain[node + 1]);
+  const double narrow = std::max(-passed, -2 * kMostNepers);
+  return std::exp(std::min(narrow + gain + (1 - share) * near + share * far, 0.0));
 }
 
 void StickLosses::cross(const StickTrack& track, std::size_t interface, PathState& path) {
@@ -193,6 +203,7 @@ void StickLosses::cross(const StickTrack& track, std::size_t interface, PathStat
   const double through = tissue_.transmission(crossed);
   path.lost = path.lost || through < TissueLosses::kLeastTransmission;
   path.transmitted *= std::max(through, TissueLosses::kLeastTransmission);
+  path.reflected += reflected_nepers(through);
 }
 
 int StickLosses::samples_before(double range_m) const {
@@ -209,7 +220,7 @@ void StickLosses::append(const PathState& path, const Stretch& stretch, int end)
   const double to_first_m = (first + 0.5) * spacing_m_ - path.apparent_m;
   const double nepers = path.nepers + nepers_per_m * to_first_m;
   const double per_sample = nepers_per_m * spacing_m_;
-  const LevelLine line{std::log(path.transmitted), nepers, per_sample};
+  const LevelLine line{path.reflected, nepers, per_sample};
   remaining_.resize(static_cast<std::size_t>(end));
   if (absorbs_) {
     frequency_ratio_.resize(static_cast<std::size_t>(end));
@@ -249,12 +260,14 @@ void StickLosses::fill_corrected(const LevelLine& line,
                                  double true_step_m,
                                  int first) {
   const int count = static_cast<int>(remaining_.size()) - first;
-  const double from = true_m / correction_.step_m, per_sample = true_step_m / correction_.step_m;
+  const auto of_stretch = [&](std::vector<float>& values) {
+    return std::span(values).subspan(static_cast<std::size_t>(first));
+  };
   float* values = remaining_.data() + first;
   std::fill_n(values, count, 0.0f);
-  add_interpolated(correction_.log_gain, from, per_sample, count, values);
+  add_correction(line, correction_.log_gain, true_m, true_step_m, of_stretch(remaining_));
   line.for_pieces(band_, count, [&](int begin, int end, const BandLoss::Piece& piece) {
-    fill_levels(line.log_transmitted - line.at(begin),
+    fill_levels(-line.reflected - line.at(begin),
                 line.at(begin) - piece.from,
                 line.per_sample,
                 piece,
@@ -263,10 +276,34 @@ void StickLosses::fill_corrected(const LevelLine& line,
                 values + begin);
   });
   if (!absorbs_) return;
-  float* ratios = frequency_ratio_.data() + first;
-  add_interpolated(correction_.frequency, from, per_sample, count, ratios);
-  for (int i = 0; i < count; ++i) {
-    ratios[i] = std::clamp(ratios[i], static_cast<float>(BandLoss::kLowest), 1.0f);
+  const std::span<float> ratios = of_stretch(frequency_ratio_);
+  add_correction(line, correction_.frequency, true_m, true_step_m, ratios);
+  for (float& ratio : ratios) {
+    ratio = std::clamp(ratio, static_cast<float>(BandLoss::kLowest), 1.0f);
+  }
+}
+
+void StickLosses::add_correction(const LevelLine& line,
+                                 std::span<const float> nodes,
+                                 double true_m,
+                                 double true_step_m,
+                                 std::span<float> values) const {
+  const int count = static_cast<int>(values.size());
+  const auto last = static_cast<int>(nodes.size()) - 2;
+  const double step_m = correction_.step_m;
+  for (int first = 0, end = 0; first < count; first = end) {
+    const double from_m = true_m + first * true_step_m;
+    const int node = std::clamp(static_cast<int>(from_m / step_m), 0, last);
+    const double left = std::ceil(((node + 1) * step_m - from_m) / true_step_m);
+    end =
+        node == last ? count : static_cast<int>(std::clamp<double>(first + left, first + 1, count));
+    const auto at = static_cast<std::size_t>(node);
+    const auto near = static_cast<double>(nodes[at]), far = static_cast<double>(nodes[at + 1]);
+    const auto share = [&](int sample) {
+      return share_passed(at, true_m + sample * true_step_m, line.reflected + line.at(sample));
+    };
+    const double rise = (share(end) - share(first)) / (end - first) * (far - near);
+    add_ramp(near + share(first) * (far - near), rise, end - first, values.data() + first);
   }
 }
 

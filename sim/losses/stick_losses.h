@@ -13,7 +13,8 @@
 namespace wobblebench::sim {
 
 /// Correction of a stick's losses for the ray paths beside its axis, at equidistant nodes of true
-/// range, the first at the face. Empty: no correction.
+/// range, the first at the face. From one node to the next it changes as the stick's own loss does:
+/// behind a total reflection it has at once the value of the next node. Empty: no correction.
 struct ApertureCorrection {
   double step_m = 0;
   std::span<const float> log_gain;   ///< natural logarithm of the factor on the two-way amplitude
@@ -66,19 +67,30 @@ class StickLosses {
   struct PathState {
     double apparent_m = 0;
     double transmitted = 1;
-    double nepers = 0;  ///< absorbed
-    bool lost = false;  ///< behind a total reflection
+    double reflected = 0;  ///< the same in nepers
+    double nepers = 0;     ///< absorbed
+    bool lost = false;     ///< behind a total reflection
   };
 
   double speed_ratio(phantoms::MaterialIndex material) const {
     return speed_ratio_[static_cast<std::size_t>(material)];
   }
+  void find_losses_at_nodes(const StickTrack& track);
+  /// Share of the loss from a node to the next that lies before a range; `passed`: nepers lost up
+  /// to there.
+  double share_passed(std::size_t node, double true_m, double passed) const;
   double level(const PathState& path, double true_m) const;
   void cross(const StickTrack& track, std::size_t interface, PathState& path);
   void append(const PathState& path, const Stretch& stretch, int end);
   /// Fill the samples from `first` on, by the losses on the axis or with the correction.
   void fill_on_axis(const LevelLine& line, double amplitude, int first);
   void fill_corrected(const LevelLine& line, double true_m, double true_step_m, int first);
+  /// Adds a correction, given at its nodes, to `values`; the first is at true_m.
+  void add_correction(const LevelLine& line,
+                      std::span<const float> nodes,
+                      double true_m,
+                      double true_step_m,
+                      std::span<float> values) const;
   void append_delays(const Stretch& stretch, double from_m);
   bool is_visible(float amplitude) const { return static_cast<double>(amplitude) > visible_; }
   void end_where_invisible(int first);
@@ -93,6 +105,7 @@ class StickLosses {
   int samples_;
   double visible_;
   ApertureCorrection correction_;  ///< of the current stick
+  std::vector<double> at_node_;    ///< nepers lost on the axis up to each node of the correction
   int keep_ = 0;                   ///< number of samples that are kept even if invisible
   int visible_samples_ = 0;
   std::vector<float> remaining_;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "sim/math/fast_math.h"
 #include "sim/math/random.h"
+#include "sim/optics/pulse_band.h"
+#include "sim/speckle/iq_field.h"
 
 namespace wobblebench::sim {
 
@@ -20,36 +23,35 @@ constexpr float kSmallestAmplitude = 1e-19f;
 /// -100 dB).
 const double kMostGain = amplitude_of_db(hw::kMostGain_db);
 
-struct IqSample {
-  float re, im;
-};
-
-/// IQ sample i of `iq`, an array of pairs of floats, with noise. `sample`: its number in the stick.
-WOBBLEBENCH_INLINE IqSample with_noise(
-    const float* iq, std::ptrdiff_t i, std::uint64_t key, std::uint32_t sample, float noise) {
-  const ComplexNormal z = complex_normal(key, sample);
-  return {iq[2 * i] + noise * z.re, iq[2 * i + 1] + noise * z.im};
-}
-
-WOBBLEBENCH_SIMD void add_noise_to(
-    const float* __restrict iq, int count, std::uint64_t key, float noise, float* __restrict sum) {
+/// `count` complex normal numbers, those of the samples from `first` on.
+WOBBLEBENCH_SIMD void fill_white_noise(std::uint64_t key,
+                                       int first,
+                                       int count,
+                                       float* __restrict white) {
   for (int i = 0; i < count; ++i) {
-    const std::ptrdiff_t at = i;
-    const IqSample noisy = with_noise(iq, at, key, static_cast<std::uint32_t>(i), noise);
-    sum[2 * at] = noisy.re;
-    sum[2 * at + 1] = noisy.im;
+    const ComplexNormal z = complex_normal(key, static_cast<std::uint32_t>(first + i));
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    white[at] = z.re;
+    white[at + 1] = z.im;
   }
 }
 
-/// |iq + noise| of `count` IQ samples, from sample `first` of the stick on.
+/// sum[i] += tap * values[i].
+WOBBLEBENCH_SIMD void add_scaled(const float* __restrict values,
+                                 float tap,
+                                 int count,
+                                 float* __restrict sum) {
+  for (int i = 0; i < count; ++i) sum[i] += tap * values[i];
+}
+
+/// |iq + noise| of `count` IQ samples.
 WOBBLEBENCH_SIMD void noisy_envelope(const float* __restrict iq,
-                                     int first,
+                                     const float* __restrict noise,
                                      int count,
-                                     std::uint64_t key,
-                                     float noise,
                                      float* __restrict envelope) {
   for (int i = 0; i < count; ++i) {
-    const auto [re, im] = with_noise(iq, i, key, static_cast<std::uint32_t>(first + i), noise);
+    const std::ptrdiff_t at = 2 * static_cast<std::ptrdiff_t>(i);
+    const float re = iq[at] + noise[at], im = iq[at + 1] + noise[at + 1];
     envelope[i] = std::sqrt(re * re + im * im);
   }
 }
@@ -109,6 +111,20 @@ WOBBLEBENCH_SIMD void compress(int count, float per_octave, float* samples) {
   }
 }
 
+/// Filter that gives white noise of unit power the pulse's band and the RMS amplitude of the
+/// options; empty without noise.
+std::vector<float> noise_filter(const hw::AcquisitionPlan& plan,
+                                const SimulationOptions& options,
+                                int oversampling) {
+  if (options.noise_db <= kZeroAmplitude_db) return {};
+  const double fwhm_of_sigma = 2 * std::sqrt(2 * std::log(2.0));
+  const double spacing_m = plan.sample_spacing_m() / oversampling;
+  auto taps = unit_power_gaussian(axial_fwhm_m(plan) / fwhm_of_sigma / spacing_m, kMaxHalfPulse);
+  const auto rms = static_cast<float>(amplitude_of_db(options.noise_db));
+  for (float& tap : taps) tap *= rms;
+  return taps;
+}
+
 /// A factor of 2 in amplitude.
 const double kOctave_db = 20 * std::log10(2.0);
 
@@ -143,9 +159,7 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
                    int oversampling)
     : options_(options),
       oversampling_(oversampling),
-      noise_(options.noise_db > kZeroAmplitude_db
-                 ? static_cast<float>(amplitude_of_db(options.noise_db))
-                 : 0.0f) {
+      noise_filter_(noise_filter(plan, options, oversampling)) {
   const int samples = plan.acquisition().samples_per_stick;
   const double full_scale = amplitude_of_db(options.full_scale_db);
   for (int k = 0; k < samples; ++k) {
@@ -154,10 +168,11 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
   }
   const bool log = options.output == hw::SampleScale::log_compressed;
   const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));
+  const float most_noise =
+      kMaxComplexNormal * std::accumulate(noise_filter_.begin(), noise_filter_.end(), 0.0f);
   while (first_noisy_ < samples &&
-         (noise_ == 0.0f ||
-          (log &&
-           noise_ * kMaxComplexNormal * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
+         (noise_filter_.empty() ||
+          (log && most_noise * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {
     ++first_noisy_;
   }
 }
@@ -183,11 +198,25 @@ void Receiver::detect(std::span<const std::complex<float>> iq,
 
 void Receiver::add_noise(std::span<const std::complex<float>> iq,
                          std::uint64_t noise_key,
-                         std::vector<std::complex<float>>& noisy) const {
+                         std::vector<std::complex<float>>& noisy) {
   noisy.assign(iq.begin(), iq.end());
-  if (noise_ == 0.0f) return;
-  add_noise_to(
-      parts_of(iq.data()), static_cast<int>(iq.size()), noise_key, noise_, parts_of(noisy.data()));
+  if (noise_filter_.empty()) return;
+  const int count = static_cast<int>(iq.size());
+  add_scaled(noise(noise_key, 0, count), 1, 2 * count, parts_of(noisy.data()));
+}
+
+const float* Receiver::noise(std::uint64_t key, int first, int count) {
+  const int taps = static_cast<int>(noise_filter_.size()), white = count + taps - 1;
+  white_noise_.resize(2 * static_cast<std::size_t>(white));
+  fill_white_noise(key, first - taps / 2, white, white_noise_.data());
+  noise_.assign(2 * static_cast<std::size_t>(count), 0.0f);
+  for (int tap = 0; tap < taps; ++tap) {
+    add_scaled(white_noise_.data() + static_cast<std::ptrdiff_t>(2 * tap),
+               noise_filter_[static_cast<std::size_t>(tap)],
+               2 * count,
+               noise_.data());
+  }
+  return noise_.data();
 }
 
 void Receiver::detect_block(
@@ -195,8 +224,8 @@ void Receiver::detect_block(
   const int each = oversampling_, from = first * each, iq_count = count * each;
   envelope_.resize(static_cast<std::size_t>(iq_count));
   const auto* parts = parts_of(iq + from);
-  if (noise_ > 0) {
-    noisy_envelope(parts, from, iq_count, noise_key, noise_, envelope_.data());
+  if (!noise_filter_.empty()) {
+    noisy_envelope(parts, noise(noise_key, from, iq_count), iq_count, envelope_.data());
   } else {
     clean_envelope(parts, iq_count, envelope_.data());
   }

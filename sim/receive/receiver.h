@@ -30,8 +30,8 @@ class Receiver {
   Receiver(const hw::AcquisitionPlan& plan, const SimulationOptions& options, int oversampling);
 
   /// Detects one stick: `iq` holds `oversampling` values per element of `samples`. Noise is a
-  /// function of `noise_key` (sim/math/random.h) and the IQ sample. Every sample is finite: gain is
-  /// limited to 600 dB.
+  /// function of `noise_key` (sim/math/random.h) and the IQ sample; it has the pulse's band, to
+  /// which a receiver is matched. Every sample is finite: gain is limited to 600 dB.
   void detect(std::span<const std::complex<float>> iq,
               std::uint64_t noise_key,
               std::span<float> samples);
@@ -39,17 +39,21 @@ class Receiver {
   /// Adds the stick's noise: `noisy` becomes the IQ samples whose envelope detect() computes.
   void add_noise(std::span<const std::complex<float>> iq,
                  std::uint64_t noise_key,
-                 std::vector<std::complex<float>>& noisy) const;
+                 std::vector<std::complex<float>>& noisy);
 
  private:
+  /// The noise of `count` IQ samples from `first` on; valid until the next call.
+  const float* noise(std::uint64_t key, int first, int count);
   void detect_block(
       const std::complex<float>* iq, std::uint64_t noise_key, int first, int count, float* samples);
 
   SimulationOptions options_;
   int oversampling_;
-  float noise_;              ///< RMS amplitude
-  std::vector<float> gain_;  ///< TGC of each output sample, over full scale
+  std::vector<float> noise_filter_;  ///< of white noise of unit power; empty: no noise
+  std::vector<float> gain_;          ///< TGC of each output sample, over full scale
   int first_noisy_ = 0;  ///< first output sample whose noise can exceed the dynamic range's floor
+  std::vector<float> white_noise_;
+  std::vector<float> noise_;
   std::vector<float> envelope_;
 };
 

@@ -247,7 +247,7 @@ TABLES = {
         "passes 0.1 of the amplitude each way and lies at lateral > 0 (or elevation > 0); crossing: where "
         "the stick's axis meets the plane, from its edge; rise: 10-90 % of amplitude, same for the block",
         ("edge", "depth_mm"), ("crossing_mm", "power_db", "rise_mm"),
-        [(edge, depth) for edge in ("lateral", "elevation") for depth in (65, 80, 100, 130)], half_plane),
+        [(edge, depth) for edge in ("lateral", "elevation") for depth in (65, 75, 80, 100, 130)], half_plane),
     "echo_points": echo_point_table(
         "points of echoes.csv, within 6 mm across the stick and 5 mm across the image plane", echo_points),
     "echoes": echo_table(echo_points),

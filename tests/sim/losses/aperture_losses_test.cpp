@@ -124,7 +124,7 @@ std::vector<float> all_corrections(const ScannedTissue& tissue,
 TEST(ApertureLosses, WhatIsSkippedChangesNothing) {
   const auto phantom = phantoms::make_phantom({.name = "sphere", .radius_m = 3e-3});
   hw::ProbeOptions low;  // few frames in reach
-  low.element_height_m = 2e-3;
+  low.element_height_m = 4e-3;
   const hw::AcquisitionPlan dense(low, plan(5, 145, 6 * kDegree).acquisition());
   const auto options = mean_echo();
   const ScannedTissue tissue{std::make_shared<const TissueMap>(phantom, 2e-3, 0),

@@ -158,8 +158,10 @@ double wavelength_m() {
   return plan().acquisition().sound_speed_m_s / plan().probe().center_frequency_hz;
 }
 
-/// Ways are few, and the sheet's edge is known within a stick.
+/// Paths are few, and the sheet's edge is known within a stick.
 constexpr double kTolerance = 0.09;
+/// The same within kNear_m behind the sheet.
+constexpr double kNearTolerance = 0.12, kNear_m = 16e-3;
 
 TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
   Shadow shadow(plan(), [](int, int line) { return line < 32; });
@@ -170,7 +172,7 @@ TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
   double softest = 0;
   for (int node = 0; node < nodes; ++node) {
     const double r = node * shadow.grid().step_m;
-    if (r > kSheet_m && r < kSheet_m + 16e-3) continue;
+    if (r > kSheet_m && r < kSheet_m + 8e-3) continue;
     for (int line = 0; line < shadow.grid().lines; ++line) {
       const double aside_m = (line - 31.5) * line_m;
       const double expected =
@@ -181,7 +183,8 @@ TEST(ConeMean, ShadowInTheImagePlaneIsThatOfTheBeam) {
                                           wavelength_m(),
                                           {kSheet_m, kFace, aside_m});
       const double amplitude = found[static_cast<std::size_t>(line * nodes + node)];
-      EXPECT_NEAR(amplitude, expected, kTolerance) << line << " " << r;
+      const double tolerance = r < kSheet_m + kNear_m ? kNearTolerance : kTolerance;
+      EXPECT_NEAR(amplitude, expected, tolerance) << line << " " << r;
       if (line == 29) softest = std::max(softest, amplitude);
     }
   }
@@ -201,7 +204,7 @@ double worst_across_the_image_plane(int frames) {
         (frame - covered + 0.5) * plan.phi_step_rad() * (plan.probe().wobble_radius_m + kSheet_m);
     for (int node = 0; node < shadow.grid().nodes; ++node) {
       const double r = node * shadow.grid().step_m;
-      if (r < kSheet_m + 16e-3) continue;
+      if (r < kSheet_m + 8e-3) continue;
       const double expected =
           amplitude_behind(lens, lens, r, wavelength_m(), {kSheet_m, kFace, aside_m});
       const auto i = static_cast<std::size_t>(4 * shadow.grid().nodes + node);
@@ -227,14 +230,16 @@ TEST(ConeMean, AnEvenSheetIsThatOfTheAxis) {
   }
 }
 
+/// Where the beam has not met the sheet on either side of the axis.
 TEST(ConeMean, NothingChangesInFrontOfAnObliqueSheet) {
+  constexpr int kBeamLines = 4;
   const auto sheet_m = [](int line) { return 30e-3 + 1.9e-3 * line; };  // some 45 degrees
   Shadow shadow(
       plan(), [](int, int) { return true; }, sheet_m);
   const auto& grid = shadow.grid();
   const auto log_gain = shadow.log_gain(18);
   for (int line = 0; line < grid.lines; ++line) {
-    for (int node = 0; node * grid.step_m < sheet_m(line); ++node) {
+    for (int node = 0; node * grid.step_m < sheet_m(line - kBeamLines); ++node) {
       const auto i = static_cast<std::size_t>(line * grid.nodes + node);
       EXPECT_NEAR(log_gain[i], 0, 1e-4) << line << " " << node;
     }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "sim/losses/losses.h"
@@ -111,6 +112,44 @@ TEST(Receive, NoiseHasItsLevelAndDependsOnItsKey) {
   double mean = 0;
   for (float value : a) mean += static_cast<double>(value) / 4096;
   EXPECT_NEAR(mean, 0.01 * std::sqrt(kPi) / 2, 2e-4) << "Rayleigh mean of RMS 0.01";
+}
+
+/// Amplitude of a sequence's spectrum at a frequency, in cycles per sample.
+double spectrum_at(std::span<const Complex> iq, double cycles) {
+  std::complex<double> sum;
+  for (std::size_t i = 0; i < iq.size(); ++i) {
+    sum +=
+        std::complex<double>(iq[i]) * std::polar(1.0, -2 * kPi * cycles * static_cast<double>(i));
+  }
+  return std::abs(sum);
+}
+
+/// A probe's relative bandwidth is the width of its amplitude spectrum between half of its peak.
+TEST(Receive, NoiseHasTheBandOfTheProbe) {
+  constexpr int kSamples = 1024, kOversampling = 2, kSticks = 60;
+  const auto plan = plan_of(kSamples);
+  const double rate_hz =
+      kOversampling * plan.acquisition().sound_speed_m_s / 2 / plan.sample_spacing_m();
+  auto options = noiseless_linear();
+  options.noise_db = -40;
+  Receiver receiver(plan, options, kOversampling);
+  const std::vector<Complex> no_echo(kSamples * kOversampling);
+  const double half_hz = 0.5 * plan.probe().fractional_bandwidth * plan.probe().center_frequency_hz;
+  double middle = 0, edge = 0, beyond = 0, power = 0;
+  std::vector<Complex> noisy;
+  for (std::uint64_t key = 0; key < kSticks; ++key) {
+    receiver.add_noise(no_echo, key, noisy);
+    for (const Complex z : noisy) power += static_cast<double>(std::norm(z));
+    for (int i = -10; i <= 10; ++i) {  // neighbouring, independent frequencies
+      const double beside = i / static_cast<double>(no_echo.size());
+      middle += std::pow(spectrum_at(noisy, beside), 2);
+      edge += std::pow(spectrum_at(noisy, half_hz / rate_hz + beside), 2);
+      beyond += std::pow(spectrum_at(noisy, 2 * half_hz / rate_hz + beside), 2);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(edge / middle), 0.5, 0.04);
+  EXPECT_NEAR(std::sqrt(beyond / middle), std::pow(0.5, 4), 0.02) << "a Gaussian's";
+  EXPECT_NEAR(std::sqrt(power / (kSticks * 2.0 * kSamples)), 0.01, 2e-4) << "RMS";
 }
 
 TEST(Receive, SkippedBlocksAreThoseWithoutEchoAndNoise) {
