@@ -1,14 +1,20 @@
 // The stream as a page that a browser shows: pictures as they come, every setting, the truth.
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "base/duration.h"
 #include "base/user_error.h"
+#include "bench/board_checks/fault_simulation/scenario.h"
 #include "bench/cache/phantom_cache.h"
 #include "bench/command/commands.h"
 #include "bench/command/common_options.h"
@@ -35,10 +41,12 @@ struct Arguments {
   std::string listen;  ///< empty: loopback
   int port = 8642;
   int ring = hw::BoardOptions{}.ring_slots;
+  std::uint64_t replay = 0;  ///< seed of a rehearsal; 0: none
   bool open = false;
 };
 
 constexpr std::chrono::milliseconds kStatusEvery{30};
+constexpr std::size_t kMostWarnings = 20;
 /// After a request to stop, the command ends by itself within this time or is ended.
 constexpr std::chrono::milliseconds kStopWithin{800};
 
@@ -84,16 +92,31 @@ std::jthread end_in_time() {
   });
 }
 
+/// The newest that were given, each once.
+std::vector<std::string> newest_warnings(Progress& progress) {
+  std::vector<std::string> newest;
+  const std::vector<std::string> all = progress.warnings();
+  for (auto warning = all.rbegin(); warning != all.rend() && newest.size() < kMostWarnings;
+       ++warning) {
+    if (std::ranges::find(newest, *warning) == newest.end()) newest.push_back(*warning);
+  }
+  return newest;
+}
+
 /// Sends each new status, some 30 times a second at most.
-std::jthread send_status(const LivePanel& panel, LiveServer& server) {
+std::jthread send_status(const LivePanel& panel, Progress& progress, LiveServer& server) {
   return std::jthread([&](const std::stop_token& done) {
     std::uint64_t version = 0;
+    std::vector<std::string> warnings;
     while (!done.stop_requested()) {
       const std::uint64_t newest = panel.wait_for_status(version, std::chrono::milliseconds(200));
-      if (newest == version) continue;
+      std::vector<std::string> now = newest_warnings(progress);
+      if (newest == version && now == warnings) continue;
       version = newest;
-      server.publish(Channel::status,
-                     {std::make_shared<const std::string>(panel.status().dump()), true});
+      warnings = std::move(now);
+      nlohmann::ordered_json status = panel.status();
+      status["warnings"] = warnings;
+      server.publish(Channel::status, {std::make_shared<const std::string>(status.dump()), true});
       std::this_thread::sleep_for(kStatusEvery);
     }
   });
@@ -108,15 +131,42 @@ void print_account(const LiveAccount& account) {
               static_cast<unsigned long long>(account.sticks.lost.total()));
 }
 
-/// The faults of --board, which the page may change.
-std::string faults_of(const BoardArguments& board) {
+std::string text_of(const hw::FaultPlan& plan) {
+  std::ostringstream text;
+  for (const hw::Fault& fault : plan.faults) {
+    text << hw::to_string(fault.kind) << (fault.at ? "@" : ":");
+    fault.at ? text << *fault.at : text << fault.rate;
+    text << "+";
+  }
+  text << "seed:" << plan.seed << "+delay_ms:" << to_milliseconds(plan.delay)
+       << "+stall_ms:" << to_milliseconds(plan.stall);
+  return text.str();
+}
+
+/// Those that `rehearse` injects with this seed; its probe, card and schedule are too small for a
+/// picture.
+std::string faults_of_rehearsal(std::uint64_t seed) {
+  const hw::FaultPlan faults = draw_scenario(seed).faults;
+  if (!faults.faults.empty()) return text_of(faults);
+  throw UserError("--replay = " + std::to_string(seed) +
+                  ": this rehearsal has no faults; three of ten have none");
+}
+
+/// The faults at the start, which the page may change.
+std::string faults_of(const Arguments& arguments, const BoardArguments& board) {
   const auto found = board.link.settings.find("faults");
-  return found == board.link.settings.end() ? "" : found->second;
+  const bool has_faults = found != board.link.settings.end();
+  if (arguments.replay == 0) return has_faults ? found->second : "";
+  if (has_faults) {
+    throw UserError("--replay = " + std::to_string(arguments.replay) +
+                    ": --board has faults, too; give one of them");
+  }
+  return faults_of_rehearsal(arguments.replay);
 }
 
 int live(const Arguments& arguments) {
   const BoardArguments board = parse_board(arguments.board);
-  LivePanel panel(arguments.scene, is_simulated(board), faults_of(board));
+  LivePanel panel(arguments.scene, is_simulated(board), faults_of(arguments, board));
   check_memory_of_run(panel.wanted().given, available_memory_bytes());
   const auto context = render::make_context(arguments.gl);
   Progress progress;
@@ -125,9 +175,11 @@ int live(const Arguments& arguments) {
   LivePipeline pipeline(board, {.ring_slots = arguments.ring}, *context, cache, progress, panel);
   LiveRequests requests(panel, pipeline, arguments.board, context->renderer_string());
   const ServerOptions options = server_options(arguments);
-  const auto server = make_live_server(
-      options,
-      {.asset = live_asset, .take = [&](const std::string& text) { return requests.take(text); }});
+  const auto server =
+      make_live_server(options,
+                       {.asset = live_asset,
+                        .take = [&](const std::string& text) { return requests.take(text); },
+                        .channels_changed = [&] { pipeline.refresh(); }});
   // Until here an interrupt ends the command at once, as there is nothing to keep.
   pipeline.prepare();
   stop_in_order();
@@ -137,7 +189,7 @@ int live(const Arguments& arguments) {
   if (arguments.open) progress.warn(open_address(address));
   {
     const std::jthread guard = end_in_time();
-    const std::jthread status = send_status(panel, *server);
+    const std::jthread status = send_status(panel, progress, *server);
     pipeline.run(*server);
   }
   print_account(pipeline.account());
@@ -163,6 +215,10 @@ Command add_live_command(CLI::App& app) {
       "Without it this machine alone, at 127.0.0.1");
   add_integer(
       command, "--ring", arguments->ring, "Sticks that the board holds", 1, hw::kMaxRingSlots);
+  add_seed(command,
+           "--replay",
+           arguments->replay,
+           "Inject the faults that `rehearse` draws from this seed; 0: none");
   add_flag(command, "--open", arguments->open, "Show the page in the browser");
   return {&command, [arguments] { return live(*arguments); }};
 }

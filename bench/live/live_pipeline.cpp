@@ -1,17 +1,23 @@
 #include "bench/live/live_pipeline.h"
 
 #include <chrono>
+#include <cstdio>
 #include <exception>
+#include <thread>
 #include <utility>
 
+#include "base/user_error.h"
 #include "bench/command/program.h"
 #include "bench/evaluation/truth/shadows.h"
+#include "bench/live/space_message.h"
 
 namespace wobblebench::bench {
 
 namespace {
 
 constexpr std::chrono::milliseconds kPausedWait{50};
+/// Longer than a page takes to be loaded again.
+constexpr std::chrono::seconds kUnwatched{10};
 
 void add_to(hw::BoardAccount& sum, const hw::BoardAccount& account) {
   sum.emitted += account.emitted;
@@ -72,7 +78,12 @@ void LivePipeline::connect(const WantedScene& wanted) {
   panel_.adopt(wanted, scene);
   auto renderer = progress_.step("shaders", [&] {
     return std::make_unique<LiveRenderer>(
-        context_, panel_, [this](SharedPicture picture) { show(std::move(picture)); });
+        context_,
+        panel_,
+        [this](SharedPicture picture) { show(std::move(picture)); },
+        [this](const LivePicture& shown, const render::Picture& start) {
+          show_compared(shown, start);
+        });
   });
   stream_ = std::make_unique<Stream>(Stream{.board = std::move(board),
                                             .scene = std::move(scene),
@@ -80,8 +91,10 @@ void LivePipeline::connect(const WantedScene& wanted) {
                                             .source = source,
                                             .renderer = std::move(renderer),
                                             .faults = faults});
+  // Of another scan.
   const std::lock_guard lock(mutex_);
-  shown_.reset();  // of another scan
+  shown_.reset();
+  history_.clear();
 }
 
 /// False: the scene that is wanted was refused, and the last one stays.
@@ -131,7 +144,10 @@ void LivePipeline::run(LiveServer& server) {
   while (!stop_requested()) {
     if (panel_.is_scan_wanted() && !try_to_connect()) continue;
     const LiveOrders orders = panel_.orders();
-    if (orders.is_playing) {
+    if (!is_watched()) {
+      panel_.set_stage("waiting");
+      std::this_thread::sleep_for(kPausedWait);
+    } else if (orders.is_playing) {
       play(orders);
     } else {
       panel_.rest();
@@ -151,7 +167,8 @@ void LivePipeline::play(const LiveOrders& orders) {
     const StreamResult result = run_one(orders);
     add(result);
     if (!result.failure.empty()) return panel_.end_stage(orders, "ended", result.failure);
-    if (panel_.interrupts() != orders.interrupts || stop_requested()) return;
+    progress_.warn(stream_->board->left_out());
+    if (panel_.interrupts() != orders.interrupts || stop_requested() || !is_watched()) return;
     panel_.end_stage(orders, orders.is_step ? "paused" : "ended");
   } catch (const render::ContextLost&) {
     throw;
@@ -171,10 +188,26 @@ StreamResult LivePipeline::run_one(const LiveOrders& orders) {
   };
   const StreamOptions options{.queue = {},
                               .volumes = orders.is_step ? std::uint64_t{1} : std::uint64_t{0},
-                              .mid_volume = panel_.state()->scene.render().pipeline.mid_volume};
+                              .mid_volume = panel_.state()->scene.render().pipeline.mid_volume,
+                              .frames = [this](const StreamFrame& frame) {
+                                publish(Channel::firing, [&] { return firing_message(frame); });
+                              }};
   return run_stream(source, *stream_->renderer, options, sink, [&] {
-    return stop_requested() || panel_.interrupts() != orders.interrupts;
+    return stop_requested() || panel_.interrupts() != orders.interrupts || !is_watched();
   });
+}
+
+/// A page is open, or was a moment ago. Without one the stream waits.
+bool LivePipeline::is_watched() {
+  const hw::HostTime now = hw::HostClock::now();
+  if (server_->viewers() > 0) watched_ = now;
+  const bool is_watched = now - watched_ < kUnwatched;
+  if (!is_watched && std::exchange(was_watched_, false)) {
+    std::printf("no page is open: the stream waits for one\n");
+    std::fflush(stdout);
+  }
+  was_watched_ = is_watched;
+  return is_watched;
 }
 
 void LivePipeline::add(const StreamResult& result) {
@@ -203,12 +236,24 @@ void LivePipeline::start_analysis() {
   const auto truth = std::make_shared<LiveTruth>(stream_->maps);
   auto worker = std::make_unique<Worker>(
       [this, truth](const SharedPicture& picture) { analyse(*picture, *truth); });
+  has_space_ = false;
+  const auto past_truth = std::make_shared<LiveTruth>(stream_->maps);
+  auto past_worker = std::make_unique<PastWorker>([this, past_truth](const PastRequest& request) {
+    publish(Channel::past, [&] { return past(request, *past_truth); });
+  });
   const std::lock_guard lock(mutex_);
   analysis_ = std::move(worker);
+  past_ = std::move(past_worker);
 }
 
-void LivePipeline::stop(std::unique_ptr<Worker>& worker) {
-  std::unique_ptr<Worker> stopped;
+void LivePipeline::stop_analysis() {
+  stop(analysis_);
+  stop(past_);
+}
+
+template <class Stopped>
+void LivePipeline::stop(std::unique_ptr<Stopped>& worker) {
+  std::unique_ptr<Stopped> stopped;
   const std::lock_guard lock(mutex_);
   stopped.swap(worker);
 }
@@ -222,13 +267,42 @@ void LivePipeline::publish(Channel channel, const std::function<LiveMessage()>& 
   }
 }
 
-void LivePipeline::encode(const LivePicture& picture) const {
-  publish(Channel::picture, [&] { return picture_message(picture); });
+void LivePipeline::encode(const LivePicture& picture) {
+  publish(Channel::picture, [&] {
+    LiveMessage message = picture_message(picture);
+    const std::lock_guard lock(mutex_);
+    if (shown_.get() == &picture) history_.add(picture, message);
+    return message;
+  });
 }
 
-void LivePipeline::analyse(const LivePicture& picture, LiveTruth& truth) const {
+void LivePipeline::show_compared(const LivePicture& shown, const render::Picture& start) const {
+  publish(Channel::compared, [&] { return compared_message(shown, start); });
+}
+
+void LivePipeline::show_past(std::uint64_t number, const std::string& of) {
+  if (of != "picture" && of != "maps" && of != "planes") {
+    throw UserError("of = " + of + ": must be picture, maps or planes");
+  }
+  const std::lock_guard lock(mutex_);
+  if (past_) past_->give({number, of});
+}
+
+LiveMessage LivePipeline::past(const PastRequest& request, LiveTruth& truth) const {
+  const auto kept = history_.find(request.number);
+  LiveMessage message;
+  if (kept && request.of == "picture") message = kept->message;
+  if (kept && request.of == "maps") message = maps_message(kept->unpacked(), truth);
+  if (kept && request.of == "planes" && kept->frames) message = planes_message(kept->unpacked());
+  return past_message(request.number, request.of, message);
+}
+
+void LivePipeline::analyse(const LivePicture& picture, LiveTruth& truth) {
   if (picture.frames) publish(Channel::planes, [&] { return planes_message(picture); });
   publish(Channel::maps, [&] { return maps_message(picture, truth); });
+  if (has_space_ || !server_->is_wanted(Channel::space)) return;
+  has_space_ = true;
+  publish(Channel::space, [&] { return space_message(picture.state->scene); });
 }
 
 }  // namespace wobblebench::bench

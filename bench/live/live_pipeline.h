@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench/cache/phantom_cache.h"
+#include "bench/live/history.h"
 #include "bench/live/live_renderer.h"
 #include "bench/live/messages.h"
 #include "bench/live/newest.h"
@@ -48,10 +49,18 @@ class LivePipeline {
   SharedPicture shown() const;
   /// Sends the newest picture, and what is made of it, to viewers who have not got it.
   void refresh();
+  /// Sends of a kept volume its picture, maps or planes. Throws UserError for another `of`.
+  void show_past(std::uint64_t number, const std::string& of);
+  const LiveHistory& history() const { return history_; }
   const LiveAccount& account() const { return account_; }
 
  private:
   using Worker = NewestWorker<SharedPicture>;
+  struct PastRequest {
+    std::uint64_t number = 0;
+    std::string of;
+  };
+  using PastWorker = NewestWorker<PastRequest>;
   struct Stream;
   void connect(const WantedScene& wanted);
   bool try_to_connect();
@@ -60,11 +69,15 @@ class LivePipeline {
   StreamResult run_one(const LiveOrders& orders);
   void show(SharedPicture picture);
   void start_analysis();
-  void stop_analysis() { stop(analysis_); }
-  void stop(std::unique_ptr<Worker>& worker);
+  void stop_analysis();
+  template <class Stopped>
+  void stop(std::unique_ptr<Stopped>& worker);
   void publish(Channel channel, const std::function<LiveMessage()>& make) const;
-  void encode(const LivePicture& picture) const;
-  void analyse(const LivePicture& picture, LiveTruth& truth) const;
+  void encode(const LivePicture& picture);
+  void show_compared(const LivePicture& shown, const render::Picture& start) const;
+  LiveMessage past(const PastRequest& request, LiveTruth& truth) const;
+  bool is_watched();
+  void analyse(const LivePicture& picture, LiveTruth& truth);
   BoardArguments board_arguments(std::uint32_t first_volume) const;
   std::uint32_t next_volume() const;
   void add(const StreamResult& result);
@@ -78,9 +91,14 @@ class LivePipeline {
   LiveServer* server_ = nullptr;
   std::unique_ptr<Stream> stream_;
   LiveAccount account_;
+  LiveHistory history_;
+  hw::HostTime watched_ = hw::HostClock::now();  ///< a page was open
+  bool was_watched_ = true;
+  bool has_space_ = false;    ///< the stream's space was sent; used by the analysis alone
   mutable std::mutex mutex_;  ///< of what follows, but for the workers' threads
   SharedPicture shown_;
   std::unique_ptr<Worker> encoder_, analysis_;
+  std::unique_ptr<PastWorker> past_;
 };
 
 }  // namespace wobblebench::bench

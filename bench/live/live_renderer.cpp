@@ -14,6 +14,13 @@ bool is_here(const hw::PolarFrame& frame) {
   return !frame.samples.empty();
 }
 
+void add_all(const std::vector<hw::PolarFrame>& frames, render::Renderer& to) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (is_here(frames[i])) to.add_frame(static_cast<int>(i), frames[i]);
+  }
+  to.update();
+}
+
 int lost_sticks(const std::vector<hw::PolarFrame>& frames) {
   std::ptrdiff_t lost = 0;
   for (const hw::PolarFrame& frame : frames) lost += std::ranges::count(frame.arrived, 0);
@@ -22,10 +29,16 @@ int lost_sticks(const std::vector<hw::PolarFrame>& frames) {
 
 }  // namespace
 
-LiveRenderer::LiveRenderer(render::GlContext& context,
-                           LivePanel& panel,
-                           std::function<void(SharedPicture)> show)
-    : context_(context), panel_(panel), show_(std::move(show)), state_(panel.state()) {
+LiveRenderer::LiveRenderer(
+    render::GlContext& context,
+    LivePanel& panel,
+    std::function<void(SharedPicture)> show,
+    std::function<void(const LivePicture&, const render::Picture&)> show_compared)
+    : context_(context),
+      panel_(panel),
+      show_(std::move(show)),
+      show_compared_(std::move(show_compared)),
+      state_(panel.state()) {
   renderer_ =
       std::make_unique<render::Renderer>(context_, state_->scene.plan(), state_->scene.render());
   renderer_->compile();
@@ -58,10 +71,23 @@ render::Picture LiveRenderer::render() {
 /// Whether there is a new picture.
 bool LiveRenderer::follow() {
   const auto state = panel_.state();
-  if (state == state_) return false;
-  take(state);
-  if (whole_) make_picture();
-  return whole_ != nullptr;
+  const bool has_changed = state != state_;
+  if (has_changed) take(state);
+  if (!whole_) return false;
+  if (has_changed) make_picture();
+  compare();
+  return has_changed;
+}
+
+void LiveRenderer::compare() {
+  const std::uint64_t asked = panel_.comparisons();
+  const auto options = panel_.start_options();
+  if (asked == compared_ || !options) return;
+  compared_ = asked;
+  if (!shown_ || shown_->frames != whole_) make_picture();
+  render::Renderer other(context_, state_->scene.plan(), *options);
+  add_all(*whole_, other);
+  show_compared_(*shown_, other.render());
 }
 
 /// A state that this machine cannot render is refused, and the last one stays.
@@ -87,15 +113,8 @@ void LiveRenderer::rebuild(const std::shared_ptr<const LiveState>& state) {
   auto renderer =
       std::make_unique<render::Renderer>(context_, state->scene.plan(), state->scene.render());
   renderer_ = std::move(renderer);
-  if (whole_) add_all(*whole_);
-  add_all(current_);
-}
-
-void LiveRenderer::add_all(const std::vector<hw::PolarFrame>& frames) {
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (is_here(frames[i])) renderer_->add_frame(static_cast<int>(i), frames[i]);
-  }
-  renderer_->update();
+  if (whole_) add_all(*whole_, *renderer_);
+  add_all(current_, *renderer_);
 }
 
 void LiveRenderer::begin_stream() {
@@ -103,7 +122,7 @@ void LiveRenderer::begin_stream() {
   current_.assign(current_.size(), {});
   if (!has_part) return;
   // The last whole volume takes the place of the part.
-  whole_ ? add_all(*whole_) : rebuild(state_);
+  whole_ ? add_all(*whole_, *renderer_) : rebuild(state_);
 }
 
 render::Picture LiveRenderer::make_picture() {
@@ -115,7 +134,8 @@ render::Picture LiveRenderer::make_picture() {
                     .frames = whole_,
                     .lost_sticks = whole_ ? lost_sticks(*whole_) : 0,
                     .render_ms = to_milliseconds(hw::HostClock::now() - begin)};
-  show_(std::make_shared<const LivePicture>(std::move(shown)));
+  shown_ = std::make_shared<const LivePicture>(std::move(shown));
+  show_(shown_);
   return picture;
 }
 

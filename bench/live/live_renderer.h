@@ -33,9 +33,11 @@ using SharedPicture = std::shared_ptr<const LivePicture>;
 class LiveRenderer : public StreamRenderer {
  public:
   /// All must outlive it. The panel has a state. `show` gets each picture.
+  /// `show_compared` gets the picture and, of the same volume, that of the settings at the start.
   LiveRenderer(render::GlContext& context,
                LivePanel& panel,
-               std::function<void(SharedPicture)> show);
+               std::function<void(SharedPicture)> show,
+               std::function<void(const LivePicture&, const render::Picture&)> show_compared);
 
   void begin_volume(std::uint32_t volume) override;
   double add_frame(int frame, const hw::PolarFrame& samples) override;
@@ -49,19 +51,22 @@ class LiveRenderer : public StreamRenderer {
 
  private:
   bool follow();
+  void compare();
   void take(const std::shared_ptr<const LiveState>& state);
   void rebuild(const std::shared_ptr<const LiveState>& state);
-  void add_all(const std::vector<hw::PolarFrame>& frames);
   render::Picture make_picture();
 
   render::GlContext& context_;
   LivePanel& panel_;
   const std::function<void(SharedPicture)> show_;
+  const std::function<void(const LivePicture&, const render::Picture&)> show_compared_;
   std::shared_ptr<const LiveState> state_;
   std::unique_ptr<render::Renderer> renderer_;
   std::vector<hw::PolarFrame> current_;  ///< of the volume under way; without samples: not here
   std::uint32_t volume_ = 0;             ///< under way
   SharedFrames whole_;
+  SharedPicture shown_;         ///< the newest
+  std::uint64_t compared_ = 0;  ///< LivePanel::comparisons() that were answered
   std::optional<std::uint32_t> last_volume_;
 };
 

@@ -30,16 +30,6 @@ void put_number(std::uint32_t number, int bytes, std::string& to) {
   for (int i = 0; i < bytes; ++i) to += static_cast<char>((number >> (8 * i)) & 255U);
 }
 
-LiveMessage binary_message(Json header, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) header["parts"].push_back(part.size());
-  const std::string text = header.dump();
-  std::string bytes;
-  put_number(static_cast<std::uint32_t>(text.size()), 4, bytes);
-  bytes += text;
-  for (const std::string& part : parts) bytes += part;
-  return {std::make_shared<const std::string>(std::move(bytes)), false};
-}
-
 /// sRGB's transfer function as a table, whose steps are finer than those of 8 bits.
 float display_value(float light) {
   constexpr int kSteps = 1 << 14;
@@ -163,6 +153,16 @@ double age_ms(const StickTimes& echo, hw::HostTime now) {
 
 }  // namespace
 
+LiveMessage binary_message(Json header, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) header["parts"].push_back(part.size());
+  const std::string text = header.dump();
+  std::string bytes;
+  put_number(static_cast<std::uint32_t>(text.size()), 4, bytes);
+  bytes += text;
+  for (const std::string& part : parts) bytes += part;
+  return {std::make_shared<const std::string>(std::move(bytes)), false};
+}
+
 LiveMessage picture_message(const LivePicture& shown) {
   Json header = header_of("picture", shown);
   header["lost_sticks"] = shown.lost_sticks;
@@ -192,6 +192,9 @@ LiveMessage maps_message(const LivePicture& shown, LiveTruth& true_surfaces) {
     return binary_message(std::move(header), {code.codes(found_m)});
   }
   const Truth truth = true_surfaces.of(shown);
+  // Of an earlier volume the picture that ShadingBase::rendered shades is not kept.
+  const bool can_shade = !shown.picture.volume.pixels.empty() ||
+                         scene.render().shading.base == render::ShadingBase::constant;
   header.update(error_json(measure_depth_error(found_m, truth, scene.view().camera)));
   const DepthCode code({&found_m, &truth.depth_m});
   add(code);
@@ -200,7 +203,8 @@ LiveMessage maps_message(const LivePicture& shown, LiveTruth& true_surfaces) {
       {code.codes(found_m),
        code.codes(truth.depth_m),
        class_bytes(pixel_classes(found_m, truth)),
-       jpeg(shade_truth(truth, scene.render(), shown.picture.volume), Values::light)});
+       can_shade ? jpeg(shade_truth(truth, scene.render(), shown.picture.volume), Values::light)
+                 : std::string()});
 }
 
 LiveMessage planes_message(const LivePicture& shown) {
@@ -226,6 +230,30 @@ LiveMessage planes_message(const LivePicture& shown) {
                                 {"mm_per_pixel", plane.pixel_m / kMillimetre}});
   }
   return binary_message(std::move(header), parts);
+}
+
+LiveMessage compared_message(const LivePicture& shown, const render::Picture& start) {
+  return binary_message(
+      header_of("compared", shown),
+      {jpeg(shown.picture.surface, Values::light), jpeg(start.surface, Values::light)});
+}
+
+LiveMessage past_message(std::uint64_t number, const std::string& of, const LiveMessage& message) {
+  Json header = {{"type", "past"}, {"number", number}, {"of", of}};
+  if (!message.bytes) return binary_message(std::move(header), {});
+  return binary_message(std::move(header), {*message.bytes});
+}
+
+LiveMessage firing_message(const StreamFrame& frame) {
+  Json lost = Json::array();
+  for (std::size_t line = 0; line < frame.samples.arrived.size(); ++line) {
+    if (frame.samples.arrived[line] == 0) lost.push_back(line);
+  }
+  const Json json = {{"type", "firing"},
+                     {"volume", frame.volume},
+                     {"frame", frame.frame},
+                     {"lost", std::move(lost)}};
+  return {std::make_shared<const std::string>(json.dump()), true};
 }
 
 LiveMessage times_message(const ShownPicture& shown,

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/evaluation/truth/shadows.h"
 #include "bench/live/live_renderer.h"
@@ -35,6 +37,19 @@ LiveMessage maps_message(const LivePicture& shown, LiveTruth& truth);
 /// B-mode planes of the volume that the picture shows, as JPEG: the middle frame, the plane across
 /// frames, and a plane at the middle of the volume of interest's depth.
 LiveMessage planes_message(const LivePicture& shown);
+
+/// The picture and, of the same volume, that of the settings at the start, both as JPEG.
+LiveMessage compared_message(const LivePicture& shown, const render::Picture& start);
+
+/// A message of what was asked of an earlier volume: `of` is picture, maps or planes, the part that
+/// message; no part: the volume is no longer kept.
+LiveMessage past_message(std::uint64_t number, const std::string& of, const LiveMessage& message);
+
+/// A frame has come: its number and the lines that were lost.
+LiveMessage firing_message(const StreamFrame& frame);
+
+/// Header and parts as docs/live.md says; header.parts is filled in.
+LiveMessage binary_message(nlohmann::ordered_json header, const std::vector<std::string>& parts);
 
 /// Times and losses of a stream's picture, number `pictures` of all.
 LiveMessage times_message(const ShownPicture& shown,

@@ -126,6 +126,22 @@ void LivePanel::step() {
   interrupt();
 }
 
+void LivePanel::compare() {
+  const std::lock_guard lock(mutex_);
+  ++comparisons_;
+}
+
+std::uint64_t LivePanel::comparisons() const {
+  const std::lock_guard lock(mutex_);
+  return comparisons_;
+}
+
+std::optional<render::RenderOptions> LivePanel::start_options() const {
+  const std::lock_guard lock(mutex_);
+  if (!start_) return std::nullopt;
+  return start_->render;
+}
+
 LiveOrders LivePanel::orders() const {
   const std::lock_guard lock(mutex_);
   return orders_;

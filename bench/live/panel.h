@@ -58,6 +58,12 @@ class LivePanel {
   void set_faults(const std::string& faults);
   void play(bool is_playing);
   void step();
+  /// Asks for the last volume's picture by the settings at the start.
+  void compare();
+  /// How often that was asked for.
+  std::uint64_t comparisons() const;
+  /// The renderer's settings at the start; nullopt before the first adopt().
+  std::optional<render::RenderOptions> start_options() const;
 
   LiveOrders orders() const;
   std::uint64_t interrupts() const;
@@ -82,7 +88,8 @@ class LivePanel {
   std::shared_ptr<const LiveState> state() const;
   const SceneArguments& arguments() const { return arguments_; }
   bool with_scan() const { return with_scan_; }
-  /// For the page: what is played, its scene's values, those at the start, what was refused last.
+  /// For the page: what is played, "waiting" where no page is open, its scene's values, those at
+  /// the start, what was refused last.
   nlohmann::ordered_json status() const;
   /// Waits until the status is not of this version, or for this time. Returns its version.
   std::uint64_t wait_for_status(std::uint64_t version, std::chrono::milliseconds time) const;
@@ -103,6 +110,7 @@ class LivePanel {
   std::uint64_t serial_ = 0;
   bool is_scan_wanted_ = true;
   std::shared_ptr<const LiveState> state_;
+  std::uint64_t comparisons_ = 0;
   std::string stage_ = "preparing", why_;
   std::uint64_t version_ = 0;   ///< of all that status() tells
   std::optional<Scene> start_;  ///< of the first stream, with what its file left open

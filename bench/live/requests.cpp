@@ -102,6 +102,7 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
   std::uint64_t serial = 0;
   if (what == "hello") return hello();
   if (what == "save") return saved();
+  if (what == "history") return history();
   if (what == "set") {
     serial = panel_.set(texts_of(request, "settings"));
   } else if (what == "reset") {
@@ -113,12 +114,25 @@ Json LiveRequests::answer(const nlohmann::json& request, ServerCalls::Answer& to
   } else if (what == "faults") {
     panel_.set_faults(request.at("faults").get<std::string>());
   } else if (what == "show") {
-    to.channels = ChannelSet{
-        true, true, true, request.at("maps").get<bool>(), request.at("planes").get<bool>()};
-    pipeline_.refresh();
+    const bool space = request.value("space", false);
+    to.channels = ChannelSet{true,
+                             true,
+                             true,
+                             request.at("maps").get<bool>(),
+                             request.at("planes").get<bool>(),
+                             true,
+                             true,
+                             space,
+                             space};
+  } else if (what == "compare") {
+    panel_.compare();
+  } else if (what == "past") {
+    pipeline_.show_past(request.at("number").get<std::uint64_t>(),
+                        request.at("of").get<std::string>());
   } else {
     throw UserError("do = " + what +
-                    ": must be hello, set, reset, play, pause, step, faults, show or save");
+                    ": must be hello, set, reset, play, pause, step, faults, show, save, compare, "
+                    "history or past");
   }
   return {{"type", "done"}, {"serial", serial}};
 }
@@ -134,6 +148,10 @@ Json LiveRequests::hello() {
           {"renderer", renderer_},
           {"faults", fault_kinds()},
           {"has_truth", state->scene.subject().has_value()}};
+}
+
+Json LiveRequests::history() const {
+  return {{"type", "history"}, {"volumes", pipeline_.history().list()}};
 }
 
 Json LiveRequests::saved() const {

@@ -22,6 +22,7 @@ class LiveRequests {
   nlohmann::ordered_json answer(const nlohmann::json& request, ServerCalls::Answer& to);
   nlohmann::ordered_json hello();
   nlohmann::ordered_json saved() const;
+  nlohmann::ordered_json history() const;
 
   LivePanel& panel_;
   LivePipeline& pipeline_;

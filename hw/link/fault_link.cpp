@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, kFaultKinds> kNames = {"drop",
                                                               "unplug",
                                                               "short_reads"};
 
-constexpr int kLongestWaitMs = 60000;
+constexpr double kLongestWaitMs = 60000;
 
 [[noreturn]] void refuse(const std::string& term, const std::string& allowed) {
   throw InvalidOption("faults", term, allowed);
@@ -43,6 +43,11 @@ T number(const std::string& term, std::string_view text, T least, T most) {
   std::ostringstream allowed;
   allowed << "must be a number within " << least << " and " << most;
   refuse(term, allowed.str());
+}
+
+HostClock::duration milliseconds(const std::string& term, std::string_view text) {
+  const std::chrono::duration<double, std::milli> ms(number(term, text, 0.0, kLongestWaitMs));
+  return std::chrono::duration_cast<HostClock::duration>(ms);
 }
 
 FaultKind kind_of(const std::string& term, std::string_view name) {
@@ -64,9 +69,9 @@ void read_term(FaultPlan& plan, const std::string& term) {
   if (!at && name == "seed") {
     plan.seed = number<std::uint64_t>(term, value, 0, kAny);
   } else if (!at && name == "delay_ms") {
-    plan.delay = std::chrono::milliseconds(number(term, value, 0, kLongestWaitMs));
+    plan.delay = milliseconds(term, value);
   } else if (!at && name == "stall_ms") {
-    plan.stall = std::chrono::milliseconds(number(term, value, 0, kLongestWaitMs));
+    plan.stall = milliseconds(term, value);
   } else if (at) {
     plan.faults.push_back({kind_of(term, name), 0, number<std::uint64_t>(term, value, 0, kAny)});
   } else {

@@ -96,6 +96,24 @@ class Picture {
     this.draw();
   }
 
+  /** Another view takes the picture's place. */
+  cover(isCovered) {
+    this.stage.hidden = isCovered;
+    this.element.classList.toggle('covered', isCovered);
+  }
+
+  /** An earlier volume is shown; what is here is of another. */
+  setPast(isPast) {
+    this.isPast = isPast;
+    this.draw();
+  }
+
+  isStale() {
+    if (this.mode === 'Picture' || !this.picture) return false;
+    const [maps, picture] = [this.maps.header, this.picture.header];
+    return maps.serial !== picture.serial || Boolean(this.isPast) && maps.volume !== picture.volume;
+  }
+
   async takePicture(header, [part]) {
     this.picture?.image.close();
     this.picture = {header, image: await createImageBitmap(new Blob([part], {type: 'image/jpeg'}))};
@@ -121,7 +139,8 @@ class Picture {
     if (this.mode === 'Picture') context.drawImage(this.picture.image, 0, 0);
     else if (this.mode === 'Truth' && this.maps.shaded) context.drawImage(this.maps.shaded, 0, 0);
     else context.putImageData(this.mapImage(), 0, 0);
-    this.stage.classList.toggle('stale', this.mode !== 'Picture' && this.maps.header.serial !== this.picture?.header.serial);
+    this.stage.classList.toggle('stale', this.isStale());
+    this.element.dataset.drawn = this.mode;
     Object.assign(this.canvas.dataset, {serial: ready.header.serial, volume: ready.header.volume});
     this.drawLegend();
   }

@@ -1,11 +1,11 @@
 // The page: what the parts are connected by.
 
-const stages = {preparing: 'Preparing the stream …', playing: 'Playing', paused: 'Paused', ended: 'The stream has ended'};
+const stages = {preparing: 'Preparing the stream …', playing: 'Playing', paused: 'Paused', ended: 'The stream has ended', waiting: 'Waiting for a page'};
 const rareFaults = {unplug: 0.0002, stall: 0.0005, delay: 0.001};
 
 class Page {
   constructor() {
-    this.wanted = {maps: false, planes: false};
+    this.wanted = {maps: false, planes: false, space: false};
     this.sentAt = new Map();
     this.link = new Link((header, parts) => this.take(header, parts), (isOpen) => this.opened(isOpen));
     this.sender = new Sender(this.link);
@@ -32,7 +32,10 @@ class Page {
     const known = JSON.stringify(hello);
     if (this.controls && known !== this.known) location.reload();
     this.known = known;
-    if (!this.controls) this.build(hello);
+    if (!this.controls) {
+      this.build(hello);
+      await this.setFromLink();
+    }
     this.link.ask({do: 'show', ...this.wanted});
   }
 
@@ -41,9 +44,17 @@ class Page {
     this.controls = new Controls(hello.controls, set, (key) => this.reset(key));
     this.picture = new Picture((key, value) => this.turn(key, value), (maps) => this.want({maps}), hello.has_truth);
     this.planes = new Planes((planes) => this.want({planes}));
+    this.space = new Space((space) => this.want({space}));
+    this.past = new Past((request) => this.link.ask(request), () => this.movePast());
+    this.compared = new Compared(() => this.link.ask({do: 'compare'}), (isOn) => this.picture.cover(isOn));
+    this.picture.stage.after(this.compared.element);
     this.times = new Times(hello.has_truth);
+    this.warnings = make('div', {class: 'warnings', hidden: true});
     this.element('source').textContent = `${hello.scene || 'default scene'} · --board ${hello.board} · ${hello.renderer}`;
-    this.element('view').replaceChildren(this.transport(), this.picture.element, this.faults(hello.faults), this.planes.element, this.times.element);
+    const transport = this.transport();
+    this.saveButton.after(this.compared.button);
+    this.element('view').replaceChildren(transport, this.warnings, this.picture.element, this.past.element,
+      this.faults(hello.faults), this.planes.element, this.space.element, this.times.element);
     this.element('panel').replaceChildren(...this.controls.elements);
     document.body.append(statusLine);
     if (this.status) this.showStatus(this.status);
@@ -64,13 +75,51 @@ class Page {
         target.setAttribute('aria-pressed', String(target.getAttribute('aria-pressed') !== 'true'));
         this.sendFaults();
       }}, kind.replaceAll('_', ' ')));
-    return make('fieldset', {class: 'faults'}, make('legend', {}, 'Faults of the link'), ...this.faultButtons);
+    this.faultText = make('code', {class: 'terms'});
+    return make('fieldset', {class: 'faults'}, make('legend', {}, 'Faults of the link'), ...this.faultButtons, this.faultText);
   }
 
   sendFaults() {
     const pressed = this.faultButtons.filter((button) => button.getAttribute('aria-pressed') === 'true');
     const terms = pressed.map(({dataset}) => `${dataset.fault}:${rareFaults[dataset.fault] ?? 0.01}`);
     this.link.ask({do: 'faults', faults: terms.join('+')});
+  }
+
+  /** The settings that the page's address holds behind #. */
+  async setFromLink() {
+    const settings = location.hash.slice(1).split('&').filter(Boolean).map(decodeURIComponent);
+    this.linked = true;
+    if (settings.length === 0) return;
+    const answer = await this.link.ask({do: 'set', settings});
+    if (answer.type === 'refused') this.tellOfLink(answer.why);
+  }
+
+  tellOfLink(why) {
+    const line = this.element('link');
+    line.textContent = `The address holds settings that were not taken: ${why}`;
+    line.hidden = false;
+  }
+
+  /** A link carries what is set. */
+  showInAddress(settings) {
+    if (!this.linked) return;
+    const hash = settings.map((setting) => encodeURIComponent(setting).replaceAll('%3D', '=')).join('&');
+    const address = location.pathname + location.search + (hash ? `#${hash}` : '');
+    if (address !== location.pathname + location.search + location.hash) history.replaceState(null, '', address);
+  }
+
+  /** The cursor of the last minute has moved, or is back at now. */
+  movePast() {
+    const isPast = this.past.volume !== null;
+    this.element('view').classList.toggle('at-past', isPast);
+    this.picture.setPast(isPast);
+    this.wantPast();
+    if (!isPast) this.link.ask({do: 'show', ...this.wanted});
+  }
+
+  wantPast() {
+    if (this.past.volume === null) return;
+    this.past.want(['picture', ...(this.wanted.maps ? ['maps'] : []), ...(this.wanted.planes ? ['planes'] : [])]);
   }
 
   set(key, text, done = () => {}) {
@@ -94,19 +143,31 @@ class Page {
   want(change) {
     Object.assign(this.wanted, change);
     this.link.ask({do: 'show', ...this.wanted});
+    this.wantPast();
   }
 
   async take(header, parts) {
     if (header.type === 'status') return this.showStatus(header);
     if (!this.controls) return undefined;
     if (header.type === 'times') return this.times.take(header);
-    if (header.type === 'planes') return this.planes.take(header, parts);
-    if (header.type === 'maps') {
-      this.times.lines.error?.add(header.p95_mm ?? null);
-      return this.picture.takeMaps(header, parts);
+    if (header.type === 'space') return this.space.take(header, parts);
+    if (header.type === 'firing') return this.space.takeFrame(header);
+    if (header.type === 'compared') return this.compared.take(header, parts);
+    if (header.type === 'maps') this.times.lines.error?.add(header.p95_mm ?? null);
+    if (header.type === 'past') {
+      const within = this.past.take(header, parts);
+      return within && this.draw(within.header, within.parts);
     }
-    await this.picture.takePicture(header, parts);
-    return this.measure(header.serial);
+    if (this.past.volume !== null) return undefined;
+    await this.draw(header, parts);
+    return header.type === 'picture' ? this.measure(header.serial) : undefined;
+  }
+
+  /** A message of what is shown, live or of an earlier volume. */
+  draw(header, parts) {
+    if (header.type === 'planes') return this.planes.take(header, parts);
+    if (header.type === 'maps') return this.picture.takeMaps(header, parts);
+    return this.picture.takePicture(header, parts);
   }
 
   /** The time from a setting to its picture. */
@@ -131,6 +192,12 @@ class Page {
     if (!this.controls) return;
     this.play.textContent = this.isPlaying ? 'Pause' : 'Play';
     this.picture.values = status.values;
+    this.space.setBox(status.values.render.volume_of_interest);
+    this.compared.follow(status.serial);
+    this.showInAddress(status.settings);
+    this.warnings.replaceChildren(...status.warnings.map((warning) => make('p', {}, warning)));
+    this.warnings.hidden = status.warnings.length === 0;
+    this.faultText.textContent = status.faults;
     this.controls.show(status);
     const on = new Set(status.faults.split('+').map((term) => term.split(/[:@]/)[0]));
     for (const button of this.faultButtons) button.setAttribute('aria-pressed', String(on.has(button.dataset.fault)));

@@ -61,7 +61,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Viewer(Shared& shared, Tcp::socket socket)
       : shared_(shared), socket_(std::move(socket)), pause_(shared.context) {
     ++shared_.viewers;
-    want({true, true, true, false, false});
+    want({true, true, true, false, false, true, true, false, false});
   }
   ~Viewer() {
     want({});
@@ -138,6 +138,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     if (answer.channels) {
       want(*answer.channels);
       offer_all();
+      shared_.calls.channels_changed();
     }
     if (answer.text.empty()) return read();
     answer_ = {std::make_shared<const std::string>(std::move(answer.text)), true};

@@ -14,8 +14,18 @@ namespace wobblebench::bench {
 
 /// Kinds of messages to viewers. Of each kind a viewer gets the newest one; older ones that still
 /// wait are dropped.
-enum class Channel : std::uint8_t { status, picture, times, maps, planes };
-inline constexpr std::size_t kChannels = 5;
+enum class Channel : std::uint8_t {
+  status,
+  picture,
+  times,
+  maps,
+  planes,
+  past,      ///< what was asked of an earlier volume
+  compared,  ///< a picture beside that of other settings
+  space,     ///< probe, sticks and phantom
+  firing     ///< the frame that has come
+};
+inline constexpr std::size_t kChannels = 9;
 using ChannelSet = std::array<bool, kChannels>;
 
 /// A message that all viewers share.
@@ -33,7 +43,7 @@ struct ServerOptions {
   int most_messages_per_s = 200;           ///< of a viewer; those beyond it wait
 };
 
-/// What the server's thread asks for. Neither function may throw or block.
+/// What the server's thread asks for. No function may throw or block.
 struct ServerCalls {
   /// A file of the page; empty: there is none of this name.
   std::function<std::string_view(std::string_view name)> asset;
@@ -42,6 +52,8 @@ struct ServerCalls {
     std::optional<ChannelSet> channels;  ///< that the viewer wants from now on
   };
   std::function<Answer(const std::string& message)> take;
+  /// A viewer's channels are now those of its answer.
+  std::function<void()> channels_changed;
 };
 
 /// Serves until it is destroyed, which takes a few milliseconds. Each viewer has one message in

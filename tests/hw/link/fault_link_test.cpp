@@ -61,6 +61,7 @@ TEST(FaultPlan, ParsesEveryTerm) {
   EXPECT_EQ(plan.seed, 9U);
   EXPECT_EQ(plan.delay, std::chrono::milliseconds(2));
   EXPECT_EQ(plan.stall, std::chrono::milliseconds(40));
+  EXPECT_EQ(parse_faults("stall_ms:0.25").stall, std::chrono::microseconds(250));
   EXPECT_TRUE(plan.affects(FaultKind::unplug, 17));
   EXPECT_FALSE(plan.affects(FaultKind::unplug, 16));
   EXPECT_TRUE(plan.affects(FaultKind::corrupt, 3));
