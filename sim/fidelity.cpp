@@ -2,7 +2,10 @@
 
 #include <utility>
 
-#include "sim/math/random.h"
+#include "base/number_text.h"
+#include "base/units.h"
+#include "sim/optics/probe_optics.h"
+#include "sim/optics/pulse_band.h"
 #include "sim/receive/receiver.h"
 #include "sim/rungs/echo_model.h"
 
@@ -29,13 +32,16 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options,
 /// True if the largest noise sample, after time gain, lies below the dynamic range.
 bool noise_is_invisible(const SimulationOptions& options, const hw::AcquisitionPlan& plan) {
   if (options.output == hw::SampleScale::linear_envelope) return false;
-  const double largest = amplitude_of_db(options.noise_db) *
-                         static_cast<double>(kMaxComplexNormal) *
+  const double largest = largest_noise(plan, options, iq_oversampling(plan)) *
                          time_gain(plan, options, plan.acquisition().depth_m);
   return largest < amplitude_of_db(options.full_scale_db - options.dynamic_range_db);
 }
 
 constexpr char kSwitchedOff[] = "switched off";
+
+/// Wavelengths of the lowest element of which a BeamTable is made. Across the image plane it takes
+/// a delay for a parabola, which holds in the beam's far zone up to about a quarter of its range.
+constexpr double kLeastHeight = 4;
 
 class EffectList {
  public:
@@ -116,6 +122,21 @@ Fidelity choose_fidelity(const SimulationOptions& options,
   // The echoes of scatterers are speckle; without speckle there would be none.
   if (!options.speckle && model.models("scatterers_in_tissue")) {
     refuse("speckle", "false", "needs the rung geometry or field");
+  }
+  const bool takes_beam_table = model.models("scatterers_in_tissue")
+                                    ? choice.rung != Rung::reference
+                                    : points && model.models("point_scatterers");
+  if (const double least_m = kLeastHeight * ProbeOptics(plan).wavelength_m();
+      takes_beam_table && plan.probe().element_height_m < least_m) {
+    throw InvalidOption("fidelity",
+                        to_string(options.fidelity),
+                        "the rung " + to_string(choice.rung) +
+                            " needs probe.element_height_mm of at least 4 "
+                            "wavelengths, " +
+                            significant(least_m * 1e3, 3) + " (now " +
+                            significant(plan.probe().element_height_m * 1e3, 3) +
+                            "): the beam of a lower element is too wide for its table; reference "
+                            "has no such bound");
   }
   choice.effects = effects_of(model, options, plan, moving, points);
   return choice;

@@ -13,7 +13,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kColumnsPerElement = 3;
+constexpr int kLeastColumns = 3;     ///< of an element; wider ones have two for each wavelength
 constexpr double kBandSigmas = 3.2;  ///< the spectrum has 0.6 % of its peak there
 constexpr double kPulseSigmas = 4;   ///< the pulse has 0.03 % of its peak there
 constexpr double kPeriodSlack = 1.1;
@@ -58,13 +58,16 @@ ElementSum::ElementSum(const ProbeOptics& optics, double theta_rad)
     : sigma_m_(optics.band().sigma_m()),
       wavenumber_per_m_(optics.band().center_per_m()),
       optics_(optics),
-      aperture_(optics, theta_rad) {
+      aperture_(optics, theta_rad),
+      columns_per_element_(std::max(
+          kLeastColumns,
+          static_cast<int>(std::ceil(2 * optics.probe().pitch_m / optics.wavelength_m())))) {
   const double radius_m = optics.probe().radius_m;
   const double width_rad = optics.probe().pitch_m / radius_m;
   for (std::size_t e = 0; e < aperture_.elements().size(); ++e) {
-    for (int c = 0; c < kColumnsPerElement; ++c) {
+    for (int c = 0; c < columns_per_element_; ++c) {
       const double at =
-          aperture_.elements()[e].angle_rad + ((c + 0.5) / kColumnsPerElement - 0.5) * width_rad;
+          aperture_.elements()[e].angle_rad + ((c + 0.5) / columns_per_element_ - 0.5) * width_rad;
       columns_.push_back({radius_m * (std::cos(at) - 1), radius_m * std::sin(at), e});
     }
   }
@@ -76,7 +79,7 @@ std::size_t ElementSum::sources(double range_m) const {
     sending += aperture_.transmit_weight(element, range_m) > 0;
     receiving += aperture_.receive_weight(element, range_m) > 0;
   }
-  return (sending + receiving) * kColumnsPerElement * optics_.lens().height_m.size();
+  return (sending + receiving) * sources_per_element();
 }
 
 ElementSum::Paths ElementSum::paths_to(const glm::dvec3& point_m) const {
@@ -117,8 +120,7 @@ std::vector<Complex> ElementSum::element_spectra(const Paths& paths,
                                                  const Band& band,
                                                  double range_m,
                                                  double last_m) const {
-  const std::size_t count = band.amplitude.size(),
-                    each = kColumnsPerElement * optics_.lens().height_m.size();
+  const std::size_t count = band.amplitude.size(), each = sources_per_element();
   const double step = band.wavenumber_per_m[1] - band.wavenumber_per_m[0];
   const auto& elements = aperture_.elements();
   std::vector<Complex> spectra(elements.size() * count);
@@ -166,7 +168,7 @@ Complex ElementSum::sample(const std::vector<Complex>& spectra,
 }
 
 ElementSum::Extent ElementSum::extent(const Paths& paths, double range_m) const {
-  const std::size_t each = kColumnsPerElement * optics_.lens().height_m.size();
+  const std::size_t each = sources_per_element();
   Extent extent{std::numeric_limits<double>::infinity(), 0};
   const auto& elements = aperture_.elements();
   for (std::size_t e = 0; e < elements.size(); ++e) {

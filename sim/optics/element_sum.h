@@ -20,8 +20,8 @@ struct BeamPoint {
 };
 
 /// The probe's elements as one stick uses them (StickAperture), each divided into point sources:
-/// three along the face, and those of the lens across it. On transmit, delays focus at the transmit
-/// focus; on receive, at each range (dynamic focus).
+/// three or more along the face, and those of the lens across it. On transmit, delays focus at the
+/// transmit focus; on receive, at each range (dynamic focus).
 class ElementSum {
  public:
   /// `theta_rad`: angle of the stick.
@@ -65,6 +65,9 @@ class ElementSum {
     double last_m;
   };
 
+  std::size_t sources_per_element() const {
+    return static_cast<std::size_t>(columns_per_element_) * optics_.lens().height_m.size();
+  }
   Paths paths_to(const glm::dvec3& point_m) const;
   Extent extent(const Paths& paths, double range_m) const;
   Band band(double spread_m, double frequency_ratio) const;
@@ -83,6 +86,7 @@ class ElementSum {
   double wavenumber_per_m_;
   ProbeOptics optics_;
   StickAperture aperture_;
+  int columns_per_element_;
   std::vector<Column> columns_;
 };
 

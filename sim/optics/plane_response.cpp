@@ -39,12 +39,22 @@ struct OneWay {
   float im[kBatch];
 };
 
-/// sin(x) / x by x^2, up to x = 3.
-WOBBLEBENCH_INLINE float sinc(float x2) {
-  const float q = x2 < 9.0f ? x2 : 9.0f;
+/// Largest x^2 of the series of sin(x) / x.
+constexpr float kMostOfSeries = 9;
+
+/// sin(x) / x by x^2, up to kMostOfSeries.
+WOBBLEBENCH_INLINE float sinc_series(float x2) {
+  const float q = x2 < kMostOfSeries ? x2 : kMostOfSeries;
   return 1.0f - q * (1.0f / 6.0f) *
                     (1.0f - q * (1.0f / 20.0f) *
                                 (1.0f - q * (1.0f / 42.0f) * (1.0f - q * (1.0f / 72.0f))));
+}
+
+/// The same for any x, for elements wider than a wavelength.
+WOBBLEBENCH_INLINE float sinc(float x2) {
+  const float x = std::sqrt(x2 > 1.0f ? x2 : 1.0f);
+  const float beyond = cos_sin_of_cycles(x * static_cast<float>(0.5 / kPi)).sine / x;
+  return x2 < 1.0f ? sinc_series(x2) : beyond;
 }
 
 WOBBLEBENCH_SIMD void see(const SourcePosition& source,
@@ -65,6 +75,7 @@ WOBBLEBENCH_SIMD void see(const SourcePosition& source,
 }
 
 /// Adds a source at one frequency: its phasor at the points times `transmit` and `receive`.
+template <float (*kSinc)(float)>
 WOBBLEBENCH_SIMD void add_source(const Seen& seen,
                                  float cycles_per_m,
                                  float half_width2,
@@ -75,7 +86,7 @@ WOBBLEBENCH_SIMD void add_source(const Seen& seen,
   const float transmit_re = transmit.real(), transmit_im = transmit.imag();
   const float receive_re = receive.real(), receive_im = receive.imag();
   for (int i = 0; i < kBatch; ++i) {
-    const float amplitude = seen.amplitude[i] * sinc(half_width2 * seen.sine2[i]);
+    const float amplitude = seen.amplitude[i] * kSinc(half_width2 * seen.sine2[i]);
     const CosSin at = cos_sin_of_cycles(-cycles_per_m * seen.excess_m[i]);
     const float re = amplitude * at.cosine, im = amplitude * at.sine;
     sent.re[i] += re * transmit_re - im * transmit_im;
@@ -198,13 +209,15 @@ std::vector<PulseBand::Values> PlaneResponse::at(std::span<const PlanePoint> poi
       for (int node = 0; node < band_.nodes(); ++node) {
         const double wavenumber = band_.wavenumber_per_m(node);
         const double half_width = wavenumber * half_width_m_;
-        add_source(seen,
-                   static_cast<float>(wavenumber / (2 * kPi)),
-                   static_cast<float>(half_width * half_width),
-                   {source.transmit.re[node], source.transmit.im[node]},
-                   {source.receive.re[node], source.receive.im[node]},
-                   sent[node],
-                   received[node]);
+        const auto half_width2 = static_cast<float>(half_width * half_width);
+        const auto add = half_width2 > kMostOfSeries ? add_source<sinc> : add_source<sinc_series>;
+        add(seen,
+            static_cast<float>(wavenumber / (2 * kPi)),
+            half_width2,
+            {source.transmit.re[node], source.transmit.im[node]},
+            {source.receive.re[node], source.receive.im[node]},
+            sent[node],
+            received[node]);
       }
     }
     for (std::size_t i = 0; i < count; ++i) {

@@ -138,6 +138,13 @@ double time_gain(const hw::AcquisitionPlan& plan,
                          kMegahertz * range_m / kCentimetre);
 }
 
+double largest_noise(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     int oversampling) {
+  const std::vector<float> taps = noise_filter(plan, options, oversampling);
+  return static_cast<double>(kMaxComplexNormal) * std::accumulate(taps.begin(), taps.end(), 0.0);
+}
+
 double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options) {
   constexpr double kInvisible_db = 20;  ///< below the noise or the dynamic range
   if (options.noise_db > kZeroAmplitude_db) {
@@ -168,8 +175,7 @@ Receiver::Receiver(const hw::AcquisitionPlan& plan,
   }
   const bool log = options.output == hw::SampleScale::log_compressed;
   const auto floor = static_cast<float>(amplitude_of_db(-options.dynamic_range_db));
-  const float most_noise =
-      kMaxComplexNormal * std::accumulate(noise_filter_.begin(), noise_filter_.end(), 0.0f);
+  const auto most_noise = static_cast<float>(largest_noise(plan, options, oversampling));
   while (first_noisy_ < samples &&
          (noise_filter_.empty() ||
           (log && most_noise * gain_[static_cast<std::size_t>(first_noisy_)] < floor))) {

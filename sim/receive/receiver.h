@@ -15,6 +15,11 @@ namespace wobblebench::sim {
 /// TGC at a range, as an amplitude factor.
 double time_gain(const hw::AcquisitionPlan& plan, const SimulationOptions& options, double range_m);
 
+/// Upper bound of the electronic noise's amplitude before TGC, 0 without noise.
+double largest_noise(const hw::AcquisitionPlan& plan,
+                     const SimulationOptions& options,
+                     int oversampling);
+
 /// Amplitude at the face below which an echo is invisible: 20 dB below the noise, or without noise
 /// below the dynamic range. 0: every echo is visible.
 double visible_amplitude(const hw::AcquisitionPlan& plan, const SimulationOptions& options);

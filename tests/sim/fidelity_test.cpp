@@ -42,6 +42,23 @@ TEST(Fidelity, SideLobesTakeScatterers) {
   EXPECT_THROW(choose_fidelity(options, plan(), false), InvalidOption);
 }
 
+/// A table of the beam of so low an element is wrong: a point is up to 40 % too short.
+TEST(Fidelity, LowElementsTakeNoTableOfTheBeam) {
+  const auto of_height = [](double height_m) {
+    hw::ProbeOptions probe;
+    probe.element_height_m = height_m;
+    return hw::AcquisitionPlan(probe, {});
+  };
+  SimulationOptions options;
+  EXPECT_NO_THROW(choose_fidelity(options, of_height(1e-3), false, false));
+  EXPECT_THROW(choose_fidelity(options, of_height(1e-3), false, true), InvalidOption) << "points";
+  options.fidelity = Rung::scatterers;
+  EXPECT_THROW(choose_fidelity(options, of_height(1.7e-3), false, false), InvalidOption);
+  EXPECT_NO_THROW(choose_fidelity(options, of_height(1.8e-3), false, false));
+  options.fidelity = Rung::reference;
+  EXPECT_NO_THROW(choose_fidelity(options, of_height(1e-3), false, true));
+}
+
 std::string refusal(const SimulationOptions& options) {
   try {
     choose_fidelity(options, plan(), false);

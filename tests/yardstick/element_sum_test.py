@@ -166,7 +166,8 @@ class Tables(unittest.TestCase):
     SAMPLE = {"point_widths": [("standard", 0, 75), ("c5_2v", 0.88, 60)],
               "speckle": [("standard", 0.88, 75), ("curvilinear_60", 0, 60)],
               "neighbours": [(75,)], "moved": [(62,)], "attenuation": [(0.5, 75)],
-              "short_arrays": [(16, 6, 75)], "tissue_band": [("standard", 0, 60), ("c5_2v", 1, 30)], "shadow": [("lateral", 130)],
+              "short_arrays": [(16, 6, 75)], "wide_elements": [(2, 140)],
+              "tissue_band": [("standard", 0, 60), ("c5_2v", 1, 30)], "shadow": [("lateral", 130)],
               "stick_beam": [("standard", 1.0, 30)],
               "echo_points": [(7, 0.4, 75)], "echoes": [(7, 0.4, 75)],
               "main_lobe_points": [(7, 0.4, 75)], "main_lobe_echoes": [(7, 0.4, 75)]}

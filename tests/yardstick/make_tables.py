@@ -123,6 +123,13 @@ def short_arrays(elements, angle_deg, depth_mm):
     return [(decibel(echo / middle),)]
 
 
+def wide_elements(pitch_mm, depth_mm):
+    standard = es.PRESETS["standard"]
+    elements = round(standard.elements * standard.pitch / (pitch_mm * 1e-3))
+    probe = dataclasses.replace(standard, pitch=pitch_mm * 1e-3, elements=elements)
+    return [(elements, PointSpread(probe, 0.0, depth_mm * 1e-3).beam_width() * 1e3)]
+
+
 def tissue_band(preset, fraction, depth_mm):
     probe = es.PRESETS[preset]
     band = es.Band(probe, 72, 3.3)
@@ -234,6 +241,10 @@ TABLES = {
         ("elements", "angle_deg", "depth_mm"), ("level_db",),
         [(elements, angle, depth) for elements in (1, 16, 32) for angle in (2, 6) for depth in (75, 110, 150)],
         short_arrays),
+    "wide_elements": Table(
+        "Standard probe with wider and fewer elements: width of the middle stick's own beam, as in stick_beam.csv",
+        ("pitch_mm", "depth_mm"), ("elements", "lateral_mm"),
+        [(pitch, depth) for pitch in (0.84, 1.3, 2) for depth in (60, 100, 140)], wide_elements),
     "tissue_band": Table(
         "Even tissue without losses: the share of each of 72 evenly spaced frequencies in the mean echo power of "
         "a stick. Losses that grow with frequency multiply each share by its own; their sum is the power that "

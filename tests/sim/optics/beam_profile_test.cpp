@@ -37,6 +37,19 @@ TEST(BeamProfile, WidthsAreThoseOfTheElementSum) {
   }
 }
 
+/// Elements of several wavelengths hear little of what lies far off their own axes.
+TEST(BeamProfile, WideElementsAreDirective) {
+  for (const auto& row : yardstick("wide_elements")) {
+    hw::ProbeOptions probe;
+    probe.pitch_m = row.number("pitch_mm") * 1e-3;
+    probe.elements = static_cast<int>(row.number("elements"));
+    const BeamProfile profile{ProbeOptics({probe, {}})};
+    const double range_m = row.number("depth_mm") * 1e-3;
+    EXPECT_NEAR(profile.lateral_fwhm_m(range_m, 0) * 1e3 / row.number("lateral_mm"), 1, 0.06)
+        << probe.pitch_m << " " << range_m;
+  }
+}
+
 /// Sticks whose aperture is whole have the middle stick's beam, also where it is narrower than the
 /// two middle elements.
 TEST(BeamProfile, LevelsOfApodisedSticksAreOneNearTheFace) {

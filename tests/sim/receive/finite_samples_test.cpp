@@ -68,6 +68,9 @@ struct Scene {
     if (options.fidelity == Rung::scatterers) {
       acquisition.depth_m = std::min(acquisition.depth_m, 60e-3);
       probe.center_frequency_hz = std::min(probe.center_frequency_hz, 5e6);
+      // Lower elements are refused.
+      const double wavelength_m = acquisition.sound_speed_m_s / probe.center_frequency_hz;
+      probe.element_height_m = std::max(probe.element_height_m, 4 * wavelength_m);
       options.speckle = true;
     }
     if (options.fidelity == Rung::geometry) options.tissue_sound_speed = false;
