@@ -150,7 +150,7 @@ test('random states are saved as scenes that make the same picture', () => withL
   };
   const pick = (...names) => names[Math.floor(random(0, names.length - 1e-3))];
   // Faces of one size, which are built once.
-  const face = () => ['phantom.name="fetal_face"', 'phantom.voxel_mm=1.5', `simulation.fidelity="${pick('geometry', 'field')}"`,
+  const face = () => ['phantom.name="fetal_face"', 'phantom.voxel_mm=1.5', 'phantom.mouth_open_mm=6', `simulation.fidelity="${pick('geometry', 'field')}"`,
     `motion.velocity_mm_s=[${random(-9, 9)}, ${random(-9, 9)}, ${random(-9, 9)}]`, `motion.breath_amplitude_mm=${random(0, 4)}`,
     `motion.head_turn_deg=${random(0, 20)}`, `motion.mouth_close_mm=${random(0, 6)}`];
   const sphere = () => ['phantom.name="sphere"', 'phantom.voxel_mm=2', `phantom.radius_mm=${random(15, 40)}`,
@@ -169,6 +169,8 @@ test('random states are saved as scenes that make the same picture', () => withL
       `render.smoothing.filter=${pick('box', 'bilateral', 'guided')}`, `render.pipeline.mode=${pick('fast', 'plain')}`,
       `render.reconstruction.sticks=${pick('plain', 'aligned')}`]);
     checkSaved(await savedOf(page, serial), `state_${i}`);
+    assert.equal(await page.locator('#why:not([hidden])').count(), 0, await page.locator('#why').textContent());
+    console.log(`state ${i}: ${JSON.stringify(await page.evaluate(() => decodeURIComponent(location.hash)))}`);
   }
 }));
 

@@ -42,7 +42,7 @@ function viewFrom(eye, right, up, back) {
 class Space {
   /** `wants(isOpen)` says whether the program's messages are needed. */
   constructor(wants) {
-    Object.assign(this, {turn: [-0.9, 0.45], distance: 330, middle: [0, 0, 90], parts: {}, frames: 0});
+    Object.assign(this, {turn: [-0.65, 0.4], distance: 330, middle: [0, 0, 90], parts: {}, frames: 0});
     this.canvas = make('canvas', {width: 640, height: 400, tabindex: '0', role: 'application',
       'aria-label': 'Probe, fan and phantom in space. Arrow keys turn, plus and minus move nearer and away.'});
     this.text = make('p', {class: 'reading'});
@@ -101,14 +101,13 @@ class Space {
         face.push(...corners[0], ...corners[1], ...corners[2], ...corners[0], ...corners[2], ...corners[3]);
       }
     }
-    this.parts = {...this.parts.box && {box: this.parts.box}, fan: {places: fan, kind: 'lines', colour: [0.45, 0.55, 0.65, 1]}, face: {places: face, kind: 'triangles', colour: [0.35, 0.5, 0.75, 1]}};
-    header.surfaces.forEach((name, index) => {
-      this.parts[`surface ${name}`] = {places: new Float32Array(meshes[2 * index]), corners: new Uint32Array(meshes[2 * index + 1]),
-        kind: 'triangles', colour: [0.85, 0.66, 0.52, 1]};
-    });
+    for (const name of Object.keys(this.parts)) if (name !== 'box') this.drop(name);
+    this.set('fan', {places: fan, kind: 'lines', colour: [0.45, 0.55, 0.65, 1]});
+    this.set('face', {places: face, kind: 'triangles', colour: [0.35, 0.5, 0.75, 1]});
+    header.surfaces.forEach((name, index) => this.set(`surface ${name}`, {places: new Float32Array(meshes[2 * index]),
+      corners: new Uint32Array(meshes[2 * index + 1]), kind: 'triangles', colour: [0.85, 0.66, 0.52, 1]}));
     this.text.textContent = `Blue: the probe's face; outlined: the fan; box: the volume of interest; yellow: the frame that has come, red: its lost sticks`
       + `${header.surfaces.length ? `; ${header.surfaces.map((name) => name.replaceAll('_', ' ')).join(', ')}${header.moves ? ' as at the beginning: its motion is not drawn' : ''}` : ''}.`;
-    this.upload();
   }
 
   /** A frame has come. */
@@ -122,10 +121,9 @@ class Space {
       const from = 6 * (drawn * lines.length + index);
       sticks[isLost.has(line) ? 'lost' : 'came'].push(...this.sticks.subarray(from, from + 6));
     });
-    this.parts.came = {places: sticks.came, kind: 'lines', colour: [0.95, 0.75, 0.2, 1]};
-    this.parts.lost = {places: sticks.lost, kind: 'lines', colour: [0.9, 0.15, 0.1, 1]};
+    this.set('came', {places: sticks.came, kind: 'lines', colour: [0.95, 0.75, 0.2, 1]});
+    this.set('lost', {places: sticks.lost, kind: 'lines', colour: [0.9, 0.15, 0.1, 1]});
     Object.assign(this.element.dataset, {frame, volume});
-    this.upload('came', 'lost');
   }
 
   /** The volume of interest, mm. */
@@ -139,8 +137,7 @@ class Space {
       for (let axis = 0; axis < 3; ++axis) if (!(bits >> axis & 1)) places.push(...corner(bits), ...corner(bits | 1 << axis));
     }
     this.middle = center_mm;
-    this.parts.box = {places, kind: 'lines', colour: [0.3, 0.75, 0.45, 1]};
-    this.upload('box');
+    this.set('box', {places, kind: 'lines', colour: [0.3, 0.75, 0.45, 1]});
   }
 
   start() {
@@ -165,10 +162,16 @@ class Space {
     return gl;
   }
 
-  /** Marks parts as changed: all, or those named. */
-  upload(...names) {
-    for (const name of names.length ? names : Object.keys(this.parts)) this.parts[name].isNew = true;
+  /** A part with its buffers, which it keeps from one time to the next. */
+  set(name, part) {
+    this.parts[name] = {...this.parts[name], ...part, isNew: true};
     this.draw();
+  }
+
+  drop(name) {
+    const {buffer, index} = this.parts[name];
+    for (const each of [buffer, index]) if (each) this.gl.deleteBuffer(each);
+    delete this.parts[name];
   }
 
   /** With the next picture of the screen. */
