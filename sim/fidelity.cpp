@@ -22,7 +22,7 @@ std::pair<Rung, std::string> lowest_rung(const SimulationOptions& options,
   }
   const bool echoes_only = !options.speckle && !options.attenuation && !options.transmission_loss &&
                            !options.interface_echo && !options.tissue_sound_speed &&
-                           options.noise_db <= kZeroAmplitude_db;
+                           !options.clutter.any() && options.noise_db <= kZeroAmplitude_db;
   if (echoes_only && points) return {Rung::field, "the phantom has point scatterers"};
   if (echoes_only) return {Rung::geometry, "every effect of the higher rungs is switched off"};
   if (moving) return {Rung::field, "the phantom moves, but speckle is switched off"};
@@ -76,18 +76,26 @@ std::vector<Effect> effects_of(const EchoModelType& model,
   list.add("tissue_sound_speed", o.tissue_sound_speed);
   list.add("beam_width", true);
   list.add("speckle", o.speckle);
+  list.add("tissue_unevenness", o.clutter.tissue_unevenness_db > 0);
   list.add("interface_echo", o.interface_echo);
   list.add("scatterers_in_tissue", true);
   list.add("point_scatterers", points);
+  list.add("particles", o.clutter.particles_per_cm3 > 0);
   list.add("side_lobes", o.side_lobes);
   list.add("element_sum", true);
+  list.add("reverberation", o.clutter.probe_reflection > 0);
+  list.add("haze", o.clutter.has_haze());
   list.add("noise",
            o.noise_db > kZeroAmplitude_db,
            noise_is_invisible(o, plan) ? "below the display at every depth" : "");
   list.add("envelope", true);
   list.add("low_pass", o.low_pass);
   list.add("time_gain", o.tgc_db_per_cm_mhz > 0);
-  list.add("log_compression", o.output == hw::SampleScale::log_compressed);
+  const bool log = o.output == hw::SampleScale::log_compressed;
+  list.add("log_compression", log);
+  list.add("line_filter", o.display.line_filter > 0);
+  list.add("persistence", o.display.persistence > 0);
+  list.add("grey_levels", o.display.grey_bits > 0, log ? "" : "linear envelopes are not quantised");
   return list.take();
 }
 

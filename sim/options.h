@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "base/options.h"
 #include "base/units.h"
@@ -34,8 +35,49 @@ inline double amplitude_of_db(double db) {
   return std::pow(10.0, db / 20);
 }
 
+/// What the options of the simulation start from.
+enum class ScanPreset {
+  clean,     ///< echoes of the tissue alone, on a wide display range: the defaults
+  clinical,  ///< with clutter, uneven tissue and the display of a fetal 4D scan
+};
+
+/// Echoes that show tissue where there is none, and the slow variation of tissue itself. Off by
+/// default (docs/decisions/0048-clutter.md has the sources).
+struct ClutterOptions {
+  /// Reflection of the probe's face for sound that comes back, as an amplitude; 0: no
+  /// reverberation.
+  double probe_reflection = 0;
+  /// Power of the haze within and behind uniform tissue, relative to its echo; -200: none.
+  double haze_db = kZeroAmplitude_db;
+  double haze_reach_rad = 12 * kDegree;  ///< to either side, in which it falls to 1/e of its power
+  double haze_trail_m = 15e-3;           ///< behind what echoes, in which it falls likewise
+  double haze_fall_db_per_cm = 0;        ///< with range, besides the losses on the way
+  double haze_unevenness_db = 0;         ///< standard deviation of its level over centimetres
+  /// Point scatterers in fluid that echoes nothing; 0: none.
+  double particles_per_cm3 = 0;
+  double particle_echo_db = -60;  ///< RMS amplitude on the beam's axis, against a perfect mirror
+  /// Standard deviation of tissue's backscatter over some millimetres; 0: uniform.
+  double tissue_unevenness_db = 0;
+  double tissue_grain_m = 6e-3;  ///< distance over which it varies
+
+  bool has_haze() const { return haze_db > kZeroAmplitude_db; }
+  /// Whether anything of it depends on the seed.
+  bool random() const { return has_haze() || particles_per_cm3 > 0 || tissue_unevenness_db > 0; }
+  bool any() const { return random() || probe_reflection > 0; }
+};
+
+/// How a scanner treats detected samples before it shows them. Off by default. Gain and dynamic
+/// range are SimulationOptions::full_scale_db and dynamic_range_db.
+struct DisplayOptions {
+  double line_filter = 0;  ///< lateral smoothing: weight of the two neighbouring lines together
+  double persistence = 0;  ///< frame averaging: weight of the frame before in the same volume
+  int grey_bits = 0;       ///< of a log-compressed sample; 0: not quantised
+};
+
 /// Echo amplitudes are in dB relative to a perfect mirror perpendicular to the beam.
 struct SimulationOptions {
+  /// The options above start from it; it has no effect by itself.
+  ScanPreset preset = ScanPreset::clean;
   Rung fidelity = Rung::automatic;
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0: one for each core. Results do not depend on it.
@@ -70,10 +112,22 @@ struct SimulationOptions {
   double dynamic_range_db = 60;     ///< below full scale; log compression maps it to [0, 1]
   bool low_pass = true;             ///< average the envelope over each output sample, then decimate
   hw::SampleScale output = hw::SampleScale::log_compressed;
+
+  ClutterOptions clutter = {};
+  DisplayOptions display = {};
 };
 
+/// The options of a preset.
+SimulationOptions simulation_preset(ScanPreset preset);
+
+/// Without the sections `clutter` and `display`, which have descriptions of their own.
 template <OptionsOf<SimulationOptions> O, class Visitor>
 void describe(O& o, Visitor& v) {
+  [[maybe_unused]] const ScanPreset before = o.preset;
+  v.choice("preset", o.preset, {{"clean", ScanPreset::clean}, {"clinical", ScanPreset::clinical}});
+  if constexpr (!std::is_const_v<O>) {
+    if (o.preset != before) o = simulation_preset(o.preset);
+  }
   v.choice("fidelity",
            o.fidelity,
            {{"auto", Rung::automatic},
@@ -104,6 +158,27 @@ void describe(O& o, Visitor& v) {
       "output",
       o.output,
       {{"log", hw::SampleScale::log_compressed}, {"linear", hw::SampleScale::linear_envelope}});
+}
+
+template <OptionsOf<ClutterOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.real("probe_reflection", o.probe_reflection, 1, 0, 0.9);
+  v.real("haze_db", o.haze_db, 1, kZeroAmplitude_db, 20);
+  v.real("haze_reach_deg", o.haze_reach_rad, kDegree, 0.5, 90);
+  v.real("haze_trail_mm", o.haze_trail_m, kMillimetre, 0.1, 100);
+  v.real("haze_fall_db_per_cm", o.haze_fall_db_per_cm, 1, 0, 10);
+  v.real("haze_unevenness_db", o.haze_unevenness_db, 1, 0, 20);
+  v.real("particles_per_cm3", o.particles_per_cm3, 1, 0, 20);
+  v.real("particle_echo_db", o.particle_echo_db, 1, -120, 0);
+  v.real("tissue_unevenness_db", o.tissue_unevenness_db, 1, 0, 20);
+  v.real("tissue_grain_mm", o.tissue_grain_m, kMillimetre, 1, 50);
+}
+
+template <OptionsOf<DisplayOptions> O, class Visitor>
+void describe(O& o, Visitor& v) {
+  v.real("line_filter", o.line_filter, 1, 0, 0.9);
+  v.real("persistence", o.persistence, 1, 0, 0.9);
+  v.integer("grey_bits", o.grey_bits, 0, 16);
 }
 
 /// The capture card between the probe and the host. Defaults: a small ring of LitePCIe's 8 KiB

@@ -5,6 +5,8 @@
 #include "base/duration.h"
 #include "base/parallel.h"
 #include "hw/probe/clock.h"
+#include "sim/clutter/particles.h"
+#include "sim/receive/display.h"
 #include "sim/rungs/echo_model.h"
 
 namespace wobblebench::sim {
@@ -31,6 +33,8 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
                                const SimulationOptions& options,
                                const TissueMapSource& maps) {
   check_options(options);
+  check_options(options.clutter, "clutter.");
+  check_options(options.display, "display.");
   auto impl = std::make_shared<Impl>(
       Impl{plan,
            options,
@@ -40,13 +44,18 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
   const Rung rung = impl->fidelity.rung;
   const auto begin = hw::HostClock::now();
   const double reach_m = echo_model_type(rung).reach_m(plan);
-  const ScannedTissue tissue{
+  ScannedTissue tissue{
       maps ? maps(subject.phantom, reach_m, options.threads)
            : std::make_shared<const TissueMap>(subject.phantom, reach_m, options.threads),
       subject.phantom.materials(),
       subject.placement,
       subject.motion,
       subject.phantom.shared_scatterers()};
+  if (options.clutter.particles_per_cm3 > 0 && rung != Rung::geometry) {
+    auto points = std::make_shared<phantoms::PointScatterers>(subject.phantom.scatterers());
+    points->add(fluid_particles(subject, *tissue.map, plan, options));
+    tissue.points = std::move(points);
+  }
   impl->map_ms = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
   impl->model = make_echo_model(rung, tissue, plan, options);
@@ -68,6 +77,9 @@ VolumeSamples ProbeSimulator::volume(std::uint32_t index, const IqSink& iq) cons
       make(sequence, std::span(volume).subspan(stick * samples, samples));
     }
   });
+  if (changes_samples(options())) {
+    show(volume, plan().acquisition().frames_per_volume, plan(), options());
+  }
   return volume;
 }
 
@@ -75,7 +87,11 @@ std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence) const {
   const auto lines = static_cast<std::uint64_t>(plan().acquisition().sticks_per_frame);
   const auto per_volume = static_cast<std::uint64_t>(plan().sticks_per_volume());
   const std::uint64_t left = per_volume - first_sequence % per_volume;
-  const std::uint64_t frames = std::min(std::uint64_t{kFramesTogether}, left / lines);
+  // The first frame is averaged with the one before it in the volume.
+  const bool averaged = options().display.persistence > 0 && left < per_volume;
+  const std::uint64_t before = averaged ? 1 : 0;
+  const std::uint64_t frames = std::min(std::uint64_t{kFramesTogether}, left / lines) + before;
+  const std::uint64_t begin = first_sequence - before * lines;
   const auto samples = static_cast<std::size_t>(plan().acquisition().samples_per_stick);
   std::vector<float> block(frames * lines * samples);
   impl_->model->prepare(plan().index(first_sequence).volume);
@@ -83,9 +99,11 @@ std::vector<float> ProbeSimulator::block(std::uint64_t first_sequence) const {
     const StickMaker make = impl_->model->stick_maker({});
     for (auto i = static_cast<std::uint64_t>(first); i < static_cast<std::uint64_t>(last); ++i) {
       const std::uint64_t stick = i % frames * lines + i / frames;
-      make(first_sequence + stick, std::span(block).subspan(stick * samples, samples));
+      make(begin + stick, std::span(block).subspan(stick * samples, samples));
     }
   });
+  if (changes_samples(options())) show(block, static_cast<int>(frames), plan(), options());
+  block.erase(block.begin(), block.begin() + static_cast<std::ptrdiff_t>(before * lines * samples));
   return block;
 }
 

@@ -142,14 +142,42 @@ const std::vector<Rule>& rules_of_simulation() {
       {{"simulation.specular_width_deg"},
        "simulation.interface_echo, on the rung field or higher",
        [](const Setting& s) { return s.models_beam() && s.scene.simulation.interface_echo; }},
+      {{"simulation.clutter.probe_reflection",
+        "simulation.clutter.haze_db",
+        "simulation.clutter.particles_per_cm3",
+        "simulation.clutter.tissue_unevenness_db"},
+       "simulation.fidelity = field or higher",
+       [](const Setting& s) { return s.rung_is_free() || s.models_beam(); }},
+      {{"simulation.clutter.haze_reach_deg",
+        "simulation.clutter.haze_trail_mm",
+        "simulation.clutter.haze_fall_db_per_cm",
+        "simulation.clutter.haze_unevenness_db"},
+       "simulation.clutter.haze_db above -200, on the rung field or higher",
+       [](const Setting& s) { return s.models_beam() && s.scene.simulation.clutter.has_haze(); }},
+      {{"simulation.clutter.particle_echo_db"},
+       "simulation.clutter.particles_per_cm3 above 0, on the rung field or higher",
+       [](const Setting& s) {
+         return s.models_beam() && s.scene.simulation.clutter.particles_per_cm3 > 0;
+       }},
+      {{"simulation.clutter.tissue_grain_mm"},
+       "simulation.clutter.tissue_unevenness_db above 0, on the rung field or higher",
+       [](const Setting& s) {
+         return s.models_beam() && s.scene.simulation.clutter.tissue_unevenness_db > 0;
+       }},
+      {{"simulation.display.grey_bits"},
+       "simulation.output = log",
+       [](const Setting& s) {
+         return s.scene.simulation.output == hw::SampleScale::log_compressed;
+       }},
       {{"simulation.scatterers_per_cell"},
        "simulation.fidelity = scatterers or reference",
        [](const Setting& s) { return s.model.models("scatterers_in_tissue"); }},
       {{"simulation.seed"},
-       "simulation.speckle or simulation.noise_db, on the rung field or higher",
+       "simulation.speckle, simulation.noise_db or simulation.clutter, on the rung field or higher",
        [](const Setting& s) {
          const auto& o = s.scene.simulation;
-         return s.models_beam() && (o.speckle || o.noise_db > sim::kZeroAmplitude_db);
+         return s.models_beam() &&
+                (o.speckle || o.noise_db > sim::kZeroAmplitude_db || o.clutter.random());
        }}};
   return rules;
 }

@@ -80,6 +80,8 @@ void for_each_section(S& scene, const Body& body) {
   body("probe", scene.probe);
   body("acquisition", scene.acquisition);
   body("simulation", scene.simulation);
+  body("simulation.clutter", scene.simulation.clutter);
+  body("simulation.display", scene.simulation.display);
   body("render", scene.picture);
   body("render.pipeline", scene.render.pipeline);
   body("render.reconstruction", scene.render.reconstruction);

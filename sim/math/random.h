@@ -11,7 +11,14 @@
 namespace wobblebench::sim {
 
 /// Purpose of random numbers; each purpose has its own stream.
-enum class RandomStream : std::uint64_t { speckle = 1, noise = 2, scatterers = 3 };
+enum class RandomStream : std::uint64_t {
+  speckle = 1,
+  noise = 2,
+  scatterers = 3,
+  uneven_tissue = 4,
+  haze = 5,
+  particles = 6
+};
 
 /// Key of one sequence of numbers, whose elements are uniform_bits(key, i).
 constexpr std::uint64_t random_key(std::uint64_t seed,

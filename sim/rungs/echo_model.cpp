@@ -132,6 +132,7 @@ EchoMemory iq_memory(const hw::AcquisitionPlan& plan,
                      bool tissue_moves,
                      double model_bytes) {
   const bool repeat = volumes_repeat(plan, tissue_moves);
+  if (options.clutter.has_haze()) model_bytes += iq_bytes(plan);  // its speckle
   const int kept = repeat ? 1 : ApertureLosses::kRecent;
   const double losses =
       options.aperture_losses ? ApertureLosses::bytes(plan, deepest_m(plan, options), kept) : 0;

@@ -20,7 +20,11 @@ constexpr std::string_view kEffects[] = {"attenuation",
                                          "beam_width",
                                          "speckle",
                                          "interface_echo",
+                                         "tissue_unevenness",
                                          "point_scatterers",
+                                         "particles",
+                                         "reverberation",
+                                         "haze",
                                          "noise",
                                          "envelope",
                                          "low_pass",
@@ -95,8 +99,10 @@ IqMaker FieldModel::iq_maker() const {
       std::transform(
           power.begin(), power.end(), iq.begin(), [](float p) { return Complex(std::sqrt(p)); });
     }
+    propagation.vary_tissue(iq);
     propagation.add_specular_echoes(iq);
     if (points) echoing_->add_points(propagation.path(), points->find(propagation.path()), iq);
+    propagation.add_clutter(iq);
     return std::span<const Complex>(iq);
   };
 }

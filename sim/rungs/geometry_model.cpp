@@ -9,7 +9,8 @@ namespace wobblebench::sim {
 
 namespace {
 
-constexpr std::string_view kEffects[] = {"tissue_echo", "tissue_motion", "log_compression"};
+constexpr std::string_view kEffects[] = {
+    "tissue_echo", "tissue_motion", "log_compression", "line_filter", "persistence", "grey_levels"};
 
 }  // namespace
 

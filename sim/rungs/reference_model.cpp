@@ -168,8 +168,10 @@ IqMaker ReferenceModel::iq_maker() const {
     propagation.follow(index);
     std::fill(iq.begin(), iq.end(), Complex(0));
     scene_.add_echoes(propagation.path(), iq);
+    propagation.vary_tissue(iq);
     scene_.add_points(propagation.path(), points.find(propagation.path()), iq);
     propagation.add_specular_echoes(iq);
+    propagation.add_clutter(iq);
     return std::span<const Complex>(iq);
   };
 }

@@ -48,9 +48,11 @@ IqMaker ScatterersModel::iq_maker() const {
     propagation.follow(index);
     std::fill(iq.begin(), iq.end(), Complex(0));
     scatterers_.add_echoes(propagation.path(), iq);
+    propagation.vary_tissue(iq);
     const auto near = points.find(propagation.path());
     if (!near.empty()) scatterers_.add_points(propagation.path(), near, iq);
     propagation.add_specular_echoes(iq);
+    propagation.add_clutter(iq);
     return std::span<const Complex>(iq);
   };
 }

@@ -46,14 +46,20 @@ StickPropagation::StickPropagation(const ScannedTissue& tissue,
       spacing_m_(optics.iq_spacing_m()),
       visible_(visible_amplitude(plan_, options)),
       depth_m_(plan_.acquisition().depth_m),
-      losses_(plan_, options, tissue.materials, spacing_m_, samples_) {
+      losses_(plan_, options, tissue.materials, spacing_m_, samples_),
+      uneven_(tissue, options, spacing_m_),
+      reverberation_(plan_, options, tissue.materials, spacing_m_) {
   if (options.tissue_sound_speed) depth_m_ *= fastest_ratio(tissue, plan_);
   if (has_aperture_losses(options, tissue.materials)) {
     aperture_ = std::make_shared<const ApertureLosses>(tissue, optics, options, depth_m_);
   }
+  if (options.clutter.has_haze()) {
+    haze_ = std::make_shared<const Haze>(tissue, optics, options, depth_m_);
+  }
 }
 
 void StickPropagation::follow(const hw::StickIndex& index) {
+  index_ = index;
   line_ = stick_ray(plan_, geometry_, index);
   sim::follow(*tissue_, line_, depth_m_, track_, surfaces_);
   if (aperture_ == nullptr) return losses_.compute(track_);
@@ -80,6 +86,15 @@ void StickPropagation::add_specular_echoes(std::span<std::complex<float>> iq) co
   }
 }
 
+void StickPropagation::add_clutter(std::span<std::complex<float>> iq) {
+  reverberation_.add(track_, losses_, iq);
+  if (haze_ == nullptr) return;
+  if (haze_volume_ == nullptr || haze_volume_->number() != index_.volume) {
+    haze_volume_ = haze_->volume(index_.volume);
+  }
+  haze_->add(*haze_volume_, index_, iq);
+}
+
 namespace {
 
 constexpr std::uint64_t kSticks = 97;  ///< a prime, so that they lie on many lines
@@ -92,6 +107,7 @@ FrequencyCourse highest_frequency(const ScannedTissue& tissue,
   const hw::AcquisitionPlan& plan = optics.plan();
   SimulationOptions axis_alone = options;
   axis_alone.aperture_losses = false;
+  axis_alone.clutter = {};
   StickPropagation propagation(tissue, optics, axis_alone, Surfaces::crossed);
   FrequencyCourse course{propagation.spacing_m(), {}};
   const auto sticks = static_cast<std::uint64_t>(plan.sticks_per_volume());

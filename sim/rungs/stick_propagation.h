@@ -1,5 +1,5 @@
-// Propagation of sound along one stick: the tissue that it crosses, its losses, and the specular
-// echoes of interfaces.
+// Propagation of sound along one stick: the tissue that it crosses, its losses, the specular echoes
+// of interfaces, and clutter.
 #pragma once
 
 #include <complex>
@@ -7,6 +7,9 @@
 #include <span>
 
 #include "hw/probe/acquisition_plan.h"
+#include "sim/clutter/haze.h"
+#include "sim/clutter/reverberation.h"
+#include "sim/clutter/uneven_tissue.h"
 #include "sim/losses/aperture_losses.h"
 #include "sim/losses/stick_losses.h"
 #include "sim/optics/pulse_band.h"
@@ -34,6 +37,7 @@ class StickPropagation {
   /// does.
   void prepare(std::uint32_t volume) const {
     if (aperture_ != nullptr) aperture_->volume(volume);
+    if (haze_ != nullptr) haze_->volume(volume);
   }
   /// Computes track and losses of a stick. Reuses the memory of the stick before.
   void follow(const hw::StickIndex& index);
@@ -43,6 +47,10 @@ class StickPropagation {
   const StickTrack& track() const { return track_; }
   const StickLosses& losses() const { return losses_; }
   StickPath path() const { return visible_path(line_, spacing_m_, losses_); }
+  /// Makes the echoes of tissue, `iq` so far, uneven, if the options ask for it.
+  void vary_tissue(std::span<std::complex<float>> iq) const { uneven_.apply(line_, iq); }
+  /// Adds reverberation and haze, if the options ask for them. `iq`: all echoes of the stick.
+  void add_clutter(std::span<std::complex<float>> iq);
   /// Adds a pulse for each interface that the stick crosses, if the options ask for them.
   void add_specular_echoes(std::span<std::complex<float>> iq) const;
 
@@ -64,6 +72,11 @@ class StickPropagation {
   StickLosses losses_;
   std::shared_ptr<const ApertureLosses> aperture_;   ///< null: losses are those on the axis
   std::shared_ptr<const VolumeCorrections> volume_;  ///< of the current volume
+  hw::StickIndex index_;
+  UnevenTissue uneven_;
+  Reverberation reverberation_;
+  std::shared_ptr<const Haze> haze_;  ///< null: none
+  std::shared_ptr<const HazeVolume> haze_volume_;
 };
 
 /// Highest centre frequency of the pulses at each range, over a sample of the sticks of volume 0

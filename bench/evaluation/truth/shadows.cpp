@@ -82,8 +82,10 @@ void StickReach::trace(const phantoms::PlacedPhantom& subject,
       subject.phantom.materials(),
       subject.placement,
       subject.motion};
+  sim::SimulationOptions losses_alone = options;
+  losses_alone.clutter = {};
   const sim::StickPropagation shared(
-      tissue, sim::ProbeOptics(plan_, options), options, sim::Surfaces::crossed);
+      tissue, sim::ProbeOptics(plan_, options), losses_alone, sim::Surfaces::crossed);
   shared.prepare(volume_);
   const double brightest = sim::amplitude_of_db(brightest_target_db(subject.phantom));
   const auto lines = static_cast<std::uint32_t>(plan_.acquisition().sticks_per_frame);

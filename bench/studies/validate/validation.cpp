@@ -8,6 +8,7 @@
 #include "base/number_text.h"
 #include "base/text.h"
 #include "base/user_error.h"
+#include "bench/studies/validate/clinical/clinical.h"
 #include "bench/studies/validate/losses/attenuation.h"
 #include "bench/studies/validate/losses/losses.h"
 #include "bench/studies/validate/losses/reflection.h"
@@ -132,7 +133,8 @@ constexpr char kNotModelled[] =
     R"(Neither the simulator nor the yardstick has these. What leaving each out does to the picture:
 
 - Refraction: sound goes straight on at interfaces. Bodies behind a lens of other sound speed, as fat beside muscle or a curved skull, are neither shifted nor doubled sideways, and the edge shadows of cysts and skulls are missing (Robinson, Wilson, Kossoff, J. Clin. Ultrasound 9, 181 (1981)).
-- Reverberation between strong reflectors: no repeated lines behind bone, gas or the probe's face, and fluid stays free of clutter (Pinton, Trahey, Dahl, IEEE Trans. UFFC 58, 754 (2011)).
+- Reverberation between two layers, neither of which is the probe's face: no repeated lines within bone or behind gas. The face's own (`simulation.clutter.probe_reflection`) and a floor of other clutter (`haze_db`) are options, off by default (Pinton, Trahey, Dahl, IEEE Trans. UFFC 58, 754 (2011)).
+- Sound that takes several scatterers, and side lobes on the rung `field`, by themselves: haze has their level and their surroundings, not their phases; its speckle stays with the probe while what causes it moves.
 - Aberration by layers of varying sound speed, as of the abdominal wall: beams stay as sharp, and side lobes as low, as in uniform tissue; real ones are wider (Hinkelman et al., J. Acoust. Soc. Am. 95, 530 (1994)).
 - Harmonics of non-linear propagation: no harmonic imaging, with its lower side lobes and less clutter near the face; echoes are the fundamental's at any pressure (Averkiou, Roundhill, Powers, IEEE Ultrasonics Symp. 1997, 1561).
 - Focal gain: a machine's depth gain lifts what the beam weakens away from its focus (tissue by 15 dB at 20 mm and 9 dB at 150 mm), and noise with it. Here uniform tissue has the same echo at every range, a point on the axis its own, and noise before time gain is the same at every range: it is too low away from the focus.
@@ -154,6 +156,7 @@ const std::vector<NamedStudy>& validation_studies() {
       {"losses", "Losses over the band and over the aperture", 5, losses_report},
       {"reflection", "Reflection against angle", 3.3, reflection_report},
       {"shear", "A moving sphere is sheared", 0.2, shear_report},
+      {"clinical", "Samples of the preset clinical", 25, clinical_report},
       {"repeatability", "A seed means one set of bytes", 55, repeatability_report}};
   return studies;
 }

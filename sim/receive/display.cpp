@@ -1,0 +1,96 @@
+#include "sim/receive/display.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "base/parallel.h"
+#include "sim/math/fast_math.h"
+
+namespace wobblebench::sim {
+
+namespace {
+
+/// target[i] = weight * target[i] + rest * (before[i] + behind[i]).
+WOBBLEBENCH_SIMD void average_lines(const float* before,
+                                    const float* behind,
+                                    std::size_t count,
+                                    float weight,
+                                    float rest,
+                                    float* __restrict target) {
+  for (std::size_t i = 0; i < count; ++i) {
+    target[i] = weight * target[i] + rest * (before[i] + behind[i]);
+  }
+}
+
+WOBBLEBENCH_SIMD void average_frames(const float* before,
+                                     std::size_t count,
+                                     float weight,
+                                     float* __restrict target) {
+  for (std::size_t i = 0; i < count; ++i) target[i] += weight * (before[i] - target[i]);
+}
+
+/// To the nearest of `steps` + 1 levels between 0 and 1.
+WOBBLEBENCH_SIMD void quantise(float* samples, std::size_t count, float steps) {
+  for (std::size_t i = 0; i < count; ++i) {
+    samples[i] = static_cast<float>(static_cast<int>(samples[i] * steps + 0.5F)) / steps;
+  }
+}
+
+/// The outermost lines have themselves as the neighbour that is missing.
+void smooth_across_lines(std::span<float> frame, std::size_t lines, float weight) {
+  if (lines < 2) return;
+  const std::size_t count = frame.size() / lines;
+  const std::vector<float> copy(frame.begin(), frame.end());
+  for (std::size_t line = 0; line < lines; ++line) {
+    const std::size_t before = line == 0 ? 0 : line - 1, behind = std::min(line + 1, lines - 1);
+    average_lines(copy.data() + before * count,
+                  copy.data() + behind * count,
+                  count,
+                  1 - weight,
+                  0.5F * weight,
+                  frame.data() + line * count);
+  }
+}
+
+bool quantises(const SimulationOptions& options) {
+  return options.display.grey_bits > 0 && options.output == hw::SampleScale::log_compressed;
+}
+
+}  // namespace
+
+bool changes_samples(const SimulationOptions& options) {
+  const DisplayOptions& display = options.display;
+  return display.line_filter > 0 || display.persistence > 0 || quantises(options);
+}
+
+void show(std::span<float> samples,
+          int frames,
+          const hw::AcquisitionPlan& plan,
+          const SimulationOptions& options) {
+  const DisplayOptions& display = options.display;
+  const auto lines = static_cast<std::size_t>(plan.acquisition().sticks_per_frame);
+  const std::size_t size = samples.size() / static_cast<std::size_t>(frames);
+  const auto frame = [&](int i) {
+    return samples.subspan(static_cast<std::size_t>(i) * size, size);
+  };
+  if (display.line_filter > 0) {
+    parallel_ranges(frames, options.threads, [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        smooth_across_lines(frame(i), lines, static_cast<float>(display.line_filter));
+      }
+    });
+  }
+  if (display.persistence > 0) {
+    for (int i = frames - 1; i > 0; --i) {
+      average_frames(
+          frame(i - 1).data(), size, static_cast<float>(display.persistence), frame(i).data());
+    }
+  }
+  if (!quantises(options)) return;
+  const auto steps = static_cast<float>((1 << display.grey_bits) - 1);
+  quantise(samples.data(), samples.size(), steps);
+}
+
+}  // namespace wobblebench::sim
