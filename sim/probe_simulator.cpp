@@ -58,7 +58,7 @@ ProbeSimulator::ProbeSimulator(const phantoms::PlacedPhantom& subject,
   }
   impl->map_ms = milliseconds_since(begin);
   const auto mapped = hw::HostClock::now();
-  impl->model = make_echo_model(rung, tissue, plan, options);
+  impl->model = make_echo_model(rung, tissue, plan, before_show(options));
   impl->once_ms = milliseconds_since(mapped);
   impl_ = std::move(impl);
 }

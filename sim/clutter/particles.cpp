@@ -33,6 +33,18 @@ phantoms::Box field_box(const hw::AcquisitionPlan& plan) {
   return box;
 }
 
+/// With the margin about it.
+bool in_field(const hw::AcquisitionPlan& plan,
+              const hw::ProbeGeometry& geometry,
+              const glm::dvec3& probe_m) {
+  const hw::PolarPoint at = geometry.to_polar(probe_m);
+  const auto& acquisition = plan.acquisition();
+  const double margin_rad = kMargin_m / std::max(at.range_m + plan.probe().radius_m, kMargin_m);
+  return at.range_m > -kMargin_m && at.range_m < acquisition.depth_m + kMargin_m &&
+         std::abs(at.theta_rad) < 0.5 * acquisition.sector_rad + margin_rad &&
+         std::abs(at.phi_rad) < 0.5 * acquisition.fan_rad + margin_rad;
+}
+
 }  // namespace
 
 phantoms::PointScatterers fluid_particles(const phantoms::PlacedPhantom& subject,
@@ -41,6 +53,7 @@ phantoms::PointScatterers fluid_particles(const phantoms::PlacedPhantom& subject
                                           const SimulationOptions& options) {
   constexpr double kCubicCentimetre = 1e-6;
   const phantoms::Box box = field_box(plan);
+  const hw::ProbeGeometry geometry = plan.geometry();
   const glm::dvec3 size = box.high - box.low;
   const auto& materials = subject.phantom.materials();
   const auto count = static_cast<std::uint64_t>(options.clutter.particles_per_cm3 /
@@ -51,6 +64,7 @@ phantoms::PointScatterers fluid_particles(const phantoms::PlacedPhantom& subject
     const std::uint64_t key = random_key(options.seed, RandomStream::particles, i);
     const auto uniform = [&](std::uint64_t n) { return unit_interval(uniform_bits(key, n)); };
     const glm::dvec3 probe_m = box.low + size * glm::dvec3(uniform(0), uniform(1), uniform(2));
+    if (!in_field(plan, geometry, probe_m)) continue;
     const glm::dvec3 rest_m = subject.to_rest(probe_m, 0);
     const auto& material = materials[static_cast<std::size_t>(map.material(rest_m))];
     if (material.backscatter_db > kZeroAmplitude_db) continue;

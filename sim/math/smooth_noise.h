@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
+#include "sim/math/fast_math.h"
 #include "sim/math/random.h"
 
 namespace wobblebench::sim {
@@ -18,32 +19,36 @@ inline float bell(std::uint32_t bits) {
 
 /// A field of zero mean and unit variance. `at`: in lattice spacings.
 inline float smooth_noise(std::uint64_t key, const glm::dvec3& at) {
-  const glm::dvec3 low = {std::floor(at.x), std::floor(at.y), std::floor(at.z)};
-  const glm::dvec3 t = at - low;
-  const glm::dvec3 rise = t * t * (glm::dvec3(3) - 2.0 * t);
-  double sum = 0, squares = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int x = corner & 1, y = (corner >> 1) & 1, z = corner >> 2;
-    const double weight = (x == 1 ? rise.x : 1 - rise.x) * (y == 1 ? rise.y : 1 - rise.y) *
-                          (z == 1 ? rise.z : 1 - rise.z);
-    const auto node = [](double whole, int step) {
-      return static_cast<std::uint32_t>(static_cast<std::int64_t>(whole) + step);
-    };
-    const std::uint32_t bits = mix32(node(low.x, x) * 0x9e3779b9U +
-                                     mix32(node(low.y, y) * 0x85ebca6bU +
-                                           mix32(node(low.z, z) + static_cast<std::uint32_t>(key)) +
-                                           static_cast<std::uint32_t>(key >> 32)));
-    sum += weight * static_cast<double>(bell(bits));
-    squares += weight * weight;
+  const double low[] = {std::floor(at.x), std::floor(at.y), std::floor(at.z)};
+  float weight[3][2];
+  std::uint32_t node[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto t = static_cast<float>(at[axis] - low[axis]);
+    weight[axis][1] = t * t * (3.0F - 2.0F * t);
+    weight[axis][0] = 1.0F - weight[axis][1];
+    node[axis] = static_cast<std::uint32_t>(static_cast<std::int64_t>(low[axis]));
   }
-  return static_cast<float>(sum / std::sqrt(squares));
+  float sum = 0, squares = 0;
+  for (std::uint32_t z = 0; z < 2; ++z) {
+    const std::uint32_t of_z = mix32(node[2] + z + static_cast<std::uint32_t>(key));
+    for (std::uint32_t y = 0; y < 2; ++y) {
+      const std::uint32_t of_y =
+          mix32((node[1] + y) * 0x85ebca6bU + of_z + static_cast<std::uint32_t>(key >> 32));
+      for (std::uint32_t x = 0; x < 2; ++x) {
+        const float share = weight[0][x] * weight[1][y] * weight[2][z];
+        sum += share * bell(mix32((node[0] + x) * 0x9e3779b9U + of_y));
+        squares += share * share;
+      }
+    }
+  }
+  return sum / std::sqrt(squares);
 }
 
 /// The amplitude factor of a level that varies by `sigma_db` about its mean power, which it keeps.
 /// `normal`: a number of zero mean and unit variance.
 inline float level_factor(double sigma_db, float normal) {
-  const double sigma = sigma_db * std::log(10.0) / 20;
-  return static_cast<float>(std::exp(sigma * static_cast<double>(normal) - sigma * sigma));
+  const auto sigma = static_cast<float>(sigma_db * std::log(10.0) / 20);
+  return fast_exp(sigma * normal - sigma * sigma);
 }
 
 }  // namespace wobblebench::sim

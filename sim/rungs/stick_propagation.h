@@ -48,7 +48,7 @@ class StickPropagation {
   const StickLosses& losses() const { return losses_; }
   StickPath path() const { return visible_path(line_, spacing_m_, losses_); }
   /// Makes the echoes of tissue, `iq` so far, uneven, if the options ask for it.
-  void vary_tissue(std::span<std::complex<float>> iq) const { uneven_.apply(line_, iq); }
+  void vary_tissue(std::span<std::complex<float>> iq) const;
   /// Adds reverberation and haze, if the options ask for them. `iq`: all echoes of the stick.
   void add_clutter(std::span<std::complex<float>> iq);
   /// Adds a pulse for each interface that the stick crosses, if the options ask for them.

@@ -49,6 +49,14 @@ TEST(IdleOptions, FollowFromTheOtherOptions) {
   EXPECT_EQ(idle_keys({"render.view.eye_distance_mm=300"}), Keys{"render.view.eye_distance_mm"});
   EXPECT_EQ(idle_keys({"render.view.eye_distance_mm=300", "render.view.projection=perspective"}),
             Keys{});
+  EXPECT_EQ(idle_keys({"simulation.clutter.haze_trail_mm=9"}),
+            Keys{"simulation.clutter.haze_trail_mm"});
+  EXPECT_EQ(idle_keys({"simulation.clutter.haze_trail_mm=9", "simulation.clutter.haze_db=-30"}),
+            Keys{});
+  EXPECT_EQ(idle_keys({"simulation.clutter.haze_db=-30", "simulation.fidelity=geometry"}),
+            Keys{"simulation.clutter.haze_db"});
+  EXPECT_EQ(idle_keys({"simulation.display.grey_bits=8", "simulation.output=linear"}),
+            Keys{"simulation.display.grey_bits"});
   EXPECT_EQ(idle_keys({"simulation.scatterers_per_cell=20", "simulation.fidelity=field"}),
             Keys{"simulation.scatterers_per_cell"});
   EXPECT_EQ(idle_keys({"render.preset=baseline", "render.ray_casting.iso_level=0.5"}),

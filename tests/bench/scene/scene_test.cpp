@@ -95,6 +95,32 @@ TEST_F(SceneFile, KeysCarryTheirUnits) {
   EXPECT_FALSE(scene.given.contains("render.volume_of_interest.size_mm"));
 }
 
+/// Wherever the preset stands, keys that are given override it.
+TEST_F(SceneFile, SimulationStartsFromItsPreset) {
+  const Scene clean = load_scene({}, {});
+  EXPECT_EQ(clean.simulation.clutter.probe_reflection, 0);
+  EXPECT_FALSE(clean.simulation.clutter.has_haze());
+  EXPECT_EQ(clean.simulation.display.grey_bits, 0);
+  const Scene scene = load_scene(write("[simulation]\nnoise_db = -80\npreset = \"clinical\"\n"
+                                       "[simulation.clutter]\nhaze_trail_mm = 9\n"),
+                                 {"simulation.display.line_filter=0.1"});
+  EXPECT_EQ(scene.simulation.noise_db, -80);
+  EXPECT_NEAR(scene.simulation.clutter.haze_trail_m, 9e-3, 1e-15);
+  EXPECT_EQ(scene.simulation.display.line_filter, 0.1);
+  EXPECT_EQ(scene.simulation.display.grey_bits, 8);
+  EXPECT_GT(scene.simulation.clutter.probe_reflection, 0);
+  EXPECT_TRUE(scene.simulation.clutter.has_haze());
+  EXPECT_LT(scene.simulation.full_scale_db, clean.simulation.full_scale_db);
+  const Scene again = load_resolved_scene(resolved(scene), {}, "report.json");
+  EXPECT_EQ(resolved(again), resolved(scene));
+  EXPECT_EQ(refusal("[simulation]\npreset = \"clinic\"\n"),
+            file() +
+                ": simulation.preset = clinic: must be one of \"clean\" \"clinical\"; did you "
+                "mean clinical?");
+  EXPECT_EQ(refusal("[simulation.clutter]\nparticles_per_cm3 = 50\n"),
+            file() + ": simulation.clutter.particles_per_cm3 = 50: must be within 0 and 20");
+}
+
 TEST_F(SceneFile, RefusalsNameFileKeyValueAndWhatIsAllowed) {
   EXPECT_EQ(refusal("[acquisition]\ndepth_mm = 900\n"),
             file() + ": acquisition.depth_mm = 900: must be within 1 and 400");

@@ -32,12 +32,25 @@ TEST(Display, IsOffByDefault) {
 /// The missing neighbour of an outermost line is the line itself.
 TEST(Display, SmoothsAcrossLines) {
   SimulationOptions options;
+  options.output = hw::SampleScale::linear_envelope;
   options.display.line_filter = 0.4;
   expect_near(shown(kTwoPoints, options), {0.2F, 0, 0.6F, 0, 0.2F, 0, /**/ 0, 0, 0, 0.2F, 0, 0.8F});
 }
 
+/// Black at -60 dB; what lies below -120 dB counts as -120 dB: 0.6 * 0 dB + 0.4 * -120 dB is -48
+/// dB.
+TEST(Display, SmoothsBeforeBlackClips) {
+  SimulationOptions options;
+  options.dynamic_range_db = 60;
+  options.display.line_filter = 0.4;
+  EXPECT_EQ(before_show(options).output, hw::SampleScale::linear_envelope);
+  expect_near(shown({0, 1, 1, 1, 1e-9F, 1, /**/ 0, 0, 1e-3F, 0, 1e-3F, 100}, options),
+              {0, 1, 0.2F, 1, 0, 1, /**/ 0, 0, 0, 0, 0, 1});
+}
+
 TEST(Display, AveragesWithTheFrameBefore) {
   SimulationOptions options;
+  options.output = hw::SampleScale::linear_envelope;
   options.display.persistence = 0.25;
   expect_near(shown(kTwoPoints, options), {0, 0, 1, 0, 0, 0, /**/ 0, 0, 0.25F, 0, 0, 0.75F});
 }

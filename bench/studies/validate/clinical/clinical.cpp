@@ -161,7 +161,7 @@ struct Target {
 };
 constexpr Target kShares[] = {
     {"zero_in_fluid", &GreyStatistics::zero_in_fluid_percent, 33, 10},
-    {"full_scale", &GreyStatistics::full_percent, 11, 2},
+    {"full_scale", &GreyStatistics::full_percent, 11, 3},
 };
 constexpr double kGreyExpected[] = {4.5, 22.5, 60, 150, 255};
 constexpr double kGreyTolerance[] = {1.5, 6.75, 18, 45, 5};
