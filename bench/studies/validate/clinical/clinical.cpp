@@ -149,8 +149,7 @@ GreyStatistics measure_grey(const sim::SimulationOptions& options) {
 namespace {
 
 constexpr char kReal[] =
-    "fetal 4D volumes of a commercial scanner, as counted by the project; tolerance: 30 % where "
-    "none is stated";
+    "counts in fetal 4D volumes of a commercial scanner; tolerance: their range, and as much again";
 
 /// A figure of real volumes: the middle of what was counted, and how far ours may lie.
 struct Target {
@@ -160,11 +159,11 @@ struct Target {
   double tolerance;
 };
 constexpr Target kShares[] = {
-    {"zero_in_fluid", &GreyStatistics::zero_in_fluid_percent, 33, 10},
-    {"full_scale", &GreyStatistics::full_percent, 11, 3},
+    {"zero_in_fluid", &GreyStatistics::zero_in_fluid_percent, 33, 8},
+    {"full_scale", &GreyStatistics::full_percent, 11, 4},
 };
 constexpr double kGreyExpected[] = {4.5, 22.5, 60, 150, 255};
-constexpr double kGreyTolerance[] = {1.5, 6.75, 18, 45, 5};
+constexpr double kGreyTolerance[] = {3, 3, 12, 36, 2};
 
 std::vector<GreyStatistics> over_seeds(sim::ScanPreset preset,
                                        const std::vector<std::uint64_t>& seeds) {
@@ -230,7 +229,7 @@ StudyReport clinical_report() {
   const double thicker = row("skin above half of full scale, mm", "2 to 3 times clean", skin_mm) /
                          mean_of(clean, skin_mm);
   report.check("clinical.skin_thickness")
-      .within(thicker, 2.5, 0.75, "times that of clean")
+      .within(thicker, 2.5, 1, "times that of clean")
       .from(kReal)
       .over(kSeeds, "volumes", seeds);
   report.tables = {table};
