@@ -115,7 +115,7 @@ TEST_F(SceneFile, SimulationStartsFromItsPreset) {
   EXPECT_EQ(resolved(again), resolved(scene));
   EXPECT_EQ(refusal("[simulation]\npreset = \"clinic\"\n"),
             file() +
-                ": simulation.preset = clinic: must be one of \"clean\" \"clinical\"; did you "
+                ": simulation.preset = 'clinic': must be one of \"clean\" \"clinical\"; did you "
                 "mean clinical?");
   EXPECT_EQ(refusal("[simulation.clutter]\nparticles_per_cm3 = 50\n"),
             file() + ": simulation.clutter.particles_per_cm3 = 50: must be within 0 and 20");

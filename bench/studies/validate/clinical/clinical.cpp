@@ -194,7 +194,7 @@ StudyReport clinical_report() {
   Table table{
       .name = "clinical",
       .columns = {
-          {"statistic"}, {"real"}, {"clean", "clean", "1", 4}, {"clinical", "clinical", "1", 4}}};
+          {"statistic"}, {"real"}, {"clean", "clean", "", 1}, {"clinical", "clinical", "", 1}}};
   const auto row = [&](const std::string& name, const std::string& real, const auto& value) {
     table.add({name, real, mean_of(clean, value), mean_of(clinical, value)});
     report.point(name, {"seeds", kSeeds}, {"clinical", mean_of(clinical, value)});
