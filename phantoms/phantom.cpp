@@ -46,6 +46,12 @@ Phantom Phantom::with_features(std::vector<Feature> features) const {
   return phantom;
 }
 
+Phantom Phantom::with_measures(std::vector<PhantomMeasure> measures) const {
+  Phantom phantom(*this);
+  phantom.measures_ = std::move(measures);
+  return phantom;
+}
+
 glm::dvec3 Placement::to_phantom(const glm::dvec3& probe_m) const {
   return glm::transpose(rotation) * (probe_m - position_m);
 }

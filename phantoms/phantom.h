@@ -56,6 +56,13 @@ struct Feature {
   }
 };
 
+/// What a part of the phantom measures, by calipers on its finished surface.
+struct PhantomMeasure {
+  std::string name;  ///< ends in the unit: mm, deg or none
+  double value = 0;
+  std::optional<double> target;  ///< value that was aimed at
+};
+
 /// An immutable phantom. Cheap to copy: the grids are shared.
 ///
 /// @code
@@ -82,6 +89,8 @@ class Phantom {
   [[nodiscard]] Phantom with(const PointScatterers& more) const;
   /// The same with these named parts. Files of write_phantom() do not hold them.
   [[nodiscard]] Phantom with_features(std::vector<Feature> features) const;
+  /// The same with these measures. Files of write_phantom() do not hold them.
+  [[nodiscard]] Phantom with_measures(std::vector<PhantomMeasure> measures) const;
 
   const std::string& name() const { return name_; }
   const std::vector<Material>& materials() const { return materials_; }
@@ -100,6 +109,8 @@ class Phantom {
   std::shared_ptr<const PointScatterers> shared_scatterers() const { return scatterers_; }
   /// Where they overlap, the first counts. Empty: it has no named parts.
   const std::vector<Feature>& features() const { return features_; }
+  /// Of the face, the labels of its identity. Empty: nothing was measured.
+  const std::vector<PhantomMeasure>& measures() const { return measures_; }
 
  private:
   std::string name_;
@@ -112,6 +123,7 @@ class Phantom {
   std::optional<Joint> joint_;
   std::shared_ptr<const PointScatterers> scatterers_;
   std::vector<Feature> features_;
+  std::vector<PhantomMeasure> measures_;
 };
 
 /// Rigid transform from the phantom frame to the probe frame: probe = rotation * phantom +

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -51,6 +53,13 @@ class KeyWriter {
   void reals(std::string_view key, const std::vector<double>& values, double, double, double) {
     add(key, std::to_string(values.size()));
     for (const double value : values) add("", exact(value));
+  }
+  void seed(std::string_view key, std::uint64_t value) { add(key, std::to_string(value)); }
+  template <class Enum>
+  void choice(std::string_view key,
+              Enum value,
+              std::initializer_list<std::pair<std::string_view, Enum>>) {
+    add(key, std::to_string(static_cast<int>(value)));
   }
   void flag(std::string_view key, bool value) { add(key, value ? "1" : "0"); }
   void text(std::string_view key, const std::string& value) { add(key, value); }

@@ -50,9 +50,43 @@ const std::vector<Rule>& rules_of_phantoms() {
        [](const Setting& s) {
          return !s.is({"vdb", "file", "points"});
        }},
-      {{"phantom.gestational_age_weeks", "phantom.maternal_layer_mm", "phantom.mouth_open_mm"},
+      {{"phantom.gestational_age_weeks",
+        "phantom.identity",
+        "phantom.maternal_layer_mm",
+        "phantom.mouth_open_mm",
+        "phantom.head_pitch_deg",
+        "phantom.head_yaw_deg",
+        "phantom.head_roll_deg",
+        "phantom.smile_mm",
+        "phantom.tongue_mm",
+        "phantom.lids_open_mm",
+        "phantom.cleft_width_mm",
+        "phantom.chin_back_deg",
+        "phantom.jaw_shorter_mm",
+        "phantom.nasal_bone_shorter_mm",
+        "phantom.eyes_apart_mm",
+        "phantom.bossing_mm",
+        "phantom.ears_lower_deg",
+        "phantom.hand",
+        "phantom.cord",
+        "phantom.placenta_mm"},
        "phantom.name = fetal_face",
        [](const Setting& s) { return s.is({"fetal_face"}); }},
+      {{"phantom.cleft_side", "phantom.cleft_alveolus_mm"},
+       "phantom.name = fetal_face and phantom.cleft_width_mm",
+       [](const Setting& s) {
+         return s.is({"fetal_face"}) && s.scene.phantom.cleft_width_m > 0;
+       }},
+      {{"phantom.hand_gap_mm"},
+       "phantom.name = fetal_face and phantom.hand = before",
+       [](const Setting& s) {
+         return s.is({"fetal_face"}) && s.scene.phantom.hand == phantoms::HandPlace::before;
+       }},
+      {{"phantom.cord_gap_mm"},
+       "phantom.name = fetal_face and phantom.cord = before",
+       [](const Setting& s) {
+         return s.is({"fetal_face"}) && s.scene.phantom.cord == phantoms::CordPlace::before;
+       }},
       {{"phantom.radius_mm"},
        "phantom.name = sphere or cyst",
        [](const Setting& s) {

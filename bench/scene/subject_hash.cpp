@@ -41,11 +41,41 @@ void drop_neutral(nlohmann::ordered_json& section, const char* key, double neutr
   if (section.at(key) == neutral) section.erase(key);
 }
 
+/// Of the keys of fetal_face that are younger than the first recordings, all at their default where
+/// the phantom is another one. The face itself is not the one of those recordings: its keys stay.
+void drop_fetal_keys(nlohmann::ordered_json& section) {
+  if (section.at("name") == "fetal_face") return;
+  for (const char* key : {"identity",
+                          "head_pitch_deg",
+                          "head_yaw_deg",
+                          "head_roll_deg",
+                          "smile_mm",
+                          "tongue_mm",
+                          "lids_open_mm",
+                          "cleft_width_mm",
+                          "cleft_side",
+                          "cleft_alveolus_mm",
+                          "chin_back_deg",
+                          "jaw_shorter_mm",
+                          "nasal_bone_shorter_mm",
+                          "eyes_apart_mm",
+                          "bossing_mm",
+                          "ears_lower_deg",
+                          "hand",
+                          "hand_gap_mm",
+                          "cord",
+                          "cord_gap_mm",
+                          "placenta_mm"}) {
+    section.erase(key);
+  }
+}
+
 /// The section with the bytes of its files instead of their names.
 std::uint32_t phantom_hash(nlohmann::ordered_json section,
                            const phantoms::PhantomOptions& phantom) {
   section.erase("file");
   drop_neutral(section, "mouth_open_mm", 0);
+  drop_fetal_keys(section);
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
   const auto add = [&](const std::string& key, const std::string& path) {

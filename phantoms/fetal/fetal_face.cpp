@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
+#include "phantoms/fetal/fetal_child.h"
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
 #include "phantoms/grids.h"
@@ -24,18 +25,10 @@ constexpr double kThinnestUterus_m = 5 * kMillimetre;  // of its wall on the axi
 // At 21 weeks, to the sides: short of the hand. Assumed.
 constexpr double kJawReach_m = 16 * kMillimetre;
 
-double face_scale(const FetalBiometry& biometry) {
-  return biometry.binocular_m / fetal_biometry(21).binocular_m;
-}
-
-FetalHead posed_head(double weeks, double mouth_open_m) {
-  const FetalBiometry biometry = fetal_biometry(weeks);
-  FetalHead head = make_head(biometry, mouth_open_m);
-  // Slightly turned: a fetus seldom faces the probe squarely.
-  head.landmarks.head_to_phantom =
-      rotation_xyz({glm::radians(-4.0), glm::radians(8.0), glm::radians(-5.0)});
-  head.landmarks.head_position_m = face_scale(biometry) * kMillimetre * glm::dvec3(0, -5, 2);
-  return head;
+// Size of the mean face of this age against that of 21 weeks: the child's surroundings are of this
+// size, whatever the child's own.
+double scale_of_age(double weeks) {
+  return face_unit_m(mean_face(weeks)) / kMillimetre;
 }
 
 // z of the cavity's front wall on the line along z through (x, y), by bisection.
@@ -62,9 +55,10 @@ glm::dvec3 position_for(double scale, double maternal_layer_m) {
 // Places balls of the head frame in the phantom frame.
 class Placer {
  public:
-  Placer(const FetalLandmarks& pose, double scale) : pose_(pose), scale_(scale) {}
+  explicit Placer(const SolvedHead& solved)
+      : pose_(solved.head.landmarks), unit_m_(solved.shape.unit_m) {}
 
-  double mm(double value) const { return value * kMillimetre * scale_; }
+  double mm(double value) const { return value * unit_m_; }
   glm::dvec3 at(double x, double y, double z) const { return {mm(x), mm(y), mm(z)}; }
   FeatureBall ball(const glm::dvec3& head_m, double radius_m) const {
     return {pose_.head_to_phantom * head_m + pose_.head_position_m, radius_m};
@@ -77,31 +71,29 @@ class Placer {
 
  private:
   const FetalLandmarks& pose_;
-  double scale_;
+  double unit_m_;
 };
 
 // Nose, lips, eyelids, ears, cheeks and forehead, placed by the landmarks of the head; where two
-// overlap the first of them counts. `scale`: of the face, relative to 21 weeks. `mouth_open_m`:
-// gap between the lips.
-std::vector<Feature> face_features(const FetalHead& head,
-                                   const FetalBiometry& biometry,
-                                   double scale,
-                                   double mouth_open_m) {
+// overlap the first of them counts.
+std::vector<Feature> face_features(const SolvedHead& solved) {
+  const FetalHead& head = solved.head;
+  const HeadShape& shape = solved.shape;
   const FetalLandmarks& face = head.landmarks;
-  const Placer place(face, scale);
+  const Placer place(solved);
   const double mouth = face.mouth_m.y, base = face.subnasale_m.y;
   Feature nose{
       "nose",
       {place.ball(face.nose_tip_m, place.mm(5.5)), place.ball(place.at(0, 2, 2.2), place.mm(4.5))}};
   place.pair({place.mm(3.6), base - place.mm(2.1), 0}, place.mm(4), nose.balls);
-  const double lip = 0.5 * mouth_open_m;
+  const double lip = place.mm(0.5 * shape.open);
   Feature lips{"lips", {place.ball(face.mouth_m, place.mm(5.5) + lip)}};
   place.pair({place.mm(4.8), mouth, place.mm(1.2)}, place.mm(4.5) + lip, lips.balls);
   Feature eyelids{"eyelids", {}};
   place.pair(face.eye_center_m, head.eyes[1].radii_m.x + place.mm(3), eyelids.balls);
   Feature ears{"ears", {}};
-  place.pair({biometry.biparietal_m / 2 + place.mm(2.5), place.mm(2), place.mm(33)},
-             place.mm(9),
+  place.pair(place.at(shape.biparietal / 2 + 2.5, 2 + shape.ear_height, 33),
+             place.mm(10 * shape.ear),
              ears.balls);
   Feature cheeks{"cheeks", {}};
   place.pair({place.mm(15), mouth - lip - place.mm(6), place.mm(11)}, place.mm(12), cheeks.balls);
@@ -114,9 +106,9 @@ std::vector<Feature> face_features(const FetalHead& head,
 class FetalScene {
  public:
   explicit FetalScene(const PhantomOptions& options)
-      : biometry_(fetal_biometry(options.gestational_age_weeks)),
-        scale_(face_scale(biometry_)),
-        head_(posed_head(options.gestational_age_weeks, options.mouth_open_m)),
+      : child_(make_child(options)),
+        head_(child_.solved.head),
+        scale_(scale_of_age(options.gestational_age_weeks)),
         mouth_open_m_(options.mouth_open_m),
         to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
         body_(make_body(scale_)),
@@ -153,7 +145,9 @@ class FetalScene {
   }
   DistanceFunction skull(const Ball& ball) const {
     return [this, skull = head_.skull.near(in_head(ball))](const glm::dvec3& p) {
-      return skull.distance(in_head(p));
+      const glm::dvec3 q = in_head(p);
+      const double bone = skull.distance(q);
+      return head_.nasal_bone.empty() ? bone : std::min(bone, head_.nasal_bone.distance(q));
     };
   }
   DistanceFunction brain(const Ball& ball) const {
@@ -182,18 +176,18 @@ class FetalScene {
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
-  std::vector<Feature> features() const {
-    return face_features(head_, biometry_, scale_, mouth_open_m_);
-  }
-  /// Inner radius: the smallest ball that contains the skull (measured on the grids, 20 to 30
-  /// weeks; the jaw of an open mouth leaves it). Outer radius: short of the cavity's wall; the hand
+  std::vector<Feature> features() const { return face_features(child_.solved); }
+  std::vector<PhantomMeasure> measures() const { return measures_of(child_); }
+  /// Inner radius: that of the smallest ball that contains the skull, and a voxel's rounding; the
+  /// jaw of an open mouth leaves it by little. Outer radius: short of the cavity's wall; the hand
   /// moves little.
   Joint joint() const {
-    const glm::dvec3 in_head{
-        0, -0.065 * biometry_.biparietal_m, 0.48 * biometry_.occipitofrontal_m};
+    const HeadShape& shape = child_.solved.shape;
+    const glm::dvec3 in_head =
+        shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
     const FetalLandmarks& pose = head_.landmarks;
     return {pose.head_to_phantom * in_head + pose.head_position_m,
-            0.612 * biometry_.occipitofrontal_m,
+            reach_of_skull(head_, in_head) + 1 * kMillimetre,
             50 * kMillimetre * scale_,
             mouth()};
   }
@@ -212,9 +206,9 @@ class FetalScene {
   }
   Ball in_head(const Ball& ball) const { return {in_head(ball.center), ball.radius_m}; }
 
-  FetalBiometry biometry_;
-  double scale_;  // of the face, relative to 21 weeks
-  FetalHead head_;
+  FetalChild child_;
+  const FetalHead& head_;
+  double scale_;  // of the surroundings, relative to 21 weeks
   double mouth_open_m_;
   glm::dmat3 to_head_;
   CsgBody body_, hand_;
@@ -246,10 +240,6 @@ constexpr Part kFetalParts[] = {
 
 }  // namespace
 
-FetalLandmarks fetal_landmarks(double gestational_age_weeks, double mouth_open_m) {
-  return posed_head(gestational_age_weeks, mouth_open_m).landmarks;
-}
-
 Phantom make_fetal_face(const PhantomOptions& options) {
   const FetalScene scene(options);
   std::vector<Part> parts;
@@ -280,7 +270,8 @@ Phantom make_fetal_face(const PhantomOptions& options) {
                  scene.suggested_position_m(),
                  grids,
                  scene.joint())
-      .with_features(scene.features());
+      .with_features(scene.features())
+      .with_measures(scene.measures());
 }
 
 }  // namespace wobblebench::phantoms

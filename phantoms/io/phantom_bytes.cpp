@@ -270,6 +270,16 @@ void write(ByteWriter& to, const std::vector<Feature>& features) {
   }
 }
 
+void write(ByteWriter& to, const std::vector<PhantomMeasure>& measures) {
+  to.value(static_cast<std::uint32_t>(measures.size()));
+  for (const PhantomMeasure& measure : measures) {
+    to.text(measure.name);
+    to.value(measure.value);
+    to.value(std::uint32_t{measure.target ? 1U : 0U});
+    to.value(measure.target.value_or(0));
+  }
+}
+
 double number(ByteReader& from) {
   const double value = from.value<double>();
   expect_bytes(std::isfinite(value), "a number is not finite");
@@ -365,6 +375,18 @@ std::vector<Feature> read_features(ByteReader& from) {
   return features;
 }
 
+std::vector<PhantomMeasure> read_measures(ByteReader& from) {
+  std::vector<PhantomMeasure> measures(below(from, kMostEntries));
+  for (PhantomMeasure& measure : measures) {
+    measure.name = text(from);
+    measure.value = number(from);
+    const bool aimed = below(from, 2) == 1;
+    const double target = number(from);
+    if (aimed) measure.target = target;
+  }
+  return measures;
+}
+
 }  // namespace
 
 std::optional<std::string> to_bytes(const Phantom& phantom) {
@@ -394,6 +416,7 @@ std::optional<std::string> to_bytes(const Phantom& phantom) {
   }
   write(to, phantom.scatterers());
   write(to, phantom.features());
+  write(to, phantom.measures());
   return to.take();
 }
 
@@ -418,6 +441,7 @@ Phantom phantom_from_bytes(std::string_view bytes) {
   }
   PointScatterers points = read_scatterers(from);
   std::vector<Feature> features = read_features(from);
+  std::vector<PhantomMeasure> measures = read_measures(from);
   from.expect_end();
   return Phantom(std::move(name),
                  std::move(materials),
@@ -428,7 +452,8 @@ Phantom phantom_from_bytes(std::string_view bytes) {
                  std::move(grids),
                  joint,
                  std::move(points))
-      .with_features(std::move(features));
+      .with_features(std::move(features))
+      .with_measures(std::move(measures));
 }
 
 }  // namespace wobblebench::phantoms

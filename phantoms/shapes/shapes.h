@@ -99,6 +99,7 @@ class CsgBody {
   void subtract(const Shape& shape, double fillet_m) {
     operations_.push_back(operation(shape, fillet_m, true));
   }
+  bool empty() const { return operations_.empty(); }
   /// The shape and its mirror image in the plane x = 0.
   void unite_pair(const Shape& shape, double fillet_m);
   void subtract_pair(const Shape& shape, double fillet_m);
