@@ -6,7 +6,7 @@
 
 namespace wobblebench::phantoms {
 
-/// A fetus of 20 to 30 weeks facing the probe, in amniotic fluid behind the uterine wall.
+/// A fetus of 20 to 34 weeks facing the probe, in amniotic fluid behind the uterine wall.
 Phantom make_fetal_face(const PhantomOptions& options);
 
 /// A slab of tissue in fluid. Its front face is the plane through the origin whose normal is -z

@@ -110,9 +110,36 @@ void check_mouth(const PhantomOptions& options) {
   check_voxel(options, options.mouth_open_m / 4);
 }
 
+void check_tongue(const PhantomOptions& options) {
+  if (options.tongue_m > 0 && options.mouth_open_m < 4e-3) {
+    throw refusal("tongue_mm",
+                  options.tongue_m * 1e3,
+                  "needs an open mouth: mouth_open_mm must be at least 4");
+  }
+}
+
+void check_cleft(const PhantomOptions& options) {
+  // Voxels do not resolve a narrower gap.
+  if (options.cleft_width_m == 0) return;
+  if (options.cleft_width_m < 1e-3) {
+    throw refusal("cleft_width_mm", options.cleft_width_m * 1e3, "must be 0 or at least 1");
+  }
+  check_voxel(options, options.cleft_width_m / 2);
+  const double alveolus_m = options.cleft_alveolus_m;
+  if (alveolus_m > 0 && alveolus_m < 1e-3) {
+    throw refusal("cleft_alveolus_mm", alveolus_m * 1e3, "must be 0 or at least 1");
+  }
+}
+
 void check_fetal_face(const PhantomOptions& options) {
   check_voxel(options, 2e-3);
   check_mouth(options);
+  check_tongue(options);
+  check_cleft(options);
+  constexpr double kThinnestPlacenta = 4e-3;
+  if (options.placenta_m > 0 && options.placenta_m < kThinnestPlacenta) {
+    throw refusal("placenta_mm", options.placenta_m * 1e3, "must be 0 or at least 4");
+  }
   // Voxels do not resolve thinner tissues.
   constexpr double kThinnest = 6e-3;
   if (options.maternal_layer_m == 0 || options.maternal_layer_m >= kThinnest) return;

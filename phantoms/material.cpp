@@ -88,6 +88,13 @@ std::vector<Material> make_table() {
        -70,
        0,
        "assumed as amniotic fluid with particles" + assumed_echo},
+      {"placenta",
+       1540,
+       1.63 * kMrayl,
+       0.6,
+       -43,
+       0.3,
+       "assumed between soft tissue and uterine wall" + assumed_echo},
   };
 }
 

@@ -53,8 +53,8 @@ struct PhantomOptions {
   double maternal_layer_m = 18e-3;
   /// fetal_face: gap between the lips at rest. 0: closed, and cannot move.
   double mouth_open_m = 0;
-  // fetal_face: pose of the head, about x, y and z in this order. Positive pitch: the forehead comes
-  // forward, the chin goes to the chest.
+  // fetal_face: pose of the head, about x, y and z in this order. Positive pitch: the forehead
+  // comes forward, the chin goes to the chest.
   double head_pitch_rad = -4 * kDegree;
   double head_yaw_rad = 8 * kDegree;
   double head_roll_rad = -5 * kDegree;
@@ -63,22 +63,22 @@ struct PhantomOptions {
   double tongue_m = 0;     ///< length of the tongue before the lips; needs an open mouth
   double lids_open_m = 0;  ///< height of the opening between the lids
   // fetal_face: anomalies, as deviations from this child's own measures. 0: none.
-  double cleft_width_m = 0;           ///< gap of the upper lip at its edge
-  Side cleft_side = Side::left;       ///< of the child
-  double cleft_alveolus_m = 0;        ///< width of the gap in the upper jaw behind it
-  double chin_back_rad = 0;           ///< decrease of the inferior facial angle
-  double jaw_shorter_m = 0;           ///< decrease of the mandible's length
-  double nasal_bone_shorter_m = 0;    ///< decrease of its length; all of it: absent
-  double eyes_apart_m = 0;            ///< increase of the distances of the orbits
-  double bossing_m = 0;               ///< by which the forehead bulges
-  double ears_lower_rad = 0;          ///< increase of the ear-eye angle
+  double cleft_width_m = 0;         ///< gap of the upper lip at its edge
+  Side cleft_side = Side::left;     ///< of the child
+  double cleft_alveolus_m = 0;      ///< width of the gap in the upper jaw behind it
+  double chin_back_rad = 0;         ///< decrease of the inferior facial angle
+  double jaw_shorter_m = 0;         ///< decrease of the mandible's length
+  double nasal_bone_shorter_m = 0;  ///< decrease of its length; all of it: absent
+  double eyes_apart_m = 0;          ///< increase of the distances of the orbits
+  double bossing_m = 0;             ///< by which the forehead bulges
+  double ears_lower_rad = 0;        ///< increase of the ear-eye angle
   // fetal_face: what lies before the face.
   HandPlace hand = HandPlace::beside;
   double hand_gap_m = 3e-3;  ///< least distance of a hand before the face from the skin
   CordPlace cord = CordPlace::beside;
-  double cord_gap_m = 3e-3;      ///< least distance of a cord before the face from the skin
-  double placenta_m = 0;  ///< thickness of an anterior placenta; 0: none there
-  double radius_m = 20e-3;  ///< sphere, cyst
+  double cord_gap_m = 3e-3;  ///< least distance of a cord before the face from the skin
+  double placenta_m = 0;     ///< thickness of an anterior placenta; 0: none there
+  double radius_m = 20e-3;   ///< sphere, cyst
   /// steps: height of each tread above the one to its left.
   std::vector<double> step_heights_m = {1e-3, 2e-3, 3e-3, 5e-3, 8e-3};
   double thickness_m = 3e-3;   ///< bone_plate

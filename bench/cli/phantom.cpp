@@ -165,6 +165,7 @@ Json phantom_json(const phantoms::Phantom& phantom) {
             {"high", in_mm(phantom.region_of_interest().high)}}},
           {"suggested_position_mm", in_mm(phantom.suggested_position_m())},
           {"joint", joint_json(phantom.joint())},
+          {"measures", measures_json(phantom)},
           {"materials", materials_json(phantom)}};
 }
 

@@ -74,4 +74,14 @@ Json registration_json(const Registration& registration) {
           {"rms_after_mm", number(registration.rms_after_m / kMillimetre)}};
 }
 
+Json measures_json(const phantoms::Phantom& phantom) {
+  if (phantom.measures().empty()) return nullptr;
+  Json measures = Json::object();
+  for (const auto& measure : phantom.measures()) {
+    measures[measure.name] = {{"measured", number(measure.value)},
+                              {"drawn", measure.target ? number(*measure.target) : Json(nullptr)}};
+  }
+  return measures;
+}
+
 }  // namespace wobblebench::bench

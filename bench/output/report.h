@@ -22,5 +22,8 @@ Json report_head(const std::string& command, Provenance provenance, const Scene&
 double frame_ms(const std::vector<render::PassTime>& passes);
 Json render_json(const std::vector<render::PassTime>& passes, render::PipelineMode mode);
 Json registration_json(const Registration& registration);
+/// What the phantom measures on its finished surfaces, and what was aimed at (null: nothing); null
+/// where nothing was measured.
+Json measures_json(const phantoms::Phantom& phantom);
 
 }  // namespace wobblebench::bench

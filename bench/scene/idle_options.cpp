@@ -74,9 +74,7 @@ const std::vector<Rule>& rules_of_phantoms() {
        [](const Setting& s) { return s.is({"fetal_face"}); }},
       {{"phantom.cleft_side", "phantom.cleft_alveolus_mm"},
        "phantom.name = fetal_face and phantom.cleft_width_mm",
-       [](const Setting& s) {
-         return s.is({"fetal_face"}) && s.scene.phantom.cleft_width_m > 0;
-       }},
+       [](const Setting& s) { return s.is({"fetal_face"}) && s.scene.phantom.cleft_width_m > 0; }},
       {{"phantom.hand_gap_mm"},
        "phantom.name = fetal_face and phantom.hand = before",
        [](const Setting& s) {

@@ -22,8 +22,8 @@ class Draw {
  public:
   Draw(std::uint64_t seed, std::string_view name) : key_(mix64(seed + kGoldenGamma)) {
     for (const char letter : name) {
-      key_ = mix64(key_ ^ (static_cast<std::uint64_t>(static_cast<unsigned char>(letter)) +
-                           kGoldenGamma));
+      key_ = mix64(key_ ^
+                   (static_cast<std::uint64_t>(static_cast<unsigned char>(letter)) + kGoldenGamma));
     }
   }
 
@@ -97,9 +97,8 @@ Scores draw_scores(std::uint64_t seed, double weeks) {
   Draw nose(seed, law_of(FaceMeasure::facial_height).name);
   double& whole = score(z, FaceMeasure::facial_height);
   do {
-    whole = height.z(score(z, FaceMeasure::philtrum),
-                     score(z, FaceMeasure::chin),
-                     correlated(nose, common, r));
+    whole = height.z(
+        score(z, FaceMeasure::philtrum), score(z, FaceMeasure::chin), correlated(nose, common, r));
   } while (std::abs(whole) > kMostZ);
   return z;
 }
@@ -134,16 +133,15 @@ constexpr TraitSpread kTraits[] = {{"mouth_width", &FaceTraits::mouth_width, 0.0
                                    {"nose_bridge", &FaceTraits::nose_bridge, 0.4},
                                    {"crown", &FaceTraits::crown, 0.02}};
 
-constexpr std::string_view kPaired[kPairedParts] = {
-    "eye asymmetry",
-    "brow asymmetry",
-    "cheek asymmetry",
-    "ala asymmetry",
-    "mouth asymmetry",
-    "ear asymmetry",
-    "jaw asymmetry",
-    "zygoma asymmetry",
-    "nose tip asymmetry"};
+constexpr std::string_view kPaired[kPairedParts] = {"eye asymmetry",
+                                                    "brow asymmetry",
+                                                    "cheek asymmetry",
+                                                    "ala asymmetry",
+                                                    "mouth asymmetry",
+                                                    "ear asymmetry",
+                                                    "jaw asymmetry",
+                                                    "zygoma asymmetry",
+                                                    "nose tip asymmetry"};
 
 Asymmetry draw_asymmetry(std::uint64_t seed, double weeks) {
   const double spread_m = kAsymmetry_m * weeks / 40;

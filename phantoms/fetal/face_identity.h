@@ -19,14 +19,14 @@ struct FaceTraits {
   double nostril_tilt = 0;  ///< length by which the tip of the nose is higher
   double ear_breadth = 1;   ///< ratio
   double ear_stands_off = 0;
-  double brow = 0;        ///< length by which the brow is more prominent
-  double cheek_full = 0;  ///< length by which the cheeks are more prominent
-  double chin_width = 1;  ///< ratio
-  double chin_point = 0;  ///< length by which the tip of the chin is smaller
-  double eye_slant = 0;   ///< length by which the outer corners of the lids are higher
-  double eye_depth = 0;   ///< length by which the eyes lie deeper
-  double nose_bridge = 0; ///< length by which the middle of the ridge is more prominent
-  double crown = 1;       ///< ratio of the height of the braincase
+  double brow = 0;         ///< length by which the brow is more prominent
+  double cheek_full = 0;   ///< length by which the cheeks are more prominent
+  double chin_width = 1;   ///< ratio
+  double chin_point = 0;   ///< length by which the tip of the chin is smaller
+  double eye_slant = 0;    ///< length by which the outer corners of the lids are higher
+  double eye_depth = 0;    ///< length by which the eyes lie deeper
+  double nose_bridge = 0;  ///< length by which the middle of the ridge is more prominent
+  double crown = 1;        ///< ratio of the height of the braincase
 };
 
 /// Parts of which the right differs from the left, and the middle of the nose.

@@ -35,9 +35,7 @@ struct FaceMeasures {
   std::array<double, kFaceMeasures> values{};
 
   double& operator[](FaceMeasure measure) { return values[static_cast<std::size_t>(measure)]; }
-  double operator[](FaceMeasure measure) const {
-    return values[static_cast<std::size_t>(measure)];
-  }
+  double operator[](FaceMeasure measure) const { return values[static_cast<std::size_t>(measure)]; }
 };
 
 /// How a measure spreads among fetuses of one age.

@@ -97,8 +97,7 @@ std::vector<PhantomMeasure> measures_of(const FetalChild& child) {
 }
 
 FetalLandmarks fetal_landmarks(double gestational_age_weeks, double mouth_open_m) {
-  return make_child(
-             {.gestational_age_weeks = gestational_age_weeks, .mouth_open_m = mouth_open_m})
+  return make_child({.gestational_age_weeks = gestational_age_weeks, .mouth_open_m = mouth_open_m})
       .solved.head.landmarks;
 }
 

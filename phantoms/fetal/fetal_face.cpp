@@ -6,8 +6,11 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/number_text.h"
 #include "base/parallel.h"
 #include "base/units.h"
 #include "phantoms/builders.h"
@@ -15,6 +18,7 @@
 #include "phantoms/fetal/fetal_head.h"
 #include "phantoms/fetal/fetal_surroundings.h"
 #include "phantoms/grids.h"
+#include "phantoms/refusal.h"
 #include "phantoms/shapes/level_set.h"
 
 namespace wobblebench::phantoms {
@@ -113,9 +117,14 @@ class FetalScene {
         to_head_(glm::transpose(head_.landmarks.head_to_phantom)),
         body_(make_body(scale_)),
         hand_(make_hand(scale_)),
-        cord_(scale_),
+        hand_is_before_(options.hand == HandPlace::before),
+        cord_(make_cord(options)),
+        placenta_m_(options.placenta_m),
         position_m_(position_for(scale_, options.maternal_layer_m)),
-        maternal_layer_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {}
+        maternal_layer_(options.maternal_layer_m, glm::dvec3(0, 0, kFaceOfProbe_m) - position_m_) {
+    if (hand_is_before_) hand_ = place_hand(options);
+    check_placenta(options);
+  }
 
   // Each part's distances within a ball.
   DistanceFunction muscle(const Ball&) const {
@@ -140,8 +149,16 @@ class FetalScene {
             hand = hand_.near(ball)](const glm::dvec3& p) {
       const double trunk =
           smooth_union(head.distance(in_head(p)), body.distance(p), 5 * kMillimetre * scale_);
+      if (hand_is_before_) return trunk;
       return smooth_union(trunk, hand.distance(p), 1 * kMillimetre * scale_);
     };
+  }
+  /// A hand before the face.
+  DistanceFunction hand(const Ball& ball) const {
+    return [hand = hand_.near(ball)](const glm::dvec3& p) { return hand.distance(p); };
+  }
+  DistanceFunction placenta(const Ball&) const {
+    return [this](const glm::dvec3& p) { return placenta_distance(p, scale_, placenta_m_); };
   }
   DistanceFunction skull(const Ball& ball) const {
     return [this, skull = head_.skull.near(in_head(ball))](const glm::dvec3& p) {
@@ -176,8 +193,14 @@ class FetalScene {
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
+  bool hand_is_before() const { return hand_is_before_; }
+  bool has_placenta() const { return placenta_m_ > 0; }
   std::vector<Feature> features() const { return face_features(child_.solved); }
-  std::vector<PhantomMeasure> measures() const { return measures_of(child_); }
+  std::vector<PhantomMeasure> measures() const {
+    std::vector<PhantomMeasure> all = measures_of(child_);
+    all.insert(all.end(), gaps_.begin(), gaps_.end());
+    return all;
+  }
   /// Inner radius: that of the smallest ball that contains the skull, and a voxel's rounding; the
   /// jaw of an open mouth leaves it by little. Outer radius: short of the cavity's wall; the hand
   /// moves little.
@@ -187,7 +210,7 @@ class FetalScene {
         shape.unit_m * glm::dvec3(0, -0.065 * shape.biparietal, 0.48 * shape.occipitofrontal);
     const FetalLandmarks& pose = head_.landmarks;
     return {pose.head_to_phantom * in_head + pose.head_position_m,
-            reach_of_skull(head_, in_head) + 1 * kMillimetre,
+            reach_of_skull(head_, in_head) + 0.6 * kMillimetre,
             50 * kMillimetre * scale_,
             mouth()};
   }
@@ -201,6 +224,48 @@ class FetalScene {
                  mouth_open_m_,
                  kJawReach_m * scale_};
   }
+  double trunk_distance(const glm::dvec3& p) const {
+    return smooth_union(
+        head_.skin.distance(in_head(p)), body_.distance(p), 5 * kMillimetre * scale_);
+  }
+  /// The tubes at their gap before the face; `key` names it where there is no room.
+  std::vector<Tube> placed(std::vector<Tube> tubes,
+                           double thicker_m,
+                           double gap_m,
+                           const char* key) {
+    const auto face = [this](const glm::dvec3& p) { return trunk_distance(p); };
+    const double shift_m = place_before(face, tubes, thicker_m, gap_m);
+    for (Tube& tube : tubes) tube = shifted(tube, {0, 0, shift_m});
+    const auto wall = [this](const glm::dvec3& p) { return cavity_distance(p, scale_); };
+    if (most_outside(wall, tubes, thicker_m) > -1 * kMillimetre) {
+      throw refusal(
+          std::string(key) + "_gap_mm",
+          gap_m / kMillimetre,
+          "leaves no room between the face and the uterine wall for the " + std::string(key));
+    }
+    gaps_.push_back({std::string(key) + "_gap_mm", gap_m / kMillimetre, std::nullopt});
+    return tubes;
+  }
+  CsgBody place_hand(const PhantomOptions& options) {
+    return united(
+        placed(hand_before(scale_, options.gestational_age_weeks), 0, options.hand_gap_m, "hand"),
+        1 * kMillimetre * scale_);
+  }
+  UmbilicalCord make_cord(const PhantomOptions& options) {
+    if (options.cord == CordPlace::beside) return {scale_, cord_beside(scale_)};
+    const double thicker_m = UmbilicalCord::radius_m(scale_) - kMillimetre * scale_;
+    return {scale_, placed({cord_across(scale_)}, thicker_m, options.cord_gap_m, "cord").front()};
+  }
+  // The volume of interest starts in the fluid.
+  void check_placenta(const PhantomOptions& options) const {
+    const double front = cavity_front_m(scale_, 0, 0), box = region_of_interest().low.z;
+    const double room_m = box - front - 1 * kMillimetre;
+    if (options.placenta_m <= room_m) return;
+    throw refusal("placenta_mm",
+                  options.placenta_m / kMillimetre,
+                  "must be at most " + significant(room_m / kMillimetre, 3) +
+                      " here: beyond, it touches the face");
+  }
   glm::dvec3 in_head(const glm::dvec3& p) const {
     return to_head_ * (p - head_.landmarks.head_position_m);
   }
@@ -212,7 +277,10 @@ class FetalScene {
   double mouth_open_m_;
   glm::dmat3 to_head_;
   CsgBody body_, hand_;
+  bool hand_is_before_;
+  std::vector<PhantomMeasure> gaps_;
   UmbilicalCord cord_;
+  double placenta_m_;
   glm::dvec3 position_m_;
   MaternalLayer maternal_layer_;
 };
@@ -232,7 +300,9 @@ constexpr Part kMaternalParts[] = {
     {"maternal_skin", "skin", false, &FetalScene::maternal_skin, Distances::exact}};
 constexpr Part kFetalParts[] = {
     {"cavity", "amniotic_fluid", true, &FetalScene::cavity, Distances::exact},
+    {"placenta", "placenta", true, &FetalScene::placenta, Distances::first_order},
     {"cord", "umbilical_cord", true, &FetalScene::cord, Distances::first_order},
+    {"hand", "fetal_skin", true, &FetalScene::hand, Distances::first_order},
     {"skin", "fetal_skin", true, &FetalScene::skin, Distances::first_order},
     {"skull", "fetal_skull", false, &FetalScene::skull, Distances::first_order},
     {"brain", "brain", false, &FetalScene::brain, Distances::first_order},
@@ -247,7 +317,12 @@ Phantom make_fetal_face(const PhantomOptions& options) {
     parts.assign(std::begin(kMaternalParts), std::end(kMaternalParts));
   }
   const std::size_t maternal = parts.size();
-  parts.insert(parts.end(), std::begin(kFetalParts), std::end(kFetalParts));
+  for (const Part& part : kFetalParts) {
+    const std::string_view name = part.name;
+    if (name == "hand" && !scene.hand_is_before()) continue;
+    if (name == "placenta" && !scene.has_placenta()) continue;
+    parts.push_back(part);
+  }
   std::vector<Surface> surfaces;
   for (const Part& part : parts) {
     surfaces.push_back({part.name, material_index(part.inside), part.is_target});

@@ -122,7 +122,8 @@ void HeadBuilder::add_face() {
   unite_pair(skin, ellipsoid({side - 0.1, -2, 19}, {3.5, 5, 7}), 6, PairedPart::zygoma);
   unite_pair(skin, ellipsoid({side - 2.6, 5.5, 17.5}, {4.4, 5, 7.5}), 6, PairedPart::zygoma);
   unite_pair(skin,
-             ellipsoid({shape_.cheek, mouth - 6 - 0.4 * shape_.smile, 11.6 - traits_.cheek_full}, {9.8, 9.4, 9.4}),
+             ellipsoid({shape_.cheek, mouth - 6 - 0.4 * shape_.smile, 11.6 - traits_.cheek_full},
+                       {9.8, 9.4, 9.4}),
              7,
              PairedPart::cheek);
   // Muzzle: the rounded base that carries the lips.
@@ -134,10 +135,11 @@ void HeadBuilder::add_jaw() {
   const double chin = shape_.menton, back = shape_.chin, angle = shape_.gonion;
   // An open jaw is lowered about its hinge: less, farther back.
   const double behind = chin - 0.5 * open_, middle = chin - 0.2 * open_;
-  unite_pair(skin,
-             Tube{{ball(0.31 * shape_.biparietal, 7, 30, 8), ball(12, behind - 12.5, angle - 3, 6.8)}},
-             7,
-             PairedPart::jaw);
+  unite_pair(
+      skin,
+      Tube{{ball(0.31 * shape_.biparietal, 7, 30, 8), ball(12, behind - 12.5, angle - 3, 6.8)}},
+      7,
+      PairedPart::jaw);
   unite_pair(skin,
              Tube{{ball(12, behind - 12.5, angle - 3, 6.8), ball(5, middle - 8, 8 + back, 5.2)}},
              6,
@@ -239,8 +241,8 @@ void HeadBuilder::add_lower_lip() {
   unite_pair(head_.skin, smooth_tube(roll, 8), 1.0, PairedPart::mouth);
   // Makes the fold under the lower lip shallow.
   const double span = std::max(shape_.menton - lower, 3.0);
-  head_.skin.unite(
-      ellipsoid({0, lower + 0.5 * span, 5.6 + 2 * back}, {6.5, 0.45 * span, 4.4}), mm(2));
+  head_.skin.unite(ellipsoid({0, lower + 0.5 * span, 5.6 + 2 * back}, {6.5, 0.45 * span, 4.4}),
+                   mm(2));
 }
 
 // The oral cavity: its front leaves an almond between the lips, its back lies short of the bone.
@@ -260,8 +262,8 @@ void HeadBuilder::add_tongue() {
 
 void HeadBuilder::add_bossing() {
   const glm::dvec3 radii{15, 11, 11};
-  const Ellipsoid bone = ellipsoid(
-      {0, -16, 0.8 + radii.z - shape_.forehead - shape_.bossing}, radii);
+  const Ellipsoid bone =
+      ellipsoid({0, -16, 0.8 + radii.z - shape_.forehead - shape_.bossing}, radii);
   head_.skull.unite(bone, mm(5));
   Ellipsoid scalp = bone;
   scalp.radii_m += mm(3.0);
@@ -303,8 +305,7 @@ void HeadBuilder::add_ears() {
                                         offset(3.3, -7.5, 1, 1.4),
                                         offset(1.5, -6.5, -2, 1.3),
                                         offset(0.5, -3.0, -3, 1.3)};
-  unite_pair(
-      skin, Tube{{offset(-0.5, 4, -1, 2.2), offset(1.3, -3, 1.5, 2.6)}}, 2, PairedPart::ear);
+  unite_pair(skin, Tube{{offset(-0.5, 4, -1, 2.2), offset(1.3, -3, 1.5, 2.6)}}, 2, PairedPart::ear);
   unite_pair(skin, smooth_tube(helix, 3), 1.0, PairedPart::ear);
 }
 
@@ -332,10 +333,12 @@ void HeadBuilder::add_face_bones() {
   // Where frontal and nasal bone meet.
   skull.unite(ellipsoid({0, -1.5, 10.2 - shape_.bone_bridge}, {5, 5, 6}), mm(2));
   unite_pair(skull, ellipsoid({side - 3, 6, 17.5}, {3, 2.5, 6}), 2, PairedPart::zygoma);
-  unite_pair(
-      skull, Tube{{ball(0.29 * shape_.biparietal, 6, 30, 2.5), ball(12, behind - 11, angle, 2.6)}}, 3, PairedPart::jaw);
   unite_pair(skull,
-             Tube{{ball(12, behind - 11, angle, 2.6), ball(0, front - 5.4, 7 + back, 2.6)}},
+             Tube{{ball(0.29 * shape_.biparietal, 6, 30, 2.5), ball(12, behind - 11, angle, 2.6)}},
+             3,
+             PairedPart::jaw);
+  unite_pair(skull,
+             Tube{{ball(12, behind - 11, angle, 2.6), ball(0, front - 5.4, 9.0 + back, 2.6)}},
              3,
              PairedPart::jaw);
 }

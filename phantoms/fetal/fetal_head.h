@@ -40,14 +40,14 @@ struct HeadShape {
   double subnasale = 10.0, upper_lip = 14.8, menton = 27.6;  ///< heights
   double nose = 1.4;                                         ///< shift of the tip forwards
   double chin = -0.2;                                        ///< shift of the chin backwards
-  double bridge = 0.3;        ///< shift of the root of the nose forwards
-  double bone_bridge = 0;     ///< shift of the bone under it forwards
-  double nasal_bone = 7;      ///< length
-  double zygoma = 18.6;       ///< half width
-  double cheek = 9.4;         ///< of its centre, to the side
-  double gonion = 22;         ///< depth
-  double ear = 0.9;           ///< size
-  double ear_height = -0.4;   ///< shift downwards
+  double bridge = 0.3;       ///< shift of the root of the nose forwards
+  double bone_bridge = 0;    ///< shift of the bone under it forwards
+  double nasal_bone = 7;     ///< length
+  double zygoma = 18.6;      ///< half width
+  double cheek = 9.4;        ///< of its centre, to the side
+  double gonion = 22;        ///< depth
+  double ear = 0.9;          ///< size
+  double ear_height = -0.4;  ///< shift downwards
   // Expression.
   double open = 0;       ///< gap between the lips
   double smile = 0;      ///< shift of the corners of the mouth, upwards and half as far aside
@@ -69,13 +69,13 @@ struct HeadShape {
 /// The head as CSG bodies, in the head frame.
 struct FetalHead {
   CsgBody skin;
-  CsgBody skull;       ///< outer surface of the bone, face bones included but the nasal one
-  CsgBody nasal_bone;  ///< empty: absent
-  glm::dvec3 nasal_root_m{0};   ///< its upper end …
-  glm::dvec3 nasal_along{0};    ///< … and unit vector to its lower end
-  CsgBody brain;       ///< inner surface of the braincase
-  Ellipsoid eyes[2];   ///< globes filling the orbits, at -x and +x
-  FetalLandmarks landmarks;  ///< of the bodies whose shape says where they are: skull, crown, eye
+  CsgBody skull;               ///< outer surface of the bone, face bones included but the nasal one
+  CsgBody nasal_bone;          ///< empty: absent
+  glm::dvec3 nasal_root_m{0};  ///< its upper end …
+  glm::dvec3 nasal_along{0};   ///< … and unit vector to its lower end
+  CsgBody brain;               ///< inner surface of the braincase
+  Ellipsoid eyes[2];           ///< globes filling the orbits, at -x and +x
+  FetalLandmarks landmarks;    ///< of the bodies whose shape says where they are: skull, crown, eye
 };
 
 FetalHead build_head(const HeadShape& shape);

@@ -23,6 +23,9 @@ Ellipsoid ellipsoid(double scale, glm::dvec3 center, glm::dvec3 radii) {
 // Radius of the default probe's face: the interfaces are centred on the origin of its sticks.
 constexpr double kFaceRadius_m = 40 * kMillimetre;
 
+// Of the cord at 21 weeks, mm: a diameter of 10.6 (Raio 1999: 11.3).
+constexpr double kStrandOffset = 2.5, kStrandRadius = 2.8;
+
 // The bodies end this far behind the foremost point of the face, where its curved rim has left the
 // tissue.
 constexpr double kRim_m = 16 * kMillimetre;
@@ -69,6 +72,131 @@ CsgBody make_hand(double s) {
   return hand;
 }
 
+std::vector<Tube> hand_before(double s, double weeks) {
+  // In units of the 21-week fetus. Knuckles from the index to the little finger, which point up and
+  // to the other side of the face.
+  const double little = (0.9079 * weeks - 7.804) / s;
+  const double ratio[] = {1.18, 1.3, 1.22, 1.0};
+  const glm::dvec2 knuckle[] = {{9.5, 17.5}, {7.0, 21.0}, {6.6, 24.8}, {7.6, 28.4}};
+  const glm::dvec2 along[] = {{-0.86, -0.51}, {-0.96, -0.28}, {-1.0, -0.05}, {-0.98, 0.2}};
+  std::vector<Tube> tubes;
+  for (int finger = 0; finger < 4; ++finger) {
+    const double length = little * ratio[finger];
+    const glm::dvec2 from = knuckle[finger], to = from + length * along[finger],
+                     middle = 0.5 * (from + to);
+    tubes.push_back(smooth_tube({ball(s, from.x, from.y, -14, 2.1),
+                                 ball(s, middle.x, middle.y, -14.4, 1.9),
+                                 ball(s, to.x, to.y, -13.2, 1.6)},
+                                4));
+    tubes.push_back(Tube{{ball(s, from.x, from.y, -14, 2.3), ball(s, 20, 29.5, -12.5, 3.0)}});
+  }
+  tubes.push_back(Tube{{ball(s, 18, 26, -12.5, 2.4),
+                        ball(s, 14.5, 17.5, -13.5, 2.0),
+                        ball(s, 11, 11.5, -13.5, 1.7)}});
+  tubes.push_back(smooth_tube({ball(s, 20, 29.5, -12.5, 3.6),
+                               ball(s, 29, 38, -8, 4.2),
+                               ball(s, 38, 54, 6, 5.2),
+                               ball(s, 36, 62, 30, 6.5)},
+                              4));
+  return tubes;
+}
+
+CsgBody united(const std::vector<Tube>& tubes, double fillet_m) {
+  CsgBody body;
+  for (const Tube& tube : tubes) body.unite(tube, body.empty() ? 0 : fillet_m);
+  return body;
+}
+
+Tube cord_beside(double s) {
+  return smooth_tube({ball(s, -50, 70, 34, 1),
+                      ball(s, -44, 56, 12, 1),
+                      ball(s, -33, 42, 6, 1),
+                      ball(s, -31, 27, 8, 1),
+                      ball(s, -40, 14, 14, 1),
+                      ball(s, -52, 8, 26, 1),
+                      ball(s, -56, 4, 44, 1)},
+                     8);
+}
+
+Tube cord_across(double s) {
+  return smooth_tube({ball(s, -52, 40, 40, 1),
+                      ball(s, -42, 30, 10, 1),
+                      ball(s, -24, 20, -10, 1),
+                      ball(s, -4, 10, -15, 1),
+                      ball(s, 16, 0, -11, 1),
+                      ball(s, 34, -12, 4, 1),
+                      ball(s, 48, -22, 34, 1)},
+                     8);
+}
+
+Tube shifted(const Tube& tube, const glm::dvec3& by_m) {
+  std::vector<TubePoint> points = tube.points();
+  for (TubePoint& point : points) point.center += by_m;
+  return Tube(std::move(points));
+}
+
+namespace {
+
+// f(centre, radius) over points of the tubes, four a segment.
+template <class Function>
+void for_points(const std::vector<Tube>& tubes, const Function& f) {
+  constexpr int kPieces = 4;
+  for (const Tube& tube : tubes) {
+    for (std::size_t i = 0; i + 1 < tube.points().size(); ++i) {
+      const TubePoint &a = tube.points()[i], &b = tube.points()[i + 1];
+      for (int piece = 0; piece <= kPieces; ++piece) {
+        const double t = double(piece) / kPieces;
+        f(a.center + t * (b.center - a.center), a.radius_m + t * (b.radius_m - a.radius_m));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double place_before(const std::function<double(const glm::dvec3&)>& distance,
+                    const std::vector<Tube>& tubes,
+                    double thicker_m,
+                    double gap_m) {
+  const auto gap = [&](double shift) {
+    double least = std::numeric_limits<double>::infinity();
+    for_points(tubes, [&](const glm::dvec3& center, double radius) {
+      const double here = distance(center + glm::dvec3(0, 0, shift)) - radius - thicker_m;
+      least = std::min(least, here);
+    });
+    return least;
+  };
+  double near = 60 * kMillimetre, far = -60 * kMillimetre;
+  while (near - far > 1e-6) {
+    const double middle = 0.5 * (near + far);
+    (gap(middle) < gap_m ? near : far) = middle;
+  }
+  return far;
+}
+
+double most_outside(const std::function<double(const glm::dvec3&)>& distance,
+                    const std::vector<Tube>& tubes,
+                    double thicker_m) {
+  double most = -std::numeric_limits<double>::infinity();
+  for_points(tubes, [&](const glm::dvec3& center, double radius) {
+    most = std::max(most, distance(center) + radius + thicker_m);
+  });
+  return most;
+}
+
+double placenta_distance(const glm::dvec3& position, double s, double thickness_m) {
+  const double unit = s * kMillimetre, radius = 55 * unit, beyond = 2 * kMillimetre;
+  const glm::dvec3 from_axis = position - cavity_size(s).center_m;
+  const double across2 = (position.x * position.x + position.y * position.y) / (radius * radius);
+  const double rim = std::sqrt(std::max(1 - across2, 0.0));
+  const double wall = cavity_distance(position, s);
+  // Within the wall's own tissue too, so that no two surfaces coincide.
+  return std::max({wall - beyond,
+                   -wall - thickness_m * rim,
+                   from_axis.z + 10 * unit,
+                   (std::sqrt(across2) - 1) * radius});
+}
+
 UmbilicalCord::Strand UmbilicalCord::divided(const Tube& tube) {
   constexpr std::size_t kSegments = 3;
   Strand strand;
@@ -80,18 +208,15 @@ UmbilicalCord::Strand UmbilicalCord::divided(const Tube& tube) {
   return strand;
 }
 
-UmbilicalCord::UmbilicalCord(double s) {
-  const Tube path = smooth_tube({ball(s, -50, 70, 34, 1),
-                                 ball(s, -44, 56, 12, 1),
-                                 ball(s, -33, 42, 6, 1),
-                                 ball(s, -31, 27, 8, 1),
-                                 ball(s, -40, 14, 14, 1),
-                                 ball(s, -52, 8, 26, 1),
-                                 ball(s, -56, 4, 44, 1)},
-                                8);
+double UmbilicalCord::radius_m(double s) {
+  return (kStrandOffset + kStrandRadius) * s * kMillimetre;
+}
+
+UmbilicalCord::UmbilicalCord(double s, const Tube& path) {
   constexpr int kStrands = 3;
-  const double pitch = 17 * s * kMillimetre, offset = 2.5 * s * kMillimetre,
-               radius = 2.8 * s * kMillimetre;
+  // One coil: 24.9 mm at 20 weeks (Predanic 2005), the same at later ages (Qin 2002).
+  constexpr double pitch = 25 * kMillimetre;
+  const double offset = kStrandOffset * s * kMillimetre, radius = kStrandRadius * s * kMillimetre;
   std::vector<std::vector<TubePoint>> wound(kStrands);
   double along = 0;
   for (std::size_t i = 0; i < path.points().size(); ++i) {

@@ -2,6 +2,8 @@
 // the mother's abdominal wall between the probe and the uterus.
 #pragma once
 
+#include <functional>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "phantoms/phantom.h"
@@ -13,10 +15,40 @@ namespace wobblebench::phantoms {
 CsgBody make_body(double scale);
 CsgBody make_hand(double scale);
 
-/// Three strands twisted about a curve beside the face.
+/// Tubes of a hand with stretched fingers before mouth and chin, at a depth that place_before()
+/// changes: forearm, back of the hand, thumb and fingers. The little finger is 0.9079 g - 7.804 mm
+/// long (Goldstein 1995, to 23 weeks); the others by assumed ratios.
+std::vector<Tube> hand_before(double scale, double weeks);
+CsgBody united(const std::vector<Tube>& tubes, double fillet_m);
+
+/// Centre line of a cord beside the face, and of one across it.
+Tube cord_beside(double scale);
+Tube cord_across(double scale);
+
+/// Shift along z by which the tubes, thickened by `thicker_m`, come to lie `gap_m` before a body,
+/// to 1e-6 m: the least of their distances. `distance`: signed, of the body.
+double place_before(const std::function<double(const glm::dvec3&)>& distance,
+                    const std::vector<Tube>& tubes,
+                    double thicker_m,
+                    double gap_m);
+
+/// Largest of `distance` plus radius over the tubes: negative where all of them lie within a body.
+double most_outside(const std::function<double(const glm::dvec3&)>& distance,
+                    const std::vector<Tube>& tubes,
+                    double thicker_m);
+
+Tube shifted(const Tube& tube, const glm::dvec3& by_m);
+
+/// Signed distance of an anterior placenta on the cavity's front wall, `thickness_m` on the axis of
+/// the face and thinner towards its rim, 55 mm from there at 21 weeks (assumed).
+double placenta_distance(const glm::dvec3& position, double scale, double thickness_m);
+
+/// Three strands twisted about a curve.
 class UmbilicalCord {
  public:
-  explicit UmbilicalCord(double scale);
+  UmbilicalCord(double scale, const Tube& path);
+  /// Radius of the whole cord.
+  static double radius_m(double scale);
   double distance(const glm::dvec3& position) const;
 
   /// A cord with the same distance() to the bit at every position in the ball.

@@ -70,9 +70,7 @@ class Profile {
   Profile(const CsgBody& body, double unit_m)
       : body_(body.near({glm::dvec3(0, 2, 4) * unit_m, 52 * unit_m})), unit_m_(unit_m) {}
 
-  glm::dvec3 at(double y) const {
-    return first_point(body_, {{0, y, -16 * unit_m_}, {0, 0, 1}});
-  }
+  glm::dvec3 at(double y) const { return first_point(body_, {{0, y, -16 * unit_m_}, {0, 0, 1}}); }
   // The point with the largest f(point) between two heights.
   template <class Value>
   glm::dvec3 largest(double from, double to, const Value& f) const {
@@ -132,6 +130,7 @@ class HeadCalipers {
   void measure_profile();
   void measure_prenasal();
   void measure_profile_line();
+  void measure_prefrontal_space();
   void measure_widths();
   void measure_mandible();
   void measure_ears();
@@ -182,8 +181,7 @@ void HeadCalipers::find_bones() {
   nasion_ = skull_.at(head_.nasal_root_m.y);
   maxilla_ = skull_.foremost(nasion_.y + m(3), m(shape_.subnasale + 4));
   mandible_ = skull_.foremost(m(shape_.menton - 9), m(shape_.menton - 3));
-  gnathion_ =
-      skull_.lowest(mandible_.z, mandible_.z + m(6), m(shape_.menton + 12));
+  gnathion_ = skull_.lowest(mandible_.z, mandible_.z + m(6), m(shape_.menton + 12));
 }
 
 void HeadCalipers::measure_cranium() {
@@ -194,8 +192,7 @@ void HeadCalipers::measure_cranium() {
   for (int i = 0; i <= kDirections; ++i) {
     const double angle = 2 * kPi * (i % kDirections) / kDirections;
     const glm::dvec3 outwards{std::cos(angle), 0, std::sin(angle)};
-    const glm::dvec3 here =
-        first_point(head_.skull, {center + m(50) * outwards, -outwards});
+    const glm::dvec3 here = first_point(head_.skull, {center + m(50) * outwards, -outwards});
     low = glm::min(low, here);
     high = glm::max(high, here);
     if (i > 0) around += glm::distance(last, here);
@@ -242,6 +239,18 @@ void HeadCalipers::measure_profile() {
         degrees(nasion_.z - maxilla_.z, maxilla_.y - nasion_.y) +
             degrees(mandible_.z - nasion_.z, mandible_.y - nasion_.y));
   measure_profile_line();
+  measure_prefrontal_space();
+  other("upper_facial_height_mm", glm::distance(nasion_, found.subnasale_m) / kMillimetre);
+  other("lower_facial_height_mm", glm::distance(found.subnasale_m, found.menton_m) / kMillimetre);
+}
+
+// Before the most prominent point of the forehead: from the skin to the line along the fronts of
+// mandible and maxilla, over the thickness of the skin.
+void HeadCalipers::measure_prefrontal_space() {
+  const glm::dvec3 skin = skin_.foremost(m(-30), m(-8)), bone = skull_.at(skin.y);
+  const double slope = (mandible_.z - maxilla_.z) / (mandible_.y - maxilla_.y);
+  const double line = maxilla_.z + slope * (skin.y - maxilla_.y);
+  other("prefrontal_space_ratio", (skin.z - line) / (bone.z - skin.z));
 }
 
 // F distance: by which the frontal bone lies before the line from the mandible through the nasion;
@@ -302,9 +311,8 @@ void HeadCalipers::measure_widths() {
 void HeadCalipers::measure_mandible() {
   double sum = 0;
   for (const double side : {-1.0, 1.0}) {
-    const glm::dvec3 angle = m(1) * glm::dvec3(side * 12,
-                                               shape_.menton - 11 - 0.5 * shape_.open,
-                                               shape_.gonion);
+    const glm::dvec3 angle =
+        m(1) * glm::dvec3(side * 12, shape_.menton - 11 - 0.5 * shape_.open, shape_.gonion);
     const glm::dvec3 outwards = glm::normalize(glm::dvec3(side * 0.3, 0.4, 0.85));
     const glm::dvec3 gonion = first_point(head_.skull, {angle + m(8) * outwards, -outwards});
     sum += glm::distance(gonion, mandible_);
@@ -324,18 +332,21 @@ HeadCalipers::Ear HeadCalipers::ear(double side) const {
     const auto value = [&](double z) { return sign * point(z).y; };
     return point(where_largest(m(32 - 3 * out), m(32 + 5 * out), 8, value));
   };
-  return {extreme(x + 3.7 * out, y - 9 * size - 2, -1), extreme(x + 1.3 * out, y + 8 * size + 4, 1)};
+  return {extreme(x + 3.7 * out, y - 9 * size - 2, -1),
+          extreme(x + 1.3 * out, y + 8 * size + 4, 1)};
 }
 
 void HeadCalipers::measure_ears() {
-  double length = 0, angle = 0;
+  double length = 0, angle = 0, depth = 0;
   for (const int side : {0, 1}) {
     const Ear found = ear(side == 0 ? -1 : 1);
     length += found.bottom.y - found.top.y;
     const glm::dvec3 eye = head_.eyes[side].center, ear = 0.5 * (found.top + found.bottom);
     angle += degrees(ear.y - eye.y, ear.z - eye.z);
+    depth += ear.z - result_.landmarks.subnasale_m.z;
   }
   set_mm(FaceMeasure::ear_length, length / 2);
+  other("facial_depth_mm", depth / 2 / kMillimetre);
   result_.measures[FaceMeasure::ear_eye_angle] = angle / 2;
 }
 

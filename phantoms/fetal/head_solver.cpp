@@ -71,8 +71,8 @@ const std::array<Knob, kFaceMeasures>& knobs() {
   return all;
 }
 
-// What a difference of a measure is divided by, so that all weigh about alike: one unit of the face,
-// or what that changes.
+// What a difference of a measure is divided by, so that all weigh about alike: one unit of the
+// face, or what that changes.
 double weight(std::string_view name, double unit_m) {
   if (name.ends_with("_mm")) return unit_m / kMillimetre;
   if (name.ends_with("_deg")) return 4;
@@ -205,8 +205,7 @@ class Solver {
 
 // That of the mean child, from which all start: the same for all, whichever is made first.
 const Matrix& usual_jacobian() {
-  static const Matrix jacobian =
-      Solver({.weeks = 21, .measures = mean_face(21)}).differences();
+  static const Matrix jacobian = Solver({.weeks = 21, .measures = mean_face(21)}).differences();
   return jacobian;
 }
 

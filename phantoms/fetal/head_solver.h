@@ -20,9 +20,9 @@ inline constexpr double kMostResidual = 0.3;
 /// width, height and distance of the eyes, times 1 mm.
 double face_unit_m(const FaceMeasures& measures);
 
-/// The head of `identity`, mouth closed: each parameter of the shape is set by a secant iteration on
-/// the measure that it changes most. Throws InvalidPhantom, one line with measure, target and what
-/// can be reached, where a target is missed by more than kMostResidual.
+/// The head of `identity`, mouth closed: each parameter of the shape is set by a secant iteration
+/// on the measure that it changes most. Throws InvalidPhantom, one line with measure, target and
+/// what can be reached, where a target is missed by more than kMostResidual.
 SolvedHead solve_head(const FaceIdentity& identity);
 
 }  // namespace wobblebench::phantoms

@@ -175,6 +175,7 @@ std::string run_report(const RunResult& result,
   report["render"]["levels"] = levels_json(result.picture.levels);
   const std::string truth = truth_source(result);
   report["truth"] = truth.empty() ? Json(nullptr) : Json(truth);
+  report["measures"] = scene.subject() ? measures_json(scene.subject()->phantom) : Json(nullptr);
   report["error"] = nullptr;
   report["fit"] = {{"registration", nullptr}, {"why_not", why_not_registered(result)}};
   if (const auto& comparison = result.comparison) {

@@ -55,6 +55,13 @@ TEST_P(PhantomBytes, HoldEveryVoxelAndAllElse) {
     EXPECT_EQ(a.balls.back().center_m, b.balls.back().center_m);
     EXPECT_EQ(a.balls.back().radius_m, b.balls.back().radius_m);
   }
+  ASSERT_EQ(read.measures().size(), made.measures().size());
+  EXPECT_EQ(made.measures().empty(), GetParam() != "fetal_face");
+  for (std::size_t i = 0; i < made.measures().size(); ++i) {
+    EXPECT_EQ(read.measures()[i].name, made.measures()[i].name);
+    EXPECT_EQ(read.measures()[i].value, made.measures()[i].value);
+    EXPECT_EQ(read.measures()[i].target, made.measures()[i].target);
+  }
   ASSERT_EQ(read.materials().size(), made.materials().size());
   for (std::size_t i = 0; i < made.materials().size(); ++i) {
     const Material &a = made.materials()[i], &b = read.materials()[i];
