@@ -255,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
             "acquisition.samples_per_stick = 4096: need about "},
         BadInput{"age_out_of_range",
                  {"phantom", "--set", "phantom.gestational_age_weeks=12"},
-                 "--set: phantom.gestational_age_weeks = 12: must be within 20 and 30"},
+                 "--set: phantom.gestational_age_weeks = 12: must be within 20 and 34"},
         BadInput{"even_kernel",
                  {"run", "--set", "render.ray_casting.kernel_3d=2"},
                  "--set: render.ray_casting.kernel_3d = 2: "},
