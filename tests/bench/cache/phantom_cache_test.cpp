@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <initializer_list>
 #include <set>
+#include <utility>
 
 #include "phantoms/io/phantom_bytes.h"
 #include "sim/tissue/tissue_map.h"
@@ -25,6 +28,15 @@ class ChangeOne {
   }
   void reals(std::string_view, std::vector<double>& values, double, double, double) {
     if (is_it()) values.push_back(0);
+  }
+  void seed(std::string_view, std::uint64_t& value) {
+    if (is_it()) ++value;
+  }
+  template <class Enum>
+  void choice(std::string_view,
+              Enum& value,
+              std::initializer_list<std::pair<std::string_view, Enum>> names) {
+    if (is_it()) value = (names.end() - 1)->second;
   }
   void flag(std::string_view, bool& value) {
     if (is_it()) value = !value;
