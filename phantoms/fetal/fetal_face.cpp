@@ -185,11 +185,12 @@ class FetalScene {
     return {size.center_m - 1.15 * size.radii_m, size.center_m + 1.15 * size.radii_m};
   }
   Box maternal_bounds() const { return maternal_layer_.bounds(); }
-  /// Reaches from the fluid in front of the nose to behind the ears, from above the crown to the
-  /// upper chest.
+  /// Reaches from the fluid in front of the nose, and of what lies before it, to behind the ears,
+  /// from above the crown to the upper chest.
   Box region_of_interest() const {
     const double crown = head_.landmarks.crown_m.y + head_.landmarks.head_position_m.y;
-    return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, -18 * kMillimetre * scale_},
+    const double front = std::min(-18 * kMillimetre * scale_, before_face_m_ - 2 * kMillimetre);
+    return {{-40 * kMillimetre * scale_, crown - 3 * kMillimetre, front},
             scale_ * kMillimetre * glm::dvec3(40, 43, 42)};
   }
   const glm::dvec3& suggested_position_m() const { return position_m_; }
@@ -237,7 +238,12 @@ class FetalScene {
     const double shift_m = place_before(face, tubes, thicker_m, gap_m);
     for (Tube& tube : tubes) tube = shifted(tube, {0, 0, shift_m});
     const auto wall = [this](const glm::dvec3& p) { return cavity_distance(p, scale_); };
-    if (most_outside(wall, tubes, thicker_m) > -1 * kMillimetre) {
+    for (const Tube& tube : tubes) {
+      for (const TubePoint& point : tube.points()) {
+        before_face_m_ = std::min(before_face_m_, point.center.z - point.radius_m - thicker_m);
+      }
+    }
+    if (most_outside(wall, tubes, thicker_m) > -4 * kMillimetre) {
       throw refusal(
           std::string(key) + "_gap_mm",
           gap_m / kMillimetre,
@@ -279,6 +285,7 @@ class FetalScene {
   CsgBody body_, hand_;
   bool hand_is_before_;
   std::vector<PhantomMeasure> gaps_;
+  double before_face_m_ = 0;  // least z of what was placed before the face
   UmbilicalCord cord_;
   double placenta_m_;
   glm::dvec3 position_m_;

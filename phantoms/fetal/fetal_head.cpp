@@ -276,7 +276,9 @@ void HeadBuilder::subtract_cleft() {
   const double radius = 0.5 * shape_.cleft_width, base = shape_.subnasale;
   const glm::dvec3 edge = shape_.cleft();
   const double side = shape_.cleft_side;
-  for (const double depth : {-1.5, 0.5, 2.5}) {
+  constexpr int kGrooves = 8;
+  for (int groove = 0; groove < kGrooves; ++groove) {
+    const double depth = -1.5 + 0.6 * groove;
     head_.skin.subtract(
         Tube{{ball(edge.x, shape_.mouth() + 0.6, depth, 1.05 * radius),
               ball(edge.x, edge.y - 0.5, depth, radius),

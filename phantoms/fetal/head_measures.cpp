@@ -350,12 +350,18 @@ void HeadCalipers::measure_ears() {
   result_.measures[FaceMeasure::ear_eye_angle] = angle / 2;
 }
 
-// Between the edges of the lip, across the median plane.
+// Between the edges of the lip, parallel to x: the narrowest from its front to 3 units behind.
 void HeadCalipers::measure_cleft() {
-  const glm::dvec3 middle = m(1) * shape_.cleft();
-  const glm::dvec3 right = first_point(head_.skin, {middle, {1, 0, 0}});
-  const glm::dvec3 left = first_point(head_.skin, {middle, {-1, 0, 0}});
-  other("cleft_width_mm", glm::distance(left, right) / kMillimetre);
+  constexpr int kSteps = 25;
+  glm::dvec3 middle = m(1) * shape_.cleft();
+  double width = m(20);
+  for (int step = 0; step < kSteps; ++step) {
+    middle.z = m(-2 + 0.2 * step);
+    const glm::dvec3 right = first_point(head_.skin, {middle, {1, 0, 0}});
+    const glm::dvec3 left = first_point(head_.skin, {middle, {-1, 0, 0}});
+    width = std::min(width, glm::distance(left, right));
+  }
+  other("cleft_width_mm", width / kMillimetre);
 }
 
 }  // namespace

@@ -129,7 +129,8 @@ TEST(SubjectHash, ChangesWithEveryKeyThatDecidesTheTruthAndWithNoOther) {
   EXPECT_GT(keys, 80);
 }
 
-// Of a recording that an earlier commit (9cc7aa2) made of the default scene, whose face was another.
+// Of a recording that an earlier commit (9cc7aa2) made of the default scene, whose face was
+// another.
 TEST(SubjectHash, OfTheDefaultFaceIsNotThatOfOlderRecordings) {
   const hw::SubjectHash hash = subject_hash(Scene());
   EXPECT_NE(hash.phantom, 2644393823U);

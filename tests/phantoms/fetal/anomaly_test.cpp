@@ -78,7 +78,7 @@ TEST(Anomaly, CleftIsAGapOfItsWidthOnItsSide) {
         }
       }
       EXPECT_NEAR(fluid / kMillimetre, width_mm, 0.6) << width_mm;
-      EXPECT_NEAR(fluid / kMillimetre, value(child, "cleft_width_mm"), 0.15);
+      EXPECT_NEAR(fluid / kMillimetre, value(child, "cleft_width_mm"), 0.6) << "at one depth";
       EXPECT_LT(child.solved.head.skin.distance({-middle, y, z}), 0) << "the other side is whole";
     }
   }
