@@ -31,10 +31,11 @@ WOBBLEBENCH_SIMD void average_frames(const float* before,
   for (std::size_t i = 0; i < count; ++i) target[i] += weight * (before[i] - target[i]);
 }
 
-/// To the nearest of `steps` + 1 levels between 0 and 1.
+/// To the nearest of `steps` + 1 levels, at most 2^22, between 0 and 1.
 WOBBLEBENCH_SIMD void quantise(float* samples, std::size_t count, float steps) {
   for (std::size_t i = 0; i < count; ++i) {
-    samples[i] = static_cast<float>(static_cast<int>(samples[i] * steps + 0.5F)) / steps;
+    const float sum = samples[i] * steps + kRoundToInteger;
+    samples[i] = (sum - kRoundToInteger) / steps;
   }
 }
 

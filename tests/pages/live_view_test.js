@@ -80,10 +80,9 @@ test('the picture is compared with that of the start, of the same volume', () =>
 
 test('a link carries what is set, through the checks of the command line', async () => {
   await withLive(async (page) => {
-    await page.waitForFunction(() => location.hash.includes('render.view.roll_deg=17'));
-    const values = await page.evaluate(() => ['render.view.roll_deg', 'render.shading.ambient']
-      .map((key) => document.querySelector(`[data-key="${key}"] input[type="text"]`).value));
-    assert.deepEqual(values, ['17', '0.3']);
+    await page.waitForFunction(() => ['render.view.roll_deg', 'render.shading.ambient']
+      .map((key) => document.querySelector(`[data-key="${key}"] input[type="text"]`).value).join() === '17,0.3');
+    assert.match(await page.evaluate(() => location.hash), /render\.view\.roll_deg=17/);
     const control = page.locator('[data-key="render.smoothing.filter"] select');
     await page.locator('[data-section="render.smoothing"] summary').click();
     await control.selectOption('guided');
@@ -162,6 +161,7 @@ test('without a page the stream waits for one', async () => {
 });
 
 test('everything is reached and used by the keyboard', () => withLive(async (page) => {
+  await page.locator('#stage').filter({hasText: 'Playing'}).waitFor();  // it has waited for a page
   const reached = [];
   for (let i = 0; i < 400; ++i) {
     await page.keyboard.press('Tab');

@@ -140,8 +140,8 @@ TEST(Warnings, OfTheCommandLineNameOptionsThatDoNotActBesideOthers) {
   const Words mesh = {"--set", "phantom.name=mesh", "--set", "phantom.file=none.obj"};
   const auto seeds = bench(
       with({"accuracy", "--seeds", "3", "--set", "simulation.fidelity=geometry"}, {mesh}), folder);
-  EXPECT_NE(seeds.err.find("without effect: --seeds (acts with simulation.speckle or "
-                           "simulation.noise_db, on the rung field or higher)"),
+  EXPECT_NE(seeds.err.find("without effect: --seeds (acts with simulation.speckle, "
+                           "simulation.noise_db or simulation.clutter, on the rung field or higher)"),
             std::string::npos)
       << seeds.err;
   const auto rendered = bench(

@@ -119,8 +119,8 @@ TEST(Yardstick, AttenuatedRowsAndShadowsAreInMetres) {
   EXPECT_DOUBLE_EQ(rows[5].axial_m, 0.33321e-3);
   EXPECT_DOUBLE_EQ(rows[5].level_db, -23.387);
   const auto shadows = shadow_rows();
-  ASSERT_EQ(shadows.size(), 2u * 4u * 49u);
-  const ShadowRow& row = shadows[(4 + 2) * 49 + 28];
+  ASSERT_EQ(shadows.size(), 2u * 5u * 49u);
+  const ShadowRow& row = shadows[(5 + 3) * 49 + 28];
   EXPECT_FALSE(row.across_lines);
   EXPECT_DOUBLE_EQ(row.range_m, 100e-3);
   EXPECT_DOUBLE_EQ(row.crossing_m, 2e-3);
