@@ -150,8 +150,7 @@ void HazeVolume::trace(const Haze& source) {
   });
 }
 
-/// Mean power in each step of range: that of tissue at its middle, and that of interfaces, each a
-/// pulse long.
+/// Mean power of tissue at the middle of each step of range. Interfaces are left out.
 void HazeVolume::add_echoes(const StickTrack& track,
                             const StickLosses& losses,
                             const Haze& source,

@@ -117,9 +117,8 @@ std::vector<float> noise_filter(const hw::AcquisitionPlan& plan,
                                 const SimulationOptions& options,
                                 int oversampling) {
   if (options.noise_db <= kZeroAmplitude_db) return {};
-  const double fwhm_of_sigma = 2 * std::sqrt(2 * std::log(2.0));
   const double spacing_m = plan.sample_spacing_m() / oversampling;
-  auto taps = unit_power_gaussian(axial_fwhm_m(plan) / fwhm_of_sigma / spacing_m, kMaxHalfPulse);
+  auto taps = unit_power_gaussian(sigma_of_fwhm(axial_fwhm_m(plan)) / spacing_m, kMaxHalfPulse);
   const auto rms = static_cast<float>(amplitude_of_db(options.noise_db));
   for (float& tap : taps) tap *= rms;
   return taps;

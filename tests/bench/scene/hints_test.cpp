@@ -140,9 +140,10 @@ TEST(Warnings, OfTheCommandLineNameOptionsThatDoNotActBesideOthers) {
   const Words mesh = {"--set", "phantom.name=mesh", "--set", "phantom.file=none.obj"};
   const auto seeds = bench(
       with({"accuracy", "--seeds", "3", "--set", "simulation.fidelity=geometry"}, {mesh}), folder);
-  EXPECT_NE(seeds.err.find("without effect: --seeds (acts with simulation.speckle, "
-                           "simulation.noise_db or simulation.clutter, on the rung field or higher)"),
-            std::string::npos)
+  EXPECT_NE(
+      seeds.err.find("without effect: --seeds (acts with simulation.speckle, "
+                     "simulation.noise_db or simulation.clutter, on the rung field or higher)"),
+      std::string::npos)
       << seeds.err;
   const auto rendered = bench(
       with({"rungs", "--set", "render.ray_casting.steps=99", "--set", "motion.head_turn_deg=3"},
