@@ -41,41 +41,45 @@ void drop_neutral(nlohmann::ordered_json& section, const char* key, double neutr
   if (section.at(key) == neutral) section.erase(key);
 }
 
-/// Of the keys of fetal_face that are younger than the first recordings, all at their default where
-/// the phantom is another one. The face itself is not the one of those recordings: its keys stay.
-void drop_fetal_keys(nlohmann::ordered_json& section) {
-  if (section.at("name") == "fetal_face") return;
-  for (const char* key : {"identity",
-                          "head_pitch_deg",
-                          "head_yaw_deg",
-                          "head_roll_deg",
-                          "smile_mm",
-                          "tongue_mm",
-                          "lids_open_mm",
-                          "cleft_width_mm",
-                          "cleft_side",
-                          "cleft_alveolus_mm",
-                          "chin_back_deg",
-                          "jaw_shorter_mm",
-                          "nasal_bone_shorter_mm",
-                          "eyes_apart_mm",
-                          "bossing_mm",
-                          "ears_lower_deg",
-                          "hand",
-                          "hand_gap_mm",
-                          "cord",
-                          "cord_gap_mm",
-                          "placenta_mm"}) {
-    section.erase(key);
+/// Keys of [phantom] that the first recordings were hashed with.
+constexpr std::string_view kFirstKeys[] = {"name",
+                                           "voxel_mm",
+                                           "gestational_age_weeks",
+                                           "maternal_layer_mm",
+                                           "radius_mm",
+                                           "step_heights_mm",
+                                           "thickness_mm",
+                                           "point_echo_db",
+                                           "tilt_x_deg",
+                                           "tilt_y_deg",
+                                           "unit_mm",
+                                           "grids",
+                                           "materials",
+                                           "background",
+                                           "target",
+                                           "targets",
+                                           "scatterers",
+                                           "scatterers_gain_db"};
+/// Goes up when fetal_face makes another body of the same options.
+constexpr int kFetalFace = 2;
+
+/// Leaves out younger keys at their default, so that those recordings keep their subject.
+void drop_younger_defaults(nlohmann::ordered_json& section) {
+  const Scene standard;
+  const auto defaults = resolved(standard).at("phantom");
+  for (const auto& [key, value] : defaults.items()) {
+    if (std::ranges::find(kFirstKeys, key) == std::end(kFirstKeys) && section.at(key) == value) {
+      section.erase(key);
+    }
   }
 }
 
 /// The section with the bytes of its files instead of their names.
 std::uint32_t phantom_hash(nlohmann::ordered_json section,
                            const phantoms::PhantomOptions& phantom) {
+  drop_younger_defaults(section);
   section.erase("file");
-  drop_neutral(section, "mouth_open_mm", 0);
-  drop_fetal_keys(section);
+  if (phantom.name == "fetal_face") section["version"] = kFetalFace;
   section["scatterers"] = !phantom.scatterers.empty();
   std::uint32_t crc = text_hash(section);
   const auto add = [&](const std::string& key, const std::string& path) {
